@@ -1,0 +1,21 @@
+"""Named errors. Each message says what was expected, what came, and what to do."""
+
+
+class JointAttnError(Exception):
+    """Base of every error that this package raises on purpose."""
+
+
+class ConfigError(JointAttnError, ValueError):
+    """An option has a value that cannot work."""
+
+
+class GLError(JointAttnError, RuntimeError):
+    """No picture can be rendered on this machine as it is."""
+
+
+class OutputError(JointAttnError, OSError):
+    """An output folder or file cannot be used, or holds something else."""
+
+
+class CheckpointError(JointAttnError, RuntimeError):
+    """A checkpoint is damaged, or belongs to another run."""
