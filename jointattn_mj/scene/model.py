@@ -1,0 +1,167 @@
+"""The 3D scene as one MjModel: robot, caregiver, objects, table, room (section 6.4.1; layout: THESIS.md, chapter 6).
+
+World frame: metres, x from the robot to the caregiver, y to the robot's left, z up. Joint angles in radians.
+Everything is decided by `SceneConfig`; building twice gives the same model byte for byte.
+"""
+
+from __future__ import annotations
+
+import colorsys
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from jointattn_mj.errors import ConfigError
+
+PICTURE_WIDTH, PICTURE_HEIGHT = 320, 240  # camera pictures of section 6.4.1
+TIMESTEP = 1 / 60  # two physics steps a picture
+TABLE_Z = 0.71  # height of the table top
+HEAD_POSITION = (1.5, 0.0, 1.08)  # centre of the caregiver's head; her yaw and pitch axes meet here
+SHAPES = ("box", "cylinder", "sphere")
+QUALITIES = ("fast", "high")
+ROBOT_GROUP = 3  # geoms that the robot's own eye does not draw: switch the group on for other views
+
+
+@dataclass(frozen=True)
+class ObjectConfig:
+    """One object on the table; its name is also its label everywhere (logs, percepts)."""
+
+    name: str
+    rgb: tuple[float, float, float]  # 0..1, saturated: objects are told apart as colour areas (section 6.4.1)
+    shape: str = "box"
+
+
+def _hue(degrees: float, saturation: float = 1.0, value: float = 0.85) -> tuple[float, float, float]:
+    return colorsys.hsv_to_rgb(degrees / 360, saturation, value)
+
+
+OBJECTS: tuple[ObjectConfig, ...] = (
+    ObjectConfig("red", _hue(0, 0.95, 0.86), "box"),
+    ObjectConfig("yellow", _hue(54, 1.0, 0.92), "cylinder"),
+    ObjectConfig("blue", _hue(228, 0.90, 0.86), "box"),
+    ObjectConfig("green", _hue(128, 0.95, 0.66), "sphere"),
+    ObjectConfig("magenta", _hue(308, 0.95, 0.86), "cylinder"),
+    ObjectConfig("cyan", _hue(182, 1.0, 0.82), "sphere"),
+    ObjectConfig("orange", _hue(27, 1.0, 0.95), "sphere"),
+    ObjectConfig("violet", _hue(268, 0.88, 0.80), "box"),
+    ObjectConfig("lime", _hue(88, 1.0, 0.85), "cylinder"),
+    ObjectConfig("azure", _hue(204, 1.0, 0.92), "cylinder"),
+)
+"""Ten objects whose hues lie at least 22 degrees apart; the first four are those of the dissertation (section 6.4.1)."""
+
+
+@dataclass(frozen=True)
+class SceneConfig:
+    """What the world looks like. Everything in it changes appearance only, not how anybody behaves."""
+
+    caregiver: str = "robin"  # identity of the caregiver, a key of face.IDENTITIES
+    objects: tuple[ObjectConfig, ...] = OBJECTS[:4]  # four objects, section 6.4.1
+    object_size: float = 0.06  # m, edge or diameter: about 16 px in the picture (choice)
+    quality: str = "fast"  # "fast" for the closed loop; "high" for figures and video
+
+    def __post_init__(self) -> None:
+        if self.quality not in QUALITIES:
+            raise ConfigError(f"quality: expected one of {', '.join(QUALITIES)}; got {self.quality!r}")
+        if not 0.01 <= self.object_size <= 0.12:
+            raise ConfigError(f"object_size: expected metres in [0.01, 0.12]; got {self.object_size!r}")
+        names = [o.name for o in self.objects]
+        if len(set(names)) != len(names) or not all(names):
+            raise ConfigError(f"objects: expected distinct, non-empty names; got {names}")
+        for o in self.objects:
+            if o.shape not in SHAPES:
+                raise ConfigError(f"object {o.name!r}: expected shape one of {', '.join(SHAPES)}; got {o.shape!r}")
+            if len(o.rgb) != 3 or not all(0 <= c <= 1 for c in o.rgb):
+                raise ConfigError(f"object {o.name!r}: expected rgb as three numbers in [0, 1]; got {o.rgb!r}")
+
+
+def assets_folder() -> Path:
+    """Folder of the MJCF parts: the checkout's where there is one, else the installed package's."""
+    checkout = Path(__file__).resolve().parents[2] / "assets"
+    return checkout if checkout.is_dir() else Path(str(resources.files("jointattn_mj"))) / "assets"
+
+
+def rest_height(config: SceneConfig) -> float:
+    """Height (m) of an object's centre when it stands on the table."""
+    return TABLE_Z + config.object_size / 2 + 0.001
+
+
+def rest_positions(config: SceneConfig) -> np.ndarray:
+    """(n, 3) starting places on the table, at least .13 m apart for up to ten objects; world frame."""
+    n = len(config.objects)
+    rows = 1 if n <= 4 else 2
+    per_row = -(-n // rows)
+    y = np.linspace(0.3, -0.3, per_row) if per_row > 1 else np.zeros(1)
+    places = [(1.0 if rows == 1 else (0.93, 1.09)[i // per_row], y[i % per_row], rest_height(config)) for i in range(n)]
+    return np.array(places).reshape(-1, 3)
+
+
+def _part(name: str) -> mujoco.MjSpec:
+    return mujoco.MjSpec.from_file(str(assets_folder() / f"{name}.xml"))
+
+
+def _options(spec: mujoco.MjSpec) -> None:
+    spec.option.timestep = TIMESTEP
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+
+
+def _visuals(spec: mujoco.MjSpec, high: bool) -> None:
+    """Lean drawing for the closed loop (no shadows, no multisampling, few slices), or fine drawing for figures."""
+    visual = spec.visual
+    visual.global_.offwidth, visual.global_.offheight = (1280, 960) if high else (PICTURE_WIDTH, PICTURE_HEIGHT)
+    visual.quality.offsamples = 4 if high else 0
+    visual.quality.shadowsize = 2048 if high else 0
+    visual.quality.numslices, visual.quality.numstacks = (32, 16) if high else (12, 6)
+    visual.quality.numquads = 1
+    visual.headlight.active = 0
+    visual.map.znear, visual.map.zfar = 0.05, 10.0
+    spec.stat.extent, spec.stat.center = 1.0, (0.85, 0, 0.8)
+    spec.worldbody.add_light(
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, pos=(-0.6, 0.8, 3.0), dir=(0.55, -0.28, -0.62), castshadow=high,
+        ambient=(0.42, 0.42, 0.42), diffuse=(0.66, 0.66, 0.66), specular=(0, 0, 0),
+    )
+
+
+def _add_objects(spec: mujoco.MjSpec, config: SceneConfig) -> None:
+    half = config.object_size / 2
+    shapes = {
+        "box": (mujoco.mjtGeom.mjGEOM_BOX, (half, half, half)),
+        "cylinder": (mujoco.mjtGeom.mjGEOM_CYLINDER, (half * 0.9, half, 0)),
+        "sphere": (mujoco.mjtGeom.mjGEOM_SPHERE, (half, 0, 0)),
+    }
+    for thing, place in zip(config.objects, rest_positions(config), strict=True):
+        body = spec.worldbody.add_body(name=f"object/{thing.name}", mocap=True, pos=place)
+        kind, size = shapes[thing.shape]
+        body.add_geom(name=f"object/{thing.name}", type=kind, size=size, rgba=(*thing.rgb, 1), contype=0, conaffinity=0)
+
+
+def _add_onlooker(spec: mujoco.MjSpec, place: tuple[float, float, float], at: tuple[float, float, float]) -> None:
+    """The camera third_person at `place`, upright, looking at the point `at`."""
+    ahead = np.subtract(at, place)
+    right = np.cross(ahead, (0, 0, 1))
+    right /= np.linalg.norm(right)
+    up = np.cross(right, ahead) / np.linalg.norm(ahead)
+    rotation = np.column_stack([right, up, -ahead / np.linalg.norm(ahead)])
+    quat = np.zeros(4)
+    mujoco.mju_mat2Quat(quat, rotation.ravel())
+    spec.worldbody.add_camera(name="third_person", pos=place, quat=quat, fovy=48)
+
+
+def build_model(config: SceneConfig | None = None) -> mujoco.MjModel:
+    """The compiled scene. Bodies come in drawing order, near to far: people, objects, table, wall, floor."""
+    config = config or SceneConfig()
+    high = config.quality == "high"
+    spec = mujoco.MjSpec()
+    spec.modelname = "jointattn"
+    _options(spec)
+    _visuals(spec, high)
+    _add_onlooker(spec, place=(0.25, -1.75, 1.50), at=(0.80, 0.0, 0.80))
+    stand = spec.worldbody.add_body(name="caregiver", pos=(HEAD_POSITION[0], HEAD_POSITION[1], 0), quat=(0, 0, 0, 1))
+    spec.attach(_part("caregiver"), prefix="caregiver/", frame=stand.add_frame())
+    spec.attach(_part("robot"), prefix="robot/", frame=spec.worldbody.add_frame())
+    _add_objects(spec, config)
+    spec.attach(_part("table"), prefix="room/", frame=spec.worldbody.add_frame())
+    return spec.compile()
