@@ -15,6 +15,8 @@ import mujoco
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.scene.face import FaceConfig, FaceMesh, build_face, identity
+from jointattn_mj.scene.shapes import Mesh
 
 PICTURE_WIDTH, PICTURE_HEIGHT = 320, 240  # camera pictures of section 6.4.1
 TIMESTEP = 1 / 60  # two physics steps a picture
@@ -50,7 +52,7 @@ OBJECTS: tuple[ObjectConfig, ...] = (
     ObjectConfig("lime", _hue(88, 1.0, 0.85), "cylinder"),
     ObjectConfig("azure", _hue(204, 1.0, 0.92), "cylinder"),
 )
-"""Ten objects whose hues lie at least 22 degrees apart; the first four are those of the dissertation (section 6.4.1)."""
+"""Ten objects whose hues lie at least 22 degrees apart; the first four are the dissertation's (section 6.4.1)."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,7 @@ class SceneConfig:
     """What the world looks like. Everything in it changes appearance only, not how anybody behaves."""
 
     caregiver: str = "robin"  # identity of the caregiver, a key of face.IDENTITIES
+    face: FaceConfig | None = None  # looks of somebody else; None: those of `caregiver`
     objects: tuple[ObjectConfig, ...] = OBJECTS[:4]  # four objects, section 6.4.1
     object_size: float = 0.06  # m, edge or diameter: about 16 px in the picture (choice)
     quality: str = "fast"  # "fast" for the closed loop; "high" for figures and video
@@ -67,6 +70,7 @@ class SceneConfig:
             raise ConfigError(f"quality: expected one of {', '.join(QUALITIES)}; got {self.quality!r}")
         if not 0.01 <= self.object_size <= 0.12:
             raise ConfigError(f"object_size: expected metres in [0.01, 0.12]; got {self.object_size!r}")
+        identity(self.caregiver)
         names = [o.name for o in self.objects]
         if len(set(names)) != len(names) or not all(names):
             raise ConfigError(f"objects: expected distinct, non-empty names; got {names}")
@@ -102,6 +106,45 @@ def _part(name: str) -> mujoco.MjSpec:
     return mujoco.MjSpec.from_file(str(assets_folder() / f"{name}.xml"))
 
 
+def _add_mesh(spec: mujoco.MjSpec, name: str, mesh: Mesh | FaceMesh, texture: np.ndarray | None = None) -> None:
+    """Asset `name`: a mesh, and where given a texture and a material of the same name."""
+    part = spec.add_mesh(name=name)
+    part.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL  # open surfaces
+    part.uservert, part.userface = mesh.vertices.ravel(), mesh.faces.ravel()
+    part.usernormal, part.usertexcoord = mesh.normals.ravel(), mesh.uv.ravel()
+    if texture is not None:
+        _add_texture(spec, name, texture)
+
+
+def _add_texture(spec: mujoco.MjSpec, name: str, texture: np.ndarray) -> None:
+    height, width, _ = texture.shape
+    image = spec.add_texture(name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, height=height, width=width, nchannel=3)
+    image.data = texture.tobytes()
+    roles = [""] * int(mujoco.mjtTextureRole.mjNTEXROLE)
+    roles[mujoco.mjtTextureRole.mjTEXROLE_RGB] = image.name
+    spec.add_material(name=name, textures=roles, specular=0, shininess=0)
+
+
+def _dress(geom: mujoco.MjsGeom, asset: str) -> None:
+    """Give a geom the mesh and material `asset`."""
+    geom.type, geom.meshname, geom.material = mujoco.mjtGeom.mjGEOM_MESH, asset, asset
+    geom.rgba = (1, 1, 1, 1)
+
+
+def _add_caregiver(spec: mujoco.MjSpec, config: SceneConfig, high: bool) -> None:
+    part = _part("caregiver")
+    looks = build_face(config.face or identity(config.caregiver), *((3, 1024) if high else (1, 256)))
+    _add_mesh(part, "head", looks, looks.texture)
+    _add_mesh(part, "eyeball", looks.eyeball, looks.eye_texture)
+    _dress(part.geom("head"), "head")
+    x, y, z = looks.eye_centre
+    for side, name in ((1, "eye_left"), (-1, "eye_right")):
+        part.body(name).pos = (x, side * y, z)
+        _dress(part.geom(name), "eyeball")
+    stand = spec.worldbody.add_body(name="caregiver", pos=(HEAD_POSITION[0], HEAD_POSITION[1], 0), quat=(0, 0, 0, 1))
+    spec.attach(part, prefix="caregiver/", frame=stand.add_frame())
+
+
 def _options(spec: mujoco.MjSpec) -> None:
     spec.option.timestep = TIMESTEP
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
@@ -120,8 +163,13 @@ def _visuals(spec: mujoco.MjSpec, high: bool) -> None:
     visual.map.znear, visual.map.zfar = 0.05, 10.0
     spec.stat.extent, spec.stat.center = 1.0, (0.85, 0, 0.8)
     spec.worldbody.add_light(
-        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, pos=(-0.6, 0.8, 3.0), dir=(0.55, -0.28, -0.62), castshadow=high,
-        ambient=(0.42, 0.42, 0.42), diffuse=(0.66, 0.66, 0.66), specular=(0, 0, 0),
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        pos=(-0.6, 0.8, 3.0),
+        dir=(0.55, -0.28, -0.62),
+        castshadow=high,
+        ambient=(0.42, 0.42, 0.42),
+        diffuse=(0.66, 0.66, 0.66),
+        specular=(0, 0, 0),
     )
 
 
@@ -159,8 +207,7 @@ def build_model(config: SceneConfig | None = None) -> mujoco.MjModel:
     _options(spec)
     _visuals(spec, high)
     _add_onlooker(spec, place=(0.25, -1.75, 1.50), at=(0.80, 0.0, 0.80))
-    stand = spec.worldbody.add_body(name="caregiver", pos=(HEAD_POSITION[0], HEAD_POSITION[1], 0), quat=(0, 0, 0, 1))
-    spec.attach(_part("caregiver"), prefix="caregiver/", frame=stand.add_frame())
+    _add_caregiver(spec, config, high)
     spec.attach(_part("robot"), prefix="robot/", frame=spec.worldbody.add_frame())
     _add_objects(spec, config)
     spec.attach(_part("table"), prefix="room/", frame=spec.worldbody.add_frame())
