@@ -134,8 +134,8 @@ def iris(config: FaceConfig, size: int) -> np.ndarray:
     row, column = np.meshgrid(*[(np.arange(size) + 0.5) / size * 2 - 1] * 2, indexing="ij")
     angle = 85 * np.hypot(row, column)  # degrees
     ray = np.interp((np.arctan2(row, column) / (2 * np.pi)) % 1, np.linspace(0, 1, 24), rng.uniform(-1, 1, 24))
-    picture = np.broadcast_to(np.array([0.90, 0.885, 0.87]), (size, size, 3)).copy()
-    picture = _blend(picture, np.array([0.80, 0.62, 0.58]), 0.6 * smoothstep(angle, 45, 80))
+    picture = np.broadcast_to(np.array([0.80, 0.78, 0.76]), (size, size, 3)).copy()
+    picture = _blend(picture, np.array([0.62, 0.45, 0.41]), 0.7 * smoothstep(angle, 45, 80))
     colour = np.array(config.eyes) * (1 + 0.25 * ray * (angle < 26))[..., None]
     picture = _blend(picture, colour, smoothstep(angle, 31, 28))
     picture = _blend(picture, np.array(config.eyes) * 0.35, bump((angle - 28) / 2.2))

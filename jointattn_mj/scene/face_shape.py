@@ -15,7 +15,7 @@ from jointattn_mj.scene.shapes import Mesh, bump, curve, grid, merge, refine, sm
 
 EYE_Y, EYE_Z, EYE_RADIUS = 0.0315, 0.004, 0.0125  # centre and radius of an eyeball
 EYE_HALF_WIDTH = 0.0155  # of the opening between the lids
-TOP, BOTTOM = 0.120, -0.120  # heights (average face) between which the texture spans
+TOP, BOTTOM = 0.123, -0.123  # heights (average face) between which the texture spans; textures wrap, so a little more
 EYE_LEVEL_BREADTH = 0.073
 
 # Heights of the mesh's rows on the average face, dense where the face has features; None: the lids' rims and between.
@@ -134,8 +134,9 @@ def surface(config: FaceConfig, azimuth: np.ndarray, z: np.ndarray) -> np.ndarra
     x = np.where(ahead, middle + (front - middle) * bend, middle + (back - middle) * bend)
     x = x + relief(config, y, z) * smoothstep(np.cos(a), 0.05, 0.45)
     out = np.stack([x, y, np.where(z < EYE_Z, EYE_Z + (z - EYE_Z) * config.length, z)], -1)
-    normal = np.stack([np.cos(a) / 1.0, np.sin(a), 1.6 * smoothstep(z, 0.03, 0.12)], -1)
-    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    level = np.clip(breadth / (config.width * EYE_LEVEL_BREADTH), 0, 1)  # 0 at the crown
+    normal = np.stack([np.cos(a) * level, np.sin(a) * level, 1.6 * smoothstep(z, 0.03, 0.12)], -1)
+    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-9)
     return out + normal * _hair_depth(config, azimuth, z)[..., None]
 
 
@@ -212,12 +213,14 @@ def _ear(config: FaceConfig, side: int, segments: int) -> Mesh:
 
 def _curtain(factor: int) -> Mesh:
     """Hair of chin length around sides and back: outside from top to tips, inside up again."""
-    azimuth = refine(np.array([64, 74, 86, 100, 120, 145, 180, 215, 240, 260, 274, 286, 296.0]), factor)
+    azimuth = refine(np.array([58, 64, 74, 86, 100, 120, 145, 180, 215, 240, 260, 274, 286, 296, 302.0]), factor)
     z = refine(np.array([0.080, 0.060, 0.030, -0.010, -0.050, -0.085, -0.103, -0.095, -0.050, 0.0]), factor)
     outward = refine(np.array([-0.006, 0.004, 0.009, 0.012, 0.013, 0.011, 0.003, -0.003, -0.002, 0.0]), factor)
+    edge = smoothstep(np.abs(azimuth - 180), 122, 112)[None]  # front edges: outside and inside meet
+    outward = 0.004 + edge * (outward[:, None] - 0.004)
     a, level = np.radians(azimuth)[None], np.maximum(z, -0.012)[:, None]
-    wide = curve(level, [(-0.012, 0.074), (0.035, 0.0755), (0.065, 0.0720), (0.090, 0.0590)]) + outward[:, None]
-    back = curve(level, [(-0.012, 0.098), (0.030, 0.105), (0.065, 0.098), (0.092, 0.076)]) + outward[:, None]
+    wide = curve(level, [(-0.012, 0.074), (0.035, 0.0755), (0.065, 0.0720), (0.090, 0.0590)]) + outward
+    back = curve(level, [(-0.012, 0.098), (0.030, 0.105), (0.065, 0.098), (0.092, 0.076)]) + outward
     x = np.where(np.cos(a) > 0, 0.075, back) * np.cos(a)
     points = np.stack([x, wide * np.sin(a), np.broadcast_to(z[:, None], x.shape)], -1)
     hair_azimuth = np.clip(azimuth, 128, 232)

@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.scene import body, room
 from jointattn_mj.scene.face import FaceConfig, FaceMesh, build_face, identity
 from jointattn_mj.scene.shapes import Mesh
 
@@ -61,6 +62,7 @@ class SceneConfig:
 
     caregiver: str = "robin"  # identity of the caregiver, a key of face.IDENTITIES
     face: FaceConfig | None = None  # looks of somebody else; None: those of `caregiver`
+    clothing: tuple[float, float, float] = (0.40, 0.43, 0.48)  # dull, unlike any object
     objects: tuple[ObjectConfig, ...] = OBJECTS[:4]  # four objects, section 6.4.1
     object_size: float = 0.06  # m, edge or diameter: about 16 px in the picture (choice)
     quality: str = "fast"  # "fast" for the closed loop; "high" for figures and video
@@ -125,24 +127,29 @@ def _add_texture(spec: mujoco.MjSpec, name: str, texture: np.ndarray) -> None:
     spec.add_material(name=name, textures=roles, specular=0, shininess=0)
 
 
-def _dress(geom: mujoco.MjsGeom, asset: str) -> None:
-    """Give a geom the mesh and material `asset`."""
-    geom.type, geom.meshname, geom.material = mujoco.mjtGeom.mjGEOM_MESH, asset, asset
-    geom.rgba = (1, 1, 1, 1)
-
-
 def _add_caregiver(spec: mujoco.MjSpec, config: SceneConfig, high: bool) -> None:
     part = _part("caregiver")
-    looks = build_face(config.face or identity(config.caregiver), *((3, 1024) if high else (1, 256)))
+    person = config.face or identity(config.caregiver)
+    looks = build_face(person, *((3, 1024) if high else (1, 256)))
     _add_mesh(part, "head", looks, looks.texture)
     _add_mesh(part, "eyeball", looks.eyeball, looks.eye_texture)
-    _dress(part.geom("head"), "head")
     x, y, z = looks.eye_centre
-    for side, name in ((1, "eye_left"), (-1, "eye_right")):
-        part.body(name).pos = (x, side * y, z)
-        _dress(part.geom(name), "eyeball")
+    part.body("eye_left").pos, part.body("eye_right").pos = (x, y, z), (x, -y, z)
+    _add_mesh(part, "trunk", body.trunk(high))
+    _add_mesh(part, "upper_arm", body.upper_arm(part.body("elbow").pos[0], high))
+    _add_mesh(part, "forearm", body.forearm(part.body("wrist").pos[0], high))
+    _add_mesh(part, "hand", body.hand(high))
+    _add_texture(part, "body", body.clothes_and_skin(person, config.clothing, 512 if high else 128))
     stand = spec.worldbody.add_body(name="caregiver", pos=(HEAD_POSITION[0], HEAD_POSITION[1], 0), quat=(0, 0, 0, 1))
     spec.attach(part, prefix="caregiver/", frame=stand.add_frame())
+
+
+def _add_room(spec: mujoco.MjSpec, high: bool) -> None:
+    part, size = _part("table"), 512 if high else 64
+    _add_mesh(part, "table", room.table(half_x=0.42, half_y=0.60, thickness=0.04), room.wood(size))
+    _add_mesh(part, "wall", room.wall(half_y=3.0, height=2.6), room.plaster(size, height=2.6))
+    _add_mesh(part, "floor", room.floor(half_x=1.5, half_y=3.0), room.carpet(size))
+    spec.attach(part, prefix="room/", frame=spec.worldbody.add_frame())
 
 
 def _options(spec: mujoco.MjSpec) -> None:
@@ -165,10 +172,10 @@ def _visuals(spec: mujoco.MjSpec, high: bool) -> None:
     spec.worldbody.add_light(
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
         pos=(-0.6, 0.8, 3.0),
-        dir=(0.55, -0.28, -0.62),
+        dir=(0.72, -0.22, -0.52),
         castshadow=high,
-        ambient=(0.42, 0.42, 0.42),
-        diffuse=(0.66, 0.66, 0.66),
+        ambient=(0.48, 0.48, 0.48),
+        diffuse=(0.62, 0.62, 0.62),
         specular=(0, 0, 0),
     )
 
@@ -210,5 +217,5 @@ def build_model(config: SceneConfig | None = None) -> mujoco.MjModel:
     _add_caregiver(spec, config, high)
     spec.attach(_part("robot"), prefix="robot/", frame=spec.worldbody.add_frame())
     _add_objects(spec, config)
-    spec.attach(_part("table"), prefix="room/", frame=spec.worldbody.add_frame())
+    _add_room(spec, high)
     return spec.compile()

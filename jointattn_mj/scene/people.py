@@ -47,7 +47,7 @@ IDENTITIES: dict[str, FaceConfig] = {
     "robin": FaceConfig(jaw=1.06, brow=1.1, stubble=0.35, seed=1),
     "noa": FaceConfig(
         skin=(0.90, 0.73, 0.63),
-        hair=(0.42, 0.24, 0.13),
+        hair=(0.34, 0.225, 0.15),
         eyes=(0.26, 0.36, 0.28),
         lips=(0.76, 0.36, 0.37),
         hair_style="bob",
