@@ -1,0 +1,182 @@
+"""The caregiver's face: where it is, and what it looks like (box "face detection" of Fig. 6.2; sections 6.3.2, 6.4.1).
+
+"The template matching method is used as face detector and a 32x32 pixel face-like region is extracted." The robot comes
+with one innate idea of a face, OpenCV's frontal Haar cascade, and uses it until it has seen a frontal face once. That
+view is its first template. As the head turns and the fit gets worse, it keeps further views, cropped where it expects
+the face's centre rather than where the features went, for a face that turns in place moves its features, not its place.
+When no view fits near the expected place, the whole picture is searched; if that fails too, no face is reported.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from jointattn_mj.perception.views import ViewBank, crop
+
+PATCH_SIDE = 32  # "a 32x32 pixel face-like region is extracted", section 6.4.1
+
+
+@dataclass(frozen=True)
+class FaceDetectorConfig:
+    """Options of the face detector. Section 6.4.1 fixes template matching and the 32x32 patch; the rest is open."""
+
+    side_px: int = 32
+    """Side of template and patch in the picture. A head at the caregiver's distance is 27 wide and 41 high."""
+    search_radius_px: int = 6
+    """How far from the expected place a face is looked for: the robot knows its head's angles to a pixel or two."""
+    max_views: int = 24
+    """Views kept. Spread over yaw +-45 and pitch -5..45 deg that is one for about 20 x 15 deg."""
+    search_all_below: float = 0.80
+    """Fit of the last view and its neighbours below which every view is tried in the whole window."""
+    add_view_below: float = 0.85
+    """Fit below which the present look is kept as a new view, if the place is plausible."""
+    add_view_every: int = 3
+    """Pictures in a row with a face before a view may be added, and between two additions: 6 deg of a 60 deg/s turn."""
+    plausible_px: float = 4.0
+    """Distance of fit and expected place beyond which the look is not kept: it may be something else."""
+    redetect_below: float = 0.65
+    """Fit below which the tracked place is given up and the whole picture searched."""
+    redetect_views: int = 6
+    """Views tried over the whole picture, at half resolution: the first and those used last."""
+    haar_every: int = 15
+    """Pictures between two tries of the Haar cascade while no face is known or found: it costs several ms."""
+    haar_scale: float = 1.08
+    """Scale step of the cascade."""
+    haar_neighbours: int = 3
+    """Overlapping hits that the cascade asks for."""
+    haar_min_px: int = 24
+    """Smallest face that the cascade looks for; 24 is the size it was trained with."""
+    patch_blur_px: float = 0.7
+    """Standard deviation of the blur of the patch. Interpolating between pixels blurs by an amount that depends on the
+    fraction; a little blur of its own makes the patch nearly the same at every fraction of a pixel."""
+
+
+class FaceFix(NamedTuple):
+    """One answer of the detector."""
+
+    x: float  # pixels, centre of the face; NaN when not found
+    y: float
+    score: float  # normalised cross-correlation of the best view, -1..1
+    found: bool
+
+
+@cache
+def _cascade() -> cv2.CascadeClassifier:
+    """OpenCV's bundled frontal cascade (a process-wide cache, for it cannot be pickled with a detector)."""
+    return cv2.CascadeClassifier(cv2.data.haarcascades + "haarcascade_frontalface_default.xml")
+
+
+def haar_faces(gray: np.ndarray, config: FaceDetectorConfig) -> np.ndarray:
+    """(k, 3) centre x, y and side in pixels of the frontal faces that the cascade finds, the largest first."""
+    boxes = _cascade().detectMultiScale(
+        gray, config.haar_scale, config.haar_neighbours, minSize=(config.haar_min_px, config.haar_min_px)
+    )
+    if len(boxes) == 0:
+        return np.zeros((0, 3))
+    boxes = boxes[np.argsort(-boxes[:, 2], kind="stable")].astype(float)
+    half = (boxes[:, 2:3] - 1) / 2
+    return np.hstack([boxes[:, :2] + half, boxes[:, 2:3]])
+
+
+class FaceDetector:
+    """Tracks one face with views that it collects itself. All state is arrays and numbers: it can be pickled."""
+
+    def __init__(self, config: FaceDetectorConfig | None = None):
+        self.config = config or FaceDetectorConfig()
+        self.bank = ViewBank(
+            self.config.side_px, self.config.max_views, self.config.search_radius_px, self.config.search_all_below
+        )
+        self._last_px: tuple[float, float] | None = None
+        self._streak = 0  # pictures in a row with a face, since the last view was added
+        self._until_haar = 0
+
+    def detect(self, gray: np.ndarray, expected_px: tuple[float, float] | None = None) -> FaceFix:
+        """Find the face in a picture (h, w) uint8.
+
+        Args:
+            gray: The picture.
+            expected_px: (x, y) where the face's centre should be, from the robot's slow memory of its direction in the
+                world; None if it has none, then the place in the last picture is taken.
+        """
+        if self.bank.n == 0:
+            return self._first_sight(gray)
+        config = self.config
+        expected = self._last_px if expected_px is None else expected_px
+        score, x, y = -1.0, 0.0, 0.0
+        if expected is not None:
+            score, x, y = self.bank.match(gray, expected[0], expected[1])
+        if score < config.redetect_below:
+            self._streak = 0
+            score, x, y = self._search_everywhere(gray)
+        if score < config.redetect_below:
+            self._last_px = None
+            return FaceFix(float("nan"), float("nan"), score, False)
+        self._until_haar = 0
+        self._streak += 1
+        if score < config.add_view_below and self._streak > config.add_view_every and expected is not None:
+            off = np.hypot(x - expected[0], y - expected[1])
+            if off <= config.plausible_px:
+                self.bank.add(gray, expected[0], expected[1])
+                self._streak = 0
+        self._last_px = (x, y)
+        return FaceFix(x, y, score, True)
+
+    def patch(self, gray: np.ndarray, fix: FaceFix) -> np.ndarray:
+        """The face pattern f_v: (32, 32) float32 grey values 0..255 around ``fix``."""
+        side = self.config.side_px
+        if self.config.patch_blur_px > 0:
+            margin = 4
+            wide = crop(gray, fix.x, fix.y, side + 2 * margin)
+            wide = cv2.GaussianBlur(wide, (0, 0), self.config.patch_blur_px)
+            face = wide[margin:-margin, margin:-margin]
+        else:
+            face = crop(gray, fix.x, fix.y, side)
+        if side != PATCH_SIDE:
+            face = cv2.resize(face, (PATCH_SIDE, PATCH_SIDE), interpolation=cv2.INTER_AREA)
+        return np.ascontiguousarray(face)
+
+    def box(self, fix: FaceFix, shape: tuple[int, int]) -> tuple[int, int, int, int]:
+        """The region of ``fix`` as x0, y0, x1, y1 (the last two exclusive), cut at the border of a picture (h, w)."""
+        x0, y0 = round(fix.x - (self.config.side_px - 1) / 2), round(fix.y - (self.config.side_px - 1) / 2)
+        x1, y1 = x0 + self.config.side_px, y0 + self.config.side_px
+        return max(x0, 0), max(y0, 0), min(x1, shape[1]), min(y1, shape[0])
+
+    def _first_sight(self, gray: np.ndarray) -> FaceFix:
+        """No view yet: ask the cascade, and keep what it finds as the first view."""
+        nothing = FaceFix(float("nan"), float("nan"), -1.0, False)
+        found = self._ask_cascade(gray)
+        if found is None or not self.bank.add(gray, *found):
+            return nothing
+        self._last_px = found
+        return FaceFix(found[0], found[1], 1.0, True)
+
+    def _ask_cascade(self, gray: np.ndarray) -> tuple[float, float] | None:
+        """Centre of the largest frontal face, at most once in ``haar_every`` pictures."""
+        if self._until_haar > 0:
+            self._until_haar -= 1
+            return None
+        faces = haar_faces(gray, self.config)
+        if len(faces) == 0:
+            self._until_haar = self.config.haar_every - 1
+            return None
+        return float(faces[0, 0]), float(faces[0, 1])
+
+    def _search_everywhere(self, gray: np.ndarray) -> tuple[float, float, float]:
+        """Score and centre of the best fit in the whole picture: half resolution first, then refined."""
+        half = cv2.resize(gray, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.float32)
+        places = []
+        for index in self.bank.recent(self.config.redetect_views):
+            small = cv2.resize(self.bank.views[index], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+            fit = cv2.matchTemplate(half, small, cv2.TM_CCOEFF_NORMED)
+            _, score, _, (left, top) = cv2.minMaxLoc(fit)
+            centre = (self.config.side_px - 1) / 2
+            places.append((score, 2 * left + centre, 2 * top + centre))
+        best = max(self.bank.match(gray, x, y) for _, x, y in places)
+        if best[0] < self.config.redetect_below:
+            found = self._ask_cascade(gray)
+            if found is not None:
+                best = max(best, self.bank.match(gray, *found))
+        return best

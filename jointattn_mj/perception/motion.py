@@ -1,0 +1,321 @@
+"""What moves while the robot's head is still (eq. 6.3, |f_i| > epsilon_i; section 6.4.1: block matching).
+
+A picture is compared with the one two frames back, in blocks of 8x8 pixels. Each block descends to the displacement with
+the least sum of squared differences, in whole pixels, and a parabola through the neighbouring sums on each axis gives the
+fraction. Squares, not absolute values: near its minimum a sum of squares is a parabola, whereas a sum of absolute values
+is a wedge, and a parabola through a wedge halves small displacements. The sums are taken both ways, the new block in the
+old picture and the old block in the new one; one way alone reads up to .1 px of motion from two pictures that are equal,
+since what enters the block on its two sides differs.
+
+The face moves when the mean flow of its textured blocks is long enough; the region is the same through a fixation, so
+that it does not move with the face. An object moves when its centroid and the flow of its blocks both do, and when its
+pixels changed as those of a thing that moves: an arm that passes behind it has flow but no centroid shift, and one that
+passes before it pulls the centroid, but takes pixels on one side without adding any on the other.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit, uintp
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.perception.objects import Areas
+
+BLOCK = 8  # pixels; section 6.4.1 names block matching without a size
+MAX_BLOCKS = 1024  # flow vectors kept for one picture
+
+
+@dataclass(frozen=True)
+class MotionConfig:
+    """Options of motion detection. epsilon_i of eq. 6.3 is "a small positive constant"; all of these are choices.
+
+    The thresholds were set on rendered fixations (no camera noise) so that objects faster than .05 m/s and heads faster
+    than 4 deg/s are told from slower ones. THESIS.md's own were .20 and .12 px, with a one-way parabola.
+    """
+
+    frames_back: int = 2
+    """A head turning at 60 deg/s shifts .6 px a frame: over two frames it stands out, over more it comes late."""
+    face_px: float = 0.035
+    """epsilon of the face (eq. 6.3), pixels in ``frames_back`` frames, of the mean flow: about 4 deg/s of head turn."""
+    object_px: float = 0.25
+    """epsilon of an object (eq. 6.3), pixels in ``frames_back`` frames, of centroid and of mean block flow alike."""
+    stay_ratio: float = 1.0
+    """A flag that is on stays on above this share of its threshold; less than 1 bridges noise."""
+    linger_frames: int = 0
+    """And so many frames longer. With clean pictures the two frames back already delay the end by one."""
+    texture: float = 30.0
+    """Mean squared grey difference that one pixel's shift makes in a block, below which an axis has no flow."""
+    face_inset_px: int = 4
+    """Rim of the face's box left out: hair's edge and what moves behind the head. 24x24 of 32x32 pixels stay."""
+    step_px: int = 4
+    """Distance of blocks: half overlapping, for an object is only two blocks wide."""
+    object_margin_px: int = 2
+    """Rim around an object's box, so that its outline lies inside blocks."""
+    reach_px: int = 6
+    """How far a block descends from where it starts: nought for the face, the centroid's shift for an object."""
+    refit_ratio: float = 0.7
+    """From one pixel of centroid shift on, the share of changed pixels that may be left after shifting the old mask."""
+
+    def __post_init__(self) -> None:
+        if self.frames_back < 1 or self.step_px < 1 or self.reach_px < 1:
+            raise ConfigError(
+                "motion: expected frames_back, step_px and reach_px of 1 or more, came "
+                f"{self.frames_back}, {self.step_px}, {self.reach_px}"
+            )
+
+
+@dataclass
+class Motion:
+    """What moves now. Arrays belong to the detector and hold until its next picture."""
+
+    face_moves: bool
+    object_moves: np.ndarray  # (n,) bool
+    blocks: np.ndarray  # (m, 2) centres (x, y) of the textured blocks
+    flow: np.ndarray  # (m, 2) displacement (x, y), pixels since the picture compared with
+    owner: np.ndarray  # (m,) which object a block belongs to, n for the face
+
+
+@njit(cache=True)
+def _difference(now, before, y, x, dy, dx):
+    """Sum of squared differences of the block at (x, y) now and at (x - dx, y - dy) before."""
+    total = np.int32(0)
+    row_now, row_before = uintp(y), uintp(y - dy)
+    column_now, column_before = uintp(x), uintp(x - dx)
+    for i in range(uintp(BLOCK)):
+        for j in range(uintp(BLOCK)):
+            off = np.int32(now[row_now + i, column_now + j]) - np.int32(before[row_before + i, column_before + j])
+            total += off * off
+    return total
+
+
+@njit(cache=True)
+def _inside(y, x, height, width):
+    return 0 <= y <= height - BLOCK and 0 <= x <= width - BLOCK
+
+
+@njit(cache=True)
+def _fraction(before, here, after, floor):
+    """Vertex of the parabola through three sums, -.5..5; NaN if it is flatter than ``floor``."""
+    curve = before - 2 * here + after
+    if curve < floor:
+        return np.nan
+    return min(max(0.5 * (before - after) / curve, -0.5), 0.5)
+
+
+@njit(cache=True)
+def _block_flow(now, before, y, x, start_y, start_x, reach, floor, out):
+    """Displacement (x, y) of one block by descent from a start. False if the block has no texture."""
+    height, width = now.shape
+    if not _inside(y - start_y, x - start_x, height, width):
+        start_y, start_x = 0, 0
+    dy, dx = start_y, start_x
+    here = _difference(now, before, y, x, dy, dx)
+    around = np.empty(4, np.int64)
+    while True:
+        best, step = here, -1
+        for side in range(4):
+            next_y = dy + (side == 0) - (side == 1)
+            next_x = dx + (side == 2) - (side == 3)
+            off_y, off_x = abs(next_y - start_y), abs(next_x - start_x)
+            if not _inside(y - next_y, x - next_x, height, width) or max(off_y, off_x) > reach:
+                return False
+            around[side] = _difference(now, before, y, x, next_y, next_x)
+            if around[side] < best:
+                best, step = around[side], side
+        if step < 0:
+            break
+        dy += (step == 0) - (step == 1)
+        dx += (step == 2) - (step == 3)
+        here = best
+    if not (_inside(y - 1, x - 1, height, width) and _inside(y + 1, x + 1, height, width)):
+        return False
+    for side in range(4):  # and the other way round: the old block, moved by the same difference, in the new picture
+        off_y = (side == 0) - (side == 1)
+        off_x = (side == 2) - (side == 3)
+        around[side] += _difference(before, now, y - dy, x - dx, -dy - off_y, -dx - off_x)
+    here *= 2
+    part_y, part_x = _fraction(around[1], here, around[0], 2 * floor), _fraction(around[3], here, around[2], 2 * floor)
+    if np.isnan(part_y) and np.isnan(part_x):
+        return False
+    out[0] = 0.0 if np.isnan(part_x) else dx + part_x
+    out[1] = 0.0 if np.isnan(part_y) else dy + part_y
+    return True
+
+
+@njit(cache=True)
+def _region_flow(now, before, box, step, margin, start_y, start_x, reach, floor, owner, count, blocks, flow, owners):
+    """Flow of the textured blocks of one region, appended to the arrays. Returns the new count."""
+    height, width = now.shape
+    y1, x1 = min(box[3] + margin, height), min(box[2] + margin, width)  # a negative margin leaves a rim out
+    for y in range(max(box[1] - margin, 0), y1 - BLOCK + 1, step):
+        for x in range(max(box[0] - margin, 0), x1 - BLOCK + 1, step):
+            if count < len(blocks) and _block_flow(now, before, y, x, start_y, start_x, reach, floor, flow[count]):
+                blocks[count, 0], blocks[count, 1] = x + (BLOCK - 1) / 2, y + (BLOCK - 1) / 2
+                owners[count] = owner
+                count += 1
+    return count
+
+
+@njit(cache=True)
+def _changed(mask, corner, before, corner_before, shift_x, shift_y):
+    """Pixels gained and lost from the mask before, moved by a shift, to the mask now."""
+    side = mask.shape[0]
+    right, down = corner[0] - corner_before[0] - shift_x, corner[1] - corner_before[1] - shift_y
+    now, old, both = 0, 0, 0
+    for i in range(side):
+        for j in range(side):
+            old += before[i, j]
+            if mask[i, j]:
+                now += 1
+                if 0 <= i + down < side and 0 <= j + right < side:
+                    both += before[i + down, j + right]
+    return now - both, old - both
+
+
+@njit(cache=True)
+def _moved_as_one(mask, corner, before, corner_before, shift_x, shift_y, refit_ratio):
+    """Whether the pixels changed as a moving thing's do, and not as those of one that something passes before.
+
+    A small move gains pixels on one side and loses some on the other. A move of a pixel or more is undone by shifting.
+    """
+    gained, lost = _changed(mask, corner, before, corner_before, 0, 0)
+    if shift_x * shift_x + shift_y * shift_y <= 1.0:
+        return min(gained, lost) >= 1
+    x, y = np.int64(np.rint(shift_x)), np.int64(np.rint(shift_y))
+    gained_still, lost_still = _changed(mask, corner, before, corner_before, x, y)
+    return gained_still + lost_still <= refit_ratio * (gained + lost)
+
+
+@njit(cache=True)
+def _mean_length(flow, start, count):
+    """Length of the mean of flow vectors start..count; 0 without any."""
+    x, y = 0.0, 0.0
+    for i in range(start, count):
+        x += flow[i, 0]
+        y += flow[i, 1]
+    return np.hypot(x, y) / (count - start) if count > start else 0.0
+
+
+@njit(cache=True)
+def _measure_all(
+    now, before, face_box, has_face, inset, seen, px, box, mask, corner, seen_before, px_before, mask_before,
+    corner_before, step, margin, reach, floor, refit_ratio, blocks, flow, owners, strength,
+):  # fmt: skip
+    """Flow of every candidate's blocks, and its strength of motion in pixels (face last). Returns the blocks' number."""
+    n, count = len(seen), 0
+    for k in range(n):
+        strength[k] = 0.0
+        if seen[k] and seen_before[k]:
+            x, y = px[k, 0] - px_before[k, 0], px[k, 1] - px_before[k, 1]
+            start, start_x, start_y = count, np.int64(np.rint(x)), np.int64(np.rint(y))
+            count = _region_flow(
+                now, before, box[k], step, margin, start_y, start_x, reach, floor, k, count, blocks, flow, owners
+            )
+            if _moved_as_one(mask[k], corner[k], mask_before[k], corner_before[k], x, y, refit_ratio):
+                strength[k] = min(np.hypot(x, y), _mean_length(flow, start, count))
+    strength[n] = 0.0
+    if has_face:
+        start = count
+        count = _region_flow(
+            now, before, face_box, step, -inset, 0, 0, reach, floor, n, count, blocks, flow, owners
+        )
+        strength[n] = _mean_length(flow, start, count)
+    return count
+
+
+class MotionDetector:
+    """Tells who moves. Holds the last few pictures and areas: it can be pickled."""
+
+    def __init__(self, config: MotionConfig | None = None):
+        self.config = config or MotionConfig()
+        self._blocks = np.zeros((MAX_BLOCKS, 2))
+        self._flow = np.zeros((MAX_BLOCKS, 2))
+        self._owners = np.zeros(MAX_BLOCKS, np.int64)
+        self._pictures: list[np.ndarray] = []
+        self._areas: list[Areas] = []
+        self._on = np.zeros(0, bool)
+        self._left = np.zeros(0, int)
+        self._strength = np.zeros(0)
+        self._box = np.zeros(4, np.int32)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all pictures: the head has moved, and a fixation begins (section 6.3.2: no flow while it turns)."""
+        self._count = 0
+        self._has_box = False
+        self._on[:] = False
+        self._left[:] = 0
+
+    def update(self, gray: np.ndarray, face_box: tuple[int, int, int, int] | None, areas: Areas) -> Motion:
+        """What moves, from one more picture of this fixation.
+
+        Args:
+            gray: (h, w) uint8.
+            face_box: x0, y0, x1, y1 of the face, None if unseen. The first of a fixation stays in force until `reset`,
+                or until the face is found half a box away.
+            areas: The objects' areas in the same picture.
+
+        In the first picture nothing moves; in the next ones, before ``frames_back`` pictures have passed, the oldest is
+        compared with, and the displacement scaled up.
+        """
+        config, n = self.config, len(areas.seen)
+        if len(self._areas) == 0 or self._pictures[0].shape != gray.shape or len(self._on) != n + 1:
+            self._allocate(gray.shape, areas)
+        self._fix_box(face_box)
+        slots = config.frames_back + 1
+        now = self._count % slots
+        np.copyto(self._pictures[now], gray)
+        areas.copy_to(self._areas[now])
+        back = min(self._count, config.frames_back)
+        blocks = 0
+        if back > 0:
+            before = (self._count - back) % slots
+            blocks = self._measure(self._pictures[before], gray, self._areas[before], areas)
+            scale = config.frames_back / back
+            self._strength *= scale
+            self._flow[:blocks] *= scale
+            self._raise_flags()
+        self._count += 1
+        return Motion(
+            bool(self._on[n]), self._on[:n], self._blocks[:blocks], self._flow[:blocks], self._owners[:blocks]
+        )
+
+    def _allocate(self, shape: tuple[int, ...], areas: Areas) -> None:
+        slots, n = self.config.frames_back + 1, len(areas.seen)
+        self._pictures = [np.zeros(shape, np.uint8) for _ in range(slots)]
+        self._areas = [Areas.empty(n, areas.mask.shape[1] // 2) for _ in range(slots)]
+        self._on, self._left, self._strength = np.zeros(n + 1, bool), np.zeros(n + 1, int), np.zeros(n + 1)
+        self.reset()
+
+    def _fix_box(self, face_box: tuple[int, int, int, int] | None) -> None:
+        if face_box is None:
+            return
+        far = self._has_box and max(abs(a - b) for a, b in zip(self._box, face_box, strict=True)) > (
+            face_box[2] - face_box[0]
+        ) / 2
+        if not self._has_box or far:
+            self._box[:] = face_box
+            self._has_box = True
+
+    def _measure(self, before: np.ndarray, now: np.ndarray, old: Areas, new: Areas) -> int:
+        """Fill in the flow and each candidate's strength of motion, pixels; the number of blocks."""
+        config = self.config
+        return _measure_all(
+            now, before, self._box, self._has_box, config.face_inset_px,
+            new.seen, new.px, new.box, new.mask, new.corner, old.seen, old.px, old.mask, old.corner,
+            config.step_px, config.object_margin_px, config.reach_px, config.texture * BLOCK * BLOCK * 2,
+            config.refit_ratio, self._blocks, self._flow, self._owners, self._strength,
+        )  # fmt: skip
+
+    def _raise_flags(self) -> None:
+        """Thresholds with hysteresis: eq. 6.3's |f_i| > epsilon_i."""
+        config = self.config
+        last = len(self._on) - 1
+        for i, strength in enumerate(self._strength):
+            threshold = config.face_px if i == last else config.object_px
+            if strength > (config.stay_ratio * threshold if self._on[i] else threshold):
+                self._on[i], self._left[i] = True, config.linger_frames
+            elif self._left[i] > 0:
+                self._left[i] -= 1
+            else:
+                self._on[i] = False

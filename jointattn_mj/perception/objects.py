@@ -1,0 +1,215 @@
+"""Objects as colour areas (sections 6.3.2 and 6.4.1): where each known colour is in the picture, and the grey picture.
+
+A pixel belongs to a colour by its hue, if it is saturated and bright enough; shading scales the three channels alike and
+so leaves hue and saturation alone. The rule is worked out once, for every colour on a coarse cube, and looked up after.
+
+One picture is read in two passes. The first looks at every second pixel and counts hits on a grid of cells; the fullest
+2x2 cells tell where the colour's largest cluster is. The second reads each cluster's surroundings at full resolution, so
+a few stray pixels elsewhere (skin, hair, wood) do not bend the centre.
+"""
+
+import colorsys
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numba import njit
+
+from jointattn_mj.errors import ConfigError
+
+LEVEL_BITS = 6  # the look-up table has 2^6 levels a channel: 256 kB, and a level is 4 grey values wide
+CELL_BITS = 4  # cells of 16 x 16 pixels
+STRIDE = 2  # the first pass reads every second pixel of every second row
+
+
+@dataclass(frozen=True)
+class ColourConfig:
+    """Options of the colour areas. The dissertation says "the color areas are extracted as object regions" (6.4.1)."""
+
+    hue_tolerance_deg: float = 20.0
+    """Widest hue difference that still counts; half the distance to the next object's hue where that is less."""
+    saturation_ratio: float = 0.72
+    """A pixel has at least this share of the nominal saturation: keeps skin, hair and wood out."""
+    value_floor: float = 0.12
+    """Darkest pixel (HSV value, 0..1) whose hue is trusted: below it eight-bit channels make hue coarse."""
+    min_area_px: int = 8
+    """An area with fewer pixels is not an object: it is hidden, or stray pixels."""
+    reach_px: int = 22
+    """How far from its cluster's centre an object's pixels can lie: 6 cm at 0.9 m are 18 pixels, 26 over the corner."""
+
+
+@dataclass
+class Areas:
+    """What was found of each of ``n`` colours. The arrays belong to their ColourAreas and hold until its next picture."""
+
+    seen: np.ndarray  # (n,) bool
+    area: np.ndarray  # (n,) pixels
+    px: np.ndarray  # (n, 2) centroid (x, y); NaN when not seen
+    box: np.ndarray  # (n, 4) x0, y0, x1, y1, the last two exclusive; zeros when not seen
+    mask: np.ndarray  # (n, m, m) bool, the object's own pixels in a window whose upper left pixel is ``corner``
+    corner: np.ndarray  # (n, 2) x, y of that pixel; it may lie outside the picture
+
+    def copy_to(self, other: "Areas") -> None:
+        """Overwrite ``other``, of the same sizes, with this look."""
+        for name in ("seen", "area", "px", "box", "mask", "corner"):
+            np.copyto(getattr(other, name), getattr(self, name))
+
+    @classmethod
+    def empty(cls, n: int, reach_px: int) -> "Areas":
+        """Nothing seen of ``n`` colours."""
+        side = 2 * reach_px + 1
+        return cls(
+            np.zeros(n, bool), np.zeros(n, np.int32), np.full((n, 2), np.nan), np.zeros((n, 4), np.int32),
+            np.zeros((n, side, side), bool), np.zeros((n, 2), np.int32),
+        )  # fmt: skip
+
+
+def colour_table(rgb: np.ndarray, config: ColourConfig) -> np.ndarray:
+    """Label of every colour on a cube of 64 levels a channel.
+
+    Args:
+        rgb: (n, 3) nominal colours, 0..1.
+        config: Options.
+
+    Returns:
+        (64^3,) uint8; 0 is no object, k+1 is colour k. Index ``(r >> 2) << 12 | (g >> 2) << 6 | b >> 2``.
+
+    Raises:
+        ConfigError: A colour has too little saturation or brightness, or two have the same hue.
+    """
+    rgb = np.asarray(rgb, float)
+    if rgb.ndim != 2 or rgb.shape[1] != 3 or not 1 <= len(rgb) <= 254 or rgb.min() < 0 or rgb.max() > 1:
+        raise ConfigError(f"object colours: expected (n, 3) numbers from 0 to 1, came {rgb.tolist()}")
+    hsv = np.array([colorsys.rgb_to_hsv(*colour) for colour in rgb])
+    hue, saturation, value = hsv[:, 0] * 360, hsv[:, 1], hsv[:, 2]
+    if saturation.min() < 0.4 or value.min() < 2 * config.value_floor:
+        raise ConfigError(
+            f"object colours: expected saturation of .4 or more and a value of {2 * config.value_floor} or more "
+            f"(a grey or dark thing has no hue to be found by), came {rgb.tolist()}"
+        )
+    between = np.abs((hue[:, None] - hue[None] + 180) % 360 - 180) + 360 * np.eye(len(hue))
+    tolerance = np.minimum(config.hue_tolerance_deg, between.min(axis=1) / 2)
+    if tolerance.min() < 4:
+        raise ConfigError(f"object colours: expected hues 8 deg apart or more, came {np.round(hue).tolist()} deg")
+
+    level = (np.arange(1 << LEVEL_BITS, dtype=np.float32) + 0.5) * (256 >> LEVEL_BITS) / 255
+    red, green, blue = (axis.ravel() for axis in np.meshgrid(level, level, level, indexing="ij"))
+    most = np.maximum(np.maximum(red, green), blue)
+    spread = most - np.minimum(np.minimum(red, green), blue)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        sixth = np.where(
+            most == red,
+            (green - blue) / spread % 6,
+            np.where(most == green, (blue - red) / spread + 2, (red - green) / spread + 4),
+        )
+    cube_hue = np.where(spread > 0, sixth, 0) * 60
+    off = np.abs((cube_hue[:, None] - hue[None] + 180) % 360 - 180)  # (64^3, n) deg
+    nearest = off.argmin(axis=1)
+    belongs = (
+        (off[np.arange(len(off)), nearest] <= tolerance[nearest])
+        & (spread / most >= config.saturation_ratio * saturation[nearest])
+        & (most >= config.value_floor)
+    )
+    return np.where(belongs, nearest + 1, 0).astype(np.uint8)
+
+
+@njit(cache=True)
+def _find_clusters(picture, table, votes, clusters):
+    """First pass: each label's fullest 2x2 cells. votes: (n, gh, gw, 3); clusters: (n, 3) hits, x, y."""
+    height, width = picture.shape[0], picture.shape[1]
+    votes[:] = 0
+    for y in range(0, height, STRIDE):
+        row = y >> CELL_BITS
+        for x in range(0, width, STRIDE):
+            label = table[
+                (np.int32(picture[y, x, 0]) >> 2) << 12 | (np.int32(picture[y, x, 1]) >> 2) << 6 | picture[y, x, 2] >> 2
+            ]
+            if label:
+                vote = votes[label - 1, row, x >> CELL_BITS]
+                vote[0] += 1
+                vote[1] += x
+                vote[2] += y
+    n, rows, columns = votes.shape[0], votes.shape[1], votes.shape[2]
+    for k in range(n):
+        most = 0
+        for i in range(rows - 1):
+            for j in range(columns - 1):
+                hits = votes[k, i, j, 0] + votes[k, i, j + 1, 0] + votes[k, i + 1, j, 0] + votes[k, i + 1, j + 1, 0]
+                if hits > most:
+                    most = hits
+                    for c in range(1, 3):
+                        total = (
+                            votes[k, i, j, c] + votes[k, i, j + 1, c] + votes[k, i + 1, j, c] + votes[k, i + 1, j + 1, c]
+                        )
+                        clusters[k, c] = total // hits
+        clusters[k, 0] = most
+
+
+@njit(cache=True)
+def _measure(picture, table, clusters, reach, min_area, seen, area, px, box, mask, corner):
+    """Second pass: area, centroid, box and mask of each label within ``reach`` of its cluster."""
+    height, width = picture.shape[0], picture.shape[1]
+    for k in range(clusters.shape[0]):
+        seen[k], area[k], px[k, :], box[k, :] = False, 0, np.nan, 0
+        if clusters[k, 0] * STRIDE * STRIDE * 2 < min_area:
+            continue
+        label = k + 1
+        cx, cy = clusters[k, 1], clusters[k, 2]
+        corner[k, 0], corner[k, 1] = cx - reach, cy - reach
+        mask[k] = False
+        count, sum_x, sum_y = 0, 0, 0
+        left, right, top, bottom = width, -1, height, -1
+        for y in range(max(0, cy - reach), min(height, cy + reach + 1)):
+            for x in range(max(0, cx - reach), min(width, cx + reach + 1)):
+                found = table[
+                    (np.int32(picture[y, x, 0]) >> 2) << 12
+                    | (np.int32(picture[y, x, 1]) >> 2) << 6
+                    | picture[y, x, 2] >> 2
+                ]
+                if found == label:
+                    mask[k, y - cy + reach, x - cx + reach] = True
+                    count += 1
+                    sum_x += x
+                    sum_y += y
+                    left, right = min(left, x), max(right, x)
+                    top, bottom = min(top, y), max(bottom, y)
+        area[k] = count
+        if count >= min_area:
+            seen[k] = True
+            px[k, 0], px[k, 1] = sum_x / count, sum_y / count
+            box[k, 0], box[k, 1], box[k, 2], box[k, 3] = left, top, right + 1, bottom + 1
+
+
+class ColourAreas:
+    """Finds known colours in pictures. Holds a table and buffers only: it can be pickled, and has no memory."""
+
+    def __init__(self, rgb, config: ColourConfig | None = None):
+        """``rgb``: (n, 3) nominal colours of the objects, 0..1, in the objects' order."""
+        self.config = config or ColourConfig()
+        self._table = colour_table(rgb, self.config)
+        n = len(rgb)
+        self._clusters = np.zeros((n, 3), np.int32)
+        self._votes = np.zeros((n, 0, 0, 3), np.int32)
+        self._gray = np.zeros((0, 0), np.uint8)
+        self._areas = Areas.empty(n, self.config.reach_px)
+
+    def segment(self, picture: np.ndarray) -> tuple[np.ndarray, Areas]:
+        """Grey picture (h, w) uint8 and the colour areas of an RGB picture (h, w, 3) uint8."""
+        height, width = picture.shape[:2]
+        if self._gray.shape != (height, width):
+            cell = 1 << CELL_BITS
+            self._gray = np.zeros((height, width), np.uint8)
+            self._votes = np.zeros((len(self._clusters), -(-height // cell), -(-width // cell), 3), np.int32)
+        cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY, dst=self._gray)
+        found, config = self._areas, self.config
+        _find_clusters(picture, self._table, self._votes, self._clusters)
+        _measure(
+            picture, self._table, self._clusters, config.reach_px, config.min_area_px,
+            found.seen, found.area, found.px, found.box, found.mask, found.corner,
+        )  # fmt: skip
+        return self._gray, found
+
+    def labels(self, picture: np.ndarray) -> np.ndarray:
+        """Label of every pixel, (h, w) uint8, 0 for none: for overlays and for looking into errors."""
+        level = picture.astype(np.int32) >> 2
+        return self._table[level[..., 0] << 12 | level[..., 1] << 6 | level[..., 2]]

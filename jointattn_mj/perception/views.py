@@ -1,0 +1,204 @@
+"""A bank of views of one face, and where in a grey picture any of them fits best (section 6.4.1: "template matching").
+
+The measure is the normalised cross-correlation of template and picture, -1..1, blind to brightness and contrast. Views
+are cropped so that the face's centre is the template's centre; a match therefore gives the same point of the face
+whichever view fits.
+"""
+
+import cv2
+import numpy as np
+from numba import njit, uintp
+
+FLAT = 25.0  # variance of grey values below which a region has no pattern to correlate
+NEAR = 0.05  # a view that scores this much less than the best at a place may still win when it is moved a little
+
+
+@njit(cache=True, fastmath=True)
+def _read_window(gray, left, top, columns, rows, side, region, norm):
+    """Copy the window's pixels to ``region`` and the norm of the pattern at each offset to ``norm``."""
+    height, width = rows + side - 1, columns + side - 1
+    for i in range(height):
+        for j in range(width):
+            region[i, j] = gray[top + i, left + j] - np.float32(128)
+    pixels = np.float32(side * side)
+    total, squares = np.zeros(width, np.float32), np.zeros(width, np.float32)
+    for i in range(side):
+        for j in range(width):
+            total[j] += region[i, j]
+            squares[j] += region[i, j] * region[i, j]
+    for i in range(rows):
+        box, box_squares = np.float32(0), np.float32(0)
+        for j in range(side):
+            box += total[j]
+            box_squares += squares[j]
+        for j in range(columns):
+            energy = box_squares - box * box / pixels
+            norm[i, j] = np.sqrt(energy) if energy > FLAT * pixels else np.float32(np.inf)
+            if j < columns - 1:
+                box += total[j + side] - total[j]
+                box_squares += squares[j + side] - squares[j]
+        if i < rows - 1:
+            for j in range(width):
+                total[j] += region[i + side, j] - region[i, j]
+                squares[j] += region[i + side, j] ** 2 - region[i, j] ** 2
+
+
+@njit(cache=True, fastmath=True)
+def _correlate(region, norm, view, row, column):
+    """Normalised cross-correlation of ``view`` (s, s; zero mean, unit norm) with the region at one offset."""
+    pixels, pattern = region.ravel(), view.ravel()
+    side, width = uintp(view.shape[1]), uintp(region.shape[1])  # unsigned: no wrap-around checks, twice as fast
+    dot = np.float32(0)
+    for i in range(side):
+        here, there = uintp(i * side), (uintp(row) + i) * width + uintp(column)
+        for j in range(side):
+            dot += pattern[here + j] * pixels[there + j]
+    return dot / norm[row, column]
+
+
+@njit(cache=True, fastmath=True)
+def _climb(region, norm, view, rows, columns, best, row, column):
+    """The nearest peak of the correlation: best score, row, column."""
+    climbing = True
+    while climbing:
+        climbing = False
+        here, there = row, column
+        for step in range(4):
+            i, j = here + (step == 0) - (step == 1), there + (step == 2) - (step == 3)
+            if 0 <= i < rows and 0 <= j < columns:
+                score = _correlate(region, norm, view, i, j)
+                if score > best:
+                    best, row, column, climbing = score, i, j, True
+    return best, row, column
+
+
+@njit(cache=True, fastmath=True)
+def _scan(region, norm, view, rows, columns, step):
+    """Best score, row, column among every ``step``-th offset, the middle one included."""
+    best, row, column = np.float32(-2), 0, 0
+    for i in range((rows // 2) % step, rows, step):
+        for j in range((columns // 2) % step, columns, step):
+            score = _correlate(region, norm, view, i, j)
+            if score > best:
+                best, row, column = score, i, j
+    return best, row, column
+
+
+@njit(cache=True, fastmath=True)
+def _vertex(before, here, after):
+    """Place of a parabola's peak, -.5..5, through three neighbouring values of which ``here`` is the highest."""
+    curve = before - 2 * here + after
+    return np.float32(0.5) * (before - after) / curve if curve < 0 else np.float32(0)
+
+
+@njit(cache=True, fastmath=True)
+def _match(gray, views, n, last, left, top, columns, rows, search_all_below, region, norm, out):
+    """Best view and offset within a window of ``columns`` x ``rows`` offsets from (left, top).
+
+    The view that fitted last is tried on every second place, and its best climbed from. The others are tried there, and
+    those that come near climb too. All are tried on every second place if the best scores below ``search_all_below``.
+    out: score, x and y of the template's upper left corner (refined by a parabola on each axis), view.
+    """
+    _read_window(gray, left, top, columns, rows, views.shape[1], region, norm)
+    best, row, column = _scan(region, norm, views[last], rows, columns, 2)
+    best, row, column = _climb(region, norm, views[last], rows, columns, best, row, column)
+    view, row0, column0, last_score = last, row, column, best
+    for k in range(n):
+        if k != last:
+            score = _correlate(region, norm, views[k], row0, column0)
+            if score > last_score - NEAR:
+                score, i, j = _climb(region, norm, views[k], rows, columns, score, row0, column0)
+                if score > best:
+                    best, row, column, view = score, i, j, k
+    if best < search_all_below:
+        for k in range(n):
+            score, i, j = _scan(region, norm, views[k], rows, columns, 2)
+            if score > best - NEAR:
+                score, i, j = _climb(region, norm, views[k], rows, columns, score, i, j)
+                if score > best:
+                    best, row, column, view = score, i, j, k
+    x, y = np.float32(column), np.float32(row)
+    pattern = views[view]
+    if 0 < column < columns - 1:
+        before = _correlate(region, norm, pattern, row, column - 1)
+        x += _vertex(before, best, _correlate(region, norm, pattern, row, column + 1))
+    if 0 < row < rows - 1:
+        before = _correlate(region, norm, pattern, row - 1, column)
+        y += _vertex(before, best, _correlate(region, norm, pattern, row + 1, column))
+    out[0], out[1], out[2], out[3] = best, left + x, top + y, view
+
+
+def crop(gray: np.ndarray, x: float, y: float, side: int) -> np.ndarray:
+    """(side, side) grey values around the point (x, y), between pixels by interpolation, repeated beyond the border."""
+    return cv2.getRectSubPix(gray, (side, side), (float(x), float(y)), patchType=cv2.CV_32F)
+
+
+def normalised(patch: np.ndarray) -> np.ndarray:
+    """``patch`` with zero mean and unit norm; zeros where it is flat."""
+    centred = patch - patch.mean()
+    norm = np.linalg.norm(centred)
+    return (centred / norm if norm * norm > FLAT * patch.size else np.zeros_like(centred)).astype(np.float32)
+
+
+class ViewBank:
+    """Up to ``capacity`` square templates of ``side`` pixels. The first is kept; of the others the longest unused goes."""
+
+    def __init__(self, side: int, capacity: int, radius: int, search_all_below: float):
+        self.side, self.capacity, self.radius = side, capacity, radius
+        self.search_all_below = search_all_below
+        self.n = 0
+        self._views = np.zeros((capacity, side, side), np.float32)
+        self._used = np.zeros(capacity, np.int64)
+        self._clock = 0
+        self._last = 0
+        self._region = np.zeros((side + 2 * radius, side + 2 * radius), np.float32)
+        self._norm = np.zeros((2 * radius + 1, 2 * radius + 1), np.float32)
+        self._out = np.zeros(4, np.float64)
+
+    @property
+    def views(self) -> np.ndarray:
+        """(n, side, side) float32, zero mean and unit norm: for figures."""
+        return self._views[: self.n]
+
+    def add(self, gray: np.ndarray, x: float, y: float) -> bool:
+        """Keep the region around (x, y) as a view. False if it is flat and was not kept."""
+        view = normalised(crop(gray, x, y, self.side))
+        if not view.any():
+            return False
+        if self.n < self.capacity:
+            slot = self.n
+            self.n += 1
+        else:
+            slot = 1 + int(self._used[1:].argmin()) if self.capacity > 1 else 0
+        self._views[slot] = view
+        self._used[slot] = self._clock
+        self._last = slot
+        return True
+
+    def recent(self, count: int) -> np.ndarray:
+        """Indices of the first view and the ``count - 1`` others used last."""
+        order = 1 + np.argsort(-self._used[1 : self.n], kind="stable")[: count - 1]
+        return np.concatenate([np.zeros(1, int), order])
+
+    def match(self, gray: np.ndarray, x: float, y: float) -> tuple[float, float, float]:
+        """Best fit of any view with its centre within ``radius`` of (x, y).
+
+        Returns:
+            Score -1..1 (-1 if the window lies outside the picture) and the centre (x, y) in pixels, to a fraction.
+        """
+        height, width = gray.shape
+        half = (self.side - 1) / 2
+        left, top = round(x - half), round(y - half)
+        first_x, last_x = max(left - self.radius, 0), min(left + self.radius, width - self.side)
+        first_y, last_y = max(top - self.radius, 0), min(top + self.radius, height - self.side)
+        if self.n == 0 or last_x < first_x or last_y < first_y:
+            return -1.0, float("nan"), float("nan")
+        _match(
+            gray, self._views, self.n, self._last, first_x, first_y, last_x - first_x + 1, last_y - first_y + 1,
+            self.search_all_below, self._region, self._norm, self._out,
+        )  # fmt: skip
+        score, corner_x, corner_y, view = self._out
+        self._clock += 1
+        self._last = int(view)
+        self._used[self._last] = self._clock
+        return float(score), float(corner_x + half), float(corner_y + half)
