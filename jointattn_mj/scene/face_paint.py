@@ -108,7 +108,16 @@ def _nostrils(picture: np.ndarray, config: FaceConfig, y: np.ndarray, z: np.ndar
 
 
 def skin_and_hair(config: FaceConfig, size: int) -> np.ndarray:
-    """The head's texture, (size, size, 3) uint8, rows from v = 0 (chin) to v = 1 (crown)."""
+    """The head's texture, (size, size, 3) uint8, rows from v = 0 (chin) to v = 1 (crown).
+
+    Painted fine and averaged down: a texture no finer than the picture's pixels spares the renderer its mipmaps.
+    """
+    times = -(-256 // size)
+    fine = _paint(config, size * times)
+    return to_bytes(fine.reshape(size, times, size, times, 3).mean(axis=(1, 3)))
+
+
+def _paint(config: FaceConfig, size: int) -> np.ndarray:
     rng = np.random.default_rng(config.seed)
     v, u = np.meshgrid((np.arange(size) + 0.5) / size, (np.arange(size) + 0.5) / size, indexing="ij")
     azimuth, z = shape.texture_azimuth(u), shape.BOTTOM + v * (shape.TOP - shape.BOTTOM)
@@ -125,7 +134,7 @@ def skin_and_hair(config: FaceConfig, size: int) -> np.ndarray:
     hair = shape.hair_thickness(config, azimuth + 2.0 * strand, z)
     light = 1 + 0.22 * strand + 0.25 * bump((z - 0.085) / 0.012) * smoothstep(np.abs(azimuth), 120, 20)
     picture = picture * (1 - 0.25 * bump((hair - 0.15) / 0.15))[..., None]
-    return to_bytes(_blend(picture, np.array(config.hair) * light[..., None], hair))
+    return _blend(picture, np.array(config.hair) * light[..., None], hair)
 
 
 def iris(config: FaceConfig, size: int) -> np.ndarray:

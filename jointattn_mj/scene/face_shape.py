@@ -18,16 +18,27 @@ EYE_HALF_WIDTH = 0.0155  # of the opening between the lids
 TOP, BOTTOM = 0.123, -0.123  # heights (average face) between which the texture spans; textures wrap, so a little more
 EYE_LEVEL_BREADTH = 0.073
 
-# Heights of the mesh's rows on the average face, dense where the face has features; None: the lids' rims and between.
-ABOVE = [0.120, 0.116, 0.108, 0.096, 0.082, 0.068, 0.054, 0.042, 0.033, 0.026, 0.0185]
-EYES = [0.0105, 0.004, -0.0025]
-BELOW = [
-    -0.0115, -0.019, -0.026, -0.031, -0.0355, -0.0395, -0.044, -0.0495, -0.0545, -0.0585, -0.063, -0.0675, -0.0725,
-    -0.080, -0.089, -0.098, -0.107, -0.114, -0.120,
-]  # fmt: skip
-# The mesh's columns on her left half: y at eye level in front, then azimuths.
-FRONT_Y = [0, 0.0045, 0.009, 0.0135, 0.016, 0.0205, 0.026, 0.0315, 0.037, 0.0425, 0.047, 0.053, 0.060, 0.066]
-SIDE_AZIMUTH = [73, 82, 91, 102, 115, 132, 155, 180]
+# The mesh's lines on the average face, dense where the face has features: heights of rows above and below the eyes
+# (whose own three rows are the lids' rims and what lies between), and columns of her left half, in front as y at eye
+# level, then as azimuth. One set for figures and one as coarse as pictures of 320x240 allow.
+EYE_ROWS = [0.0105, 0.004, -0.0025]
+FINE_LINES = (
+    [0.120, 0.116, 0.108, 0.096, 0.082, 0.068, 0.054, 0.042, 0.033, 0.026, 0.0185],
+    [-0.0115, -0.019, -0.026, -0.031, -0.0355, -0.0395, -0.044, -0.0495, -0.0545, -0.0585, -0.063, -0.0675, -0.0725,
+     -0.080, -0.089, -0.098, -0.107, -0.114, -0.120],
+    [0, 0.0045, 0.009, 0.0135, 0.016, 0.0205, 0.026, 0.0315, 0.037, 0.0425, 0.047, 0.053, 0.060, 0.066],
+    [73, 82, 91, 102, 115, 132, 155, 180],
+)  # fmt: skip
+COARSE_LINES = (
+    [0.120, 0.113, 0.096, 0.074, 0.056, 0.036, 0.020],
+    [-0.012, -0.023, -0.032, -0.0400, -0.0465, -0.0560, -0.0640, -0.0730, -0.086, -0.101, -0.113, -0.120],
+    [0, 0.007, 0.0145, 0.0225, 0.0315, 0.0405, 0.048, 0.057, 0.066],
+    [76, 92, 112, 145, 180],
+)  # fmt: skip
+
+
+def _lines(detail: int) -> tuple[list[float], list[float], list[float], list[float]]:
+    return COARSE_LINES if detail == 1 else FINE_LINES
 
 
 def half_breadth(config: FaceConfig, z: np.ndarray) -> np.ndarray:
@@ -140,16 +151,19 @@ def surface(config: FaceConfig, azimuth: np.ndarray, z: np.ndarray) -> np.ndarra
     return out + normal * _hair_depth(config, azimuth, z)[..., None]
 
 
-def _columns(factor: int) -> np.ndarray:
+def _columns(detail: int) -> np.ndarray:
     """Azimuths (deg) of the columns from -180 to 180."""
-    left = np.concatenate([np.degrees(np.arcsin(np.array(FRONT_Y) / EYE_LEVEL_BREADTH)), SIDE_AZIMUTH])
-    return refine(np.concatenate([-left[:0:-1], left]), factor)
+    _, _, front, side = _lines(detail)
+    left = np.concatenate([np.degrees(np.arcsin(np.array(front) / EYE_LEVEL_BREADTH)), side])
+    return refine(np.concatenate([-left[:0:-1], left]), max(1, detail - 1))
 
 
-def _rows(config: FaceConfig, azimuth: np.ndarray, factor: int) -> tuple[np.ndarray, np.ndarray]:
+def _rows(config: FaceConfig, azimuth: np.ndarray, detail: int) -> tuple[np.ndarray, np.ndarray]:
     """Heights (rows, columns) on the average face, and which of these points lie behind the opening of the lids."""
-    z = np.repeat(np.array(ABOVE + EYES + BELOW)[:, None], len(azimuth), axis=1)
-    first = len(ABOVE)
+    above, below, _, _ = _lines(detail)
+    factor = max(1, detail - 1)
+    z = np.repeat(np.array(above + EYE_ROWS + below)[:, None], len(azimuth), axis=1)
+    first = len(above)
     y = half_breadth(config, np.array(EYE_Z)) * np.sin(np.radians(azimuth))
     s = (np.abs(y) - EYE_Y) / EYE_HALF_WIDTH
     ahead = np.cos(np.radians(azimuth)) > 0
@@ -184,9 +198,9 @@ def eye_depth(config: FaceConfig) -> float:
     return float(surface(config, azimuth, np.array(EYE_Z))[0]) + 0.0035 - EYE_RADIUS
 
 
-def _skull(config: FaceConfig, factor: int) -> Mesh:
-    azimuth = _columns(factor)
-    z, behind = _rows(config, azimuth, factor)
+def _skull(config: FaceConfig, detail: int) -> Mesh:
+    azimuth = _columns(detail)
+    z, behind = _rows(config, azimuth, detail)
     azimuth = np.broadcast_to(azimuth, z.shape)
     points = surface(config, azimuth, z)
     across = (np.abs(points[..., 1]) - EYE_Y) ** 2 + (points[..., 2] - EYE_Z) ** 2
@@ -241,15 +255,15 @@ def _bun(sides: int) -> Mesh:
     return tube(centres, np.stack([radius, radius], -1), sides, (0, 0, 1), (left, low, right, high))
 
 
-def head(config: FaceConfig, factor: int) -> Mesh:
-    """The whole head without eyeballs; `factor` 1 for pictures of 320x240, 3 for figures."""
-    parts = [_skull(config, factor)]
+def head(config: FaceConfig, detail: int) -> Mesh:
+    """The whole head without eyeballs; `detail` 1 for pictures of 320x240, 2 or 3 for figures."""
+    parts = [_skull(config, detail)]
     if config.hair_style == "bob":
-        parts.append(_curtain(min(factor, 2)))
+        parts.append(_curtain(min(detail, 2)))
     else:
-        parts += [_ear(config, side, 7 * factor + 1) for side in (1, -1)]
+        parts += [_ear(config, side, 7 * detail) for side in (1, -1)]
     if config.hair_style == "bun":
-        parts.append(_bun(8 * factor))
+        parts.append(_bun(7 * detail))
     return merge(*parts)
 
 

@@ -130,7 +130,7 @@ def _add_texture(spec: mujoco.MjSpec, name: str, texture: np.ndarray) -> None:
 def _add_caregiver(spec: mujoco.MjSpec, config: SceneConfig, high: bool) -> None:
     part = _part("caregiver")
     person = config.face or identity(config.caregiver)
-    looks = build_face(person, *((3, 1024) if high else (1, 256)))
+    looks = build_face(person, *((3, 1024) if high else (1, 64)))
     _add_mesh(part, "head", looks, looks.texture)
     _add_mesh(part, "eyeball", looks.eyeball, looks.eye_texture)
     x, y, z = looks.eye_centre
@@ -139,16 +139,24 @@ def _add_caregiver(spec: mujoco.MjSpec, config: SceneConfig, high: bool) -> None
     _add_mesh(part, "upper_arm", body.upper_arm(part.body("elbow").pos[0], high))
     _add_mesh(part, "forearm", body.forearm(part.body("wrist").pos[0], high))
     _add_mesh(part, "hand", body.hand(high))
-    _add_texture(part, "body", body.clothes_and_skin(person, config.clothing, 512 if high else 128))
+    _add_texture(part, "body", body.clothes_and_skin(person, config.clothing, 512 if high else 64))
     stand = spec.worldbody.add_body(name="caregiver", pos=(HEAD_POSITION[0], HEAD_POSITION[1], 0), quat=(0, 0, 0, 1))
     spec.attach(part, prefix="caregiver/", frame=stand.add_frame())
 
 
 def _add_room(spec: mujoco.MjSpec, high: bool) -> None:
-    part, size = _part("table"), 512 if high else 64
-    _add_mesh(part, "table", room.table(half_x=0.42, half_y=0.60, thickness=0.04), room.wood(size))
-    _add_mesh(part, "wall", room.wall(half_y=3.0, height=2.6), room.plaster(size, height=2.6))
-    _add_mesh(part, "floor", room.floor(half_x=1.5, half_y=3.0), room.carpet(size))
+    part = _part("table")
+    _add_mesh(part, "table", room.table(half_x=0.42, half_y=0.60, thickness=0.04, relief=not high))
+    _add_mesh(part, "wall", room.wall(half_y=3.6, height=2.6, relief=not high))
+    _add_mesh(part, "floor", room.floor(low_x=-2.2, high_x=2.2, half_y=3.6))
+    _add_mesh(part, "side_walls", room.side_walls(low_x=-2.2, high_x=2.2, half_y=3.6, height=2.6))
+    if high:
+        _add_texture(part, "table", room.wood(512))
+        _add_texture(part, "wall", room.plaster(512, height=2.6))
+        _add_texture(part, "floor", room.carpet(512))
+    else:  # the same colours without textures
+        for name, rgb in (("table", room.WOOD), ("wall", room.PLASTER), ("floor", room.CARPET)):
+            part.add_material(name=name, rgba=(*rgb, 1), specular=0, shininess=0)
     spec.attach(part, prefix="room/", frame=spec.worldbody.add_frame())
 
 
