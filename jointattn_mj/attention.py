@@ -1,0 +1,108 @@
+"""Where and when to look: the attention selector of section 6.3.2 (eq. 6.1 to 6.7, Table 6.1).
+
+Each candidate has an interest measure, the product of a saliency that habituates while it is attended and of a motion
+saliency that grows while it moves. Candidates are the n objects and, last, the face.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numba
+import numpy as np
+
+from jointattn_mj.errors import ConfigError
+
+
+@dataclass(frozen=True)
+class AttentionConfig:
+    """Table 6.1, the constants of section 6.4.1, and what the text leaves open."""
+
+    motion_cues: bool = True
+    """Without them the motion saliency is 1 for every candidate (the comparison of section 6.4.3)."""
+    face_preference: float = 1500.0
+    """C of the face, Table 6.1."""
+    object_preference: float = 800.0
+    """C of each object, Table 6.1."""
+    face_decay: float = 2.0e-2
+    """alpha of the face is exp(-this) per frame, Table 6.1."""
+    object_decay: float = 1.0e-2
+    """alpha of an object is exp(-this) per frame, Table 6.1."""
+    face_growth: float = 1.2e-2
+    """beta of the face is exp(this) per frame, Table 6.1."""
+    object_growth: float = 2.0e-3
+    """beta of an object is exp(this) per frame, Table 6.1."""
+    recovery: Literal["min", "max"] = "min"
+    """How an unattended candidate's saliency is bounded by C in eq. 6.6. The text prints max, under which nothing
+    recovers towards C and interest grows without the bound that Fig. 6.3b draws; min says "recovers"."""
+    motion_gain: float = 4.5
+    """a of eq. 6.4."""
+    motion_delay: float = 20.0
+    """d of eq. 6.4, frames."""
+    motion_width: float = 1.4
+    """T of eq. 6.4, frames."""
+    selection_period: int = 18
+    """Frames of dwell from one draw by eq. 6.7 to the next. The text gives none; 0.6 s with shifts of about a second
+    gives its number of shifts, a draw at every frame gives half as many again and destroys the effect of cues."""
+
+    def __post_init__(self) -> None:
+        if self.selection_period < 1:
+            raise ConfigError(f"attention.selection_period must be at least 1 frame; got {self.selection_period}")
+        for name in ("face_preference", "object_preference", "motion_width"):
+            if not getattr(self, name) > 0:
+                raise ConfigError(f"attention.{name} must be positive; got {getattr(self, name)}")
+
+
+def motion_saliency(motion: np.ndarray, gain: float, delay: float, width: float) -> np.ndarray:
+    """M_i = g(m_i), eq. 6.2 and 6.4, from the degree of motion m_i in frames."""
+    return 1 + gain / (1 + np.exp((delay - motion) / width))
+
+
+@numba.njit(cache=True)
+def _advance(saliency, motion, attended, moves, preference, decay, growth, toward_preference):  # noqa: ANN001
+    for i in range(saliency.size):
+        motion[i] = motion[i] + 1 if moves[i] else max(motion[i] - 1, 0)  # eq. 6.3
+        if i == attended:  # eq. 6.6
+            saliency[i] *= decay[i]
+        elif toward_preference:
+            saliency[i] = min(preference[i], growth[i] * saliency[i])
+        else:
+            saliency[i] = max(preference[i], growth[i] * saliency[i])
+
+
+class AttentionSelector:
+    """Interest measures of the objects (0 to n-1) and of the face (n), one ``advance`` per frame of fixation.
+
+    Nothing changes while the robot turns its head, for then no frame is advanced (Fig. 6.3b).
+    """
+
+    def __init__(self, config: AttentionConfig, objects: int, rng: np.random.Generator):
+        self.config, self._rng = config, rng
+        self.face = objects
+        face = np.arange(objects + 1) == objects
+        self._preference = np.where(face, config.face_preference, config.object_preference)
+        self._decay = np.exp(-np.where(face, config.face_decay, config.object_decay))
+        self._growth = np.exp(np.where(face, config.face_growth, config.object_growth))
+        self.saliency = self._preference.copy()  # S_i, eq. 6.5
+        self.motion = np.zeros(objects + 1)  # m_i
+
+    def advance(self, attended: int | None, moves: np.ndarray) -> None:
+        """One frame: habituate to ``attended``, recover for the rest, count motion (eq. 6.3, 6.6)."""
+        at = -1 if attended is None else attended
+        toward = self.config.recovery == "min"
+        _advance(self.saliency, self.motion, at, moves, self._preference, self._decay, self._growth, toward)
+
+    def interest(self) -> np.ndarray:
+        """I_i, eq. 6.1: (n+1,)."""
+        config = self.config
+        if not config.motion_cues:
+            return self.saliency.copy()
+        return self.saliency * motion_saliency(
+            self.motion, config.motion_gain, config.motion_delay, config.motion_width
+        )
+
+    def draw(self, seen: np.ndarray) -> int | None:
+        """The next candidate to look at, drawn by eq. 6.7 among those in view; None when none is."""
+        if not seen.any():
+            return None
+        bound = np.cumsum(np.where(seen, self.interest(), 0.0))
+        return int(np.searchsorted(bound, self._rng.random() * bound[-1], side="right"))

@@ -1,0 +1,135 @@
+"""From the caregiver's face to a motor command, learned online (section 6.3.3, Fig. 6.4).
+
+A two-layered perceptron on the activations of the SOM, trained after every shift that ends at an object with the
+robot's own motor command as reference. "Two-layered" leaves the output's code open; both readings are here.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+
+from jointattn_mj.errors import ConfigError
+
+
+@dataclass(frozen=True)
+class LearnerConfig:
+    """The online contingency learning module."""
+
+    code: Literal["population", "linear"] = "population"
+    """Output code. With two linear outputs right and wrong pairs average to the middle of the table; a population of
+    output units tuned to directions keeps them apart and lets the more frequent, the right one, win."""
+    rate: float = 0.02
+    """Learning rate of the delta rule, normalised by the squared length of the input."""
+    directions: Literal["both", "face_to_object"] = "both"
+    """Which shifts are learned from: section 6.3.1 learns from object-to-face shifts too "to have double chances"."""
+    counts: Literal["face_to_object", "both"] = "face_to_object"
+    """Which learned pairs advance l of the gate, eq. 6.8."""
+    reference: Literal["object", "executed"] = "object"
+    """Reference signal: the command that would have centred the object, or the head's turn as carried out."""
+    pan_range_deg: tuple[float, float] = (-25.0, 25.0)
+    """Preferred directions of the output units, pan; covers the table as seen from the face."""
+    tilt_range_deg: tuple[float, float] = (-30.0, 0.0)
+    """The same for tilt."""
+    units: tuple[int, int] = (21, 11)
+    """Output units along pan and tilt."""
+    tuning_deg: float = 1.5
+    """Standard deviation of the reference pattern about the reference command."""
+
+    def __post_init__(self) -> None:
+        if not 0 < self.rate <= 1 or self.tuning_deg <= 0 or min(self.units) < 3:
+            raise ConfigError(
+                "learner needs 0 < rate <= 1, tuning_deg > 0 and at least 3 units an axis; got "
+                f"{self.rate}, {self.tuning_deg}, {self.units}"
+            )
+
+
+class Learner(Protocol):
+    """What any learner of the map must offer; directions are motor commands (pan, tilt) in degrees."""
+
+    def predict(self, activations: np.ndarray) -> np.ndarray:
+        """Motor command (2,) for SOM activations (k,)."""
+
+    def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
+        """Strengthen the connection between the two."""
+
+    def weights(self) -> np.ndarray:
+        """All that was learned, as one array."""
+
+    def load(self, weights: np.ndarray) -> None:
+        """Take over what ``weights`` gave."""
+
+
+class PopulationLearner:
+    """Outputs are units on a grid of directions; the delta rule moves them towards a bump at the reference."""
+
+    def __init__(self, config: LearnerConfig, inputs: int):
+        self._config = config
+        self._pans = np.linspace(*config.pan_range_deg, config.units[0])
+        self._tilts = np.linspace(*config.tilt_range_deg, config.units[1])
+        self._weights = np.zeros((inputs, *config.units))
+
+    def predict(self, activations: np.ndarray) -> np.ndarray:
+        """Centre of mass of the most active unit and its neighbours."""
+        output = np.tensordot(activations, self._weights, 1)
+        pan, tilt = np.unravel_index(np.argmax(output), output.shape)
+        pans = slice(max(pan - 1, 0), pan + 2)
+        tilts = slice(max(tilt - 1, 0), tilt + 2)
+        bump = np.maximum(output[pans, tilts], 0) + 1e-12
+        bump /= bump.sum()
+        return np.array([bump.sum(1) @ self._pans[pans], bump.sum(0) @ self._tilts[tilts]])
+
+    def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
+        """One step of the normalised delta rule."""
+        width = self._config.tuning_deg
+        reference = np.outer(
+            np.exp(-0.5 * ((self._pans - command[0]) / width) ** 2),
+            np.exp(-0.5 * ((self._tilts - command[1]) / width) ** 2),
+        )
+        error = reference - np.tensordot(activations, self._weights, 1)
+        gain = self._config.rate / (activations @ activations)
+        self._weights += np.multiply.outer(gain * activations, error)
+
+    def weights(self) -> np.ndarray:
+        """(k, pan units, tilt units)."""
+        return self._weights.copy()
+
+    def load(self, weights: np.ndarray) -> None:
+        """The inverse of ``weights``."""
+        self._weights = _same_shape(weights, self._weights)
+
+
+class LinearLearner:
+    """Two linear outputs, pan and tilt: the nearest reading of "two-layered perceptron", kept as a baseline."""
+
+    def __init__(self, config: LearnerConfig, inputs: int):
+        self._config = config
+        self._weights = np.zeros((inputs, 2))
+
+    def predict(self, activations: np.ndarray) -> np.ndarray:
+        """Weighted sum."""
+        return activations @ self._weights
+
+    def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
+        """One step of the normalised delta rule."""
+        gain = self._config.rate / (activations @ activations)
+        self._weights += np.outer(gain * activations, command - self.predict(activations))
+
+    def weights(self) -> np.ndarray:
+        """(k, 2)."""
+        return self._weights.copy()
+
+    def load(self, weights: np.ndarray) -> None:
+        """The inverse of ``weights``."""
+        self._weights = _same_shape(weights, self._weights)
+
+
+def make_learner(config: LearnerConfig, inputs: int) -> Learner:
+    """The learner that ``config.code`` names, for ``inputs`` SOM cells."""
+    return {"population": PopulationLearner, "linear": LinearLearner}[config.code](config, inputs)
+
+
+def _same_shape(given: np.ndarray, own: np.ndarray) -> np.ndarray:
+    if given.shape != own.shape:
+        raise ConfigError(f"learned weights must have shape {own.shape} under this config; got {given.shape}")
+    return np.array(given, own.dtype)

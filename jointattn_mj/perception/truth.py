@@ -1,0 +1,73 @@
+"""The same ``Percept`` from the simulator's state, as well and as badly as the pixel path sees it (``perception truth``).
+
+The only part of a robot's path that knows the world. It renders nothing and is meant for sweeps; its face pattern is
+the caregiver's head direction instead of a grey patch, and its errors are those that the pixel path was measured to
+make (``experiments/perception``).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from jointattn_mj.perception.percept import Percept
+from jointattn_mj.scene.camera import in_picture, pixels_of_points
+from jointattn_mj.scene.world import World
+
+
+@dataclass(frozen=True)
+class TruthConfig:
+    """Noise, misses and false alarms; defaults are the pixel path's, measured in closed loop."""
+
+    face_noise_px: float = 0.8
+    """Standard deviation of the face's place, each axis."""
+    face_miss: float = 0.001
+    """Chance that a visible face is not found."""
+    object_noise_px: float = 0.5
+    """Standard deviation of an object's place, each axis."""
+    object_miss: float = 0.002
+    """Chance that a visible object is not found."""
+    pattern_noise_deg: float = 2.0
+    """Standard deviation of head yaw and pitch in the face pattern: how well the SOM can tell faces apart."""
+    face_moves_above_deg_s: float = 4.0
+    """Head speed that counts as motion."""
+    object_moves_above_m_s: float = 0.05
+    """Object speed that counts as motion."""
+    face_motion_hit: float = 0.97
+    """Chance that a turning face is seen to move."""
+    face_motion_false_alarm: float = 0.02
+    """Chance that a still face is seen to move."""
+    object_motion_hit: float = 0.996
+    """Chance that a moving object is seen to move."""
+    object_motion_false_alarm: float = 0.01
+    """Chance that a still object is seen to move."""
+
+
+class TruthPerception:
+    """Looks at the world's state through the camera's geometry."""
+
+    pattern_size = 2
+
+    def __init__(self, config: TruthConfig, world: World, rng: np.random.Generator):
+        self.config, self._world, self._rng = config, world, rng
+        objects = len(world.config.scene.objects)
+        face = np.arange(objects + 1) == objects
+        self._noise = np.where(face, config.face_noise_px, config.object_noise_px)[:, None]
+        self._miss = np.where(face, config.face_miss, config.object_miss)
+        self._hit = np.where(face, config.face_motion_hit, config.object_motion_hit)
+        self._alarm = np.where(face, config.face_motion_false_alarm, config.object_motion_false_alarm)
+
+    def look(self, observation: Mapping[str, np.ndarray], landed: bool) -> Percept:
+        """The percept of this frame; just landed, nothing is seen to move, as in the pixel path."""
+        pixels = pixels_of_points(self._world.candidate_points(), np.degrees(observation["head_angles"]))
+        draws = self._rng.random((2, len(pixels)))
+        seen = in_picture(pixels) & (draws[0] >= self._miss)
+        pixels += self._noise * self._rng.standard_normal(pixels.shape)
+        pixels[~seen] = np.nan
+        moving = self._world.moving(self.config.face_moves_above_deg_s, self.config.object_moves_above_m_s)
+        moves = seen & (draws[1] < np.where(moving, self._hit, self._alarm)) & (not landed)
+        return Percept(seen=seen, px=pixels, moves=moves)
+
+    def face_pattern(self) -> np.ndarray:
+        """Yaw and pitch of her head (2,), deg, with noise: stands for the 32x32 patch f_v."""
+        return self._world.face_angles_deg() + self.config.pattern_noise_deg * self._rng.standard_normal(2)

@@ -1,0 +1,203 @@
+"""The robot of chapter 6: attention selector, visual feedback, gate and online contingency learning (Fig. 6.2)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from jointattn_mj.attention import AttentionConfig, AttentionSelector
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.gaze import GazeConfig, HeadShift, gate_probability
+from jointattn_mj.learning import LearnerConfig, make_learner
+from jointattn_mj.perception.percept import Percept, Perceiver
+from jointattn_mj.perception.som import SOM, SOMConfig
+from jointattn_mj.scene.camera import direction_of, off_centre
+
+
+@dataclass(frozen=True)
+class FamiliariseConfig:
+    """How the robot gets to know the caregiver's face before the session (section 6.4.1, "within three minutes")."""
+
+    minutes: float = 3.0
+    """Simulated minutes of looking at the face."""
+    every: int = 3
+    """Frames from one look to the next; ten looks a second show all that thirty would."""
+
+    def __post_init__(self) -> None:
+        if self.minutes <= 0 or self.every < 1:
+            raise ConfigError(f"familiarise needs minutes > 0 and every >= 1; got {self.minutes}, {self.every}")
+
+
+@dataclass(frozen=True)
+class RobotConfig:
+    """The robot's mind."""
+
+    attention: AttentionConfig = field(default_factory=AttentionConfig)
+    """Where and when to look (6.3.2)."""
+    gaze: GazeConfig = field(default_factory=GazeConfig)
+    """Gate and head movement (6.3.1, 6.4.1)."""
+    learner: LearnerConfig = field(default_factory=LearnerConfig)
+    """The online contingency learning module (6.3.3)."""
+    som: SOMConfig = field(default_factory=SOMConfig)
+    """The self-organising map of face patterns (6.3.3, 6.4.1)."""
+    familiarise: FamiliariseConfig = field(default_factory=FamiliariseConfig)
+    """The three minutes in which the map is learned (6.4.1)."""
+
+
+@dataclass
+class GazeShift:
+    """One shift of gaze, as the robot knows it. Candidates are numbered as in ``Percept``; directions in degrees."""
+
+    source: int | None
+    chosen: int
+    by_learner: bool
+    start: np.ndarray  # (2,) head at launch
+    command: np.ndarray  # (2,) direction commanded
+    suggestion: np.ndarray | None  # (2,) direction that the learner would command; only from the face
+    activations: np.ndarray | None  # SOM activations for the last face pattern before the shift; only from the face
+    source_direction: np.ndarray | None  # (2,) where the source was last seen
+    reached: int | None = None  # candidate at the centre of view after landing
+    learned: bool = False
+
+
+class GazeFollower:
+    """Learns to look where the caregiver looks; maps observations to desired head angles.
+
+    Observations are a mapping with ``camera`` (uint8 picture, read only when the robot looks), ``head_angles`` (pan,
+    tilt; rad) and ``head_moves`` (bool); the action is the desired pan and tilt, rad.
+
+    Attributes:
+        attended: Candidate that is fixated, or None.
+        percept: The last percept; None while the head turns.
+        shift: The gaze shift under way, or None.
+        landed: The gaze shift that ended in this frame, or None.
+        iterations: l of eq. 6.8.
+    """
+
+    def __init__(self, config: RobotConfig, perceiver: Perceiver, objects: int, seed: np.random.SeedSequence):
+        attention, gate, som = (np.random.default_rng(child) for child in seed.spawn(3))
+        self.config, self.perceiver = config, perceiver
+        self.face = objects
+        self.attention = AttentionSelector(config.attention, objects, attention)
+        self.som = SOM(config.som, perceiver.pattern_size, som)
+        self.learner = make_learner(config.learner, self.som.cells)
+        self.iterations = 0
+        self.attended: int | None = None
+        self.percept: Percept | None = None
+        self.shift: GazeShift | None = None
+        self.landed: GazeShift | None = None
+        self._gate = gate
+        self._movement: HeadShift | None = None
+        self._held = np.zeros(2)
+        self._dwell = 0
+
+    def familiarise(self, observation: Mapping[str, np.ndarray], frame: int) -> np.ndarray:
+        """One frame of the minutes before the session: keep the face at the centre of view and learn its patterns."""
+        head = np.degrees(observation["head_angles"])
+        if frame % self.config.familiarise.every == 0:
+            percept = self.perceiver.look(observation, landed=True)
+            if percept.seen[self.face]:
+                self._held = direction_of(percept.px[self.face], head)
+                self.som.train(self.perceiver.face_pattern())
+        self.attended = self.face
+        return np.radians(self._held)
+
+    def act(self, observation: Mapping[str, np.ndarray]) -> np.ndarray:
+        """One frame of life: percept, attention, and a motor command."""
+        self.landed = self.percept = None
+        if self._movement is not None and not (self._movement.commanded and not observation["head_moves"]):
+            return self._turn(observation)
+        head = np.degrees(observation["head_angles"])
+        landing = self._movement is not None
+        self.percept = percept = self.perceiver.look(observation, landing)
+        if landing:
+            self._land(percept, head)
+        else:
+            self.attention.advance(self.attended, percept.moves)
+        self._dwell += 1
+        if self._dwell % self.config.attention.selection_period == 0:
+            chosen = self.attention.draw(percept.seen)
+            if chosen is not None and chosen != self.attended:
+                self._launch(chosen, percept, head)
+        return np.radians(self._held)
+
+    def _launch(self, chosen: int, percept: Percept, head: np.ndarray) -> None:
+        """Turn towards ``chosen``; from the face to an object, the gate decides who says where that is."""
+        source = self.attended
+        command = direction_of(percept.px[chosen], head)
+        suggestion = activations = None
+        by_learner = False
+        if source == self.face and percept.seen[self.face]:
+            activations = self.som.activations(self.perceiver.face_pattern())
+            suggestion = head + self.learner.predict(activations)
+            by_learner = bool(self._gate.random() < gate_probability(self.config.gaze, self.iterations))
+            if by_learner:
+                command = suggestion
+        source_seen = source is not None and percept.seen[source]
+        self.shift = GazeShift(
+            source=source,
+            chosen=chosen,
+            by_learner=by_learner,
+            start=head,
+            command=command,
+            suggestion=suggestion,
+            activations=activations,
+            source_direction=direction_of(percept.px[source], head) if source_seen else None,
+        )
+        self._movement = HeadShift(head, command, self.config.gaze.shift_frames)
+        self._held = command
+
+    def _turn(self, observation: Mapping[str, np.ndarray]) -> np.ndarray:
+        """One frame of a gaze shift; visual feedback looks where its target has gone."""
+        shift, movement = self.shift, self._movement
+        if not shift.by_learner and shift.chosen != self.face and movement.frame in self.config.gaze.feedback_frames:
+            percept = self.perceiver.look(observation, landed=True)
+            if percept.seen[shift.chosen]:
+                head = np.degrees(observation["head_angles"])
+                self._held = shift.command = direction_of(percept.px[shift.chosen], head)
+                movement.aim(shift.command)
+        return np.radians(movement.next_reference())
+
+    def _land(self, percept: Percept, head: np.ndarray) -> None:
+        """See what is at the centre of view now, and learn from the shift."""
+        shift = self.shift
+        nearest, distance = self._nearest(percept, head)
+        centred = distance <= self.config.gaze.centre_radius_deg
+        shift.reached = nearest if centred else None
+        self.attended = nearest if centred or self.config.gaze.attends == "nearest" else None
+        self._learn(shift, percept, head)
+        self.landed, self.shift, self._movement = shift, None, None
+        self._dwell = 0
+
+    @staticmethod
+    def _nearest(percept: Percept, head: np.ndarray) -> tuple[int | None, float]:
+        """The candidate in view that is nearest to its centre, and how far off (deg) that is."""
+        if not percept.seen.any():
+            return None, np.inf
+        distances = [
+            off_centre(direction_of(pixel, head), head) if seen else np.inf
+            for pixel, seen in zip(percept.px, percept.seen, strict=True)
+        ]
+        nearest = int(np.argmin(distances))
+        return nearest, distances[nearest]
+
+    def _learn(self, shift: GazeShift, percept: Percept, head: np.ndarray) -> None:
+        """Contingency learning from either direction of a shift between the face and an object (section 6.3.1)."""
+        config = self.config.learner
+        if shift.activations is not None and shift.reached not in (None, self.face):
+            centred = config.reference == "object"
+            end = direction_of(percept.px[shift.reached], head) if centred else head
+            self.learner.learn(shift.activations, end - shift.start)
+            self.iterations += 1
+            shift.learned = True
+        elif (
+            config.directions == "both"
+            and shift.reached == self.face
+            and shift.source_direction is not None
+            and shift.source != self.face
+        ):
+            activations = self.som.activations(self.perceiver.face_pattern())
+            start = shift.source_direction if config.reference == "object" else shift.start
+            self.learner.learn(activations, start - head)
+            self.iterations += config.counts == "both"
+            shift.learned = True

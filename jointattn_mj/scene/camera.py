@@ -1,0 +1,101 @@
+"""The robot's eye: its geometry as a pinhole camera, and a renderer that works only when somebody looks.
+
+Pixels have x to the right and y down. Directions are pairs (pan, tilt) in degrees, in the frame of the robot's base:
+the head angles that would bring a thing to the centre of view. Pan is positive to the robot's left, tilt upwards.
+"""
+
+from math import atan2, cos, degrees, hypot, radians, sin, tan
+
+import mujoco
+import numpy as np
+
+from jointattn_mj.errors import GLError
+from jointattn_mj.scene import gl
+from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH
+
+FOVY_DEG = 48.5
+"""Vertical angle of view (6.4.1); at 4:3 the horizontal one is 61.9 degrees, as the text says."""
+PIVOT = np.array([0.0, 0.0, 1.0])
+"""Where pan axis, tilt axis and optical centre meet, world frame, metres."""
+FOCAL_PX = PICTURE_HEIGHT / 2 / tan(radians(FOVY_DEG / 2))
+CENTRE_X, CENTRE_Y = (PICTURE_WIDTH - 1) / 2, (PICTURE_HEIGHT - 1) / 2
+
+
+def direction_of(pixel: np.ndarray, head: np.ndarray) -> np.ndarray:
+    """Direction (2,) of what appears at ``pixel`` (2,) while the head stands at ``head`` (2,)."""
+    left, up = (CENTRE_X - pixel[0]) / FOCAL_PX, (CENTRE_Y - pixel[1]) / FOCAL_PX
+    pan, tilt = radians(head[0]), radians(head[1])
+    ahead, z = cos(tilt) - sin(tilt) * up, sin(tilt) + cos(tilt) * up
+    x, y = cos(pan) * ahead - sin(pan) * left, sin(pan) * ahead + cos(pan) * left
+    return np.array([degrees(atan2(y, x)), degrees(atan2(z, hypot(x, y)))])
+
+
+def pixel_of(direction: np.ndarray, head: np.ndarray) -> np.ndarray:
+    """Where a thing in ``direction`` (2,) appears while the head stands at ``head`` (2,); the inverse of direction_of."""
+    pan, elevation, tilt = radians(direction[0] - head[0]), radians(direction[1]), radians(head[1])
+    x, y, z = cos(elevation) * cos(pan), cos(elevation) * sin(pan), sin(elevation)
+    depth, up = cos(tilt) * x + sin(tilt) * z, cos(tilt) * z - sin(tilt) * x
+    return np.array([CENTRE_X - FOCAL_PX * y / depth, CENTRE_Y - FOCAL_PX * up / depth])
+
+
+def off_centre(direction: np.ndarray, head: np.ndarray) -> float:
+    """Angle (deg) between two directions, small enough for the plane."""
+    return hypot((direction[0] - head[0]) * cos(radians(head[1])), direction[1] - head[1])
+
+
+def directions_to(points: np.ndarray) -> np.ndarray:
+    """Directions (k, 2) of points (k, 3) in the world, metres."""
+    x, y, z = (points - PIVOT).T
+    return np.degrees(np.stack([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))], axis=1))
+
+
+def pixels_of_points(points: np.ndarray, head: np.ndarray) -> np.ndarray:
+    """Pixels (k, 2) at which points (k, 3) in the world, metres, appear while the head stands at ``head``, degrees."""
+    pan, tilt = radians(head[0]), radians(head[1])
+    x, y, z = (points - PIVOT).T
+    ahead = cos(pan) * x + sin(pan) * y
+    depth, up = cos(tilt) * ahead + sin(tilt) * z, cos(tilt) * z - sin(tilt) * ahead
+    left = cos(pan) * y - sin(pan) * x
+    return np.stack([CENTRE_X - FOCAL_PX * left / depth, CENTRE_Y - FOCAL_PX * up / depth], axis=1)
+
+
+def in_picture(pixels: np.ndarray) -> np.ndarray:
+    """Which pixels (k, 2) lie inside the picture: (k,) bool."""
+    return ((pixels >= -0.5) & (pixels <= (PICTURE_WIDTH - 0.5, PICTURE_HEIGHT - 0.5))).all(axis=1)
+
+
+class Eye:
+    """Renders one camera of a model into one reused buffer.
+
+    The renderer is made at the first picture: a scene that nobody looks at needs no OpenGL.
+    """
+
+    def __init__(self, model: mujoco.MjModel, camera: str = "robot/eye", width: int = PICTURE_WIDTH, height: int = PICTURE_HEIGHT):
+        self._model, self._camera, self._size = model, camera, (height, width)
+        self._renderer: mujoco.Renderer | None = None
+        self._buffer = np.empty((height, width, 3), np.uint8)
+
+    def look(self, data: mujoco.MjData) -> np.ndarray:
+        """The picture now, uint8 (height, width, 3), RGB; it holds until the next look.
+
+        Raises:
+            GLError: No picture can be rendered here; the message names the packages to install.
+        """
+        if self._renderer is None:
+            self._renderer = self._open()
+        self._renderer.update_scene(data, self._camera)
+        return self._renderer.render(out=self._buffer)
+
+    def close(self) -> None:
+        """Free the OpenGL context (OSMesa prints tracebacks at exit when nobody does)."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+    def _open(self) -> mujoco.Renderer:
+        if gl.rendering_disabled():
+            raise GLError(f"Pictures need an OpenGL library, and none was found. {gl.INSTALL}")
+        try:
+            return mujoco.Renderer(self._model, *self._size)
+        except Exception as error:  # PyOpenGL and mujoco raise a dozen kinds here
+            raise GLError(f"The OpenGL library could not open an offscreen picture ({error}). {gl.INSTALL}") from error

@@ -1,0 +1,216 @@
+"""What the caregiver does: the object-transfer task of section 6.4.2.
+
+She picks an object at random and turns to it, reaches, lifts it to a place before her face, observes it, puts it
+elsewhere on the table, and looks at it for a while. Each phase is planned whole when it begins (a ``Plan`` of one row
+per frame) and then played; nothing she does depends on the robot.
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.scene.layout import Layout, LayoutConfig
+from jointattn_mj.scene.movement import Arm, gaze_angles, minimum_jerk, path_between
+
+FRAME_S = 1 / 30
+"""One step of caregiver, robot and camera: 30 pictures a second (section 6.4.1)."""
+
+
+class Phase(StrEnum):
+    """The states of the object-transfer task; GREET comes once, before it."""
+
+    GREET = "greet"
+    TURN = "turn"
+    REACH = "reach"
+    LIFT = "lift"
+    OBSERVE = "observe"
+    PUT = "put"
+    GAZE = "gaze"
+
+
+FOLLOWING = {
+    Phase.GREET: Phase.TURN,
+    Phase.TURN: Phase.REACH,
+    Phase.REACH: Phase.LIFT,
+    Phase.LIFT: Phase.OBSERVE,
+    Phase.OBSERVE: Phase.PUT,
+    Phase.PUT: Phase.GAZE,
+    Phase.GAZE: Phase.TURN,
+}
+
+
+@dataclass(frozen=True)
+class CaregiverConfig:
+    """How she moves. Section 6.4.2 fixes only "about two seconds" for observing and for gazing; the rest is a choice."""
+
+    greet_s: float = 1.0
+    """She looks at the robot once before she begins, as a person does; the robot's first sight of a frontal face."""
+    turn_s: float = 0.7
+    """A head turn; with minimum jerk, 40 degrees peak at about 107 degrees/s."""
+    reach_s: float = 0.6
+    """From the resting hand to the object."""
+    lift_s: float = 0.7
+    """From the table to the holding place."""
+    observe_s: float = 2.3
+    """"Observes it for about two seconds" (6.4.2)."""
+    put_s: float = 1.5
+    """From the holding place to the new place on the table."""
+    gaze_s: float = 2.0
+    """"Gazes at it for about two seconds" (6.4.2); meanwhile the hand goes back."""
+    duration_jitter: float = 0.2
+    """Each duration is multiplied by a uniform draw from 1 +- this: people are not clockwork."""
+    withdraw_s: float = 0.8
+    """How long the hand takes back to its resting place while she gazes."""
+    holding_place: tuple[float, float, float] = (1.20, 0.0, 0.895)
+    """Where an object is brought to be observed, world frame, metres: before and below her face."""
+    wobble_m: float = 0.015
+    """While observed the object is moved to and fro by so much; a still object gives the robot no motion cue and cost
+    the trial runs a third of their successes."""
+    wobble_hz: float = 2.0
+    """Pace of that movement; fast and small, so that the learned direction is not smeared."""
+    reach_arch_m: float = 0.12
+    """How far the hand rises above the straight way, so that it comes down on an object from above."""
+    head_share: float = 0.85
+    """Part of a gaze angle that the head turns; the eyes turn the rest."""
+    hand_pitch_deg: float = 40.0
+    """The hand points at the robot and so far down."""
+    elbow_hint: tuple[float, float, float] = (-0.2, -1.0, 0.15)
+    """Direction in her own frame towards which the elbow is held: out to her right and slightly up."""
+    rest_place: tuple[float, float, float] = (1.20, 0.44, 0.79)
+    """Where the hand rests, world frame, metres."""
+
+    def __post_init__(self) -> None:
+        for name in ("greet_s", "turn_s", "reach_s", "lift_s", "observe_s", "put_s", "gaze_s", "withdraw_s"):
+            if not getattr(self, name) > 0:
+                raise ConfigError(f"caregiver.{name} must be a positive number of seconds; got {getattr(self, name)}")
+        if not 0 <= self.duration_jitter < 1:
+            raise ConfigError(f"caregiver.duration_jitter must lie in [0, 1); got {self.duration_jitter}")
+
+
+@dataclass
+class Plan:
+    """A phase, frame by frame, for T frames."""
+
+    gaze: np.ndarray  # (T, 2) yaw and pitch of her line of sight, her own frame, rad
+    head: np.ndarray  # (T, 2) the head's part of it
+    grasp: np.ndarray  # (T, 3) where the hand's grasp is, world frame, m
+    joints: np.ndarray  # (T, 4 + 7) neck yaw and pitch, eyes yaw and pitch, arm
+
+
+class ObjectTransfer:
+    """The state machine. After each ``advance`` the attributes say how things stand at the end of that frame.
+
+    Attributes:
+        phase: What she is doing.
+        target: Index of the object she looks at; None while she looks at the robot.
+        held: Index of the object in her hand, or None.
+        joints: (11,) neck yaw and pitch, eyes yaw and pitch, and the seven arm joints, rad.
+        objects: (n, 3) centres of the objects, world frame, m.
+    """
+
+    def __init__(
+        self,
+        config: CaregiverConfig,
+        layout: LayoutConfig,
+        object_count: int,
+        rest_height: float,
+        head: np.ndarray,
+        arm: Arm,
+        rng: np.random.Generator,
+    ):
+        """``rest_height`` is that of an object's centre on the table; ``head`` (3,) the head's centre, world frame."""
+        self.config = config
+        self._rng = rng
+        self._layout = Layout(layout, rng)
+        self._rest_height = rest_height
+        self._origin = np.array([head[0], head[1], 0.0])
+        self._eye = np.array([0.0, 0.0, head[2]])
+        self._arm = arm
+        self.objects = np.column_stack([self._layout.fill(object_count), np.full(object_count, rest_height)])
+        self.target: int | None = None
+        self.held: int | None = None
+        self._gaze = np.zeros(2)
+        self._hand = np.array(config.rest_place)
+        self._begin(Phase.GREET)
+        self._play(0)
+
+    def advance(self) -> None:
+        """Live through one frame."""
+        if self._frame + 1 == len(self._plan.joints):
+            self._begin(FOLLOWING[self.phase])
+            self._play(0)
+        else:
+            self._play(self._frame + 1)
+
+    def _play(self, frame: int) -> None:
+        self._frame = frame
+        plan = self._plan
+        self.joints = plan.joints[frame]
+        self._gaze, self._hand = plan.gaze[frame], plan.grasp[frame]
+        if self.held is not None:
+            self.objects[self.held] = self._hand
+
+    def _begin(self, phase: Phase) -> None:
+        config, hand = self.config, self._hand
+        self.phase = phase
+        frames = self._frames(getattr(config, f"{phase}_s"))
+        still = np.broadcast_to(hand, (frames, 3))
+        match phase:
+            case Phase.GREET:
+                self._plan = self._planned(np.zeros((frames, 2)), still)
+            case Phase.TURN:
+                others = [i for i in range(len(self.objects)) if i != self.target or len(self.objects) == 1]
+                self.target = int(self._rng.choice(others))
+                aim = self._sight(self.objects[self.target])
+                self._plan = self._planned(path_between(self._gaze, aim, frames), still)
+            case Phase.REACH:
+                target = self.objects[self.target]
+                gaze = np.broadcast_to(self._sight(target), (frames, 2))
+                self._plan = self._planned(gaze, path_between(hand, target, frames, config.reach_arch_m))
+            case Phase.LIFT:
+                self.held = self.target
+                path = path_between(hand, np.array(config.holding_place), frames)
+                self._plan = self._planned(self._sight(path), path)
+            case Phase.OBSERVE:
+                path = np.array(config.holding_place) + self._wobble(frames)
+                steady = np.broadcast_to(self._sight(np.array(config.holding_place)), (frames, 2))
+                self._plan = self._planned(self._sight(path), path, head_towards=steady)
+            case Phase.PUT:
+                others = np.delete(self.objects[:, :2], self.held, axis=0)
+                place = np.append(self._layout.place(others), self._rest_height)
+                path = path_between(hand, place, frames)
+                self._plan = self._planned(self._sight(path), path)
+            case Phase.GAZE:
+                self.held = None
+                gaze = np.broadcast_to(self._gaze, (frames, 2))
+                back = min(frames, round(config.withdraw_s / FRAME_S))
+                path = path_between(hand, np.array(config.rest_place), back, config.reach_arch_m)
+                self._plan = self._planned(gaze, np.vstack([path, np.broadcast_to(path[-1], (frames - back, 3))]))
+
+    def _frames(self, seconds: float) -> int:
+        jitter = self.config.duration_jitter
+        return max(2, round(seconds * self._rng.uniform(1 - jitter, 1 + jitter) / FRAME_S))
+
+    def _sight(self, points: np.ndarray) -> np.ndarray:
+        """Gaze angles (..., 2) towards points (..., 3) in the world."""
+        return gaze_angles(self._eye, self._own(points))
+
+    def _own(self, points: np.ndarray) -> np.ndarray:
+        """World points in her own frame, which is turned by half a turn about z."""
+        return (points - self._origin) * np.array([-1.0, -1.0, 1.0])
+
+    def _wobble(self, frames: int) -> np.ndarray:
+        """A small movement to and fro, (frames, 3), that begins and ends at rest."""
+        config, time = self.config, np.arange(1, frames + 1) * FRAME_S
+        ramp = minimum_jerk(max(1, frames // 4))
+        swell = np.ones(frames)
+        swell[: len(ramp)], swell[frames - len(ramp) :] = ramp, 1 - ramp
+        phase = 2 * np.pi * config.wobble_hz * time
+        return config.wobble_m * swell[:, None] * np.column_stack([0 * time, np.sin(phase), 0.5 * np.sin(2 * phase)])
+
+    def _planned(self, gaze: np.ndarray, grasp: np.ndarray, head_towards: np.ndarray | None = None) -> Plan:
+        head = self.config.head_share * (gaze if head_towards is None else head_towards)
+        joints = np.concatenate([head, gaze - head, self._arm.reach(self._own(grasp))], axis=1)
+        return Plan(gaze=gaze, head=head, grasp=grasp, joints=joints)

@@ -1,0 +1,89 @@
+"""Where objects lie on the table: apart from each other, and in the long run evenly spread (section 6.4.2)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from jointattn_mj.errors import ConfigError
+
+TRIES = 2000  # random places looked at for one object
+FILLS = 20  # tables begun anew before giving up
+
+
+@dataclass(frozen=True)
+class LayoutConfig:
+    """The part of the table that objects are put on; world frame, metres."""
+
+    x_range: tuple[float, float] = (0.90, 1.12)
+    """Near and far edge as seen from the robot; the caregiver's arm reaches all of it, and the robot sees all of it
+    while it looks at her face."""
+    y_range: tuple[float, float] = (-0.36, 0.36)
+    """Right and left edge; from the caregiver's face, gaze directions of about 40 degrees to either side."""
+    spacing: float = 0.13
+    """Least distance between two objects: twice an object's width, so that a hand fits between."""
+    evenness: int = 24
+    """"Positions as even as possible" (6.4.2): of so many random places the one in the least used cell is taken.
+    1 draws uniformly."""
+    cells: tuple[int, int] = (3, 8)
+    """Cells, in x and y, whose use is counted for evenness."""
+
+
+class Layout:
+    """Draws places and remembers how often each part of the table was used."""
+
+    def __init__(self, config: LayoutConfig, rng: np.random.Generator):
+        self.config = config
+        self._rng = rng
+        self._low = np.array([config.x_range[0], config.y_range[0]])
+        self._size = np.array([config.x_range[1], config.y_range[1]]) - self._low
+        if config.spacing <= 0 or config.evenness < 1 or np.any(self._size <= 0):
+            raise ConfigError(
+                "a layout needs x_range and y_range that grow, spacing > 0 and evenness >= 1; "
+                f"got {config.x_range}, {config.y_range}, {config.spacing}, {config.evenness}"
+            )
+        self._used = np.zeros(config.cells, int)
+
+    def place(self, others: np.ndarray) -> np.ndarray:
+        """A new place (2,) at least ``spacing`` away from ``others`` (k, 2).
+
+        Raises:
+            ConfigError: The table is too full for the spacing.
+        """
+        free = self._free(others)
+        if not len(free):
+            raise self._full(len(others) + 1)
+        return self._least_used(free)
+
+    def _free(self, others: np.ndarray) -> np.ndarray:
+        draws = self._low + self._size * self._rng.random((TRIES, 2))
+        apart = np.linalg.norm(draws[:, None] - np.reshape(others, (1, -1, 2)), axis=2)
+        return draws[np.all(apart >= self.config.spacing, axis=1)][: self.config.evenness]
+
+    def _least_used(self, free: np.ndarray) -> np.ndarray:
+        cells = ((free - self._low) / self._size * self.config.cells).astype(int)
+        chosen = int(np.argmin(self._used[tuple(cells.T)]))
+        self._used[tuple(cells[chosen])] += 1
+        return free[chosen]
+
+    def _full(self, count: int) -> ConfigError:
+        return ConfigError(
+            f"no room for {count} objects with a spacing of {self.config.spacing} m on "
+            f"{self._size[0]:.2f} x {self._size[1]:.2f} m; use fewer objects, a smaller spacing or a larger range"
+        )
+
+    def fill(self, count: int) -> np.ndarray:
+        """Places (count, 2) for all objects at once.
+
+        Raises:
+            ConfigError: So many objects do not fit.
+        """
+        for _ in range(FILLS):
+            places = np.empty((0, 2))
+            for _ in range(count):
+                free = self._free(places)
+                if not len(free):
+                    break
+                places = np.vstack([places, self._least_used(free)])
+            else:
+                return places
+        raise self._full(count)

@@ -1,0 +1,101 @@
+"""How bodies move: minimum-jerk profiles, gaze directions, and the arm's inverse kinematics in closed form.
+
+Everything here is a pure function of whole paths: a caregiver plans a movement once and plays it frame by frame.
+Points and directions are in the caregiver's own frame unless said otherwise: origin on the floor below her, x towards
+the robot, y to her left, z up; metres and radians.
+"""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+ARM_JOINTS = ("shoulder_yaw", "shoulder_pitch", "shoulder_roll", "elbow", "wrist_yaw", "wrist_pitch", "wrist_roll")
+
+
+def minimum_jerk(frames: int) -> np.ndarray:
+    """Progress of a minimum-jerk movement at the end of each of its frames: (frames,), rising to exactly 1."""
+    tau = np.arange(1, frames + 1) / frames
+    return tau**3 * (10 - 15 * tau + 6 * tau**2)
+
+
+def path_between(start: np.ndarray, end: np.ndarray, frames: int, arch: float = 0.0) -> np.ndarray:
+    """Minimum-jerk path from ``start`` (excluded) to ``end``, (frames, d), raised in its last axis by ``arch`` midway."""
+    progress = minimum_jerk(frames)[:, None]
+    path = start + progress * (np.asarray(end) - start)
+    path[:, -1] += 16 * arch * (progress * (1 - progress))[:, 0] ** 2
+    return path
+
+
+def gaze_angles(eye: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Yaw (to her left) and pitch (nose down) that turn a face at ``eye`` (3,) towards ``points`` (..., 3): (..., 2)."""
+    along = points - eye
+    yaw = np.arctan2(along[..., 1], along[..., 0])
+    pitch = -np.arctan2(along[..., 2], np.hypot(along[..., 0], along[..., 1]))
+    return np.stack([yaw, pitch], axis=-1)
+
+
+def rotation_to_zyx(rotation: np.ndarray) -> np.ndarray:
+    """Angles (..., 3) of three hinges about z, then y, then x that make ``rotation`` (..., 3, 3)."""
+    yaw = np.arctan2(rotation[..., 1, 0], rotation[..., 0, 0])
+    pitch = np.arctan2(-rotation[..., 2, 0], np.hypot(rotation[..., 0, 0], rotation[..., 1, 0]))
+    roll = np.arctan2(rotation[..., 2, 1], rotation[..., 2, 2])
+    return np.stack([yaw, pitch, roll], axis=-1)
+
+
+@dataclass(frozen=True)
+class Arm:
+    """An arm of two links with ball-like shoulder and wrist; the hand keeps one orientation wherever it goes.
+
+    The arm has one degree of freedom to spare, the swing of the elbow about the line from shoulder to wrist. It is
+    spent on holding the elbow towards ``elbow_hint``, out to the side and up, so that it stays clear of the table.
+    """
+
+    shoulder: np.ndarray  # (3,)
+    upper: float
+    fore: float
+    grasp: np.ndarray  # (3,) from the wrist to a held object's centre, in the hand's frame
+    hand: np.ndarray  # (3, 3) the hand's orientation
+    elbow_hint: np.ndarray  # (3,)
+
+    @classmethod
+    def from_model(cls, model: mujoco.MjModel, hand_pitch: float, elbow_hint: tuple[float, float, float]) -> "Arm":
+        """Read the lengths from the model; ``hand_pitch`` tilts the fingers down by so many radians."""
+        cos, sin = np.cos(hand_pitch), np.sin(hand_pitch)
+        return cls(
+            shoulder=model.body("caregiver/shoulder").pos.copy(),
+            upper=float(model.body("caregiver/elbow").pos[0]),
+            fore=float(model.body("caregiver/wrist").pos[0]),
+            grasp=model.site("caregiver/grasp").pos.copy(),
+            hand=np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]]),
+            elbow_hint=np.asarray(elbow_hint, float),
+        )
+
+    def reach(self, points: np.ndarray) -> np.ndarray:
+        """Joint angles (T, 7), in the order of ``ARM_JOINTS``, that bring the grasp to ``points`` (T, 3).
+
+        A point beyond the arm's length is approached as far as the straight arm goes.
+        """
+        to_wrist = points - self.hand @ self.grasp - self.shoulder
+        distance = np.linalg.norm(to_wrist, axis=1, keepdims=True)
+        along = to_wrist / distance
+        distance = np.clip(distance, abs(self.upper - self.fore) + 1e-6, self.upper + self.fore - 1e-6)
+        side = self.elbow_hint - along * (along @ self.elbow_hint)[:, None]
+        side /= np.linalg.norm(side, axis=1, keepdims=True)
+
+        # Law of cosines: the angle at the shoulder between the line to the wrist and the upper arm, and the elbow's.
+        at_shoulder = np.arccos((self.upper**2 + distance**2 - self.fore**2) / (2 * self.upper * distance))
+        at_elbow = np.arccos((self.upper**2 + self.fore**2 - distance**2) / (2 * self.upper * self.fore))
+        bend = np.pi - at_elbow[:, 0]
+
+        # The upper arm's frame: x along it, y in the plane of the arm on the side to which the elbow bends.
+        x = np.cos(at_shoulder) * along + np.sin(at_shoulder) * side
+        y = np.sin(at_shoulder) * along - np.cos(at_shoulder) * side
+        upper = np.stack([x, y, np.cross(x, y)], axis=-1)
+        turn = np.zeros((len(points), 3, 3))
+        turn[:, 0, 0] = turn[:, 1, 1] = np.cos(bend)
+        turn[:, 1, 0] = np.sin(bend)
+        turn[:, 0, 1] = -np.sin(bend)
+        turn[:, 2, 2] = 1
+        wrist = np.swapaxes(upper @ turn, 1, 2) @ self.hand
+        return np.concatenate([rotation_to_zyx(upper), bend[:, None], rotation_to_zyx(wrist)], axis=1)

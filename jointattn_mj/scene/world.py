@@ -1,0 +1,144 @@
+"""The world of chapter 6: model, caregiver, objects and the robot's body, one camera frame at a time.
+
+Knows MuJoCo and no environment API: the session steps a ``World`` directly, and the dm_control task steps the same
+``World`` over its own physics.
+"""
+
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+
+from jointattn_mj.scene.camera import Eye
+from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer
+from jointattn_mj.scene.layout import LayoutConfig
+from jointattn_mj.scene.model import SceneConfig, build_model, rest_height
+from jointattn_mj.scene.movement import ARM_JOINTS, Arm
+
+EYE_JOINTS = ("eye_left_yaw", "eye_left_pitch", "eye_right_yaw", "eye_right_pitch")
+SCRIPTED_JOINTS = tuple(f"caregiver/{name}" for name in ("neck_yaw", "neck_pitch", *EYE_JOINTS, *ARM_JOINTS))
+HEAD_JOINTS = ("robot/pan", "robot/tilt")
+
+
+@dataclass(frozen=True)
+class WorldConfig:
+    """Everything about the world outside the robot's mind."""
+
+    scene: SceneConfig = field(default_factory=SceneConfig)
+    """What things look like."""
+    behaviour: CaregiverConfig = field(default_factory=CaregiverConfig)
+    """How the caregiver moves."""
+    layout: LayoutConfig = field(default_factory=LayoutConfig)
+    """Where objects may lie."""
+
+
+def steps_per_frame(model: mujoco.MjModel) -> int:
+    """Physics steps in one camera frame."""
+    return round(FRAME_S / model.opt.timestep)
+
+
+class World:
+    """Body and script over a model and its data; one ``step`` is one camera frame of 1/30 s."""
+
+    def __init__(self, config: WorldConfig, model: mujoco.MjModel, data: mujoco.MjData, seed: np.random.SeedSequence):
+        self.config, self.model, self.data = config, model, data
+        self.eye = Eye(model)
+        self.rendered_frames = 0
+        scripted = [model.joint(name) for name in SCRIPTED_JOINTS]
+        self._scripted_qpos = np.array([joint.qposadr[0] for joint in scripted])
+        self._scripted_qvel = np.array([joint.dofadr[0] for joint in scripted])
+        self._head_qpos = np.array([model.joint(name).qposadr[0] for name in HEAD_JOINTS])
+        self._head_qvel = np.array([model.joint(name).dofadr[0] for name in HEAD_JOINTS])
+        self._objects = np.array([model.body(f"object/{item.name}").mocapid[0] for item in config.scene.objects])
+        self._steps = steps_per_frame(model)
+        self._picture: np.ndarray | None = None
+        self.reset(seed)
+
+    @classmethod
+    def build(cls, config: WorldConfig, seed: np.random.SeedSequence) -> "World":
+        """A world over a model of its own."""
+        model = build_model(config.scene)
+        return cls(config, model, mujoco.MjData(model), seed)
+
+    def reset(self, seed: np.random.SeedSequence) -> None:
+        """Begin anew: another table, the caregiver about to greet, the robot's head straight ahead."""
+        config = self.config
+        mujoco.mj_resetData(self.model, self.data)
+        mujoco.mj_forward(self.model, self.data)
+        self.caregiver = ObjectTransfer(
+            config.behaviour,
+            config.layout,
+            len(config.scene.objects),
+            rest_height=rest_height(config.scene),
+            head=self.data.site("caregiver/face").xpos.copy(),
+            arm=Arm.from_model(
+                self.model, np.radians(config.behaviour.hand_pitch_deg), config.behaviour.elbow_hint
+            ),
+            rng=np.random.default_rng(seed),
+        )
+        self.data.qpos[self._scripted_qpos] = self._script()
+        self.data.mocap_pos[self._objects] = self.caregiver.objects
+        mujoco.mj_forward(self.model, self.data)
+        self._objects_before = self.caregiver.objects.copy()
+        self._points = np.vstack([self.caregiver.objects, self.data.site("caregiver/face").xpos])
+        self.rendered_frames = 0
+        self._picture = None
+
+    def step(self, command: np.ndarray) -> None:
+        """One frame: the caregiver moves on, the head's servos follow ``command`` (pan, tilt; rad)."""
+        self.before_step(command)
+        mujoco.mj_step2(self.model, self.data)
+        if self._steps > 1:
+            mujoco.mj_step(self.model, self.data, self._steps - 1)
+        mujoco.mj_step1(self.model, self.data)
+
+    def before_step(self, command: np.ndarray) -> None:
+        """Set controls, the script's joint velocities and the objects for the frame that is about to be simulated.
+
+        The caregiver's joints have so much inertia that they keep the velocity given here, and arrive at the script's
+        angles exactly when the frame ends.
+        """
+        data = self.data
+        self._objects_before[:] = self.caregiver.objects
+        self.caregiver.advance()
+        data.ctrl[:] = command
+        data.qvel[self._scripted_qvel] = (self._script() - data.qpos[self._scripted_qpos]) / FRAME_S
+        data.mocap_pos[self._objects] = self.caregiver.objects
+        self._picture = None
+
+    def picture(self) -> np.ndarray:
+        """What the robot's eye sees now, uint8 (240, 320, 3); rendered at the first call in a frame."""
+        if self._picture is None:
+            self._picture = self.eye.look(self.data)
+            self.rendered_frames += 1
+        return self._picture
+
+    def head_angles(self) -> np.ndarray:
+        """Pan and tilt of the robot's head, (2,), rad."""
+        return self.data.qpos[self._head_qpos]
+
+    def head_velocity(self) -> np.ndarray:
+        """Its angular velocity, (2,), rad/s."""
+        return self.data.qvel[self._head_qvel]
+
+    def face_angles_deg(self) -> np.ndarray:
+        """Yaw and pitch of the caregiver's head, (2,), degrees."""
+        return np.degrees(self.data.qpos[self._scripted_qpos[:2]])
+
+    def candidate_points(self) -> np.ndarray:
+        """Centres of the objects and, last, of the caregiver's head: (n + 1, 3), metres."""
+        self._points[:-1] = self.caregiver.objects
+        return self._points
+
+    def moving(self, face_above_deg_s: float, object_above_m_s: float) -> np.ndarray:
+        """Which of the candidates moved faster than this in the last frame: (n + 1,) bool."""
+        face = np.linalg.norm(self.data.qvel[self._scripted_qvel[:2]])
+        path = self.caregiver.objects - self._objects_before
+        moved = np.empty(len(path) + 1, bool)
+        np.greater(np.einsum("ij,ij->i", path, path), (object_above_m_s * FRAME_S) ** 2, out=moved[:-1])
+        moved[-1] = face > np.radians(face_above_deg_s)
+        return moved
+
+    def _script(self) -> np.ndarray:
+        joints = self.caregiver.joints
+        return np.concatenate([joints[:4], joints[2:]])  # both eyes turn alike
