@@ -4,7 +4,9 @@ Knows MuJoCo and no environment API: the session steps a ``World`` directly, and
 ``World`` over its own physics.
 """
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import mujoco
 import numpy as np
@@ -18,6 +20,8 @@ from jointattn_mj.scene.movement import ARM_JOINTS, Arm
 EYE_JOINTS = ("eye_left_yaw", "eye_left_pitch", "eye_right_yaw", "eye_right_pitch")
 SCRIPTED_JOINTS = tuple(f"caregiver/{name}" for name in ("neck_yaw", "neck_pitch", *EYE_JOINTS, *ARM_JOINTS))
 HEAD_JOINTS = ("robot/pan", "robot/tilt")
+HEAD_STILL_DEG_S = 0.5
+"""Below this speed the head counts as still: less than a tenth of a pixel from one picture to the next."""
 
 
 @dataclass(frozen=True)
@@ -121,6 +125,10 @@ class World:
         """Its angular velocity, (2,), rad/s."""
         return self.data.qvel[self._head_qvel]
 
+    def head_moves(self) -> bool:
+        """Whether the robot's head turns; while it does, flow in the picture is its own."""
+        return bool(np.abs(self.head_velocity()).max() > np.radians(HEAD_STILL_DEG_S))
+
     def face_angles_deg(self) -> np.ndarray:
         """Yaw and pitch of the caregiver's head, (2,), degrees."""
         return np.degrees(self.data.qpos[self._scripted_qpos[:2]])
@@ -142,3 +150,28 @@ class World:
     def _script(self) -> np.ndarray:
         joints = self.caregiver.joints
         return np.concatenate([joints[:4], joints[2:]])  # both eyes turn alike
+
+
+class Observation(Mapping[str, np.ndarray]):
+    """What the robot may know of a world in this frame; the picture is rendered when, and only when, it is read.
+
+    Keys: ``camera`` uint8 (240, 320, 3); ``head_angles`` (2,) pan and tilt, rad; ``head_moves`` bool.
+    """
+
+    _READ: ClassVar = {
+        "camera": World.picture,
+        "head_angles": World.head_angles,
+        "head_moves": World.head_moves,
+    }
+
+    def __init__(self, world: World):
+        self._world = world
+
+    def __getitem__(self, key: str) -> np.ndarray:
+        return self._READ[key](self._world)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._READ)
+
+    def __len__(self) -> int:
+        return len(self._READ)
