@@ -1,10 +1,13 @@
 """The caregiver's face: where it is, and what it looks like (box "face detection" of Fig. 6.2; sections 6.3.2, 6.4.1).
 
-"The template matching method is used as face detector and a 32x32 pixel face-like region is extracted." The robot comes
-with one innate idea of a face, OpenCV's frontal Haar cascade, and uses it until it has seen a frontal face once. That
-view is its first template. As the head turns and the fit gets worse, it keeps further views, cropped where it expects
-the face's centre rather than where the features went, for a face that turns in place moves its features, not its place.
-When no view fits near the expected place, the whole picture is searched; if that fails too, no face is reported.
+"The template matching method is used as face detector and a 32x32 pixel face-like region is extracted." The robot
+comes with one innate idea of a face, OpenCV's frontal Haar cascade, and uses it until it has seen a frontal face once.
+That view is its first template. As the head turns and the fit gets worse, it keeps further views, cropped where it
+expects the face's centre rather than where the features went, for a face that turns in place moves its features, not
+its place; and the poorer the fit, the more it answers with the expected place.
+
+When no view fits near the expected place, the whole picture is searched. The best fit counts if it is good, or if it
+is fair and lies where the face is expected (a pose not seen before); else no face is reported.
 """
 
 from dataclasses import dataclass
@@ -25,20 +28,28 @@ class FaceDetectorConfig:
 
     side_px: int = 32
     """Side of template and patch in the picture. A head at the caregiver's distance is 27 wide and 41 high."""
-    search_radius_px: int = 6
+    search_radius_px: int = 4
     """How far from the expected place a face is looked for: the robot knows its head's angles to a pixel or two."""
     max_views: int = 24
     """Views kept. Spread over yaw +-45 and pitch -5..45 deg that is one for about 20 x 15 deg."""
     search_all_below: float = 0.80
     """Fit of the last view and its neighbours below which every view is tried in the whole window."""
     add_view_below: float = 0.85
-    """Fit below which the present look is kept as a new view, if the place is plausible."""
+    """Fit below which the present look is kept as a new view, if the place is plausible. From here down to
+    ``redetect_below`` the answer passes over from the fitted place to the expected one."""
     add_view_every: int = 3
     """Pictures in a row with a face before a view may be added, and between two additions: 6 deg of a 60 deg/s turn."""
-    plausible_px: float = 4.0
-    """Distance of fit and expected place beyond which the look is not kept: it may be something else."""
+    plausible_px: float = 6.0
+    """Distance of fit and expected place beyond which the look is not kept as a view: it may be something else."""
+    contrast_ratio: float = 0.4
+    """Share of the first view's contrast that a face has at least: keeps stains on the wall out."""
     redetect_below: float = 0.65
     """Fit below which the tracked place is given up and the whole picture searched."""
+    elsewhere_above: float = 0.75
+    """Fit that a place other than the expected one needs; ``redetect_below`` is enough if the cascade sees a face
+    there. Clutter of a face's contrast reaches .68 in the rendered room."""
+    confirm_above: float = 0.40
+    """A fit this good, where the face is expected and nowhere in the picture better, is the face in an unknown pose."""
     redetect_views: int = 6
     """Views tried over the whole picture, at half resolution: the first and those used last."""
     haar_every: int = 15
@@ -76,9 +87,9 @@ def haar_faces(gray: np.ndarray, config: FaceDetectorConfig) -> np.ndarray:
     )
     if len(boxes) == 0:
         return np.zeros((0, 3))
-    boxes = boxes[np.argsort(-boxes[:, 2], kind="stable")].astype(float)
-    half = (boxes[:, 2:3] - 1) / 2
-    return np.hstack([boxes[:, :2] + half, boxes[:, 2:3]])
+    found = np.asarray(boxes, float)
+    found = found[np.argsort(-found[:, 2], kind="stable")]
+    return np.hstack([found[:, :2] + (found[:, 2:3] - 1) / 2, found[:, 2:3]])
 
 
 class FaceDetector:
@@ -87,8 +98,9 @@ class FaceDetector:
     def __init__(self, config: FaceDetectorConfig | None = None):
         self.config = config or FaceDetectorConfig()
         self.bank = ViewBank(
-            self.config.side_px, self.config.max_views, self.config.search_radius_px, self.config.search_all_below
-        )
+            self.config.side_px, self.config.max_views, self.config.search_radius_px, self.config.search_all_below,
+            self.config.contrast_ratio,
+        )  # fmt: skip
         self._last_px: tuple[float, float] | None = None
         self._streak = 0  # pictures in a row with a face, since the last view was added
         self._until_haar = 0
@@ -108,19 +120,26 @@ class FaceDetector:
         score, x, y = -1.0, 0.0, 0.0
         if expected is not None:
             score, x, y = self.bank.match(gray, expected[0], expected[1])
+        confirmed = False
         if score < config.redetect_below:
-            self._streak = 0
-            score, x, y = self._search_everywhere(gray)
-        if score < config.redetect_below:
-            self._last_px = None
+            score, x, y, confirmed = self._search_everywhere(gray)
+        as_expected = expected is not None and np.hypot(x - expected[0], y - expected[1]) <= config.plausible_px
+        enough = config.elsewhere_above
+        if as_expected:
+            enough = config.confirm_above
+        elif confirmed:
+            enough = config.redetect_below
+        if score < enough:
+            self._last_px, self._streak = None, 0
             return FaceFix(float("nan"), float("nan"), score, False)
         self._until_haar = 0
-        self._streak += 1
-        if score < config.add_view_below and self._streak > config.add_view_every and expected is not None:
-            off = np.hypot(x - expected[0], y - expected[1])
-            if off <= config.plausible_px:
+        self._streak = self._streak + 1 if as_expected else 0
+        if as_expected and expected is not None and score < config.add_view_below:
+            if self._streak > config.add_view_every:
                 self.bank.add(gray, expected[0], expected[1])
                 self._streak = 0
+            trust = (score - config.redetect_below) / (config.add_view_below - config.redetect_below)
+            x, y = (e + max(trust, 0.0) * (fit - e) for e, fit in zip(expected, (x, y), strict=True))
         self._last_px = (x, y)
         return FaceFix(x, y, score, True)
 
@@ -164,19 +183,11 @@ class FaceDetector:
             return None
         return float(faces[0, 0]), float(faces[0, 1])
 
-    def _search_everywhere(self, gray: np.ndarray) -> tuple[float, float, float]:
-        """Score and centre of the best fit in the whole picture: half resolution first, then refined."""
-        half = cv2.resize(gray, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.float32)
-        places = []
-        for index in self.bank.recent(self.config.redetect_views):
-            small = cv2.resize(self.bank.views[index], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
-            fit = cv2.matchTemplate(half, small, cv2.TM_CCOEFF_NORMED)
-            _, score, _, (left, top) = cv2.minMaxLoc(fit)
-            centre = (self.config.side_px - 1) / 2
-            places.append((score, 2 * left + centre, 2 * top + centre))
-        best = max(self.bank.match(gray, x, y) for _, x, y in places)
-        if best[0] < self.config.redetect_below:
+    def _search_everywhere(self, gray: np.ndarray) -> tuple[float, float, float, bool]:
+        """Score and centre of the best fit in the whole picture, and whether the cascade sees a face there."""
+        best = max(self.bank.match(gray, *place) for place in self.bank.search(gray, self.config.redetect_views))
+        if best[0] < self.config.elsewhere_above:
             found = self._ask_cascade(gray)
             if found is not None:
-                best = max(best, self.bank.match(gray, *found))
-        return best
+                return *self.bank.match(gray, *found), True
+        return *best, False

@@ -1,27 +1,27 @@
 """What moves while the robot's head is still (eq. 6.3, |f_i| > epsilon_i; section 6.4.1: block matching).
 
-A picture is compared with the one two frames back, in blocks of 8x8 pixels. Each block descends to the displacement with
-the least sum of squared differences, in whole pixels, and a parabola through the neighbouring sums on each axis gives the
-fraction. Squares, not absolute values: near its minimum a sum of squares is a parabola, whereas a sum of absolute values
-is a wedge, and a parabola through a wedge halves small displacements. The sums are taken both ways, the new block in the
-old picture and the old block in the new one; one way alone reads up to .1 px of motion from two pictures that are equal,
-since what enters the block on its two sides differs.
+A picture is compared with the one two frames back, in blocks of 8x8 pixels. Each block descends to the displacement
+with the least sum of squared differences, in whole pixels, and a parabola through the neighbouring sums on each axis
+gives the fraction. Squares, not absolute values: near its minimum a sum of squares is a parabola, whereas a sum of
+absolute values is a wedge, and a parabola through a wedge halves small displacements. The sums are taken both ways,
+the new block in the old picture and the old block in the new one; one way alone reads up to .1 px of motion from two
+pictures that are equal, since what enters the block on its two sides differs.
 
 The face moves when the mean flow of its textured blocks is long enough; the region is the same through a fixation, so
 that it does not move with the face. An object moves when its centroid and the flow of its blocks both do, and when its
-pixels changed as those of a thing that moves: an arm that passes behind it has flow but no centroid shift, and one that
-passes before it pulls the centroid, but takes pixels on one side without adding any on the other.
+pixels changed as those of a thing that moves: an arm that passes behind it has flow but no centroid shift, and one
+that passes before it pulls the centroid, but takes pixels on one side without adding any on the other.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit, uintp
+from numba import njit
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.perception.flow import BLOCK, region_flow
 from jointattn_mj.perception.objects import Areas
 
-BLOCK = 8  # pixels; section 6.4.1 names block matching without a size
 MAX_BLOCKS = 1024  # flow vectors kept for one picture
 
 
@@ -35,7 +35,7 @@ class MotionConfig:
 
     frames_back: int = 2
     """A head turning at 60 deg/s shifts .6 px a frame: over two frames it stands out, over more it comes late."""
-    face_px: float = 0.035
+    face_px: float = 0.045
     """epsilon of the face (eq. 6.3), pixels in ``frames_back`` frames, of the mean flow: about 4 deg/s of head turn."""
     object_px: float = 0.25
     """epsilon of an object (eq. 6.3), pixels in ``frames_back`` frames, of centroid and of mean block flow alike."""
@@ -43,7 +43,7 @@ class MotionConfig:
     """A flag that is on stays on above this share of its threshold; less than 1 bridges noise."""
     linger_frames: int = 0
     """And so many frames longer. With clean pictures the two frames back already delay the end by one."""
-    texture: float = 30.0
+    texture: float = 4.0
     """Mean squared grey difference that one pixel's shift makes in a block, below which an axis has no flow."""
     face_inset_px: int = 4
     """Rim of the face's box left out: hair's edge and what moves behind the head. 24x24 of 32x32 pixels stay."""
@@ -73,87 +73,6 @@ class Motion:
     blocks: np.ndarray  # (m, 2) centres (x, y) of the textured blocks
     flow: np.ndarray  # (m, 2) displacement (x, y), pixels since the picture compared with
     owner: np.ndarray  # (m,) which object a block belongs to, n for the face
-
-
-@njit(cache=True)
-def _difference(now, before, y, x, dy, dx):
-    """Sum of squared differences of the block at (x, y) now and at (x - dx, y - dy) before."""
-    total = np.int32(0)
-    row_now, row_before = uintp(y), uintp(y - dy)
-    column_now, column_before = uintp(x), uintp(x - dx)
-    for i in range(uintp(BLOCK)):
-        for j in range(uintp(BLOCK)):
-            off = np.int32(now[row_now + i, column_now + j]) - np.int32(before[row_before + i, column_before + j])
-            total += off * off
-    return total
-
-
-@njit(cache=True)
-def _inside(y, x, height, width):
-    return 0 <= y <= height - BLOCK and 0 <= x <= width - BLOCK
-
-
-@njit(cache=True)
-def _fraction(before, here, after, floor):
-    """Vertex of the parabola through three sums, -.5..5; NaN if it is flatter than ``floor``."""
-    curve = before - 2 * here + after
-    if curve < floor:
-        return np.nan
-    return min(max(0.5 * (before - after) / curve, -0.5), 0.5)
-
-
-@njit(cache=True)
-def _block_flow(now, before, y, x, start_y, start_x, reach, floor, out):
-    """Displacement (x, y) of one block by descent from a start. False if the block has no texture."""
-    height, width = now.shape
-    if not _inside(y - start_y, x - start_x, height, width):
-        start_y, start_x = 0, 0
-    dy, dx = start_y, start_x
-    here = _difference(now, before, y, x, dy, dx)
-    around = np.empty(4, np.int64)
-    while True:
-        best, step = here, -1
-        for side in range(4):
-            next_y = dy + (side == 0) - (side == 1)
-            next_x = dx + (side == 2) - (side == 3)
-            off_y, off_x = abs(next_y - start_y), abs(next_x - start_x)
-            if not _inside(y - next_y, x - next_x, height, width) or max(off_y, off_x) > reach:
-                return False
-            around[side] = _difference(now, before, y, x, next_y, next_x)
-            if around[side] < best:
-                best, step = around[side], side
-        if step < 0:
-            break
-        dy += (step == 0) - (step == 1)
-        dx += (step == 2) - (step == 3)
-        here = best
-    if not (_inside(y - 1, x - 1, height, width) and _inside(y + 1, x + 1, height, width)):
-        return False
-    for side in range(4):  # and the other way round: the old block, moved by the same difference, in the new picture
-        off_y = (side == 0) - (side == 1)
-        off_x = (side == 2) - (side == 3)
-        around[side] += _difference(before, now, y - dy, x - dx, -dy - off_y, -dx - off_x)
-    here *= 2
-    part_y, part_x = _fraction(around[1], here, around[0], 2 * floor), _fraction(around[3], here, around[2], 2 * floor)
-    if np.isnan(part_y) and np.isnan(part_x):
-        return False
-    out[0] = 0.0 if np.isnan(part_x) else dx + part_x
-    out[1] = 0.0 if np.isnan(part_y) else dy + part_y
-    return True
-
-
-@njit(cache=True)
-def _region_flow(now, before, box, step, margin, start_y, start_x, reach, floor, owner, count, blocks, flow, owners):
-    """Flow of the textured blocks of one region, appended to the arrays. Returns the new count."""
-    height, width = now.shape
-    y1, x1 = min(box[3] + margin, height), min(box[2] + margin, width)  # a negative margin leaves a rim out
-    for y in range(max(box[1] - margin, 0), y1 - BLOCK + 1, step):
-        for x in range(max(box[0] - margin, 0), x1 - BLOCK + 1, step):
-            if count < len(blocks) and _block_flow(now, before, y, x, start_y, start_x, reach, floor, flow[count]):
-                blocks[count, 0], blocks[count, 1] = x + (BLOCK - 1) / 2, y + (BLOCK - 1) / 2
-                owners[count] = owner
-                count += 1
-    return count
 
 
 @njit(cache=True)
@@ -201,14 +120,14 @@ def _measure_all(
     now, before, face_box, has_face, inset, seen, px, box, mask, corner, seen_before, px_before, mask_before,
     corner_before, step, margin, reach, floor, refit_ratio, blocks, flow, owners, strength,
 ):  # fmt: skip
-    """Flow of every candidate's blocks, and its strength of motion in pixels (face last). Returns the blocks' number."""
+    """Flow of every candidate's blocks, and its strength of motion, pixels (face last). Returns their number."""
     n, count = len(seen), 0
     for k in range(n):
         strength[k] = 0.0
         if seen[k] and seen_before[k]:
             x, y = px[k, 0] - px_before[k, 0], px[k, 1] - px_before[k, 1]
             start, start_x, start_y = count, np.int64(np.rint(x)), np.int64(np.rint(y))
-            count = _region_flow(
+            count = region_flow(
                 now, before, box[k], step, margin, start_y, start_x, reach, floor, k, count, blocks, flow, owners
             )
             if _moved_as_one(mask[k], corner[k], mask_before[k], corner_before[k], x, y, refit_ratio):
@@ -216,9 +135,7 @@ def _measure_all(
     strength[n] = 0.0
     if has_face:
         start = count
-        count = _region_flow(
-            now, before, face_box, step, -inset, 0, 0, reach, floor, n, count, blocks, flow, owners
-        )
+        count = region_flow(now, before, face_box, step, -inset, 0, 0, reach, floor, n, count, blocks, flow, owners)
         strength[n] = _mean_length(flow, start, count)
     return count
 
@@ -290,10 +207,8 @@ class MotionDetector:
     def _fix_box(self, face_box: tuple[int, int, int, int] | None) -> None:
         if face_box is None:
             return
-        far = self._has_box and max(abs(a - b) for a, b in zip(self._box, face_box, strict=True)) > (
-            face_box[2] - face_box[0]
-        ) / 2
-        if not self._has_box or far:
+        shift = max(abs(self._box[0] - face_box[0]), abs(self._box[1] - face_box[1]))
+        if not self._has_box or shift > (face_box[2] - face_box[0]) / 2:
             self._box[:] = face_box
             self._has_box = True
 

@@ -1,11 +1,12 @@
 """Objects as colour areas (sections 6.3.2 and 6.4.1): where each known colour is in the picture, and the grey picture.
 
-A pixel belongs to a colour by its hue, if it is saturated and bright enough; shading scales the three channels alike and
-so leaves hue and saturation alone. The rule is worked out once, for every colour on a coarse cube, and looked up after.
+A pixel belongs to a colour by its hue, if it is saturated and bright enough; shading scales the three channels alike
+and so leaves hue and saturation alone. The rule is worked out once, for every colour on a coarse cube, and looked up
+after.
 
-One picture is read in two passes. The first looks at every second pixel and counts hits on a grid of cells; the fullest
-2x2 cells tell where the colour's largest cluster is. The second reads each cluster's surroundings at full resolution, so
-a few stray pixels elsewhere (skin, hair, wood) do not bend the centre.
+One picture is read in two passes. The first looks at every second pixel and counts hits on a grid of cells; the
+fullest 2x2 cells tell where the colour's largest cluster is. The second reads each cluster's surroundings at full
+resolution, so a few stray pixels elsewhere (skin, hair, wood) do not bend the centre.
 """
 
 import colorsys
@@ -40,7 +41,7 @@ class ColourConfig:
 
 @dataclass
 class Areas:
-    """What was found of each of ``n`` colours. The arrays belong to their ColourAreas and hold until its next picture."""
+    """What was found of each of ``n`` colours. Arrays belong to their ColourAreas and hold until its next picture."""
 
     seen: np.ndarray  # (n,) bool
     area: np.ndarray  # (n,) pixels
@@ -138,10 +139,9 @@ def _find_clusters(picture, table, votes, clusters):
                 if hits > most:
                     most = hits
                     for c in range(1, 3):
-                        total = (
-                            votes[k, i, j, c] + votes[k, i, j + 1, c] + votes[k, i + 1, j, c] + votes[k, i + 1, j + 1, c]
-                        )
-                        clusters[k, c] = total // hits
+                        upper = votes[k, i, j, c] + votes[k, i, j + 1, c]
+                        lower = votes[k, i + 1, j, c] + votes[k, i + 1, j + 1, c]
+                        clusters[k, c] = (upper + lower) // hits
         clusters[k, 0] = most
 
 

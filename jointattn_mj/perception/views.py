@@ -1,21 +1,27 @@
 """A bank of views of one face, and where in a grey picture any of them fits best (section 6.4.1: "template matching").
 
-The measure is the normalised cross-correlation of template and picture, -1..1, blind to brightness and contrast. Views
-are cropped so that the face's centre is the template's centre; a match therefore gives the same point of the face
-whichever view fits.
+The measure is the normalised cross-correlation of template and picture, -1..1, blind to brightness and contrast. Being
+blind to contrast, it takes a faint stain on a wall for a face; so regions of much less contrast than the first view
+score nothing.
+
+Views are cropped so that the face's centre is the template's centre; a match therefore gives the same point of the
+face whichever view fits.
 """
 
 import cv2
 import numpy as np
 from numba import njit, uintp
 
-FLAT = 25.0  # variance of grey values below which a region has no pattern to correlate
+FLAT = 5.0  # standard deviation of grey values below which a region has no pattern to correlate
 NEAR = 0.05  # a view that scores this much less than the best at a place may still win when it is moved a little
 
 
 @njit(cache=True, fastmath=True)
-def _read_window(gray, left, top, columns, rows, side, region, norm):
-    """Copy the window's pixels to ``region`` and the norm of the pattern at each offset to ``norm``."""
+def _read_window(gray, left, top, columns, rows, side, least_norm, region, norm):
+    """Copy the window's pixels to ``region`` and the norm of the pattern at each offset to ``norm``.
+
+    A norm below ``least_norm`` is given as infinite, so that the place scores nothing.
+    """
     height, width = rows + side - 1, columns + side - 1
     for i in range(height):
         for j in range(width):
@@ -33,7 +39,7 @@ def _read_window(gray, left, top, columns, rows, side, region, norm):
             box_squares += squares[j]
         for j in range(columns):
             energy = box_squares - box * box / pixels
-            norm[i, j] = np.sqrt(energy) if energy > FLAT * pixels else np.float32(np.inf)
+            norm[i, j] = np.sqrt(energy) if energy > least_norm * least_norm else np.float32(np.inf)
             if j < columns - 1:
                 box += total[j + side] - total[j]
                 box_squares += squares[j + side] - squares[j]
@@ -92,14 +98,14 @@ def _vertex(before, here, after):
 
 
 @njit(cache=True, fastmath=True)
-def _match(gray, views, n, last, left, top, columns, rows, search_all_below, region, norm, out):
+def _match(gray, views, n, last, left, top, columns, rows, search_all_below, least_norm, region, norm, out):
     """Best view and offset within a window of ``columns`` x ``rows`` offsets from (left, top).
 
     The view that fitted last is tried on every second place, and its best climbed from. The others are tried there, and
     those that come near climb too. All are tried on every second place if the best scores below ``search_all_below``.
     out: score, x and y of the template's upper left corner (refined by a parabola on each axis), view.
     """
-    _read_window(gray, left, top, columns, rows, views.shape[1], region, norm)
+    _read_window(gray, left, top, columns, rows, views.shape[1], least_norm, region, norm)
     best, row, column = _scan(region, norm, views[last], rows, columns, 2)
     best, row, column = _climb(region, norm, views[last], rows, columns, best, row, column)
     view, row0, column0, last_score = last, row, column, best
@@ -133,20 +139,22 @@ def crop(gray: np.ndarray, x: float, y: float, side: int) -> np.ndarray:
     return cv2.getRectSubPix(gray, (side, side), (float(x), float(y)), patchType=cv2.CV_32F)
 
 
-def normalised(patch: np.ndarray) -> np.ndarray:
-    """``patch`` with zero mean and unit norm; zeros where it is flat."""
+def normalised(patch: np.ndarray) -> tuple[np.ndarray, float]:
+    """``patch`` with zero mean and unit norm (zeros where it is flat), and the norm that it had without its mean."""
     centred = patch - patch.mean()
-    norm = np.linalg.norm(centred)
-    return (centred / norm if norm * norm > FLAT * patch.size else np.zeros_like(centred)).astype(np.float32)
+    norm = float(np.linalg.norm(centred))
+    flat = norm <= FLAT * np.sqrt(patch.size)
+    return (np.zeros_like(centred) if flat else centred / norm).astype(np.float32), norm
 
 
 class ViewBank:
-    """Up to ``capacity`` square templates of ``side`` pixels. The first is kept; of the others the longest unused goes."""
+    """Up to ``capacity`` square templates of ``side`` pixels. The first stays; of the others the least recent goes."""
 
-    def __init__(self, side: int, capacity: int, radius: int, search_all_below: float):
+    def __init__(self, side: int, capacity: int, radius: int, search_all_below: float, contrast_ratio: float):
         self.side, self.capacity, self.radius = side, capacity, radius
-        self.search_all_below = search_all_below
+        self.search_all_below, self.contrast_ratio = search_all_below, contrast_ratio
         self.n = 0
+        self._least_norm = 0.0
         self._views = np.zeros((capacity, side, side), np.float32)
         self._used = np.zeros(capacity, np.int64)
         self._clock = 0
@@ -162,9 +170,11 @@ class ViewBank:
 
     def add(self, gray: np.ndarray, x: float, y: float) -> bool:
         """Keep the region around (x, y) as a view. False if it is flat and was not kept."""
-        view = normalised(crop(gray, x, y, self.side))
+        view, norm = normalised(crop(gray, x, y, self.side))
         if not view.any():
             return False
+        if self.n == 0:
+            self._least_norm = self.contrast_ratio * norm
         if self.n < self.capacity:
             slot = self.n
             self.n += 1
@@ -195,10 +205,26 @@ class ViewBank:
             return -1.0, float("nan"), float("nan")
         _match(
             gray, self._views, self.n, self._last, first_x, first_y, last_x - first_x + 1, last_y - first_y + 1,
-            self.search_all_below, self._region, self._norm, self._out,
+            self.search_all_below, self._least_norm, self._region, self._norm, self._out,
         )  # fmt: skip
         score, corner_x, corner_y, view = self._out
         self._clock += 1
         self._last = int(view)
         self._used[self._last] = self._clock
         return float(score), float(corner_x + half), float(corner_y + half)
+
+    def search(self, gray: np.ndarray, count: int) -> list[tuple[float, float]]:
+        """Centres (x, y) where the ``count`` views of `recent` fit best in the whole picture, at half resolution."""
+        half = cv2.resize(gray, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.float32)
+        side, middle = self.side // 2, (self.side - 1) / 2
+        mean = cv2.blur(half, (side, side), anchor=(0, 0), borderType=cv2.BORDER_REPLICATE)
+        square = cv2.blur(half * half, (side, side), anchor=(0, 0), borderType=cv2.BORDER_REPLICATE)
+        faint = square - mean * mean < (self._least_norm / self.side / 2) ** 2  # the coarse picture has less contrast
+        places = []
+        for index in self.recent(count):
+            small = cv2.resize(self._views[index], (side, side), interpolation=cv2.INTER_AREA)
+            fit = cv2.matchTemplate(half, small, cv2.TM_CCOEFF_NORMED)
+            fit[faint[: fit.shape[0], : fit.shape[1]]] = -1
+            left, top = cv2.minMaxLoc(fit)[3]
+            places.append((2 * left + middle, 2 * top + middle))
+        return places

@@ -1,0 +1,94 @@
+"""Optical flow by block matching between two grey pictures (section 6.4.1), to a fraction of a pixel.
+
+Each block of 8x8 pixels descends to the displacement with the least sum of squared differences, in whole pixels, and a
+parabola through the neighbouring sums on each axis gives the fraction. Squares, not absolute values: near its minimum a
+sum of squares is a parabola, whereas a sum of absolute values is a wedge, and a parabola through a wedge halves small
+displacements. The sums are taken both ways, the new block in the old picture and the old block in the new one; one way
+alone reads up to .1 px of motion from two pictures that are equal, since what enters the block on its two sides differs.
+"""
+
+import numpy as np
+from numba import njit, uintp
+
+BLOCK = 8  # pixels; section 6.4.1 names block matching without a size
+
+
+@njit(cache=True)
+def _difference(now, before, y, x, dy, dx):
+    """Sum of squared differences of the block at (x, y) now and at (x - dx, y - dy) before."""
+    total = np.int32(0)
+    row_now, row_before = uintp(y), uintp(y - dy)
+    column_now, column_before = uintp(x), uintp(x - dx)
+    for i in range(uintp(BLOCK)):
+        for j in range(uintp(BLOCK)):
+            off = np.int32(now[row_now + i, column_now + j]) - np.int32(before[row_before + i, column_before + j])
+            total += off * off
+    return total
+
+
+@njit(cache=True)
+def _inside(y, x, height, width):
+    return 0 <= y <= height - BLOCK and 0 <= x <= width - BLOCK
+
+
+@njit(cache=True)
+def _fraction(before, here, after, floor):
+    """Vertex of the parabola through three sums, -.5..5; NaN if it is flatter than ``floor``."""
+    curve = before - 2 * here + after
+    if curve < floor:
+        return np.nan
+    return min(max(0.5 * (before - after) / curve, -0.5), 0.5)
+
+
+@njit(cache=True)
+def _block_flow(now, before, y, x, start_y, start_x, reach, floor, out):
+    """Displacement (x, y) of one block by descent from a start. False if the block has no texture."""
+    height, width = now.shape
+    if not _inside(y - start_y, x - start_x, height, width):
+        start_y, start_x = 0, 0
+    dy, dx = start_y, start_x
+    here = _difference(now, before, y, x, dy, dx)
+    around = np.empty(4, np.int64)
+    while True:
+        best, step = here, -1
+        for side in range(4):
+            next_y = dy + (side == 0) - (side == 1)
+            next_x = dx + (side == 2) - (side == 3)
+            off_y, off_x = abs(next_y - start_y), abs(next_x - start_x)
+            if not _inside(y - next_y, x - next_x, height, width) or max(off_y, off_x) > reach:
+                return False
+            around[side] = _difference(now, before, y, x, next_y, next_x)
+            if around[side] < best:
+                best, step = around[side], side
+        if step < 0:
+            break
+        dy += (step == 0) - (step == 1)
+        dx += (step == 2) - (step == 3)
+        here = best
+    if not (_inside(y - 1, x - 1, height, width) and _inside(y + 1, x + 1, height, width)):
+        return False
+    for side in range(4):  # and the other way round: the old block, moved by the same difference, in the new picture
+        off_y = (side == 0) - (side == 1)
+        off_x = (side == 2) - (side == 3)
+        around[side] += _difference(before, now, y - dy, x - dx, -dy - off_y, -dx - off_x)
+    here *= 2
+    part_y, part_x = _fraction(around[1], here, around[0], 2 * floor), _fraction(around[3], here, around[2], 2 * floor)
+    if np.isnan(part_y) and np.isnan(part_x):
+        return False
+    out[0] = 0.0 if np.isnan(part_x) else dx + part_x
+    out[1] = 0.0 if np.isnan(part_y) else dy + part_y
+    return True
+
+
+@njit(cache=True)
+def region_flow(now, before, box, step, margin, start_y, start_x, reach, floor, owner, count, blocks, flow, owners):
+    """Flow of the textured blocks of one region, appended to the arrays. Returns the new count."""
+    height, width = now.shape
+    y1, x1 = min(box[3] + margin, height), min(box[2] + margin, width)  # a negative margin leaves a rim out
+    for y in range(max(box[1] - margin, 0), y1 - BLOCK + 1, step):
+        for x in range(max(box[0] - margin, 0), x1 - BLOCK + 1, step):
+            if count < len(blocks) and _block_flow(now, before, y, x, start_y, start_x, reach, floor, flow[count]):
+                blocks[count, 0], blocks[count, 1] = x + (BLOCK - 1) / 2, y + (BLOCK - 1) / 2
+                owners[count] = owner
+                count += 1
+    return count
