@@ -48,12 +48,12 @@ def trunk(fine: bool) -> Mesh:
     )  # fmt: skip
     arm = tube(
         np.array([
-            (-0.015, 0.140, 0.872), (-0.015, 0.165, 0.866), (-0.010, 0.195, 0.838), (-0.004, 0.225, 0.730),
+            (-0.015, 0.148, 0.866), (-0.015, 0.152, 0.866), (-0.014, 0.172, 0.860), (-0.010, 0.198, 0.832), (-0.004, 0.225, 0.730),
             (0.005, 0.248, 0.620), (0.035, 0.245, 0.560), (0.110, 0.205, 0.545), (0.205, 0.145, 0.545),
             (0.225, 0.132, 0.546), (0.226, 0.131, 0.546),
         ]),
-        np.array([0.0, 0.040, 0.053, 0.047, 0.042, 0.039, 0.035, 0.027, 0.026, 0.0])[:, None].repeat(2, 1),
-        sides // 2 + 2, (0, 0.3, 1) if fine else (0, 0.3, 1), SLEEVE,
+        np.array([0.0, 0.030, 0.047, 0.053, 0.047, 0.042, 0.039, 0.035, 0.027, 0.026, 0.0])[:, None].repeat(2, 1),
+        sides // 2 + 2, (0, 0.3, 1), SLEEVE,
     )  # fmt: skip
     return merge(chest, neck, arm)
 
@@ -104,7 +104,7 @@ def hand(fine: bool) -> Mesh:
 def clothes_and_skin(face: FaceConfig, clothing: Colour, size: int) -> np.ndarray:
     """Texture (size, size, 3) uint8 of trunk and arms: a knitted pullover, and her skin below v = .12."""
     rng = np.random.default_rng(face.seed + 2000)
-    v, u = np.meshgrid((np.arange(size) + 0.5) / size, (np.arange(size) + 0.5) / size, indexing="ij")
+    v = np.broadcast_to(((np.arange(size) + 0.5) / size)[:, None], (size, size))
     wool = 0.075 * noise(rng, (size, size), (22, 26)) + 0.05 * noise(rng, (size, size), (size // 3, size // 3))
     bands = 0.10 * np.sign(np.sin(2 * np.pi * v * 14)) * (np.abs(np.sin(2 * np.pi * v * 14)) > 0.3)
     cloth = np.array(clothing) * (1 + wool + bands)[..., None]

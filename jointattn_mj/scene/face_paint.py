@@ -22,7 +22,7 @@ def _shade(config: FaceConfig, y: np.ndarray, z: np.ndarray) -> np.ndarray:
     side = np.abs(y)
     return (
         1
-        - 0.26 * bump((side - 0.029) / 0.0150, (z - 0.010) / 0.0085)  # between brow and lid
+        - 0.32 * bump((side - 0.029) / 0.0150, (z - 0.010) / 0.0085)  # between brow and lid
         - 0.17 * bump((side - 0.0165) / 0.0055, (z - 0.006) / 0.0100)  # beside the bridge of the nose
         - 0.10 * bump((side - 0.032) / 0.0140, (z + 0.009) / 0.0050)  # under the eye
         - 0.20 * bump((side - 0.0175 * config.nose_width) / 0.0040, (z + 0.034) / 0.0090)

@@ -100,13 +100,13 @@ def lid_rims(config: FaceConfig, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     opening = np.clip(1 - s * s, 0, 1)
     slant = 0.0010 * np.clip(s, -1.3, 1.3)  # the outer corner is a little higher
     middle = EYE_Z + slant
-    return middle + 0.0060 * config.eye_size * opening**0.75, middle - 0.0046 * config.eye_size * opening**0.9
+    return middle + 0.0052 * config.eye_size * opening**0.75, middle - 0.0044 * config.eye_size * opening**0.9
 
 
 def hair_thickness(config: FaceConfig, azimuth: np.ndarray, z: np.ndarray) -> np.ndarray:
     """0 on skin, 1 well inside the hair; azimuth in degrees, z on the average face."""
     side = np.abs(azimuth)
-    front = {"short": 0.066, "bob": 0.062, "bun": 0.068, "curly": 0.060, "receding": 0.082}[config.hair_style]
+    front = {"short": 0.066, "bob": 0.062, "bun": 0.068, "curly": 0.070, "receding": 0.082}[config.hair_style]
     receding = 0.014 if config.hair_style == "receding" else 0.0
     line = curve(side, [
         (0, front), (22, front + 0.003 + receding), (42, front - 0.004 + receding), (56, front - 0.022),
@@ -129,7 +129,7 @@ def _hair_depth(config: FaceConfig, azimuth: np.ndarray, z: np.ndarray) -> np.nd
             np.sin(np.radians(azimuth) * k + z * f + p)
             for k, f, p in zip((5, 9, 7, 12), (90, -140, 210, 60), phase, strict=True)
         )
-        depth = depth * (0.75 + 0.25 * smoothstep(side, 30, 90)) + 0.0016 * wave
+        depth = depth * (0.50 + 0.50 * smoothstep(side, 30, 90)) + 0.0016 * wave
     return inside * depth
 
 
@@ -237,9 +237,7 @@ def _curtain(factor: int) -> Mesh:
     back = curve(level, [(-0.012, 0.098), (0.030, 0.105), (0.065, 0.098), (0.092, 0.076)]) + outward
     x = np.where(np.cos(a) > 0, 0.075, back) * np.cos(a)
     points = np.stack([x, wide * np.sin(a), np.broadcast_to(z[:, None], x.shape)], -1)
-    hair_azimuth = np.clip(azimuth, 128, 232)
-    u = np.where(hair_azimuth <= 180, hair_azimuth, hair_azimuth - 360)
-    u = np.where(u < 0, -u, u)  # mirrored: no seam at the back
+    u = 178 - 0.42 * np.abs(azimuth - 180)  # mirrored: no seam at the back, and nothing but hair
     uv = texture_coordinates(
         np.broadcast_to(u[None], x.shape), np.interp(z, [-0.11, 0.08], [-0.02, 0.09])[:, None] + 0 * x
     )

@@ -171,20 +171,25 @@ def _visuals(spec: mujoco.MjSpec, high: bool) -> None:
     visual = spec.visual
     visual.global_.offwidth, visual.global_.offheight = (1280, 960) if high else (PICTURE_WIDTH, PICTURE_HEIGHT)
     visual.quality.offsamples = 4 if high else 0
-    visual.quality.shadowsize = 2048 if high else 0
+    visual.quality.shadowsize = 4096 if high else 0
     visual.quality.numslices, visual.quality.numstacks = (32, 16) if high else (12, 6)
     visual.quality.numquads = 1
-    visual.headlight.active = 0
     visual.map.znear, visual.map.zfar = 0.05, 10.0
+    visual.map.shadowclip = 2.2
     spec.stat.extent, spec.stat.center = 1.0, (0.85, 0, 0.8)
+    # With shadows, a light's own ambient part is missing in its shadow: the headlight gives it instead (at some cost).
+    ambient, none = (0.48, 0.48, 0.48), (0, 0, 0)
+    headlight = visual.headlight
+    headlight.active = high
+    headlight.ambient, headlight.diffuse, headlight.specular = ambient, none, none
     spec.worldbody.add_light(
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        pos=(-0.6, 0.8, 3.0),
-        dir=(0.72, -0.22, -0.52),
+        pos=(-0.8, 0.35, 2.2),
+        dir=(0.74, -0.13, -0.50),
         castshadow=high,
-        ambient=(0.48, 0.48, 0.48),
+        ambient=none if high else ambient,
         diffuse=(0.62, 0.62, 0.62),
-        specular=(0, 0, 0),
+        specular=none,
     )
 
 

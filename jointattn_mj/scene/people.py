@@ -76,7 +76,7 @@ IDENTITIES: dict[str, FaceConfig] = {
         seed=3,
     ),
     "amara": FaceConfig(
-        skin=(0.52, 0.35, 0.26),
+        skin=(0.55, 0.375, 0.28),
         hair=(0.11, 0.085, 0.075),
         eyes=(0.15, 0.09, 0.06),
         lips=(0.50, 0.25, 0.23),
