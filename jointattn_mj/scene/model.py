@@ -127,6 +127,11 @@ def _add_texture(spec: mujoco.MjSpec, name: str, texture: np.ndarray) -> None:
     spec.add_material(name=name, textures=roles, specular=0, shininess=0)
 
 
+def _add_colour(spec: mujoco.MjSpec, name: str, rgb: tuple[float, float, float]) -> None:
+    """A dull material `name`."""
+    spec.add_material(name=name, rgba=(*rgb, 1), specular=0, shininess=0)
+
+
 def _add_caregiver(spec: mujoco.MjSpec, config: SceneConfig, high: bool) -> None:
     part = _part("caregiver")
     person = config.face or identity(config.caregiver)
@@ -139,7 +144,12 @@ def _add_caregiver(spec: mujoco.MjSpec, config: SceneConfig, high: bool) -> None
     _add_mesh(part, "upper_arm", body.upper_arm(part.body("elbow").pos[0], high))
     _add_mesh(part, "forearm", body.forearm(part.body("wrist").pos[0], high))
     _add_mesh(part, "hand", body.hand(high))
-    _add_texture(part, "body", body.clothes_and_skin(person, config.clothing, 512 if high else 64))
+    _add_mesh(part, "neck", body.neck(high))
+    _add_colour(part, "skin", person.skin)
+    if high:
+        _add_texture(part, "cloth", body.cloth(config.clothing, 512))
+    else:
+        _add_colour(part, "cloth", config.clothing)
     stand = spec.worldbody.add_body(name="caregiver", pos=(HEAD_POSITION[0], HEAD_POSITION[1], 0), quat=(0, 0, 0, 1))
     spec.attach(part, prefix="caregiver/", frame=stand.add_frame())
 
@@ -156,7 +166,7 @@ def _add_room(spec: mujoco.MjSpec, high: bool) -> None:
         _add_texture(part, "floor", room.carpet(512))
     else:  # the same colours without textures
         for name, rgb in (("table", room.WOOD), ("wall", room.PLASTER), ("floor", room.CARPET)):
-            part.add_material(name=name, rgba=(*rgb, 1), specular=0, shininess=0)
+            _add_colour(part, name, rgb)
     spec.attach(part, prefix="room/", frame=spec.worldbody.add_frame())
 
 
