@@ -44,16 +44,16 @@ def _hue(degrees: float, saturation: float = 1.0, value: float = 0.85) -> tuple[
 OBJECTS: tuple[ObjectConfig, ...] = (
     ObjectConfig("red", _hue(0, 0.95, 0.86), "box"),
     ObjectConfig("yellow", _hue(54, 1.0, 0.92), "cylinder"),
-    ObjectConfig("blue", _hue(228, 0.90, 0.86), "box"),
+    ObjectConfig("blue", _hue(232, 0.90, 0.86), "box"),
     ObjectConfig("green", _hue(128, 0.95, 0.66), "sphere"),
     ObjectConfig("magenta", _hue(308, 0.95, 0.86), "cylinder"),
-    ObjectConfig("cyan", _hue(182, 1.0, 0.82), "sphere"),
+    ObjectConfig("cyan", _hue(180, 1.0, 0.82), "sphere"),
     ObjectConfig("orange", _hue(27, 1.0, 0.95), "sphere"),
-    ObjectConfig("violet", _hue(268, 0.88, 0.80), "box"),
+    ObjectConfig("violet", _hue(270, 0.88, 0.80), "box"),
     ObjectConfig("lime", _hue(88, 1.0, 0.85), "cylinder"),
-    ObjectConfig("azure", _hue(204, 1.0, 0.92), "cylinder"),
+    ObjectConfig("azure", _hue(206, 1.0, 0.92), "cylinder"),
 )
-"""Ten objects whose hues lie at least 22 degrees apart; the first four are the dissertation's (section 6.4.1)."""
+"""Ten objects whose hues lie at least 25 degrees apart; the first four are the dissertation's (section 6.4.1)."""
 
 
 @dataclass(frozen=True)
@@ -96,12 +96,12 @@ def rest_height(config: SceneConfig) -> float:
 
 def rest_positions(config: SceneConfig) -> np.ndarray:
     """(n, 3) starting places on the table, at least .13 m apart for up to ten objects; world frame."""
-    n = len(config.objects)
-    rows = 1 if n <= 4 else 2
-    per_row = -(-n // rows)
-    y = np.linspace(0.3, -0.3, per_row) if per_row > 1 else np.zeros(1)
-    places = [(1.0 if rows == 1 else (0.93, 1.09)[i // per_row], y[i % per_row], rest_height(config)) for i in range(n)]
-    return np.array(places).reshape(-1, 3)
+    count, height = len(config.objects), rest_height(config)
+    if count <= 4:
+        return np.array([(1.0, y, height) for y in np.linspace(0.3, -0.3, count)]).reshape(-1, 3)
+    far = count // 2  # two rows, staggered so that both are seen
+    near_row = [(0.93, y + 0.04, height) for y in np.linspace(0.30, -0.30, count - far)]
+    return np.array(near_row + [(1.10, y - 0.04, height) for y in np.linspace(0.30, -0.30, far)])
 
 
 def _part(name: str) -> mujoco.MjSpec:

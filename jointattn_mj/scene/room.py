@@ -43,7 +43,7 @@ def table(half_x: float, half_y: float, thickness: float, relief: bool) -> Mesh:
     z, edge = t / 2, (0, 0, 1, 0.06)
     top = (-half_x, half_y, z), (0, -y, 0), (x, 0, 0)
     return merge(
-        _relief(*top, (3, 10), (0.02, 0.10), seed=21) if relief else _quad(*top, (0, 0.1, 1, 1)),
+        _relief(*top, (3, 10), (0.02, 0.14), seed=21) if relief else _quad(*top, (0, 0.1, 1, 1)),
         _quad((-half_x, half_y, -z), (0, -y, 0), (0, 0, t), edge),
         _quad((half_x, -half_y, -z), (0, y, 0), (0, 0, t), edge),
         _quad((-half_x, -half_y, -z), (x, 0, 0), (0, 0, t), edge),
@@ -59,7 +59,7 @@ def wall(half_y: float, height: float, relief: bool) -> Mesh:
     base = _quad((0, half_y, 0), (0, -2 * half_y, 0), (0, 0, PANEL), (0, 0, 1, 1))
     dark = Mesh(base.vertices, base.faces, base.uv, base.normals - np.array([0, 0, 0.75]))
     upper = (0, half_y, PANEL), (0, -2 * half_y, 0), (0, 0, height - PANEL)
-    return merge(dark, _relief(*upper, (17, 6), (0.08, 0.10), seed=22))
+    return merge(dark, _relief(*upper, (17, 6), (0.12, 0.16), seed=22))
 
 
 def floor(low_x: float, high_x: float, half_y: float) -> Mesh:
