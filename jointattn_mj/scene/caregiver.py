@@ -72,14 +72,18 @@ class CaregiverConfig:
     """Pace of that movement; fast and small, so that the learned direction is not smeared."""
     reach_arch_m: float = 0.12
     """How far the hand rises above the straight way, so that it comes down on an object from above."""
+    carry_arch_m: float = 0.06
+    """The same for the hand with an object in it, which must pass over the others."""
     head_share: float = 0.85
     """Part of a gaze angle that the head turns; the eyes turn the rest."""
-    hand_pitch_deg: float = 40.0
-    """The hand points at the robot and so far down."""
-    elbow_hint: tuple[float, float, float] = (-0.2, -1.0, 0.15)
-    """Direction in her own frame towards which the elbow is held: out to her right and slightly up."""
-    rest_place: tuple[float, float, float] = (1.20, 0.44, 0.79)
-    """Where the hand rests, world frame, metres."""
+    hand_pitch_deg: float = 24.0
+    """The hand points at the robot and so far down; steeper, it hides her chin while she observes an object."""
+    elbow_at_table_deg: float = 20.0
+    """With the hand at the table the elbow is raised so far, and the forearm passes over the other objects."""
+    elbow_at_holding_deg: float = -10.0
+    """With the hand at the holding place the elbow hangs, and the forearm leaves the face free."""
+    rest_place: tuple[float, float, float] = (1.21, 0.36, 0.752)
+    """Where the hand rests, on the table beside the objects; world frame, metres."""
 
     def __post_init__(self) -> None:
         for name in ("greet_s", "turn_s", "reach_s", "lift_s", "observe_s", "put_s", "gaze_s", "withdraw_s"):
@@ -171,7 +175,7 @@ class ObjectTransfer:
                 self._plan = self._planned(gaze, path_between(hand, target, frames, config.reach_arch_m))
             case Phase.LIFT:
                 self.held = self.target
-                path = path_between(hand, np.array(config.holding_place), frames)
+                path = path_between(hand, np.array(config.holding_place), frames, config.carry_arch_m)
                 self._plan = self._planned(self._sight(path), path)
             case Phase.OBSERVE:
                 path = np.array(config.holding_place) + self._wobble(frames)
@@ -180,7 +184,7 @@ class ObjectTransfer:
             case Phase.PUT:
                 others = np.delete(self.objects[:, :2], self.held, axis=0)
                 place = np.append(self._layout.place(others), self._rest_height)
-                path = path_between(hand, place, frames)
+                path = path_between(hand, place, frames, config.carry_arch_m)
                 self._plan = self._planned(self._sight(path), path)
             case Phase.GAZE:
                 self.held = None
@@ -201,6 +205,12 @@ class ObjectTransfer:
         """World points in her own frame, which is turned by half a turn about z."""
         return (points - self._origin) * np.array([-1.0, -1.0, 1.0])
 
+    def _elbow(self, height: np.ndarray) -> np.ndarray:
+        """Swing of the elbow (T,), rad, for a hand at ``height`` (T,), between the table's and the holding place's."""
+        table, holding = np.radians([self.config.elbow_at_table_deg, self.config.elbow_at_holding_deg])
+        risen = (height - self._rest_height) / (self.config.holding_place[2] - self._rest_height)
+        return table + risen * (holding - table)
+
     def _wobble(self, frames: int) -> np.ndarray:
         """A small movement to and fro, (frames, 3), that begins and ends at rest."""
         config, time = self.config, np.arange(1, frames + 1) * FRAME_S
@@ -212,5 +222,6 @@ class ObjectTransfer:
 
     def _planned(self, gaze: np.ndarray, grasp: np.ndarray, head_towards: np.ndarray | None = None) -> Plan:
         head = self.config.head_share * (gaze if head_towards is None else head_towards)
-        joints = np.concatenate([head, gaze - head, self._arm.reach(self._own(grasp))], axis=1)
+        arm = self._arm.reach(self._own(grasp), self._elbow(grasp[:, 2]))
+        joints = np.concatenate([head, gaze - head, arm], axis=1)
         return Plan(gaze=gaze, head=head, grasp=grasp, joints=joints)

@@ -20,10 +20,13 @@ def minimum_jerk(frames: int) -> np.ndarray:
 
 
 def path_between(start: np.ndarray, end: np.ndarray, frames: int, arch: float = 0.0) -> np.ndarray:
-    """Minimum-jerk path from ``start`` (excluded) to ``end``, (frames, d), raised in its last axis by ``arch`` midway."""
+    """Minimum-jerk path from ``start`` (excluded) to ``end``, (frames, d), raised in its last axis by ``arch`` midway.
+
+    The arch is a parabola over the straight way, so that speed and acceleration still vanish at either end.
+    """
     progress = minimum_jerk(frames)[:, None]
     path = start + progress * (np.asarray(end) - start)
-    path[:, -1] += 16 * arch * (progress * (1 - progress))[:, 0] ** 2
+    path[:, -1] += 4 * arch * (progress * (1 - progress))[:, 0]
     return path
 
 
@@ -47,8 +50,8 @@ def rotation_to_zyx(rotation: np.ndarray) -> np.ndarray:
 class Arm:
     """An arm of two links with ball-like shoulder and wrist; the hand keeps one orientation wherever it goes.
 
-    The arm has one degree of freedom to spare, the swing of the elbow about the line from shoulder to wrist. It is
-    spent on holding the elbow towards ``elbow_hint``, out to the side and up, so that it stays clear of the table.
+    The arm has one degree of freedom to spare, the swing of the elbow about the line from shoulder to wrist. The
+    caller chooses it: swing 0 points the elbow level to her right, a positive swing raises it.
     """
 
     shoulder: np.ndarray  # (3,)
@@ -56,10 +59,9 @@ class Arm:
     fore: float
     grasp: np.ndarray  # (3,) from the wrist to a held object's centre, in the hand's frame
     hand: np.ndarray  # (3, 3) the hand's orientation
-    elbow_hint: np.ndarray  # (3,)
 
     @classmethod
-    def from_model(cls, model: mujoco.MjModel, hand_pitch: float, elbow_hint: tuple[float, float, float]) -> "Arm":
+    def from_model(cls, model: mujoco.MjModel, hand_pitch: float) -> "Arm":
         """Read the lengths from the model; ``hand_pitch`` tilts the fingers down by so many radians."""
         cos, sin = np.cos(hand_pitch), np.sin(hand_pitch)
         return cls(
@@ -68,20 +70,20 @@ class Arm:
             fore=float(model.body("caregiver/wrist").pos[0]),
             grasp=model.site("caregiver/grasp").pos.copy(),
             hand=np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]]),
-            elbow_hint=np.asarray(elbow_hint, float),
         )
 
-    def reach(self, points: np.ndarray) -> np.ndarray:
+    def reach(self, points: np.ndarray, swing: np.ndarray) -> np.ndarray:
         """Joint angles (T, 7), in the order of ``ARM_JOINTS``, that bring the grasp to ``points`` (T, 3).
 
-        A point beyond the arm's length is approached as far as the straight arm goes.
+        ``swing`` (T,) raises the elbow above the level of shoulder and wrist, rad. A point beyond the arm's length is approached as far as the straight arm goes.
         """
         to_wrist = points - self.hand @ self.grasp - self.shoulder
         distance = np.linalg.norm(to_wrist, axis=1, keepdims=True)
         along = to_wrist / distance
         distance = np.clip(distance, abs(self.upper - self.fore) + 1e-6, self.upper + self.fore - 1e-6)
-        side = self.elbow_hint - along * (along @ self.elbow_hint)[:, None]
-        side /= np.linalg.norm(side, axis=1, keepdims=True)
+        right = np.cross(along, (0.0, 0.0, 1.0))
+        right /= np.linalg.norm(right, axis=1, keepdims=True)
+        side = np.cos(swing)[:, None] * right + np.sin(swing)[:, None] * np.cross(right, along)
 
         # Law of cosines: the angle at the shoulder between the line to the wrist and the upper arm, and the elbow's.
         at_shoulder = np.arccos((self.upper**2 + distance**2 - self.fore**2) / (2 * self.upper * distance))

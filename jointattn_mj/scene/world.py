@@ -75,9 +75,7 @@ class World:
             len(config.scene.objects),
             rest_height=rest_height(config.scene),
             head=self.data.site("caregiver/face").xpos.copy(),
-            arm=Arm.from_model(
-                self.model, np.radians(config.behaviour.hand_pitch_deg), config.behaviour.elbow_hint
-            ),
+            arm=Arm.from_model(self.model, np.radians(config.behaviour.hand_pitch_deg)),
             rng=np.random.default_rng(seed),
         )
         self.data.qpos[self._scripted_qpos] = self._script()
