@@ -58,7 +58,7 @@ def motion_saliency(motion: np.ndarray, gain: float, delay: float, width: float)
 
 
 @numba.njit(cache=True)
-def _advance(saliency, motion, attended, moves, preference, decay, growth, toward_preference):  # noqa: ANN001
+def _advance(saliency, motion, attended, moves, preference, decay, growth, toward_preference):
     for i in range(saliency.size):
         motion[i] = motion[i] + 1 if moves[i] else max(motion[i] - 1, 0)  # eq. 6.3
         if i == attended:  # eq. 6.6

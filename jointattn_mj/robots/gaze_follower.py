@@ -119,6 +119,7 @@ class GazeFollower:
             chosen = self.attention.draw(percept.seen)
             if chosen is not None and chosen != self.attended:
                 self._launch(chosen, percept, head)
+                self._held = self._movement.next_reference()
         return np.radians(self._held)
 
     def _launch(self, chosen: int, percept: Percept, head: np.ndarray) -> None:
@@ -144,8 +145,7 @@ class GazeFollower:
             activations=activations,
             source_direction=direction_of(percept.px[source], head) if source_seen else None,
         )
-        self._movement = HeadShift(head, command, self.config.gaze.shift_frames)
-        self._held = command
+        self._movement = HeadShift(self._held, command, self.config.gaze.shift_frames)
 
     def _turn(self, observation: Mapping[str, np.ndarray]) -> np.ndarray:
         """One frame of a gaze shift; visual feedback looks where its target has gone."""
@@ -154,9 +154,10 @@ class GazeFollower:
             percept = self.perceiver.look(observation, landed=True)
             if percept.seen[shift.chosen]:
                 head = np.degrees(observation["head_angles"])
-                self._held = shift.command = direction_of(percept.px[shift.chosen], head)
+                shift.command = direction_of(percept.px[shift.chosen], head)
                 movement.aim(shift.command)
-        return np.radians(movement.next_reference())
+        self._held = movement.next_reference()
+        return np.radians(self._held)
 
     def _land(self, percept: Percept, head: np.ndarray) -> None:
         """See what is at the centre of view now, and learn from the shift."""
@@ -201,3 +202,24 @@ class GazeFollower:
             self.learner.learn(activations, start - head)
             self.iterations += config.counts == "both"
             shift.learned = True
+
+    def weights(self) -> dict[str, np.ndarray]:
+        """All that was learned: the map of faces, the map from faces to commands, and l of eq. 6.8."""
+        return {
+            **{f"som_{name}": array for name, array in self.som.state().items()},
+            "learner": self.learner.weights(),
+            "iterations": np.array(self.iterations),
+        }
+
+    def load(self, weights: Mapping[str, np.ndarray]) -> None:
+        """Take over what another robot's ``weights`` gave; the opposite of beginning with ``familiarise``.
+
+        Raises:
+            ConfigError: The arrays do not fit this robot's config.
+        """
+        try:
+            self.som.load({name.removeprefix("som_"): array for name, array in weights.items() if name.startswith("som_")})
+            self.learner.load(weights["learner"])
+            self.iterations = int(weights["iterations"])
+        except KeyError as error:
+            raise ConfigError(f"these weights lack {error}; give the weights.npz of a finished session") from error

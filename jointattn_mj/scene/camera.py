@@ -6,8 +6,9 @@ the head angles that would bring a thing to the centre of view. Pan is positive 
 
 from math import atan2, cos, degrees, hypot, radians, sin, tan
 
-import mujoco
 import numpy as np
+from dm_control.mujoco import Physics
+from dm_control.mujoco.engine import Camera
 
 from jointattn_mj.errors import GLError
 from jointattn_mj.scene import gl
@@ -65,37 +66,34 @@ def in_picture(pixels: np.ndarray) -> np.ndarray:
 
 
 class Eye:
-    """Renders one camera of a model into one reused buffer.
+    """Renders one camera of a physics into one reused buffer.
 
-    The renderer is made at the first picture: a scene that nobody looks at needs no OpenGL.
+    The renderer is made at the first picture: a scene that nobody looks at needs no OpenGL. It lives in the physics'
+    own rendering context, so that dm_control's ``physics.render`` and wrappers work beside it.
     """
 
-    def __init__(self, model: mujoco.MjModel, camera: str = "robot/eye", width: int = PICTURE_WIDTH, height: int = PICTURE_HEIGHT):
-        self._model, self._camera, self._size = model, camera, (height, width)
-        self._renderer: mujoco.Renderer | None = None
+    def __init__(self, physics: Physics, camera: str = "robot/eye", width: int = PICTURE_WIDTH, height: int = PICTURE_HEIGHT):
+        self._physics, self._name, self._size = physics, camera, (height, width)
+        self._camera: Camera | None = None
         self._buffer = np.empty((height, width, 3), np.uint8)
 
-    def look(self, data: mujoco.MjData) -> np.ndarray:
+    def look(self) -> np.ndarray:
         """The picture now, uint8 (height, width, 3), RGB; it holds until the next look.
 
         Raises:
             GLError: No picture can be rendered here; the message names the packages to install.
         """
-        if self._renderer is None:
-            self._renderer = self._open()
-        self._renderer.update_scene(data, self._camera)
-        return self._renderer.render(out=self._buffer)
+        if self._camera is None:
+            self._camera = self._open()
+        np.copyto(self._buffer, self._camera.render())
+        return self._buffer
 
-    def close(self) -> None:
-        """Free the OpenGL context (OSMesa prints tracebacks at exit when nobody does)."""
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
-
-    def _open(self) -> mujoco.Renderer:
+    def _open(self) -> Camera:
         if gl.rendering_disabled():
             raise GLError(f"Pictures need an OpenGL library, and none was found. {gl.INSTALL}")
         try:
-            return mujoco.Renderer(self._model, *self._size)
-        except Exception as error:  # PyOpenGL and mujoco raise a dozen kinds here
+            camera = Camera(self._physics, *self._size, camera_id=self._name)
+            camera.render()
+        except Exception as error:  # PyOpenGL, mujoco and dm_control raise a dozen kinds here
             raise GLError(f"The OpenGL library could not open an offscreen picture ({error}). {gl.INSTALL}") from error
+        return camera

@@ -6,10 +6,12 @@ Knows MuJoCo and no environment API: the session steps a ``World`` directly, and
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import mujoco
 import numpy as np
+from dm_control.mujoco import Physics
+from dm_control.mujoco.wrapper import MjModel
 
 from jointattn_mj.scene.camera import Eye
 from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer
@@ -41,13 +43,24 @@ def steps_per_frame(model: mujoco.MjModel) -> int:
     return round(FRAME_S / model.opt.timestep)
 
 
-class World:
-    """Body and script over a model and its data; one ``step`` is one camera frame of 1/30 s."""
+def build_physics(config: WorldConfig) -> Physics:
+    """dm_control's physics over the compiled scene."""
+    return Physics.from_model(MjModel(build_model(config.scene)))
 
-    def __init__(self, config: WorldConfig, model: mujoco.MjModel, data: mujoco.MjData, seed: np.random.SeedSequence):
-        self.config, self.model, self.data = config, model, data
-        self.eye = Eye(model)
-        self.rendered_frames = 0
+
+class World:
+    """Body and script over a physics; one ``step`` is one camera frame of 1/30 s."""
+
+    def __init__(self, config: WorldConfig, physics: Physics, seed: np.random.SeedSequence):
+        self._bind(config, physics)
+        self.reset(seed)
+
+    def _bind(self, config: WorldConfig, physics: Physics) -> None:
+        """Look up where in the model everything is."""
+        self.config, self.physics = config, physics
+        self.model = model = physics.model.ptr
+        self.data = physics.data.ptr
+        self.eye = Eye(physics)
         scripted = [model.joint(name) for name in SCRIPTED_JOINTS]
         self._scripted_qpos = np.array([joint.qposadr[0] for joint in scripted])
         self._scripted_qvel = np.array([joint.dofadr[0] for joint in scripted])
@@ -56,13 +69,11 @@ class World:
         self._objects = np.array([model.body(f"object/{item.name}").mocapid[0] for item in config.scene.objects])
         self._steps = steps_per_frame(model)
         self._picture: np.ndarray | None = None
-        self.reset(seed)
 
     @classmethod
     def build(cls, config: WorldConfig, seed: np.random.SeedSequence) -> "World":
-        """A world over a model of its own."""
-        model = build_model(config.scene)
-        return cls(config, model, mujoco.MjData(model), seed)
+        """A world over a physics of its own."""
+        return cls(config, build_physics(config), seed)
 
     def reset(self, seed: np.random.SeedSequence) -> None:
         """Begin anew: another table, the caregiver about to greet, the robot's head straight ahead."""
@@ -111,7 +122,7 @@ class World:
     def picture(self) -> np.ndarray:
         """What the robot's eye sees now, uint8 (240, 320, 3); rendered at the first call in a frame."""
         if self._picture is None:
-            self._picture = self.eye.look(self.data)
+            self._picture = self.eye.look()
             self.rendered_frames += 1
         return self._picture
 
@@ -144,6 +155,24 @@ class World:
         np.greater(np.einsum("ij,ij->i", path, path), (object_above_m_s * FRAME_S) ** 2, out=moved[:-1])
         moved[-1] = face > np.radians(face_above_deg_s)
         return moved
+
+    def close(self) -> None:
+        """Free model, data and rendering context."""
+        self.physics.free()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Everything that the next frame depends on; the model is built anew from the config."""
+        integration = np.empty(mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_INTEGRATION))
+        mujoco.mj_getState(self.model, self.data, integration, mujoco.mjtState.mjSTATE_INTEGRATION)
+        kept = ("config", "caregiver", "rendered_frames", "_objects_before", "_points")
+        return {"integration": integration, **{name: getattr(self, name) for name in kept}}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        integration = state.pop("integration")
+        self._bind(state["config"], build_physics(state["config"]))
+        self.__dict__.update(state)
+        mujoco.mj_setState(self.model, self.data, integration, mujoco.mjtState.mjSTATE_INTEGRATION)
+        mujoco.mj_step1(self.model, self.data)
 
     def _script(self) -> np.ndarray:
         joints = self.caregiver.joints

@@ -1,0 +1,145 @@
+"""How fast everything is, as ratios measured in one run: absolute times of shared machines mean little."""
+
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.scene.caregiver import FRAME_S
+from jointattn_mj.scene.world import World
+from jointattn_mj.session import Session, SessionConfig
+
+
+@dataclass(frozen=True)
+class BenchmarkOptions:
+    """How long to measure."""
+
+    blocks: int = 8
+    """How often closed loop, rendering alone, truth and cartpole take turns; the medians are reported."""
+    seconds: float = 30.0
+    """Simulated seconds of each closed-loop block."""
+    out: Path | None = None
+    """Also write the figures to this JSON file."""
+
+    def __post_init__(self) -> None:
+        if self.blocks < 1 or self.seconds < 1:
+            raise ConfigError(f"benchmark needs blocks >= 1 and seconds >= 1; got {self.blocks}, {self.seconds}")
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """Medians over the blocks."""
+
+    renderer: str
+    render_ms: float
+    """Rendering alone, one picture of the scene with the caregiver at work."""
+    loop_ms_per_picture: float
+    """Closed loop from pixels: everything in it, divided by the pictures that were rendered for it."""
+    loop_to_render: float
+    """The ratio of the two, block by block."""
+    loop_times_real_time: float
+    session_26_min_s: float
+    """What 26 simulated minutes take at this pace."""
+    truth_times_real_time: float
+    cartpole_ms: float
+    """dm_control's own cartpole swingup, a step with pixels at 320x240."""
+    loop_to_cartpole: float
+    """Closed loop per rendered picture, in cartpole steps."""
+
+    def rows(self) -> dict[str, float | str]:
+        """The figures by name."""
+        return asdict(self)
+
+    def text(self) -> str:
+        """A table to read."""
+        return "\n".join(
+            f"{name:24} {value if isinstance(value, str) else format(value, '.3g')}" for name, value in self.rows().items()
+        )
+
+
+def run_benchmark(options: BenchmarkOptions) -> Benchmark:
+    """Measure in turns, so that a machine that changes its pace changes it for all.
+
+    Raises:
+        GLError: No picture can be rendered here.
+    """
+    minutes = options.blocks * options.seconds / 60
+    loop = Session(SessionConfig(minutes=minutes))
+    truth = Session(SessionConfig(minutes=minutes, perception="truth"))
+    scene = World.build(loop.config.world, np.random.SeedSequence(1))
+    cartpole = _cartpole()
+    loop.begin()
+    truth.begin()
+    _live(truth, 30)  # compiles
+    _render(scene, 30)
+    block, times = round(options.seconds / FRAME_S), []
+    try:
+        for _ in range(options.blocks):
+            before = loop.world.rendered_frames
+            in_loop = _live(loop, block)
+            pictures = loop.world.rendered_frames - before
+            times.append((in_loop, pictures, _render(scene, pictures), _live(truth, block), _steps(cartpole, 200)))
+        with loop.world.physics.contexts.gl.make_current() as context:
+            renderer = context.call(_renderer_name)
+    finally:
+        loop.close()
+        truth.close()
+        scene.close()
+        cartpole.close()
+    in_loop, pictures, rendering, in_truth, steps = np.array(times, float).T
+    per_picture = in_loop / pictures
+    return Benchmark(
+        renderer=renderer,
+        render_ms=1000 * float(np.median(rendering / pictures)),
+        loop_ms_per_picture=1000 * float(np.median(per_picture)),
+        loop_to_render=float(np.median(in_loop / rendering)),
+        loop_times_real_time=float(np.median(options.seconds / in_loop)),
+        session_26_min_s=float(np.median(in_loop)) * 26 * 60 / options.seconds,
+        truth_times_real_time=float(np.median(options.seconds / in_truth)),
+        cartpole_ms=1000 * float(np.median(steps)) / 200,
+        loop_to_cartpole=float(np.median(per_picture / (steps / 200))),
+    )
+
+
+def _live(session: Session, frames: int) -> float:
+    """Seconds for so many frames of a session (fewer at its end)."""
+    start = time.perf_counter()
+    for _ in range(min(frames, session.total - session.frame)):
+        session.step()
+    return time.perf_counter() - start
+
+
+def _render(world: World, pictures: int) -> float:
+    """Seconds for rendering alone; the world moves on between pictures, untimed."""
+    spent = 0.0
+    for _ in range(pictures):
+        world.step(np.zeros(2))
+        start = time.perf_counter()
+        world.picture()
+        spent += time.perf_counter() - start
+    return spent
+
+
+def _cartpole():
+    from dm_control import suite
+    from dm_control.suite.wrappers import pixels
+
+    environment = suite.load("cartpole", "swingup", task_kwargs={"random": 0})
+    return pixels.Wrapper(environment, render_kwargs={"height": 240, "width": 320})
+
+
+def _steps(environment, count: int) -> float:
+    action = np.zeros(environment.action_spec().shape)
+    start = time.perf_counter()
+    for _ in range(count):
+        environment.step(action)
+    return time.perf_counter() - start
+
+
+def _renderer_name() -> str:
+    from OpenGL import GL
+
+    name = GL.glGetString(GL.GL_RENDERER)
+    return name.decode() if name else "unknown"

@@ -1,0 +1,67 @@
+"""Checkpoints: a whole session in one file, safe against half-written bytes and against other runs' files.
+
+A file is a line of magic, the SHA-256 of the rest, the fingerprint of the config, and a pickle. Loading unpickles only
+classes of this package, numpy and the standard containers.
+"""
+
+import hashlib
+import io
+import json
+import pickle
+from pathlib import Path
+from typing import Any
+
+from jointattn_mj.errors import CheckpointError
+from jointattn_mj.recording.files import write_whole
+from jointattn_mj.recording.provenance import plain
+
+MAGIC = b"jointattn checkpoint 1\n"
+_TRUSTED = ("jointattn_mj", "numpy", "collections")
+_BUILTINS = ("set", "frozenset", "slice", "complex", "bytearray", "range")
+
+
+def fingerprint(config: Any) -> str:
+    """SHA-256 of a config's contents."""
+    return hashlib.sha256(json.dumps(plain(config), sort_keys=True).encode()).hexdigest()
+
+
+class _Unpickler(pickle.Unpickler):
+    def find_class(self, module: str, name: str) -> Any:
+        if module.split(".")[0] not in _TRUSTED and not (module == "builtins" and name in _BUILTINS):
+            raise pickle.UnpicklingError(f"{module}.{name} does not belong into a checkpoint")
+        return super().find_class(module, name)
+
+
+def save(path: Path, state: Any, config: Any) -> None:
+    """Write ``state``, whole or not at all.
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
+    body = fingerprint(config).encode() + pickle.dumps(state, protocol=5)
+    digest = hashlib.sha256(body).hexdigest().encode()
+    write_whole(path, lambda temporary: temporary.write_bytes(MAGIC + digest + body))
+
+
+def load(path: Path, config: Any) -> Any:
+    """Read what ``save`` wrote for the same ``config``.
+
+    Raises:
+        CheckpointError: No such file, damaged, or of another config.
+    """
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError as error:
+        raise CheckpointError(f"there is no checkpoint at {path}; run without --resume to begin a session") from error
+    digest, body = content[len(MAGIC) :][:64], content[len(MAGIC) + 64 :]
+    if not content.startswith(MAGIC) or hashlib.sha256(body).hexdigest().encode() != digest:
+        raise CheckpointError(f"{path} is damaged or no checkpoint; delete it and begin the session anew")
+    if body[:64] != fingerprint(config).encode():
+        raise CheckpointError(
+            f"{path} belongs to a session with another config; resume with the options in config.yaml beside it, "
+            "or choose another --out"
+        )
+    try:
+        return _Unpickler(io.BytesIO(body[64:])).load()
+    except (pickle.UnpicklingError, AttributeError, ImportError, EOFError) as error:
+        raise CheckpointError(f"{path} was written by another version of this package ({error})") from error

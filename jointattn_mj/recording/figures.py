@@ -1,0 +1,62 @@
+"""The two figures of a session, drawn like the dissertation's: Fig. 6.6 and Fig. 6.8."""
+
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+
+from jointattn_mj.recording.files import write_whole
+from jointattn_mj.recording.summary import moving_average
+from jointattn_mj.recording.tables import ShiftRow
+
+matplotlib.rcParams["svg.hashsalt"] = "jointattn"
+FOUR_OBJECTS = 0.25
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG, without anything in it that changes from run to run."""
+    write_whole(path, lambda temporary: figure.savefig(temporary, dpi=110, metadata={"Software": None}))
+
+
+def draw_success(path: Path, shifts: list[ShiftRow], minutes: float) -> None:
+    """Moving average of the rate of success, eq. 6.9 (Fig. 6.8), and who commanded the shifts."""
+    times, rate = moving_average(shifts, minutes)
+    rows = [row for row in shifts if row.face_to_object]
+    at = np.array([row.landing_s / 60 for row in rows])
+    learner = np.array([row.commanded_by == "learner" for row in rows], float)
+    figure = Figure(figsize=(6.4, 3.8), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(times, rate, "x-", color="#c0392b", label="success of gaze shifts to objects, eq. 6.9")
+    if len(at) > 10:
+        window = np.ones(10) / 10
+        axes.plot(
+            np.convolve(at, window, "valid"), np.convolve(learner, window, "valid"),
+            color="#7f8c8d", lw=1, label="share commanded by the learner (10 shifts)",
+        )  # fmt: skip
+    axes.axhline(FOUR_OBJECTS, ls=":", color="#2c3e50", label="one of four objects at random")
+    axes.set(xlabel="time (simulated minutes)", ylabel="rate", xlim=(0, max(minutes, 1)), ylim=(0, 1))
+    axes.legend(fontsize=8, loc="upper left")
+    axes.grid(alpha=0.3)
+    save(figure, path)
+
+
+def draw_som(path: Path, codebook: np.ndarray) -> None:
+    """The learned map (Fig. 6.6): face patterns (rows, columns, 1024), or (.., 2) head angles of the truth path."""
+    rows, columns, size = codebook.shape
+    side = round(np.sqrt(size))
+    figure = Figure(figsize=(6, 6), layout="constrained")
+    axes = figure.subplots()
+    if size == 2:
+        yaw, pitch = codebook[..., 0], codebook[..., 1]
+        axes.plot(yaw, pitch, "o-", yaw.T, pitch.T, "-", color="#2980b9", ms=4, lw=0.8)
+        axes.set(xlabel="head yaw (deg, to her left)", ylabel="head pitch (deg, down)", title="SOM of head directions")
+        axes.invert_yaxis()
+    else:
+        faces = codebook.reshape(rows, columns, side, side).transpose(0, 2, 1, 3).reshape(rows * side, columns * side)
+        axes.imshow(faces, cmap="gray")
+        axes.set(xticks=(np.arange(columns) + 0.5) * side - 0.5, yticks=(np.arange(rows) + 0.5) * side - 0.5)
+        axes.set_xticklabels(range(columns))
+        axes.set_yticklabels(range(rows))
+        axes.set(xlabel="SOM column", ylabel="SOM row", title="SOM of face patterns")
+    save(figure, path)

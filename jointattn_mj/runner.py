@@ -1,0 +1,112 @@
+"""Runs a session in a folder: progress, checkpoints, results, and going on after a kill."""
+
+import json
+import time
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from jointattn_mj.errors import OutputError
+from jointattn_mj.recording import checkpoint, figures
+from jointattn_mj.recording.files import write_whole
+from jointattn_mj.recording.interrupts import deferred
+from jointattn_mj.recording.provenance import write_config
+from jointattn_mj.recording.tables import shift_table, write_parquet
+from jointattn_mj.recording.weights import write_weights
+from jointattn_mj.session import FRAMES_PER_MINUTE, FRAMES_PER_SECOND, Session, SessionConfig
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Where a session leaves its results, and how much of it is shown."""
+
+    out: Path
+    """Folder for the results; made when missing, refused when it holds another run."""
+    resume: bool = False
+    """Go on from the checkpoint in the folder, to the same final result."""
+    video: bool = False
+    """Also leave a video that shows what the robot attends to and why (slower: every frame is rendered twice)."""
+    checkpoint_minutes: float = 2.0
+    """Simulated minutes between checkpoints: at most so much is lost by a kill."""
+
+
+def run_session(
+    config: SessionConfig, options: RunOptions, progress: Callable[[Session], None] = lambda session: None
+) -> dict[str, Any]:
+    """Run a session and leave its results in ``options.out``; returns the summary.
+
+    ``progress`` is called after every simulated second. On Ctrl-C or SIGTERM the frame is finished and a checkpoint
+    written before KeyboardInterrupt goes on.
+
+    Raises:
+        OutputError: The folder holds another run, or cannot be written.
+        CheckpointError: ``resume`` without a fitting checkpoint.
+        GLError: Pictures are needed and cannot be rendered.
+    """
+    out, frozen = options.out, options.out / "checkpoint.bin"
+    started = time.perf_counter()
+    if options.resume:
+        spent, session = checkpoint.load(frozen, config)
+    else:
+        _claim(out)
+        spent, session = 0.0, Session(config)
+
+    def freeze() -> None:
+        checkpoint.save(frozen, (spent + time.perf_counter() - started, session), config)
+
+    try:
+        if not options.resume:
+            session.begin()
+            write_config(out / "config.yaml", config)
+            freeze()
+        with deferred() as interrupts, _film(session, options) as film:
+            pause = max(1, round(options.checkpoint_minutes * FRAMES_PER_MINUTE))
+            while session.frame < session.total:
+                session.step(film)
+                if session.frame % pause == 0 or interrupts.requested:
+                    freeze()
+                if interrupts.requested:
+                    raise KeyboardInterrupt
+                if session.frame % FRAMES_PER_SECOND == 0:
+                    progress(session)
+        freeze()
+        return _leave_results(session, out, spent + time.perf_counter() - started)
+    finally:
+        session.close()
+
+
+def _claim(out: Path) -> None:
+    """Make the folder, and refuse one that holds a run."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another --out") from error
+    if (out / "config.yaml").exists():
+        raise OutputError(f"{out} already holds a run; choose another --out, or --resume to go on with that one")
+
+
+def _film(session: Session, options: RunOptions):
+    if not options.video or session.frame == session.total:
+        return nullcontext()
+    from jointattn_mj.recording.video import Film  # imports ffmpeg's wrapper, which most sessions do not need
+
+    return Film(_free_name(options.out / "video.mp4"), session)
+
+
+def _free_name(path: Path) -> Path:
+    """``path``, or with a number where an earlier part of a resumed run already has it."""
+    names = [path, *(path.with_stem(f"{path.stem}_{part}") for part in range(2, 1000))]
+    return next(name for name in names if not name.exists())
+
+
+def _leave_results(session: Session, out: Path, wall_seconds: float) -> dict[str, Any]:
+    summary = session.summary(wall_seconds)
+    write_parquet(out / "frames.parquet", session.frames.table())
+    write_parquet(out / "gaze_shifts.parquet", shift_table(session.shifts))
+    write_weights(out / "weights.npz", session.weights())
+    figures.draw_success(out / "success.png", session.shifts, session.config.minutes)
+    figures.draw_som(out / "som.png", session.robot.som.codebook())
+    write_whole(out / "summary.json", lambda path: path.write_text(json.dumps(summary, indent=1) + "\n"))
+    return summary

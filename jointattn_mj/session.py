@@ -1,0 +1,133 @@
+"""A session of chapter 6: the robot and the caregiver for so many minutes, with everything written down.
+
+A session can be pickled at any frame and taken up again; ``runner`` gives it a folder, checkpoints and results.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.perception.percept import Perceiver
+from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
+from jointattn_mj.perception.truth import TruthConfig, TruthPerception
+from jointattn_mj.recording.summary import summarise
+from jointattn_mj.recording.tables import FrameTable, ShiftRow, shift_row
+from jointattn_mj.recording.weights import read_weights
+from jointattn_mj.referee import Moment, judge
+from jointattn_mj.robots.gaze_follower import GazeFollower, RobotConfig
+from jointattn_mj.scene.caregiver import FRAME_S
+from jointattn_mj.scene.world import Observation, World, WorldConfig
+
+FRAMES_PER_SECOND = round(1 / FRAME_S)
+FRAMES_PER_MINUTE = 60 * FRAMES_PER_SECOND
+
+
+@dataclass(frozen=True)
+class SessionConfig:
+    """Everything that decides what happens in a session."""
+
+    minutes: float = 26.0
+    """Simulated minutes; "each session lasted approximately 26 minutes" (6.4.3)."""
+    seed: int = 0
+    """All randomness comes from it, one stream a component."""
+    perception: Literal["pixels", "truth"] = "pixels"
+    """Rendered pictures, or the simulator's state with the errors that the pixel path was measured to make."""
+    success: Literal["either", "launch", "landing"] = "either"
+    """Which moment's target a shift is held against (see ``referee``). All are logged."""
+    start_from: Path | None = None
+    """weights.npz of an earlier session: begin with what that robot had learned."""
+    world: WorldConfig = field(default_factory=WorldConfig)
+    """What is outside the robot's mind."""
+    robot: RobotConfig = field(default_factory=RobotConfig)
+    """The robot's mind."""
+    pixels: PixelConfig = field(default_factory=PixelConfig)
+    """How it perceives pictures."""
+    truth: TruthConfig = field(default_factory=TruthConfig)
+    """What stands for that with ``perception truth``."""
+
+    def __post_init__(self) -> None:
+        if not 0 < self.minutes < float("inf"):
+            raise ConfigError(f"minutes must be a positive number of simulated minutes; got {self.minutes}")
+        if self.seed < 0:
+            raise ConfigError(f"seed must be a whole number of 0 or more; got {self.seed}")
+
+
+class Session:
+    """The life of robot and caregiver, one frame at a time."""
+
+    def __init__(self, config: SessionConfig):
+        self.config = config
+        world, perceiver, robot = np.random.SeedSequence(config.seed).spawn(3)
+        objects = config.world.scene.objects
+        self.names = (*(item.name for item in objects), "face")
+        self.world = World.build(config.world, world)
+        self.robot = GazeFollower(config.robot, self._perceiver(np.random.default_rng(perceiver)), len(objects), robot)
+        self.total = max(1, round(config.minutes * FRAMES_PER_MINUTE))
+        self.frame = 0
+        self.shifts: list[ShiftRow] = []
+        self.frames = FrameTable(
+            self.total, self.names[:-1], config.truth.face_moves_above_deg_s, config.truth.object_moves_above_m_s
+        )
+        self._launch: Moment | None = None
+        self._observation = Observation(self.world)
+
+    def _perceiver(self, rng: np.random.Generator) -> Perceiver:
+        if self.config.perception == "truth":
+            return TruthPerception(self.config.truth, self.world, rng)
+        return PixelPerception(self.config.pixels, np.array([item.rgb for item in self.config.world.scene.objects]))
+
+    def begin(self) -> None:
+        """The minutes before: learn the patterns of the face, or take over what an earlier robot knew."""
+        if self.config.start_from is not None:
+            self.robot.load(read_weights(self.config.start_from))
+            return
+        for frame in range(round(self.config.robot.familiarise.minutes * FRAMES_PER_MINUTE)):
+            self.world.step(self.robot.familiarise(self._observation, frame))
+
+    def step(self, watch: Callable[["Session"], None] | None = None) -> None:
+        """One frame; ``watch`` is shown the session after the robot has perceived and decided, before anything moves."""
+        world, robot = self.world, self.robot
+        rendered, turning = world.rendered_frames, robot.shift is not None
+        head = np.degrees(world.head_angles())
+        command = robot.act(self._observation)
+        if robot.landed is not None:
+            self._record_landing(head)
+        if robot.shift is not None and (robot.landed is not None or not turning):
+            self._launch = Moment.now(world, self.frame)
+        self.frames.add(world, robot, world.rendered_frames > rendered, head)
+        if watch is not None:
+            watch(self)
+        world.step(command)
+        self.frame += 1
+
+    def _record_landing(self, head: np.ndarray) -> None:
+        shift, launch, landing = self.robot.landed, self._launch, Moment.now(self.world, self.frame)
+        judgement = success = None
+        if shift.source == self.robot.face:
+            judgement = judge(launch, landing, head)
+            moments = {
+                "launch": judgement.at_launch,
+                "landing": judgement.at_landing,
+                "either": judgement.at_launch or judgement.at_landing,
+            }
+            success = moments[self.config.success]
+        radius = self.config.robot.gaze.centre_radius_deg
+        self.shifts.append(
+            shift_row(shift, launch, landing, head, self.robot.iterations, self.names, judgement, success, radius)
+        )
+
+    def weights(self) -> dict[str, np.ndarray]:
+        """What the robot has learned, as named arrays."""
+        return self.robot.weights()
+
+    def summary(self, wall_seconds: float) -> dict[str, Any]:
+        """The session so far in numbers (see ``recording.summary``)."""
+        return summarise(self.frames, self.shifts, self.config.minutes, wall_seconds)
+
+    def close(self) -> None:
+        """Free what pictures needed."""
+        self.world.close()
