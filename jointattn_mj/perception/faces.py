@@ -6,8 +6,8 @@ That view is its first template. As the head turns and the fit gets worse, it ke
 expects the face's centre rather than where the features went, for a face that turns in place moves its features, not
 its place; and the poorer the fit, the more it answers with the expected place.
 
-When no view fits near the expected place, the whole picture is searched. The best fit counts if it is good, or if it
-is fair and lies where the face is expected (a pose not seen before); else no face is reported.
+When no view fits near the expected place, the whole picture is searched. A good fit elsewhere wins; else a fair one
+where the robot expects the face is taken for a pose not seen before; else no face is reported.
 """
 
 from dataclasses import dataclass
@@ -30,26 +30,30 @@ class FaceDetectorConfig:
     """Side of template and patch in the picture. A head at the caregiver's distance is 27 wide and 41 high."""
     search_radius_px: int = 4
     """How far from the expected place a face is looked for: the robot knows its head's angles to a pixel or two."""
-    max_views: int = 24
-    """Views kept. Spread over yaw +-45 and pitch -5..45 deg that is one for about 20 x 15 deg."""
+    max_views: int = 48
+    """Views kept. Spread over yaw +-45 and pitch -5..45 deg that is one for every 10 deg or so."""
+    forget_after: int = 20_000
+    """Pictures for which a view fits best in none before a new one may take its place: eleven minutes of looking."""
     search_all_below: float = 0.80
     """Fit of the last view and its neighbours below which every view is tried in the whole window."""
-    add_view_below: float = 0.85
+    add_view_below: float = 0.82
     """Fit below which the present look is kept as a new view, if the place is plausible. From here down to
     ``redetect_below`` the answer passes over from the fitted place to the expected one."""
+    place_gain: float = 0.05
+    """Share by which the detector's own memory of the face's place follows what it sees, where none is given to it."""
     add_view_every: int = 3
     """Pictures in a row with a face before a view may be added, and between two additions: 6 deg of a 60 deg/s turn."""
-    plausible_px: float = 6.0
-    """Distance of fit and expected place beyond which the look is not kept as a view: it may be something else."""
     contrast_ratio: float = 0.4
     """Share of the first view's contrast that a face has at least: keeps stains on the wall out."""
     redetect_below: float = 0.65
     """Fit below which the tracked place is given up and the whole picture searched."""
-    elsewhere_above: float = 0.75
+    elsewhere_above: float = 0.82
     """Fit that a place other than the expected one needs; ``redetect_below`` is enough if the cascade sees a face
-    there. Clutter of a face's contrast reaches .68 in the rendered room."""
+    there. Clutter of a face's contrast reaches .77 in the rendered room."""
     confirm_above: float = 0.40
-    """A fit this good, where the face is expected and nowhere in the picture better, is the face in an unknown pose."""
+    """A fit this good where the robot expects the face is the face in an unknown pose, if none elsewhere is good."""
+    redetect_every: int = 5
+    """Pictures from one search to the next while that is so."""
     redetect_views: int = 6
     """Views tried over the whole picture, at half resolution: the first and those used last."""
     haar_every: int = 15
@@ -77,7 +81,8 @@ class FaceFix(NamedTuple):
 @cache
 def _cascade() -> cv2.CascadeClassifier:
     """OpenCV's bundled frontal cascade (a process-wide cache, for it cannot be pickled with a detector)."""
-    return cv2.CascadeClassifier(cv2.data.haarcascades + "haarcascade_frontalface_default.xml")
+    folder = cv2.data.haarcascades  # type: ignore[attr-defined]
+    return cv2.CascadeClassifier(folder + "haarcascade_frontalface_default.xml")
 
 
 def haar_faces(gray: np.ndarray, config: FaceDetectorConfig) -> np.ndarray:
@@ -99,11 +104,12 @@ class FaceDetector:
         self.config = config or FaceDetectorConfig()
         self.bank = ViewBank(
             self.config.side_px, self.config.max_views, self.config.search_radius_px, self.config.search_all_below,
-            self.config.contrast_ratio,
+            self.config.contrast_ratio, self.config.forget_after,
         )  # fmt: skip
-        self._last_px: tuple[float, float] | None = None
+        self._place: tuple[float, float] | None = None  # slow memory in the picture, for want of a better one
         self._streak = 0  # pictures in a row with a face, since the last view was added
         self._until_haar = 0
+        self._until_search = 0
 
     def detect(self, gray: np.ndarray, expected_px: tuple[float, float] | None = None) -> FaceFix:
         """Find the face in a picture (h, w) uint8.
@@ -111,37 +117,47 @@ class FaceDetector:
         Args:
             gray: The picture.
             expected_px: (x, y) where the face's centre should be, from the robot's slow memory of its direction in the
-                world; None if it has none, then the place in the last picture is taken.
+                world; None if it has none, then the detector's own memory of the last pictures serves.
         """
         if self.bank.n == 0:
             return self._first_sight(gray)
         config = self.config
-        expected = self._last_px if expected_px is None else expected_px
-        score, x, y = -1.0, 0.0, 0.0
-        if expected is not None:
-            score, x, y = self.bank.match(gray, expected[0], expected[1])
-        confirmed = False
-        if score < config.redetect_below:
-            score, x, y, confirmed = self._search_everywhere(gray)
-        as_expected = expected is not None and np.hypot(x - expected[0], y - expected[1]) <= config.plausible_px
-        enough = config.elsewhere_above
-        if as_expected:
-            enough = config.confirm_above
-        elif confirmed:
-            enough = config.redetect_below
-        if score < enough:
-            self._last_px, self._streak = None, 0
-            return FaceFix(float("nan"), float("nan"), score, False)
-        self._until_haar = 0
-        self._streak = self._streak + 1 if as_expected else 0
-        if as_expected and expected is not None and score < config.add_view_below:
-            if self._streak > config.add_view_every:
-                self.bank.add(gray, expected[0], expected[1])
-                self._streak = 0
-            trust = (score - config.redetect_below) / (config.add_view_below - config.redetect_below)
-            x, y = (e + max(trust, 0.0) * (fit - e) for e, fit in zip(expected, (x, y), strict=True))
-        self._last_px = (x, y)
+        expected = self._place if expected_px is None else expected_px
+        score, x, y = self.bank.match(gray, *expected) if expected is not None else (-1.0, 0.0, 0.0)
+        near = score >= (config.redetect_below if expected_px is None else config.confirm_above)
+        if score >= config.redetect_below:
+            self._until_search = self._until_haar = 0
+        elif self._until_search > 0 and near:
+            self._until_search -= 1
+        else:
+            self._until_search = config.redetect_every - 1
+            elsewhere = self._search_everywhere(gray)
+            if elsewhere is not None:
+                (score, x, y), near = elsewhere, False
+            elif not near:
+                self._place, self._streak = None, 0
+                return FaceFix(float("nan"), float("nan"), score, False)
+        if near and expected is not None:
+            x, y = self._learn(gray, expected, (x, y), score)
+            gain = config.place_gain
+            self._place = expected[0] + gain * (x - expected[0]), expected[1] + gain * (y - expected[1])
+        else:
+            self._place, self._streak = (x, y), 0
         return FaceFix(x, y, score, True)
+
+    def _learn(
+        self, gray: np.ndarray, expected: tuple[float, float], fit: tuple[float, float], score: float
+    ) -> tuple[float, float]:
+        """Keep a look that no view fits well, cropped where the face is expected. Returns the place to answer with."""
+        config = self.config
+        self._streak += 1
+        if score >= config.add_view_below:
+            return fit
+        if self._streak > config.add_view_every:
+            self.bank.add(gray, expected[0], expected[1])
+            self._streak = 0
+        trust = max(0.0, (score - config.redetect_below) / (config.add_view_below - config.redetect_below))
+        return expected[0] + trust * (fit[0] - expected[0]), expected[1] + trust * (fit[1] - expected[1])
 
     def patch(self, gray: np.ndarray, fix: FaceFix) -> np.ndarray:
         """The face pattern f_v: (32, 32) float32 grey values 0..255 around ``fix``."""
@@ -169,7 +185,7 @@ class FaceDetector:
         found = self._ask_cascade(gray)
         if found is None or not self.bank.add(gray, *found):
             return nothing
-        self._last_px = found
+        self._place = found
         return FaceFix(found[0], found[1], 1.0, True)
 
     def _ask_cascade(self, gray: np.ndarray) -> tuple[float, float] | None:
@@ -183,11 +199,14 @@ class FaceDetector:
             return None
         return float(faces[0, 0]), float(faces[0, 1])
 
-    def _search_everywhere(self, gray: np.ndarray) -> tuple[float, float, float, bool]:
-        """Score and centre of the best fit in the whole picture, and whether the cascade sees a face there."""
-        best = max(self.bank.match(gray, *place) for place in self.bank.search(gray, self.config.redetect_views))
-        if best[0] < self.config.elsewhere_above:
-            found = self._ask_cascade(gray)
-            if found is not None:
-                return *self.bank.match(gray, *found), True
-        return *best, False
+    def _search_everywhere(self, gray: np.ndarray) -> tuple[float, float, float] | None:
+        """Score and centre of the best fit in the whole picture, if it is good or the cascade sees a face there."""
+        config = self.config
+        best = max(self.bank.match(gray, *place) for place in self.bank.search(gray, config.redetect_views))
+        if best[0] >= config.elsewhere_above:
+            return best
+        found = self._ask_cascade(gray)
+        if found is None:
+            return None
+        best = self.bank.match(gray, *found)
+        return best if best[0] >= config.redetect_below else None

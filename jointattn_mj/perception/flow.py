@@ -4,7 +4,7 @@ Each block of 8x8 pixels descends to the displacement with the least sum of squa
 parabola through the neighbouring sums on each axis gives the fraction. Squares, not absolute values: near its minimum a
 sum of squares is a parabola, whereas a sum of absolute values is a wedge, and a parabola through a wedge halves small
 displacements. The sums are taken both ways, the new block in the old picture and the old block in the new one; one way
-alone reads up to .1 px of motion from two pictures that are equal, since what enters the block on its two sides differs.
+alone reads up to .1 px of motion from two equal pictures, since what enters the block on its two sides differs.
 """
 
 import numpy as np

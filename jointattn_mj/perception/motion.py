@@ -35,7 +35,7 @@ class MotionConfig:
 
     frames_back: int = 2
     """A head turning at 60 deg/s shifts .6 px a frame: over two frames it stands out, over more it comes late."""
-    face_px: float = 0.045
+    face_px: float = 0.04
     """epsilon of the face (eq. 6.3), pixels in ``frames_back`` frames, of the mean flow: about 4 deg/s of head turn."""
     object_px: float = 0.25
     """epsilon of an object (eq. 6.3), pixels in ``frames_back`` frames, of centroid and of mean block flow alike."""

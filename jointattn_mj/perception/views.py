@@ -148,11 +148,18 @@ def normalised(patch: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 class ViewBank:
-    """Up to ``capacity`` square templates of ``side`` pixels. The first stays; of the others the least recent goes."""
+    """Square templates of ``side`` pixels, up to ``capacity``.
 
-    def __init__(self, side: int, capacity: int, radius: int, search_all_below: float, contrast_ratio: float):
+    A view stays: replacing views by newer ones, each placed by those before it, would let the face's place drift. Only
+    when the bank is full, one that has not won in ``forget_after`` matches gives way; never the first.
+    """
+
+    def __init__(
+        self, side: int, capacity: int, radius: int, search_all_below: float, contrast_ratio: float, forget_after: int
+    ):
         self.side, self.capacity, self.radius = side, capacity, radius
         self.search_all_below, self.contrast_ratio = search_all_below, contrast_ratio
+        self.forget_after = forget_after
         self.n = 0
         self._least_norm = 0.0
         self._views = np.zeros((capacity, side, side), np.float32)
@@ -169,17 +176,19 @@ class ViewBank:
         return self._views[: self.n]
 
     def add(self, gray: np.ndarray, x: float, y: float) -> bool:
-        """Keep the region around (x, y) as a view. False if it is flat and was not kept."""
+        """Keep the region around (x, y) as a view. False if it is flat, or the bank full of views in use."""
         view, norm = normalised(crop(gray, x, y, self.side))
         if not view.any():
             return False
         if self.n == 0:
             self._least_norm = self.contrast_ratio * norm
-        if self.n < self.capacity:
-            slot = self.n
-            self.n += 1
+        slot = self.n
+        if self.n == self.capacity:
+            slot = 1 + int(self._used[1:].argmin())
+            if self._clock - self._used[slot] < self.forget_after:
+                return False
         else:
-            slot = 1 + int(self._used[1:].argmin()) if self.capacity > 1 else 0
+            self.n += 1
         self._views[slot] = view
         self._used[slot] = self._clock
         self._last = slot
