@@ -38,7 +38,10 @@ def haar_rate(name, yaws, pitches, gazes):
                 for gaze in gazes:
                     gray = looks(model, data, renderer, yaw, pitch, gaze)
                     boxes = cascade.detectMultiScale(gray, SCALE, NEIGHBOURS, minSize=SMALLEST)
-                    hits = [abs(x + w / 2 - 159.5) < 9 and abs(y + h / 2 - 105.3) < 11 for x, y, w, h in boxes]
+                    hits = [
+                        abs(x + w / 2 - 159.5) < 0.3 * w < 15 and abs(y + h / 2 - 105.3) < 0.3 * h
+                        for x, y, w, h in boxes
+                    ]
                     found, wrong, total = found + any(hits), wrong + len(hits) - sum(hits), total + 1
     return found / total, wrong
 

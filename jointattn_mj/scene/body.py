@@ -70,7 +70,7 @@ def trunk(fine: bool) -> Mesh:
 def neck(fine: bool) -> Mesh:
     """Bare neck, from inside the collar to inside the head."""
     centres = np.array([(-0.022, 0, 0.895), (-0.018, 0, 0.950), (-0.010, 0, 1.010)])
-    radii = np.array([(0.056, 0.055), (0.051, 0.052), (0.049, 0.050)])
+    radii = np.array([(0.048, 0.044), (0.051, 0.052), (0.049, 0.050)])
     return tube(centres, radii, 20 if fine else 10, (1, 0, 0), WHOLE)
 
 

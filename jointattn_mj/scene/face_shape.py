@@ -27,13 +27,13 @@ FINE_LINES = (
     [-0.0115, -0.019, -0.026, -0.031, -0.0355, -0.0395, -0.044, -0.0495, -0.0545, -0.0585, -0.063, -0.0675, -0.0725,
      -0.080, -0.089, -0.098, -0.107, -0.114, -0.120],
     [0, 0.0045, 0.009, 0.0135, 0.016, 0.0205, 0.026, 0.0315, 0.037, 0.0425, 0.047, 0.053, 0.060, 0.066],
-    [73, 82, 91, 102, 115, 132, 155, 180],
+    [73.0, 82, 91, 102, 115, 132, 155, 180],
 )  # fmt: skip
 COARSE_LINES = (
     [0.120, 0.113, 0.096, 0.074, 0.056, 0.036, 0.020],
     [-0.012, -0.023, -0.032, -0.0400, -0.0465, -0.0560, -0.0640, -0.0730, -0.086, -0.101, -0.113, -0.120],
     [0, 0.007, 0.0145, 0.0225, 0.0315, 0.0405, 0.048, 0.057, 0.066],
-    [76, 92, 112, 145, 180],
+    [76.0, 92, 112, 145, 180],
 )  # fmt: skip
 
 
@@ -172,8 +172,8 @@ def _rows(config: FaceConfig, azimuth: np.ndarray, detail: int) -> tuple[np.ndar
     for row, rim in ((first, upper + 0.0006), (first + 1, (upper + lower) / 2), (first + 2, lower - 0.0006)):
         z[row] += near * (rim - z[row])
     z = np.stack([refine(z[:, k], factor) for k in range(len(azimuth))], axis=1)
-    row = np.arange(len(z))[:, None] / factor
-    behind = (row > first) & (row < first + 2) & (np.abs(s) < 0.97)[None] & ahead[None]
+    level = np.arange(len(z))[:, None] / factor
+    behind = (level > first) & (level < first + 2) & (np.abs(s) < 0.97)[None] & ahead[None]
     return z, behind
 
 

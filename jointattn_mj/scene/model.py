@@ -219,8 +219,8 @@ def _add_objects(spec: mujoco.MjSpec, config: SceneConfig) -> None:
 def _add_onlooker(spec: mujoco.MjSpec, place: tuple[float, float, float], at: tuple[float, float, float]) -> None:
     """The camera third_person at `place`, upright, looking at the point `at`."""
     ahead = np.subtract(at, place)
-    right = np.cross(ahead, (0, 0, 1))
-    right /= np.linalg.norm(right)
+    right = np.cross(ahead, (0.0, 0.0, 1.0))
+    right = right / np.linalg.norm(right)
     up = np.cross(right, ahead) / np.linalg.norm(ahead)
     rotation = np.column_stack([right, up, -ahead / np.linalg.norm(ahead)])
     quat = np.zeros(4)

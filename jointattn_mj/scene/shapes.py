@@ -22,7 +22,7 @@ def bump(*scaled: np.ndarray) -> np.ndarray:
     return np.exp(-0.5 * sum(s * s for s in scaled))
 
 
-def smoothstep(x: np.ndarray, low: float, high: float) -> np.ndarray:
+def smoothstep(x: np.ndarray, low: float | np.ndarray, high: float | np.ndarray) -> np.ndarray:
     """0 below `low`, 1 above `high` (or the reverse when low > high), smooth between."""
     t = np.clip((np.asarray(x, float) - low) / (high - low), 0, 1)
     return t * t * (3 - 2 * t)
