@@ -1,7 +1,24 @@
 """A robot that learns to look where somebody else is looking, from rendered pictures, in MuJoCo."""
 
+from typing import Any
+
 from jointattn_mj.scene import gl as _gl
 
 _gl.choose_backend()
 
 __version__ = "0.1.0"
+
+_SUITE = ("load", "ALL_TASKS")
+
+
+def __getattr__(name: str) -> Any:
+    """``load`` and ``ALL_TASKS`` of ``jointattn_mj.tasks``, which imports mujoco when one of them is asked for."""
+    if name in _SUITE:
+        from jointattn_mj import tasks
+
+        return getattr(tasks, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *_SUITE]

@@ -43,7 +43,7 @@ FOLLOWING = {
 
 @dataclass(frozen=True)
 class CaregiverConfig:
-    """How she moves. Section 6.4.2 fixes only "about two seconds" for observing and for gazing; the rest is a choice."""
+    """How she moves. Section 6.4.2 fixes "about two seconds" for observing and for gazing; the rest is a choice."""
 
     greet_s: float = 1.0
     """She looks at the robot once before she begins, as a person does; the robot's first sight of a frontal face."""

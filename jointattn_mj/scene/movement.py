@@ -31,7 +31,7 @@ def path_between(start: np.ndarray, end: np.ndarray, frames: int, arch: float = 
 
 
 def gaze_angles(eye: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Yaw (to her left) and pitch (nose down) that turn a face at ``eye`` (3,) towards ``points`` (..., 3): (..., 2)."""
+    """Yaw (to her left) and pitch (nose down) that turn a face at ``eye`` (3,) to ``points`` (..., 3): (..., 2)."""
     along = points - eye
     yaw = np.arctan2(along[..., 1], along[..., 0])
     pitch = -np.arctan2(along[..., 2], np.hypot(along[..., 0], along[..., 1]))
@@ -75,7 +75,8 @@ class Arm:
     def reach(self, points: np.ndarray, swing: np.ndarray) -> np.ndarray:
         """Joint angles (T, 7), in the order of ``ARM_JOINTS``, that bring the grasp to ``points`` (T, 3).
 
-        ``swing`` (T,) raises the elbow above the level of shoulder and wrist, rad. A point beyond the arm's length is approached as far as the straight arm goes.
+        ``swing`` (T,) raises the elbow above the level of shoulder and wrist, rad. A point beyond the arm's length is
+        approached as far as the straight arm goes.
         """
         to_wrist = points - self.hand @ self.grasp - self.shoulder
         distance = np.linalg.norm(to_wrist, axis=1, keepdims=True)

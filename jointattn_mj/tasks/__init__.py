@@ -1,0 +1,53 @@
+"""The suite: worlds as dm_control environments, loaded by domain and task name.
+
+``load("joint_attention", "object_transfer")`` gives an environment with the interface of ``dm_control.suite.load``.
+Physics answers geometry, Task decides episodes, Environment steps.
+"""
+
+from typing import Any
+
+from dm_control.rl import control
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.tasks import joint_attention
+
+_DOMAINS = {"joint_attention": joint_attention}
+
+ALL_TASKS: tuple[tuple[str, str], ...] = tuple(
+    (domain, task) for domain, module in sorted(_DOMAINS.items()) for task in module.SUITE
+)
+"""All pairs of domain name and task name."""
+
+
+def tagged(tag: str) -> tuple[tuple[str, str], ...]:
+    """The pairs in ``ALL_TASKS`` whose task bears ``tag``."""
+    return tuple((domain, task) for domain, task in ALL_TASKS if task in _DOMAINS[domain].SUITE.tagged(tag))
+
+
+def load(
+    domain_name: str,
+    task_name: str,
+    task_kwargs: dict[str, Any] | None = None,
+    environment_kwargs: dict[str, Any] | None = None,
+    visualize_reward: bool = False,
+) -> control.Environment:
+    """An environment of the suite, as ``dm_control.suite.load`` gives it.
+
+    Args:
+        domain_name: Name of a domain.
+        task_name: Name of a task in it.
+        task_kwargs: Arguments of the task, for example ``random`` (its seed).
+        environment_kwargs: Arguments of the environment, for example ``time_limit`` (s) or ``flat_observation``.
+        visualize_reward: Light the robot's eyes while reward is given; its own camera does not see them.
+
+    Raises:
+        ConfigError: There is no such domain or task (a ``ValueError``, as in dm_control's suite).
+    """
+    if domain_name not in _DOMAINS:
+        raise ConfigError(f"no domain {domain_name!r}; there are: {', '.join(sorted(_DOMAINS))}")
+    suite = _DOMAINS[domain_name].SUITE
+    if task_name not in suite:
+        raise ConfigError(f"no task {task_name!r} in domain {domain_name!r}; there are: {', '.join(suite)}")
+    environment = suite[task_name](**(task_kwargs or {}), environment_kwargs=environment_kwargs)
+    environment.task.visualize_reward = visualize_reward
+    return environment
