@@ -35,7 +35,7 @@ class MotionConfig:
 
     frames_back: int = 2
     """A head turning at 60 deg/s shifts .6 px a frame: over two frames it stands out, over more it comes late."""
-    face_px: float = 0.04
+    face_px: float = 0.045
     """epsilon of the face (eq. 6.3), pixels in ``frames_back`` frames, of the mean flow: about 4 deg/s of head turn."""
     object_px: float = 0.25
     """epsilon of an object (eq. 6.3), pixels in ``frames_back`` frames, of centroid and of mean block flow alike."""
@@ -92,14 +92,19 @@ def _changed(mask, corner, before, corner_before, shift_x, shift_y):
 
 
 @njit(cache=True)
-def _moved_as_one(mask, corner, before, corner_before, shift_x, shift_y, refit_ratio):
+def _moved_as_one(mask, corner, box, before, corner_before, box_before, shift_x, shift_y, refit_ratio):
     """Whether the pixels changed as a moving thing's do, and not as those of one that something passes before.
 
-    A small move gains pixels on one side and loses some on the other. A move of a pixel or more is undone by shifting.
+    A small move gains pixels on one side and loses some on the other, or, for a box seen straight on, just one whole
+    row or column. A move of a pixel or more is undone by shifting.
     """
     gained, lost = _changed(mask, corner, before, corner_before, 0, 0)
     if shift_x * shift_x + shift_y * shift_y <= 1.0:
-        return min(gained, lost) >= 1
+        wide, high = box[2] - box[0], box[3] - box[1]
+        wide_before, high_before = box_before[2] - box_before[0], box_before[3] - box_before[1]
+        rows = abs(wide * high - wide_before * high_before)
+        one_row = max(abs(wide - wide_before), abs(high - high_before)) == 1
+        return min(gained, lost) >= 1 or (one_row and abs(max(gained, lost) - rows) <= 0.1 * rows)
     x, y = np.int64(np.rint(shift_x)), np.int64(np.rint(shift_y))
     gained_still, lost_still = _changed(mask, corner, before, corner_before, x, y)
     return gained_still + lost_still <= refit_ratio * (gained + lost)
@@ -117,8 +122,8 @@ def _mean_length(flow, start, count):
 
 @njit(cache=True)
 def _measure_all(
-    now, before, face_box, has_face, inset, seen, px, box, mask, corner, seen_before, px_before, mask_before,
-    corner_before, step, margin, reach, floor, refit_ratio, blocks, flow, owners, strength,
+    now, before, face_box, has_face, inset, seen, px, box, mask, corner, seen_before, px_before, box_before,
+    mask_before, corner_before, step, margin, reach, floor, refit_ratio, blocks, flow, owners, strength,
 ):  # fmt: skip
     """Flow of every candidate's blocks, and its strength of motion, pixels (face last). Returns their number."""
     n, count = len(seen), 0
@@ -130,7 +135,9 @@ def _measure_all(
             count = region_flow(
                 now, before, box[k], step, margin, start_y, start_x, reach, floor, k, count, blocks, flow, owners
             )
-            if _moved_as_one(mask[k], corner[k], mask_before[k], corner_before[k], x, y, refit_ratio):
+            if _moved_as_one(
+                mask[k], corner[k], box[k], mask_before[k], corner_before[k], box_before[k], x, y, refit_ratio
+            ):
                 strength[k] = min(np.hypot(x, y), _mean_length(flow, start, count))
     strength[n] = 0.0
     if has_face:
@@ -217,7 +224,7 @@ class MotionDetector:
         config = self.config
         return _measure_all(
             now, before, self._box, self._has_box, config.face_inset_px,
-            new.seen, new.px, new.box, new.mask, new.corner, old.seen, old.px, old.mask, old.corner,
+            new.seen, new.px, new.box, new.mask, new.corner, old.seen, old.px, old.box, old.mask, old.corner,
             config.step_px, config.object_margin_px, config.reach_px, config.texture * BLOCK * BLOCK * 2,
             config.refit_ratio, self._blocks, self._flow, self._owners, self._strength,
         )  # fmt: skip
