@@ -69,6 +69,14 @@ def object_transfer(
 class Environment(control.Environment):
     """dm_control's environment, which gives its OpenGL context back when closed."""
 
+    def observation_spec(self) -> OrderedDict[str, specs.Array]:
+        """The task's, or one array if observations are flattened."""
+        spec = super().observation_spec()
+        if self._flat_observation:
+            size = sum(int(np.prod(part.shape)) for part in spec.values())
+            return OrderedDict({control.FLAT_OBSERVATION_KEY: specs.Array((size,), float, control.FLAT_OBSERVATION_KEY)})
+        return spec
+
     def close(self) -> None:
         """Free model, data and rendering context."""
         self.physics.free()
@@ -172,12 +180,8 @@ class ObjectTransfer(control.Task):
     def __init__(self, config: WorldConfig, random: np.random.RandomState | int | None = None, camera: bool = True):
         self.config, self._camera = config, camera
         self.visualize_reward = False
-        drawn = (
-            random.randint(2**32, size=4, dtype=np.uint32).tolist()
-            if isinstance(random, np.random.RandomState)
-            else random
-        )
-        self._seeds = np.random.SeedSequence(drawn)
+        entropy = random.randint(2**31, size=4).tolist() if isinstance(random, np.random.RandomState) else random
+        self._seeds = np.random.SeedSequence(entropy)
 
     def initialize_episode(self, physics: Physics) -> None:
         """Another table, the caregiver about to greet. The k-th episode's seed is the k-th child of the task's."""
