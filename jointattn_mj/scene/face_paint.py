@@ -58,6 +58,7 @@ def _skin(config: FaceConfig, y: np.ndarray, z: np.ndarray, rng: np.random.Gener
     picture *= 1 + (warm - 1) * np.clip(blush, 0, 1)[..., None]
     beard = config.stubble * smoothstep(z, -0.034, -0.052) * (1 - bump(y / 0.020, (z + 0.063) / 0.007))
     picture = _blend(picture, np.array(config.skin) * 0.55 + np.array(config.hair) * 0.2, 0.62 * beard)
+    picture *= 1.05  # the shade below takes as much away
     blotches = 0.5 * noise(rng, size, (24, 24)) + 0.5 * noise(rng, size, (64, 64))
     picture *= (_shade(config, y, z) + 0.022 * blotches)[..., None]
     picture *= (1 - 0.30 * config.age * _folds(config, side, z))[..., None]

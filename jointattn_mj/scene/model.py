@@ -127,7 +127,7 @@ def _add_texture(spec: mujoco.MjSpec, name: str, texture: np.ndarray) -> None:
     spec.add_material(name=name, textures=roles, specular=0, shininess=0)
 
 
-def _add_colour(spec: mujoco.MjSpec, name: str, rgb: tuple[float, float, float]) -> None:
+def _add_colour(spec: mujoco.MjSpec, name: str, rgb: tuple[float, ...]) -> None:
     """A dull material `name`."""
     spec.add_material(name=name, rgba=(*rgb, 1), specular=0, shininess=0)
 
@@ -145,7 +145,7 @@ def _add_caregiver(spec: mujoco.MjSpec, config: SceneConfig, high: bool) -> None
     _add_mesh(part, "forearm", body.forearm(part.body("wrist").pos[0], high))
     _add_mesh(part, "hand", body.hand(high))
     _add_mesh(part, "neck", body.neck(high))
-    _add_colour(part, "skin", person.skin)
+    _add_colour(part, "skin", tuple(0.93 * c for c in person.skin))
     if high:
         _add_texture(part, "cloth", body.cloth(config.clothing, 512))
     else:
