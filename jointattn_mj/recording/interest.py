@@ -1,0 +1,79 @@
+"""The video's panel on attention: everybody's interest measure over the last seconds, and who looked at what.
+
+The two stripes below the curves have the colour of what the robot and the person look at: the same colour one above
+the other is joint attention.
+"""
+
+import cv2
+import numpy as np
+
+from jointattn_mj.recording.paint import FAINT, GREY, PANEL, PERSON, ROBOT, WHITE, Box, Colour, lines, write
+from jointattn_mj.scene.caregiver import FRAME_S
+from jointattn_mj.session import Session
+
+SECONDS = 10
+_STRIPE = 13  # height of a stripe, pixels
+_MARGIN = 128  # left of the curves: what they are
+
+
+class InterestPanel:
+    """Curves of I_i (eq. 6.1), on a square-root scale, and two stripes."""
+
+    def __init__(self, canvas: np.ndarray, box: Box, names: tuple[str, ...], inks: list[Colour], session: Session):
+        box.of(canvas)[:] = PANEL
+        self._inks = inks
+        self._frames = round(SECONDS / FRAME_S)
+        attention = session.config.robot.attention
+        gain = 1 + attention.motion_gain if attention.motion_cues else 1.0
+        self._most = max(attention.face_preference, attention.object_preference) * gain
+        left, width = box.x + _MARGIN, box.width - _MARGIN - 12
+        self._plot = Box(left, box.y + 32, width, box.height - 32 - 2 * _STRIPE - 18)
+        below = self._plot.y + self._plot.height
+        self._robot = Box(left, below + 7, width, _STRIPE)
+        self._person = Box(left, below + 7 + _STRIPE + 3, width, _STRIPE)
+        # Colour of each candidate's stripe, then of a turning head, then of nothing.
+        self._stripes = np.array([*inks, FAINT, PANEL], np.uint8)
+        self._label(canvas, box, names)
+
+    def _label(self, canvas: np.ndarray, box: Box, names: tuple[str, ...]) -> None:
+        x = write(canvas, box.x + 12, box.y + 7, f"What interests it, last {SECONDS} s", WHITE, 14, True) + 22
+        for name, ink in zip(names, self._inks, strict=True):
+            if x < box.x + box.width - 60:
+                canvas[box.y + 13 : box.y + 18, x : x + 14] = ink
+                x = write(canvas, x + 19, box.y + 8, name, ink, 13) + 16
+        x, y = box.x + 12, self._plot.y
+        write(canvas, x, y + 2, "moving things", GREY, 12)
+        write(canvas, x, y + 17, "gain interest,", GREY, 12)
+        write(canvas, x, y + 32, "what it looks at", GREY, 12)
+        write(canvas, x, y + 47, "grows boring", GREY, 12)
+        write(canvas, x, self._robot.y - 1, "robot looks at", ROBOT, 12)
+        write(canvas, x, self._person.y - 1, "person looks at", PERSON, 12)
+        self._plot.of(canvas)[-1] = FAINT
+
+    def draw(self, canvas: np.ndarray, session: Session) -> None:
+        """The last seconds up to now; now is at the right."""
+        table, frames = session.frames, self._frames
+        turning = table.column("head_moves")[-frames:] > 0
+        shown = len(turning)
+        plot = self._plot.of(canvas)
+        columns = np.round((frames - shown + np.arange(shown + 1)) * self._plot.width / frames).astype(int)
+        edges = np.flatnonzero(np.diff(turning, prepend=False, append=False))
+        for start, end in edges.reshape(-1, 2):  # a turning head: nothing changes in its mind
+            band = plot[:, columns[start] : columns[end]]
+            band[:] = np.minimum(band.astype(np.int16) + 9, 255)
+        x = columns[1:].astype(float)
+        for number, ink in enumerate(self._inks):
+            interest = table.column("interest", number)[-frames:]
+            y = self._plot.height - 3 - np.sqrt(interest / self._most) * (self._plot.height - 6)
+            lines(plot, [np.column_stack([x, y])], ink, 2)
+        candidates = len(self._inks)
+        robot = np.where(turning, candidates, table.column("attended")[-frames:])
+        self._draw_stripe(canvas, self._robot, robot, shown)
+        self._draw_stripe(canvas, self._person, table.column("target")[-frames:], shown)
+
+    def _draw_stripe(self, canvas: np.ndarray, box: Box, values: np.ndarray, shown: int) -> None:
+        nothing = len(self._stripes) - 1
+        numbers = np.full(self._frames, nothing)
+        numbers[self._frames - shown :] = np.where(np.isnan(values), nothing, values)
+        row = self._stripes[numbers][None]
+        box.of(canvas)[:] = cv2.resize(row, (box.width, 1), interpolation=cv2.INTER_NEAREST)

@@ -1,0 +1,131 @@
+"""Ink for the session's video: colours, anti-aliased text and lines on RGB pictures, uint8 (height, width, 3).
+
+Text is drawn once by Pillow with the font that comes with matplotlib, and blended from a cache after that.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import cv2
+import matplotlib
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+Colour = tuple[int, int, int]
+
+GROUND: Colour = (19, 23, 29)
+PANEL: Colour = (30, 36, 45)
+FAINT: Colour = (66, 75, 88)
+GREY: Colour = (156, 166, 180)
+WHITE: Colour = (238, 241, 245)
+GREEN: Colour = (84, 222, 130)
+RED: Colour = (226, 108, 100)
+PERSON: Colour = (248, 200, 158)  # the person, her face and her gaze
+ROBOT: Colour = (150, 208, 255)  # the robot and its gaze
+_READABLE = 118  # least luminance (0..255) of ink on the dark ground
+_SUBPIXEL = 4  # bits of fraction in coordinates given to OpenCV
+
+
+class Box(NamedTuple):
+    """A rectangle of the picture, pixels."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+    def of(self, picture: np.ndarray) -> np.ndarray:
+        """The view of this rectangle in a picture."""
+        return picture[self.y : self.y + self.height, self.x : self.x + self.width]
+
+
+def ink_of(rgb: Sequence[float]) -> Colour:
+    """An object's colour (0..1), mixed with so much white that it can be read on the dark ground."""
+    colour = 255 * np.asarray(rgb, float)
+    luminance = colour @ (0.2126, 0.7152, 0.0722)
+    if luminance < _READABLE:
+        colour += (255 - colour) * (_READABLE - luminance) / (255 - luminance)
+    red, green, blue = (round(float(value)) for value in colour)
+    return red, green, blue
+
+
+@lru_cache
+def _font(size: int, bold: bool) -> ImageFont.FreeTypeFont:
+    name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
+    return ImageFont.truetype(str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / name), size)
+
+
+@lru_cache(maxsize=1024)
+def _mask(text: str, size: int, bold: bool) -> np.ndarray:
+    """(h, w, 1) int32, 0..256: how much ink each pixel of the text takes. The height depends on the size alone."""
+    font = _font(size, bold)
+    ascent, descent = font.getmetrics()
+    image = Image.new("L", (max(1, int(np.ceil(font.getlength(text)))), ascent + descent))
+    ImageDraw.Draw(image).text((0, 0), text, fill=255, font=font)
+    return np.asarray(image, np.int32)[..., None] * 257 >> 8
+
+
+def width_of(text: str, size: int = 14, bold: bool = False) -> int:
+    """Width (pixels) that ``write`` will need."""
+    return _mask(text, size, bold).shape[1]
+
+
+def write(
+    picture: np.ndarray,
+    x: float,
+    y: float,
+    text: str,
+    colour: Colour = WHITE,
+    size: int = 14,
+    bold: bool = False,
+    align: Literal["left", "centre", "right"] = "left",
+) -> int:
+    """Draw one line of text with its top at ``y``; what lies outside is cut off. Returns the x where it ends."""
+    mask = _mask(text, size, bold)
+    left = round(x - {"left": 0, "centre": 0.5, "right": 1}[align] * mask.shape[1])
+    top, end = round(y), left + mask.shape[1]
+    skip_x, skip_y = max(0, -left), max(0, -top)
+    area = picture[top + skip_y : top + mask.shape[0], left + skip_x : end] if end > 0 else picture[:0, :0]
+    if area.size:
+        mask = mask[skip_y:, skip_x:][: area.shape[0], : area.shape[1]]
+        area[:] = area + ((np.array(colour) - area) * mask >> 8)
+    return end
+
+
+def shade(area: np.ndarray, colour: Colour, share: float) -> None:
+    """Mix a colour into an area of a picture, in place."""
+    cv2.addWeighted(area, 1 - share, np.broadcast_to(np.array(colour, np.uint8), area.shape), share, 0, dst=area)
+
+
+def lines(
+    picture: np.ndarray, points: Sequence[np.ndarray], colour: Colour, thickness: int = 1, closed: bool = False
+) -> None:
+    """Anti-aliased polylines through points, each (k, 2) x, y in pixels with fractions."""
+    fixed = [np.round(np.asarray(path, float) * (1 << _SUBPIXEL)).astype(np.int32) for path in points]
+    cv2.polylines(picture, fixed, closed, colour, thickness, cv2.LINE_AA, _SUBPIXEL)
+
+
+def disc(picture: np.ndarray, centre: np.ndarray, radius: float, colour: Colour, thickness: int = cv2.FILLED) -> None:
+    """An anti-aliased circle; filled unless a thickness is given."""
+    x, y = (round(float(value) * (1 << _SUBPIXEL)) for value in centre)
+    cv2.circle(picture, (x, y), round(radius * (1 << _SUBPIXEL)), colour, thickness, cv2.LINE_AA, _SUBPIXEL)
+
+
+def brackets(picture: np.ndarray, centre: np.ndarray, half: float, colour: Colour, thickness: int = 2) -> None:
+    """The four corners of a square around ``centre``."""
+    corner = np.array([(-1.0, -0.45), (-1, -1), (-0.45, -1)]) * half
+    paths = [centre + corner * flip for flip in ((1, 1), (-1, 1), (1, -1), (-1, -1))]
+    lines(picture, paths, colour, thickness)
+
+
+def tick(picture: np.ndarray, centre: np.ndarray, size: float, colour: Colour, thickness: int) -> None:
+    """A tick mark."""
+    lines(picture, [centre + size * np.array([(-0.5, 0.0), (-0.12, 0.38), (0.55, -0.42)])], colour, thickness)
+
+
+def cross(picture: np.ndarray, centre: np.ndarray, size: float, colour: Colour, thickness: int) -> None:
+    """A cross mark, lying."""
+    half = 0.4 * size
+    lines(picture, [centre + half * np.array([(-1, s), (1, -s)]) for s in (-1.0, 1.0)], colour, thickness)
