@@ -19,3 +19,7 @@ class OutputError(JointAttnError, OSError):
 
 class CheckpointError(JointAttnError, RuntimeError):
     """A checkpoint is damaged, or belongs to another run."""
+
+
+class VideoError(JointAttnError, RuntimeError):
+    """The video cannot be written: no ffmpeg program, or it gave up."""
