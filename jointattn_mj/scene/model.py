@@ -180,8 +180,8 @@ def _visuals(spec: mujoco.MjSpec, high: bool) -> None:
     """Lean drawing for the closed loop (no shadows, no multisampling, few slices), or fine drawing for figures."""
     visual = spec.visual
     visual.global_.offwidth, visual.global_.offheight = (1280, 960) if high else (PICTURE_WIDTH, PICTURE_HEIGHT)
-    visual.quality.offsamples = 4 if high else 0
-    visual.quality.shadowsize = 4096 if high else 0
+    visual.quality.offsamples = 2 if high else 0
+    visual.quality.shadowsize = 2048 if high else 0
     visual.quality.numslices, visual.quality.numstacks = (32, 16) if high else (12, 6)
     visual.quality.numquads = 1
     visual.map.znear, visual.map.zfar = 0.05, 10.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from jointattn_mj.scene.shapes import Mesh, grid, merge, noise, smoothstep, to_bytes
 
-WOOD, PLASTER, CARPET = (0.66, 0.61, 0.545), (0.63, 0.64, 0.63), (0.40, 0.385, 0.37)  # muted colours, rgb
+WOOD, PLASTER, CARPET = (0.66, 0.61, 0.545), (0.63, 0.64, 0.63), (0.50, 0.48, 0.46)  # muted colours, rgb
 PANEL = 0.80  # m, height of the wall's darker base
 
 
