@@ -30,6 +30,9 @@ class FaceDetectorConfig:
     """Side of template and patch in the picture. A head at the caregiver's distance is 27 wide and 41 high."""
     search_radius_px: int = 4
     """How far from the expected place a face is looked for: the robot knows its head's angles to a pixel or two."""
+    distance_penalty: float = 0.002
+    """What a squared pixel from the expected place costs in fit, when places and views are compared: .03 at the edge.
+    Keeps a pose not seen before from being taken for another view a few pixels off."""
     max_views: int = 48
     """Views kept. Spread over yaw +-45 and pitch -5..45 deg that is one for every 10 deg or so."""
     forget_after: int = 20_000
@@ -103,8 +106,8 @@ class FaceDetector:
     def __init__(self, config: FaceDetectorConfig | None = None):
         self.config = config or FaceDetectorConfig()
         self.bank = ViewBank(
-            self.config.side_px, self.config.max_views, self.config.search_radius_px, self.config.search_all_below,
-            self.config.contrast_ratio, self.config.forget_after,
+            self.config.side_px, self.config.max_views, self.config.search_radius_px, self.config.distance_penalty,
+            self.config.search_all_below, self.config.contrast_ratio, self.config.forget_after,
         )  # fmt: skip
         self._place: tuple[float, float] | None = None  # slow memory in the picture, for want of a better one
         self._streak = 0  # pictures in a row with a face, since the last view was added

@@ -50,8 +50,8 @@ def _read_window(gray, left, top, columns, rows, side, least_norm, region, norm)
 
 
 @njit(cache=True, fastmath=True)
-def _correlate(region, norm, view, row, column):
-    """Normalised cross-correlation of ``view`` (s, s; zero mean, unit norm) with the region at one offset."""
+def _correlate(region, norm, penalty, view, row, column):
+    """Normalised cross-correlation of ``view`` (zero mean, unit norm) with the region at one offset, less penalty."""
     pixels, pattern = region.ravel(), view.ravel()
     side, width = uintp(view.shape[1]), uintp(region.shape[1])  # unsigned: no wrap-around checks, twice as fast
     dot = np.float32(0)
@@ -59,11 +59,11 @@ def _correlate(region, norm, view, row, column):
         here, there = uintp(i * side), (uintp(row) + i) * width + uintp(column)
         for j in range(side):
             dot += pattern[here + j] * pixels[there + j]
-    return dot / norm[row, column]
+    return dot / norm[row, column] - penalty[row, column]
 
 
 @njit(cache=True, fastmath=True)
-def _climb(region, norm, view, rows, columns, best, row, column):
+def _climb(region, norm, penalty, view, rows, columns, best, row, column):
     """The nearest peak of the correlation: best score, row, column."""
     climbing = True
     while climbing:
@@ -72,19 +72,19 @@ def _climb(region, norm, view, rows, columns, best, row, column):
         for step in range(4):
             i, j = here + (step == 0) - (step == 1), there + (step == 2) - (step == 3)
             if 0 <= i < rows and 0 <= j < columns:
-                score = _correlate(region, norm, view, i, j)
+                score = _correlate(region, norm, penalty, view, i, j)
                 if score > best:
                     best, row, column, climbing = score, i, j, True
     return best, row, column
 
 
 @njit(cache=True, fastmath=True)
-def _scan(region, norm, view, rows, columns, step):
+def _scan(region, norm, penalty, view, rows, columns, step):
     """Best score, row, column among every ``step``-th offset, the middle one included."""
     best, row, column = np.float32(-2), 0, 0
     for i in range((rows // 2) % step, rows, step):
         for j in range((columns // 2) % step, columns, step):
-            score = _correlate(region, norm, view, i, j)
+            score = _correlate(region, norm, penalty, view, i, j)
             if score > best:
                 best, row, column = score, i, j
     return best, row, column
@@ -98,7 +98,7 @@ def _vertex(before, here, after):
 
 
 @njit(cache=True, fastmath=True)
-def _match(gray, views, n, last, left, top, columns, rows, search_all_below, least_norm, region, norm, out):
+def _match(gray, views, n, last, left, top, columns, rows, search_all_below, least_norm, region, norm, penalty, out):
     """Best view and offset within a window of ``columns`` x ``rows`` offsets from (left, top).
 
     The view that fitted last is tried on every second place, and its best climbed from. The others are tried there, and
@@ -106,32 +106,32 @@ def _match(gray, views, n, last, left, top, columns, rows, search_all_below, lea
     out: score, x and y of the template's upper left corner (refined by a parabola on each axis), view.
     """
     _read_window(gray, left, top, columns, rows, views.shape[1], least_norm, region, norm)
-    best, row, column = _scan(region, norm, views[last], rows, columns, 2)
-    best, row, column = _climb(region, norm, views[last], rows, columns, best, row, column)
+    best, row, column = _scan(region, norm, penalty, views[last], rows, columns, 2)
+    best, row, column = _climb(region, norm, penalty, views[last], rows, columns, best, row, column)
     view, row0, column0, last_score = last, row, column, best
     for k in range(n):
         if k != last:
-            score = _correlate(region, norm, views[k], row0, column0)
+            score = _correlate(region, norm, penalty, views[k], row0, column0)
             if score > last_score - NEAR:
-                score, i, j = _climb(region, norm, views[k], rows, columns, score, row0, column0)
+                score, i, j = _climb(region, norm, penalty, views[k], rows, columns, score, row0, column0)
                 if score > best:
                     best, row, column, view = score, i, j, k
     if best < search_all_below:
         for k in range(n):
-            score, i, j = _scan(region, norm, views[k], rows, columns, 2)
+            score, i, j = _scan(region, norm, penalty, views[k], rows, columns, 2)
             if score > best - NEAR:
-                score, i, j = _climb(region, norm, views[k], rows, columns, score, i, j)
+                score, i, j = _climb(region, norm, penalty, views[k], rows, columns, score, i, j)
                 if score > best:
                     best, row, column, view = score, i, j, k
     x, y = np.float32(column), np.float32(row)
     pattern = views[view]
     if 0 < column < columns - 1:
-        before = _correlate(region, norm, pattern, row, column - 1)
-        x += _vertex(before, best, _correlate(region, norm, pattern, row, column + 1))
+        before = _correlate(region, norm, penalty, pattern, row, column - 1)
+        x += _vertex(before, best, _correlate(region, norm, penalty, pattern, row, column + 1))
     if 0 < row < rows - 1:
-        before = _correlate(region, norm, pattern, row - 1, column)
-        y += _vertex(before, best, _correlate(region, norm, pattern, row + 1, column))
-    out[0], out[1], out[2], out[3] = best, left + x, top + y, view
+        before = _correlate(region, norm, penalty, pattern, row - 1, column)
+        y += _vertex(before, best, _correlate(region, norm, penalty, pattern, row + 1, column))
+    out[0], out[1], out[2], out[3] = best + penalty[row, column], left + x, top + y, view
 
 
 def crop(gray: np.ndarray, x: float, y: float, side: int) -> np.ndarray:
@@ -155,11 +155,12 @@ class ViewBank:
     """
 
     def __init__(
-        self, side: int, capacity: int, radius: int, search_all_below: float, contrast_ratio: float, forget_after: int
-    ):
+        self, side: int, capacity: int, radius: int, distance_penalty: float, search_all_below: float,
+        contrast_ratio: float, forget_after: int,
+    ):  # fmt: skip
         self.side, self.capacity, self.radius = side, capacity, radius
         self.search_all_below, self.contrast_ratio = search_all_below, contrast_ratio
-        self.forget_after = forget_after
+        self.forget_after, self.distance_penalty = forget_after, np.float32(distance_penalty)
         self.n = 0
         self._least_norm = 0.0
         self._views = np.zeros((capacity, side, side), np.float32)
@@ -200,7 +201,7 @@ class ViewBank:
         return np.concatenate([np.zeros(1, int), order])
 
     def match(self, gray: np.ndarray, x: float, y: float) -> tuple[float, float, float]:
-        """Best fit of any view with its centre within ``radius`` of (x, y).
+        """Best fit of any view with its centre within ``radius`` of (x, y), where a place near (x, y) is preferred.
 
         Returns:
             Score -1..1 (-1 if the window lies outside the picture) and the centre (x, y) in pixels, to a fraction.
@@ -212,9 +213,13 @@ class ViewBank:
         first_y, last_y = max(top - self.radius, 0), min(top + self.radius, height - self.side)
         if self.n == 0 or last_x < first_x or last_y < first_y:
             return -1.0, float("nan"), float("nan")
+        columns, rows = last_x - first_x + 1, last_y - first_y + 1
+        off_x = np.arange(first_x, last_x + 1, dtype=np.float32) - np.float32(x - half)
+        off_y = np.arange(first_y, last_y + 1, dtype=np.float32) - np.float32(y - half)
+        penalty = self.distance_penalty * (off_y[:, None] ** 2 + off_x**2)
         _match(
-            gray, self._views, self.n, self._last, first_x, first_y, last_x - first_x + 1, last_y - first_y + 1,
-            self.search_all_below, self._least_norm, self._region, self._norm, self._out,
+            gray, self._views, self.n, self._last, first_x, first_y, columns, rows,
+            self.search_all_below, self._least_norm, self._region, self._norm, penalty, self._out,
         )  # fmt: skip
         score, corner_x, corner_y, view = self._out
         self._clock += 1
