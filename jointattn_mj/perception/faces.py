@@ -52,7 +52,7 @@ class FaceDetectorConfig:
     """Fit below which the tracked place is given up and the whole picture searched."""
     elsewhere_above: float = 0.82
     """Fit that a place other than the expected one needs; ``redetect_below`` is enough if the cascade sees a face
-    there. Clutter of a face's contrast reaches .77 in the rendered room."""
+    there. Clutter of a face's contrast reached .75 in the rendered room, with the bank full of views."""
     confirm_above: float = 0.40
     """A fit this good where the robot expects the face is the face in an unknown pose, if none elsewhere is good."""
     redetect_every: int = 5
