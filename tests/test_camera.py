@@ -49,7 +49,9 @@ def test_pixel_and_direction_are_inverse(pixel, head):
 
 @given(points, st.tuples(st.floats(-20, 20), st.floats(-20, 10)).map(np.array))
 def test_pixels_of_points_agree_with_directions(point, head):
-    np.testing.assert_allclose(pixels_of_points(point[None], head)[0], pixel_of(directions_to(point[None])[0], head), atol=1e-6)
+    np.testing.assert_allclose(
+        pixels_of_points(point[None], head)[0], pixel_of(directions_to(point[None])[0], head), atol=1e-6
+    )
 
 
 @given(points)

@@ -36,7 +36,9 @@ def test_objects_lie_on_the_table_and_apart(seed, count):
     config = LayoutConfig()
     places = Layout(config, np.random.default_rng(seed)).fill(count)
     assert places.shape == (count, 2)
-    assert np.all((places >= [config.x_range[0], config.y_range[0]]) & (places <= [config.x_range[1], config.y_range[1]]))
+    assert np.all(
+        (places >= [config.x_range[0], config.y_range[0]]) & (places <= [config.x_range[1], config.y_range[1]])
+    )
     assert np.all(distances(places) >= config.spacing)
 
 

@@ -11,7 +11,7 @@ from jointattn_mj.scene.movement import ARM_JOINTS, Arm, gaze_angles, minimum_je
 
 MODEL = build_model()
 DATA = mujoco.MjData(MODEL)
-ARM = Arm.from_model(MODEL, hand_pitch=np.radians(24))
+ARM = Arm.from_model(MODEL, hand_pitch=np.radians(27))
 ARM_QPOS = [MODEL.joint(f"caregiver/{name}").qposadr[0] for name in ARM_JOINTS]
 
 angle = st.floats(-np.pi, np.pi)
@@ -24,7 +24,10 @@ def grasp_of(joints: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     mujoco.mj_kinematics(MODEL, DATA)
     stand = DATA.body("caregiver")
     frame = stand.xmat.reshape(3, 3)
-    own = [frame.T @ (point - stand.xpos) for point in (DATA.site("caregiver/grasp").xpos, DATA.body("caregiver/elbow").xpos)]
+    own = [
+        frame.T @ (point - stand.xpos)
+        for point in (DATA.site("caregiver/grasp").xpos, DATA.body("caregiver/elbow").xpos)
+    ]
     return own[0], frame.T @ DATA.body("caregiver/wrist").xmat.reshape(3, 3), own[1]
 
 

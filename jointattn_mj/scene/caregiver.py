@@ -76,9 +76,9 @@ class CaregiverConfig:
     """The same for the hand with an object in it, which must pass over the others."""
     head_share: float = 0.85
     """Part of a gaze angle that the head turns; the eyes turn the rest."""
-    hand_pitch_deg: float = 24.0
+    hand_pitch_deg: float = 27.0
     """The hand points at the robot and so far down; steeper, it hides her chin while she observes an object."""
-    elbow_at_table_deg: float = 20.0
+    elbow_at_table_deg: float = 25.0
     """With the hand at the table the elbow is raised so far, and the forearm passes over the other objects."""
     elbow_at_holding_deg: float = -10.0
     """With the hand at the holding place the elbow hangs, and the forearm leaves the face free."""

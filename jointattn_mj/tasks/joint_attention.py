@@ -74,7 +74,8 @@ class Environment(control.Environment):
         spec = super().observation_spec()
         if self._flat_observation:
             size = sum(int(np.prod(part.shape)) for part in spec.values())
-            return OrderedDict({control.FLAT_OBSERVATION_KEY: specs.Array((size,), float, control.FLAT_OBSERVATION_KEY)})
+            key = control.FLAT_OBSERVATION_KEY
+            return OrderedDict({key: specs.Array((size,), float, name=key)})
         return spec
 
     def close(self) -> None:
