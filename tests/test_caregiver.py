@@ -143,3 +143,8 @@ def test_other_numbers_of_objects(objects):
 def test_impossible_settings_are_errors(wrong):
     with pytest.raises(ConfigError, match=next(iter(wrong))):
         CaregiverConfig(**wrong)
+
+
+def test_a_holding_place_on_the_table_is_an_error():
+    with pytest.raises(ConfigError, match="holding_place"):
+        caregiver(config=CaregiverConfig(holding_place=(1.2, 0.0, REST)))

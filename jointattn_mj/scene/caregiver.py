@@ -125,6 +125,11 @@ class ObjectTransfer:
         rng: np.random.Generator,
     ):
         """``rest_height`` is that of an object's centre on the table; ``head`` (3,) the head's centre, world frame."""
+        if not config.holding_place[2] > rest_height:
+            raise ConfigError(
+                f"caregiver.holding_place must lie above the objects on the table, z > {rest_height:.3f} m; "
+                f"got {config.holding_place}"
+            )
         self.config = config
         self._rng = rng
         self._layout = Layout(layout, rng)
