@@ -107,6 +107,6 @@ def _leave_results(session: Session, out: Path, wall_seconds: float) -> dict[str
     write_parquet(out / "gaze_shifts.parquet", shift_table(session.shifts))
     write_weights(out / "weights.npz", session.weights())
     figures.draw_success(out / "success.png", session.shifts, session.config.minutes)
-    figures.draw_som(out / "som.png", session.robot.som.codebook())
+    figures.draw_som(out / "som.png", session.robot.som)
     write_whole(out / "summary.json", lambda path: path.write_text(json.dumps(summary, indent=1) + "\n"))
     return summary

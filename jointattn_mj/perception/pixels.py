@@ -11,7 +11,7 @@ from jointattn_mj.perception.objects import ColourAreas, ColourConfig
 from jointattn_mj.perception.percept import Percept
 from jointattn_mj.scene.camera import direction_of, pixel_of
 
-MEMORY_RATE = 0.1
+MEMORY_RATE = 0.02
 """Share of each new look in the remembered direction of the face, which says where to search for it."""
 
 

@@ -26,8 +26,8 @@ class SOMConfig:
     """Cells on one side of the sheet, section 6.4.1."""
     columns: int = 9
     """Cells on the other."""
-    updates: int = 5400
-    """Patterns over which the schedules run: three minutes at 30 pictures a second, section 6.4.1."""
+    updates: int = 1800
+    """Patterns over which the schedules run: three minutes (section 6.4.1) at ten looks a second."""
     sigma_start: float = 4.0
     """Standard deviation of the Gaussian neighbourhood at first, in cells: nearly half the sheet."""
     sigma_end: float = 0.7
@@ -36,7 +36,7 @@ class SOMConfig:
     """Share of the difference that the best cell takes over, at first."""
     rate_end: float = 0.05
     """The same at the end; both schedules are exponential."""
-    softness: float = 1.0
+    softness: float = 0.3
     """Width of the activations in units of the map's own: the mean squared distance between neighbouring cells. The
     dissertation says "activations ... based on the similarity"; small is winner-takes-all, large is flat."""
 

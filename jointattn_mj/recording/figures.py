@@ -6,6 +6,8 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
+from jointattn_mj.perception.som import SOM
+from jointattn_mj.perception.truth import TruthPerception
 from jointattn_mj.recording.files import write_whole
 from jointattn_mj.recording.summary import moving_average
 from jointattn_mj.recording.tables import ShiftRow
@@ -41,19 +43,20 @@ def draw_success(path: Path, shifts: list[ShiftRow], minutes: float) -> None:
     save(figure, path)
 
 
-def draw_som(path: Path, codebook: np.ndarray) -> None:
-    """The learned map (Fig. 6.6): face patterns (rows, columns, 1024), or (.., 2) head angles of the truth path."""
-    rows, columns, size = codebook.shape
-    side = round(np.sqrt(size))
+def draw_som(path: Path, som: SOM) -> None:
+    """The learned map (Fig. 6.6): its cells' face patterns, or with the truth path its cells' head angles."""
+    rows, columns = som.config.rows, som.config.columns
     figure = Figure(figsize=(6, 6), layout="constrained")
     axes = figure.subplots()
-    if size == 2:
-        yaw, pitch = codebook[..., 0], codebook[..., 1]
+    if som.weights.shape[1] == TruthPerception.pattern_size:
+        yaw, pitch = som.weights.reshape(rows, columns, 2).transpose(2, 0, 1)
         axes.plot(yaw, pitch, "o-", yaw.T, pitch.T, "-", color="#2980b9", ms=4, lw=0.8)
         axes.set(xlabel="head yaw (deg, to her left)", ylabel="head pitch (deg, down)", title="SOM of head directions")
         axes.invert_yaxis()
     else:
-        faces = codebook.reshape(rows, columns, side, side).transpose(0, 2, 1, 3).reshape(rows * side, columns * side)
+        cells = som.pictures()
+        side = cells.shape[-1]
+        faces = cells.transpose(0, 2, 1, 3).reshape(rows * side, columns * side)
         axes.imshow(faces, cmap="gray")
         axes.set(xticks=(np.arange(columns) + 0.5) * side - 0.5, yticks=(np.arange(rows) + 0.5) * side - 0.5)
         axes.set_xticklabels(range(columns))

@@ -12,12 +12,13 @@ from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.session import Session
 
 SECONDS = 10
+_SPAN = 50  # the most over the least interest that is drawn
 _STRIPE = 13  # height of a stripe, pixels
 _MARGIN = 128  # left of the curves: what they are
 
 
 class InterestPanel:
-    """Curves of I_i (eq. 6.1), on a square-root scale, and two stripes."""
+    """Curves of I_i (eq. 6.1), on a logarithmic scale, and two stripes."""
 
     def __init__(self, canvas: np.ndarray, box: Box, names: tuple[str, ...], inks: list[Colour], session: Session):
         box.of(canvas)[:] = PANEL
@@ -64,7 +65,8 @@ class InterestPanel:
         x = columns[1:].astype(float)
         for number, ink in enumerate(self._inks):
             interest = table.column("interest", number)[-frames:]
-            y = self._plot.height - 3 - np.sqrt(interest / self._most) * (self._plot.height - 6)
+            height = 1 + np.log(np.maximum(interest / self._most, 1 / _SPAN)) / np.log(_SPAN)
+            y = self._plot.height - 3 - height * (self._plot.height - 6)
             lines(plot, [np.column_stack([x, y])], ink, 2)
         candidates = len(self._inks)
         robot = np.where(turning, candidates, table.column("attended")[-frames:])

@@ -16,7 +16,7 @@ from jointattn_mj.scene.world import World
 
 HIT_DEG = 4.0
 """A line of sight that passes a thing this near ends there; the robot counts 3.5 deg as looking at it."""
-_FARTHEST = 1.7  # m, length of a line of sight that meets nothing
+_FARTHEST = 1.35  # m, length of a line of sight that meets nothing
 _START = 0.10  # m, where it leaves the head
 _FOVY_DEG = 33.5  # a little tighter than the camera's own: both heads just fit
 _LEFT, _DOWN = 0.045, 0.022  # rad, turn of the camera towards the middle between the two
@@ -91,7 +91,8 @@ class Onlooker:
 
     def _add_sights(self, physics: Physics, scene: MjvScene) -> None:
         robot, person = sights(self._world)
-        self.together = robot.hit is not None and robot.hit == person.hit and robot.hit < len(self._world.caregiver.objects)
+        objects = range(len(self._world.caregiver.objects))
+        self.together = robot.hit in objects and robot.hit == person.hit
         _add_line(scene, person, GREEN if self.together else PERSON)
         _add_line(scene, robot, GREEN if self.together else ROBOT)
 

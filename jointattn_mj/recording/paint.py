@@ -24,6 +24,7 @@ GREEN: Colour = (84, 222, 130)
 RED: Colour = (226, 108, 100)
 PERSON: Colour = (248, 200, 158)  # the person, her face and her gaze
 ROBOT: Colour = (150, 208, 255)  # the robot and its gaze
+LEARNED: Colour = (190, 160, 255)  # whatever comes from learning
 _READABLE = 118  # least luminance (0..255) of ink on the dark ground
 _SUBPIXEL = 4  # bits of fraction in coordinates given to OpenCV
 
@@ -48,6 +49,12 @@ def ink_of(rgb: Sequence[float]) -> Colour:
     if luminance < _READABLE:
         colour += (255 - colour) * (_READABLE - luminance) / (255 - luminance)
     red, green, blue = (round(float(value)) for value in colour)
+    return red, green, blue
+
+
+def paler(colour: Colour) -> Colour:
+    """Half way to white: for ink on things of that colour."""
+    red, green, blue = ((255 + value) // 2 for value in colour)
     return red, green, blue
 
 

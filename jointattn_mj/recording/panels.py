@@ -9,12 +9,24 @@ import numpy as np
 from jointattn_mj.gaze import gate_probability
 from jointattn_mj.perception.som import SOM
 from jointattn_mj.recording.paint import (
-    FAINT, GREEN, GREY, GROUND, PANEL, RED, WHITE, Box, Colour, cross, lines, tick, write,
-)  # fmt: skip
+    FAINT,
+    GREEN,
+    GREY,
+    GROUND,
+    LEARNED,
+    PANEL,
+    RED,
+    WHITE,
+    Box,
+    Colour,
+    cross,
+    lines,
+    tick,
+    write,
+)
 from jointattn_mj.recording.tables import ShiftRow
 from jointattn_mj.session import FRAMES_PER_MINUTE, Session
 
-LEARNED: Colour = (190, 160, 255)  # whatever comes from learning
 _GLOW = np.array([255, 196, 92], np.float32)  # a cell that is fully active
 
 
@@ -24,10 +36,10 @@ class MapPanel:
     def __init__(self, canvas: np.ndarray, box: Box):
         canvas[box.y : box.y + box.height, box.x : box.x + box.width] = PANEL
         write(canvas, box.x + 12, box.y + 8, "Faces it knows", WHITE, 14, True)
-        write(canvas, box.x + 12, box.y + box.height - 40, "bright: like the face that", GREY, 12)
-        write(canvas, box.x + 12, box.y + box.height - 24, "it last turned away from", GREY, 12)
         side = min(box.width - 24, box.height - 80)
         self._box = Box(box.x + (box.width - side) // 2, box.y + 34, side, side)
+        for line, text in enumerate(("bright: like the face that", "it last turned away from")):
+            write(canvas, self._box.x, self._box.y + side + 8 + 16 * line, text, GREY, 12)
         self._shown: np.ndarray | None = None
         self._cells: np.ndarray | None = None
         self._picture = np.zeros((side, side, 3), np.uint8)
@@ -65,7 +77,7 @@ def lit(cells: np.ndarray, activations: np.ndarray | None, shape: tuple[int, int
         active = (activations / activations.max()).reshape(shape).astype(np.float32)
     light = cv2.resize(active, (side, side), interpolation=cv2.INTER_NEAREST)[..., None]
     tint = 255 + (_GLOW - 255) * light
-    picture = (cells[..., None] * tint * (0.28 + 0.72 * light) + 40 * light * _GLOW / 255).clip(0, 255).astype(np.uint8)
+    picture = (cells[..., None] * tint * (0.38 + 0.62 * light) + 40 * light * _GLOW / 255).clip(0, 255).astype(np.uint8)
     edges_y, edges_x = (np.round(np.linspace(0, side, n + 1)).astype(int) for n in shape)
     for edge in edges_y[1:-1]:
         picture[edge] = GROUND
@@ -100,7 +112,7 @@ class GatePanel:
         filled = round(bar.width * chance)
         bar.of(canvas)[:, bar.width - filled :] = LEARNED
         lessons = session.robot.iterations
-        text = f"{round(100 * chance)} % learned, after {lessons} lesson{'' if lessons == 1 else 's'}"
+        text = f"learning decides {round(100 * chance)} % of the time, after {lessons} lesson{'s' * (lessons != 1)}"
         write(canvas, x + 12, y + 64, text, GREY, 12)
         for row in session.shifts[self._counted :]:
             self._last = row if row.face_to_object else self._last
@@ -110,9 +122,9 @@ class GatePanel:
 
     def _draw_last(self, canvas: np.ndarray, row: ShiftRow) -> None:
         x, y = self._box.x + 12, self._box.y + 84
-        by_learner = row.commanded_by == "learner"
+        who, ink = ("learned guess", LEARNED) if row.commanded_by == "learner" else ("its eyes", WHITE)
         x = write(canvas, x, y, "last time:", WHITE, 13) + 6
-        x = write(canvas, x, y, "learned guess" if by_learner else "its eyes", LEARNED if by_learner else WHITE, 13, True) + 6
+        x = write(canvas, x, y, who, ink, 13, True) + 6
         if row.on_nothing:
             x = write(canvas, x, y, "led to nothing", GREY, 13) + 14
         else:
@@ -173,7 +185,7 @@ class SuccessPanel:
 
 
 def rate_of_success(times: np.ndarray, at: np.ndarray, success: np.ndarray) -> np.ndarray:
-    """mov_ave(t) of eq. 6.9 at any ``times``: the share of successes among the shifts within a minute of each; NaN if none.
+    """mov_ave(t), eq. 6.9, at any ``times``: the share of successes among shifts within a minute of each; NaN if none.
 
     Args:
         times: (m,) minutes.

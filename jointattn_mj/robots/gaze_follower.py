@@ -79,8 +79,8 @@ class GazeFollower:
         self.config, self.perceiver = config, perceiver
         self.face = objects
         self.attention = AttentionSelector(config.attention, objects, attention)
-        self.som = SOM(config.som, perceiver.pattern_size, som)
-        self.learner = make_learner(config.learner, self.som.cells)
+        self.som = SOM(perceiver.pattern_size, config.som, som)
+        self.learner = make_learner(config.learner, len(self.som.weights))
         self.iterations = 0
         self.attended: int | None = None
         self.percept: Percept | None = None
@@ -98,7 +98,7 @@ class GazeFollower:
             percept = self.perceiver.look(observation, landed=True)
             if percept.seen[self.face]:
                 self._held = direction_of(percept.px[self.face], head)
-                self.som.train(self.perceiver.face_pattern())
+                self.som.update(self.perceiver.face_pattern())
         self.attended = self.face
         return np.radians(self._held)
 
@@ -206,7 +206,7 @@ class GazeFollower:
     def weights(self) -> dict[str, np.ndarray]:
         """All that was learned: the map of faces, the map from faces to commands, and l of eq. 6.8."""
         return {
-            **{f"som_{name}": array for name, array in self.som.state().items()},
+            **{f"som_{name}": array for name, array in self.som.arrays().items()},
             "learner": self.learner.weights(),
             "iterations": np.array(self.iterations),
         }
@@ -218,7 +218,8 @@ class GazeFollower:
             ConfigError: The arrays do not fit this robot's config.
         """
         try:
-            self.som.load({name.removeprefix("som_"): array for name, array in weights.items() if name.startswith("som_")})
+            arrays = {name.removeprefix("som_"): array for name, array in weights.items() if name.startswith("som_")}
+            self.som = SOM.from_arrays(arrays, self.config.som)
             self.learner.load(weights["learner"])
             self.iterations = int(weights["iterations"])
         except KeyError as error:
