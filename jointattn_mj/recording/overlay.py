@@ -7,6 +7,7 @@ that size. Candidates are numbered as in ``Percept``.
 import cv2
 import numpy as np
 
+from jointattn_mj.perception.percept import Percept
 from jointattn_mj.recording.paint import (
     GREY,
     GROUND,
@@ -51,20 +52,19 @@ class RobotsView:
         if robot.shift is not None and robot.percept is None:
             self._draw_turning(area, robot.shift, np.degrees(session.world.head_angles()))
         elif robot.percept is not None:
-            self._draw_percept(area, robot)
+            self._draw_percept(area, robot, robot.percept)
         _draw_centre(area)
         self._draw_status(area, robot)
 
-    def _draw_percept(self, area: np.ndarray, robot: GazeFollower) -> None:
-        percept = robot.percept
+    def _draw_percept(self, area: np.ndarray, robot: GazeFollower, percept: Percept) -> None:
         self._draw_flow(area, robot)
         places = _place(percept.px)
-        for number in np.flatnonzero(percept.seen):
+        for number in np.flatnonzero(percept.seen).tolist():
             half, moves = self._half(number), percept.moves[number]
             brackets(area, places[number], half, self._inks[number], 3 if moves else 2)
             if number == robot.attended:
                 disc(area, places[number], half * 1.5, WHITE, 2)
-        for number in np.flatnonzero(percept.seen & percept.moves):
+        for number in np.flatnonzero(percept.seen & percept.moves).tolist():
             _label(area, places[number] + np.array([0, self._half(number) + 4]), "moves", paler(self._inks[number]))
 
     def _half(self, number: int) -> int:

@@ -125,7 +125,7 @@ class GatePanel:
         who, ink = ("learned guess", LEARNED) if row.commanded_by == "learner" else ("its eyes", WHITE)
         x = write(canvas, x, y, "last time:", WHITE, 13) + 6
         x = write(canvas, x, y, who, ink, 13, True) + 6
-        if row.on_nothing:
+        if row.on_nothing or row.nearest is None:
             x = write(canvas, x, y, "led to nothing", GREY, 13) + 14
         else:
             x = write(canvas, x, y, "led to", WHITE, 13) + 6
