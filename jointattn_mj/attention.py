@@ -52,13 +52,14 @@ class AttentionConfig:
                 raise ConfigError(f"attention.{name} must be positive; got {getattr(self, name)}")
 
 
-def motion_saliency(motion: np.ndarray, gain: float, delay: float, width: float) -> np.ndarray:
+@numba.njit(cache=True)
+def motion_saliency(motion: float, gain: float, delay: float, width: float) -> float:
     """M_i = g(m_i), eq. 6.2 and 6.4, from the degree of motion m_i in frames."""
     return 1 + gain / (1 + np.exp((delay - motion) / width))
 
 
 @numba.njit(cache=True)
-def _advance(saliency, motion, attended, moves, preference, decay, growth, toward_preference):
+def _advance(saliency, motion, interest, attended, moves, preference, decay, growth, toward_preference, gain, delay, width):
     for i in range(saliency.size):
         motion[i] = motion[i] + 1 if moves[i] else max(motion[i] - 1, 0)  # eq. 6.3
         if i == attended:  # eq. 6.6
@@ -67,12 +68,18 @@ def _advance(saliency, motion, attended, moves, preference, decay, growth, towar
             saliency[i] = min(preference[i], growth[i] * saliency[i])
         else:
             saliency[i] = max(preference[i], growth[i] * saliency[i])
+        interest[i] = saliency[i] * motion_saliency(motion[i], gain, delay, width)  # eq. 6.1
 
 
 class AttentionSelector:
     """Interest measures of the objects (0 to n-1) and of the face (n), one ``advance`` per frame of fixation.
 
     Nothing changes while the robot turns its head, for then no frame is advanced (Fig. 6.3b).
+
+    Attributes:
+        saliency: S_i, eq. 6.5 and 6.6, (n + 1,).
+        motion: m_i, eq. 6.3, frames, (n + 1,).
+        interest: I_i, eq. 6.1, (n + 1,).
     """
 
     def __init__(self, config: AttentionConfig, objects: int, rng: np.random.Generator):
@@ -84,25 +91,21 @@ class AttentionSelector:
         self._growth = np.exp(np.where(face, config.face_growth, config.object_growth))
         self.saliency = self._preference.copy()  # S_i, eq. 6.5
         self.motion = np.zeros(objects + 1)  # m_i
+        self.interest = self._preference.copy()  # I_i
+        self._gain = config.motion_gain if config.motion_cues else 0.0
 
     def advance(self, attended: int | None, moves: np.ndarray) -> None:
-        """One frame: habituate to ``attended``, recover for the rest, count motion (eq. 6.3, 6.6)."""
-        at = -1 if attended is None else attended
-        toward = self.config.recovery == "min"
-        _advance(self.saliency, self.motion, at, moves, self._preference, self._decay, self._growth, toward)
-
-    def interest(self) -> np.ndarray:
-        """I_i, eq. 6.1: (n+1,)."""
+        """One frame: habituate to ``attended``, recover for the rest, count motion (eq. 6.1, 6.3, 6.6)."""
         config = self.config
-        if not config.motion_cues:
-            return self.saliency.copy()
-        return self.saliency * motion_saliency(
-            self.motion, config.motion_gain, config.motion_delay, config.motion_width
-        )
+        _advance(
+            self.saliency, self.motion, self.interest, -1 if attended is None else attended, moves,
+            self._preference, self._decay, self._growth, config.recovery == "min",
+            self._gain, config.motion_delay, config.motion_width,
+        )  # fmt: skip
 
     def draw(self, seen: np.ndarray) -> int | None:
         """The next candidate to look at, drawn by eq. 6.7 among those in view; None when none is."""
         if not seen.any():
             return None
-        bound = np.cumsum(np.where(seen, self.interest(), 0.0))
+        bound = np.cumsum(np.where(seen, self.interest, 0.0))
         return int(np.searchsorted(bound, self._rng.random() * bound[-1], side="right"))

@@ -45,6 +45,8 @@ class PixelPerception:
         self._face_direction: np.ndarray | None = None
         self._gray = np.empty((0, 0), np.uint8)
         self.motion: Motion | None = None
+        candidates = len(rgb) + 1
+        self._percept = Percept(np.zeros(candidates, bool), np.full((candidates, 2), np.nan), np.zeros(candidates, bool))
 
     def look(self, observation: Mapping[str, np.ndarray], landed: bool) -> Percept:
         """Face, colour areas and motion of this picture; ``landed`` begins a new history of motion."""
@@ -59,11 +61,11 @@ class PixelPerception:
             self._motion.reset()
         box = self.faces.box(fix, self._gray.shape) if fix.found else None
         self.motion = self._motion.update(self._gray, box, areas)
-        return Percept(
-            seen=np.append(areas.seen, fix.found),
-            px=np.vstack([areas.px, (fix.x, fix.y)]),
-            moves=np.append(self.motion.object_moves, self.motion.face_moves),
-        )
+        percept = self._percept
+        percept.seen[:-1], percept.seen[-1] = areas.seen, fix.found
+        percept.px[:-1], percept.px[-1] = areas.px, (fix.x, fix.y)
+        percept.moves[:-1], percept.moves[-1] = self.motion.object_moves, self.motion.face_moves
+        return percept
 
     def face_pattern(self) -> np.ndarray:
         """The 32x32 grey patch f_v around the face of the last look, (1024,) float32."""

@@ -64,7 +64,7 @@ class Composer:
         write(blank, _EYE.x, 50, "What the robot sees", WHITE, 16, True)
         write(blank, _EYE.x + _EYE.width, 53, "30 pictures a second, 320 x 240", GREY, 13, align="right")
         write(blank, _OUTSIDE.x, 50, "The same moment from outside", WHITE, 16, True)
-        write(blank, _OUTSIDE.x + _OUTSIDE.width, 53, "the robot does not know this", GREY, 13, align="right")
+        write(blank, _OUTSIDE.x + _OUTSIDE.width, 53, "truth, not known to the robot", GREY, 13, align="right")
         self._eye = RobotsView(self._names, self._inks, _EYE)
         self._parts = (
             self._eye,

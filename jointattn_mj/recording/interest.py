@@ -7,7 +7,7 @@ the other is joint attention.
 import cv2
 import numpy as np
 
-from jointattn_mj.recording.paint import FAINT, GREY, PANEL, PERSON, ROBOT, WHITE, Box, Colour, lines, write
+from jointattn_mj.recording.paint import FAINT, GREY, PANEL, PERSON, ROBOT, WHITE, Box, Colour, lines, width_of, write
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.session import Session
 
@@ -15,6 +15,11 @@ SECONDS = 10
 _SPAN = 50  # the most over the least interest that is drawn
 _STRIPE = 13  # height of a stripe, pixels
 _MARGIN = 128  # left of the curves: what they are
+_LEGENDS = ((13, 16), (11, 8), (10, 5))  # size of text and gap, pixels; the first that fits
+
+
+def _legend_width(names: tuple[str, ...], size: int, gap: int) -> int:
+    return sum(size + 4 + width_of(name, size) + gap for name in names) - gap
 
 
 class InterestPanel:
@@ -38,17 +43,19 @@ class InterestPanel:
 
     def _label(self, canvas: np.ndarray, box: Box, names: tuple[str, ...]) -> None:
         x = write(canvas, box.x + 12, box.y + 7, f"What interests it, last {SECONDS} s", WHITE, 14, True) + 22
+        end = box.x + box.width - 8
+        size, gap = next((fit for fit in _LEGENDS if x + _legend_width(names, *fit) < end), _LEGENDS[-1])
         for name, ink in zip(names, self._inks, strict=True):
-            if x < box.x + box.width - 60:
-                canvas[box.y + 13 : box.y + 18, x : x + 14] = ink
-                x = write(canvas, x + 19, box.y + 8, name, ink, 13) + 16
+            if x + size + 4 + width_of(name, size) < end:
+                canvas[box.y + 13 : box.y + 18, x : x + size] = ink
+                x = write(canvas, x + size + 4, box.y + 21 - size, name, ink, size) + gap
         x, y = box.x + 12, self._plot.y
         write(canvas, x, y + 2, "moving things", GREY, 12)
         write(canvas, x, y + 17, "gain interest,", GREY, 12)
         write(canvas, x, y + 32, "what it looks at", GREY, 12)
         write(canvas, x, y + 47, "grows boring", GREY, 12)
         write(canvas, x, self._robot.y - 1, "robot looks at", ROBOT, 12)
-        write(canvas, x, self._person.y - 1, "person looks at", PERSON, 12)
+        write(canvas, x, self._person.y - 1, "person (truth)", PERSON, 12)
         self._plot.of(canvas)[-1] = FAINT
 
     def draw(self, canvas: np.ndarray, session: Session) -> None:

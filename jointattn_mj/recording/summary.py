@@ -26,7 +26,7 @@ def summarise(frames: FrameTable, shifts: list[ShiftRow], minutes: float, wall_s
     rows = [row for row in shifts if row.face_to_object]
     late = [row for row in rows if row.landing_s >= (minutes - LATE_MINUTES) * 60]
     success = int(sum(bool(row.success) for row in rows))
-    errors = frames.column("face_error_px")
+    errors = frames.face_error_px()
     errors = errors[~np.isnan(errors)]
     map_errors = [row.map_error_deg for row in late if row.map_error_deg is not None]
     return {
@@ -63,7 +63,7 @@ def _detection(frames: FrameTable, candidates: list[int]) -> dict[str, float | N
     """Hit and false-alarm rate of motion flags over the frames of fixation (a landing frame has no motion yet)."""
     fixation = (frames.column("looked") == 1) & (frames.column("landed") == 0) & (frames.column("head_moves") == 0)
     said = np.concatenate([frames.column("moves", k)[fixation] for k in candidates]) == 1
-    real = np.concatenate([frames.column("really_moves", k)[fixation] for k in candidates]) == 1
+    real = np.concatenate([frames.really_moves(k)[fixation] for k in candidates])
     return {
         "hit_rate": _ratio(np.sum(said & real), np.sum(real)),
         "false_alarm_rate": _ratio(np.sum(said & ~real), np.sum(~real)),

@@ -6,6 +6,7 @@ Candidates and phases are numbers there and names in the file.
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -20,78 +21,112 @@ from jointattn_mj.scene.world import World
 
 PHASES = tuple(Phase)
 _PHASE_NUMBER = {phase: number for number, phase in enumerate(PHASES)}
-_FIXED = (
-    "phase", "target", "held", "pan_deg", "tilt_deg", "head_moves", "rendered", "attended", "looked", "landed",
-    "face_error_px", "iterations",
+_PER_FRAME = (
+    "phase", "target", "held", "attended", "head_moves", "rendered", "looked", "landed", "iterations",
+    "pan_deg", "tilt_deg", "face_yaw_deg", "face_pitch_deg",
 )  # fmt: skip
-_PER_CANDIDATE = ("seen", "x_px", "y_px", "moves", "really_moves", "saliency", "motion", "interest")
+_PER_OBJECT = ("x_m", "y_m", "z_m")
+_PER_CANDIDATE = ("saliency", "motion", "interest", "seen", "moves", "x_px", "y_px")
 _BOOL = ("head_moves", "rendered", "looked", "landed", "seen", "moves", "really_moves")
 
 
 class FrameTable:
-    """One row a frame. Numbers are float32; what a frame has no value for is NaN."""
+    """One row a frame. Numbers are float32; what a frame has no value for is NaN.
+
+    What follows from the rest (how far off the face was seen, what really moved) is worked out when it is read.
+    """
 
     def __init__(self, frames: int, objects: tuple[str, ...], face_above_deg_s: float, object_above_m_s: float):
         """``face_above_deg_s`` and ``object_above_m_s``: speeds from which on something really moves."""
         self.candidates = (*objects, "face")
         self.frames = 0
-        self._above = face_above_deg_s, object_above_m_s
-        self._start = {name: len(_FIXED) + i * len(self.candidates) for i, name in enumerate(_PER_CANDIDATE)}
-        self._values = np.full((frames, len(_FIXED) + len(_PER_CANDIDATE) * len(self.candidates)), np.nan, np.float32)
+        self._above = (*[object_above_m_s] * len(objects), face_above_deg_s)
+        self._face_point = np.full((1, 3), np.nan)
+        names = [(name, None) for name in _PER_FRAME]
+        names += [(name, k) for k in range(len(objects)) for name in _PER_OBJECT]
+        names += [(name, k) for name in _PER_CANDIDATE[:-2] for k in range(len(objects) + 1)]
+        names += [(name, k) for k in range(len(objects) + 1) for name in _PER_CANDIDATE[-2:]]
+        self._index = {name: index for index, name in enumerate(names)}
+        self._values = np.full((frames, len(names)), np.nan, np.float32)
 
     def add(self, world: World, robot: GazeFollower, rendered: bool, head: np.ndarray) -> None:
-        """Write down this frame: the world as it is, and what the robot made of it."""
-        row, caregiver, width = self._values[self.frames], world.caregiver, len(self.candidates)
-        percept, attention = robot.percept, robot.attention
-        face_error = np.nan
-        begin = len(_FIXED)
-        if percept is not None:
-            face = pixels_of_points(world.candidate_points()[-1:], head)[0]
-            face_error = np.hypot(*(percept.px[-1] - face))
-            seen = begin + width
-            row[begin:seen] = percept.seen
-            row[seen : seen + 2 * width] = percept.px.T.ravel()
-            row[seen + 2 * width : seen + 3 * width] = percept.moves
-            row[seen + 3 * width : seen + 4 * width] = world.moving(*self._above)
-        row[begin + 5 * width : begin + 6 * width] = attention.saliency
-        row[begin + 6 * width : begin + 7 * width] = attention.motion
-        row[begin + 7 * width : begin + 8 * width] = attention.interest()
-        row[: len(_FIXED)] = (
+        """Write down this frame: the world as it is, and what the robot made of it. ``head`` in degrees."""
+        row, caregiver, percept, attention = self._values[self.frames], world.caregiver, robot.percept, robot.attention
+        yaw, pitch = world.face_angles_deg()
+        width, start = len(self.candidates), len(_PER_FRAME)
+        row[:start] = (
             _PHASE_NUMBER[caregiver.phase],
             np.nan if caregiver.target is None else caregiver.target,
             np.nan if caregiver.held is None else caregiver.held,
-            head[0],
-            head[1],
+            np.nan if robot.attended is None else robot.attended,
             robot.shift is not None,
             rendered,
-            np.nan if robot.attended is None else robot.attended,
             percept is not None,
             robot.landed is not None,
-            face_error,
             robot.iterations,
+            head[0],
+            head[1],
+            yaw,
+            pitch,
         )
+        end = start + 3 * (width - 1)
+        row[start:end] = caregiver.objects.ravel()
+        row[end : end + width] = attention.saliency
+        row[end + width : end + 2 * width] = attention.motion
+        row[end + 2 * width : end + 3 * width] = attention.interest
+        if percept is not None:
+            row[end + 3 * width : end + 4 * width] = percept.seen
+            row[end + 4 * width : end + 5 * width] = percept.moves
+            row[end + 5 * width :] = percept.px.ravel()
+        if self.frames == 0:
+            self._face_point[:] = world.candidate_points()[-1]
         self.frames += 1
 
     def column(self, name: str, candidate: int | None = None) -> np.ndarray:
         """(frames,) values of a column so far; per-candidate columns need the candidate's number."""
-        index = _FIXED.index(name) if candidate is None else self._start[name] + candidate
-        return self._values[: self.frames, index]
+        return self._values[: self.frames, self._index[name, candidate]]
+
+    def face_error_px(self) -> np.ndarray:
+        """Distance (frames,) of the face as seen from where it really was; NaN where it was not seen."""
+        face = len(self.candidates) - 1
+        heads = zip(self.column("pan_deg"), self.column("tilt_deg"), strict=True)
+        real = np.array([pixels_of_points(self._face_point, head)[0] for head in heads]).reshape(-1, 2)
+        return np.hypot(self.column("x_px", face) - real[:, 0], self.column("y_px", face) - real[:, 1])
+
+    def really_moves(self, candidate: int) -> np.ndarray:
+        """Whether a candidate really moved since the last frame, (frames,) bool."""
+        names = _PER_OBJECT if candidate < len(self.candidates) - 1 else ("face_yaw_deg", "face_pitch_deg")
+        owner = candidate if candidate < len(self.candidates) - 1 else None
+        path = np.column_stack([self.column(name, owner) for name in names])
+        speed = np.linalg.norm(np.diff(path, axis=0, prepend=path[:1]), axis=1) / FRAME_S
+        return speed > self._above[candidate]
 
     def table(self) -> pa.Table:
         """The table with names for numbers."""
         columns: dict[str, pa.Array] = {"time_s": pa.array(np.arange(self.frames) * FRAME_S)}
-        for name in _FIXED:
-            values = self.column(name)
+        for name, candidate in self._index:
+            label = name if candidate is None else f"{self.candidates[candidate]}_{name}"
+            values = self.column(name, candidate)
             if name == "phase":
-                columns[name] = _named(values, PHASES)
+                columns[label] = _named(values, PHASES)
             elif name in ("target", "held", "attended"):
-                columns[name] = _named(values, self.candidates)
+                columns[label] = _named(values, self.candidates)
             else:
-                columns[name] = _typed(name, values)
-        for name in _PER_CANDIDATE:
-            for number, candidate in enumerate(self.candidates):
-                columns[f"{candidate}_{name}"] = _typed(name, self.column(name, number))
+                columns[label] = _typed(name, values)
+        columns["face_error_px"] = _typed("face_error_px", self.face_error_px())
+        for number, candidate in enumerate(self.candidates):
+            columns[f"{candidate}_really_moves"] = pa.array(self.really_moves(number))
         return pa.table(columns)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Only the rows that are filled."""
+        return {**self.__dict__, "_values": self._values[: self.frames], "_capacity": len(self._values)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        filled, capacity = state.pop("_values"), state.pop("_capacity")
+        self.__dict__.update(state)
+        self._values = np.full((capacity, filled.shape[1]), np.nan, np.float32)
+        self._values[: len(filled)] = filled
 
 
 @dataclass(frozen=True)

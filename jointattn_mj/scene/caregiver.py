@@ -100,7 +100,7 @@ class Plan:
     gaze: np.ndarray  # (T, 2) yaw and pitch of her line of sight, her own frame, rad
     head: np.ndarray  # (T, 2) the head's part of it
     grasp: np.ndarray  # (T, 3) where the hand's grasp is, world frame, m
-    joints: np.ndarray  # (T, 4 + 7) neck yaw and pitch, eyes yaw and pitch, arm
+    joints: np.ndarray  # (T, 13) neck yaw and pitch, yaw and pitch of either eye, seven of the arm, rad
 
 
 class ObjectTransfer:
@@ -110,7 +110,7 @@ class ObjectTransfer:
         phase: What she is doing.
         target: Index of the object she looks at; None while she looks at the robot.
         held: Index of the object in her hand, or None.
-        joints: (11,) neck yaw and pitch, eyes yaw and pitch, and the seven arm joints, rad.
+        joints: (13,) neck yaw and pitch, yaw and pitch of either eye, and the seven arm joints, rad.
         objects: (n, 3) centres of the objects, world frame, m.
     """
 
@@ -228,5 +228,6 @@ class ObjectTransfer:
     def _planned(self, gaze: np.ndarray, grasp: np.ndarray, head_towards: np.ndarray | None = None) -> Plan:
         head = self.config.head_share * (gaze if head_towards is None else head_towards)
         arm = self._arm.reach(self._own(grasp), self._elbow(grasp[:, 2]))
-        joints = np.concatenate([head, gaze - head, arm], axis=1)
+        eyes = gaze - head
+        joints = np.concatenate([head, eyes, eyes, arm], axis=1)
         return Plan(gaze=gaze, head=head, grasp=grasp, joints=joints)

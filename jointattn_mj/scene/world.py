@@ -4,7 +4,7 @@ Knows MuJoCo and no environment API: the session steps a ``World`` directly, and
 ``World`` over its own physics.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -24,6 +24,8 @@ SCRIPTED_JOINTS = tuple(f"caregiver/{name}" for name in ("neck_yaw", "neck_pitch
 HEAD_JOINTS = ("robot/pan", "robot/tilt")
 HEAD_STILL_DEG_S = 0.5
 """Below this speed the head counts as still: less than a tenth of a pixel from one picture to the next."""
+
+_HEAD_STILL = np.radians(HEAD_STILL_DEG_S)
 
 
 @dataclass(frozen=True)
@@ -61,12 +63,11 @@ class World:
         self.model = model = physics.model.ptr
         self.data = physics.data.ptr
         self.eye = Eye(physics)
-        scripted = [model.joint(name) for name in SCRIPTED_JOINTS]
-        self._scripted_qpos = np.array([joint.qposadr[0] for joint in scripted])
-        self._scripted_qvel = np.array([joint.dofadr[0] for joint in scripted])
-        self._head_qpos = np.array([model.joint(name).qposadr[0] for name in HEAD_JOINTS])
-        self._head_qvel = np.array([model.joint(name).dofadr[0] for name in HEAD_JOINTS])
-        self._objects = np.array([model.body(f"object/{item.name}").mocapid[0] for item in config.scene.objects])
+        scripted, head = (_spans(model, names) for names in (SCRIPTED_JOINTS, HEAD_JOINTS))
+        self._script_angles, self._script_speeds = self.data.qpos[scripted[0]], self.data.qvel[scripted[1]]
+        self._head_angles, self._head_speeds = self.data.qpos[head[0]], self.data.qvel[head[1]]
+        objects = _span([model.body(f"object/{item.name}").mocapid[0] for item in config.scene.objects])
+        self._object_places = self.data.mocap_pos[objects]
         self._steps = steps_per_frame(model)
         self._picture: np.ndarray | None = None
 
@@ -89,8 +90,8 @@ class World:
             arm=Arm.from_model(self.model, np.radians(config.behaviour.hand_pitch_deg)),
             rng=np.random.default_rng(seed),
         )
-        self.data.qpos[self._scripted_qpos] = self._script()
-        self.data.mocap_pos[self._objects] = self.caregiver.objects
+        self._script_angles[:] = self.caregiver.joints
+        self._object_places[:] = self.caregiver.objects
         mujoco.mj_forward(self.model, self.data)
         self._objects_before = self.caregiver.objects.copy()
         self._points = np.vstack([self.caregiver.objects, self.data.site("caregiver/face").xpos])
@@ -111,12 +112,11 @@ class World:
         The caregiver's joints have so much inertia that they keep the velocity given here, and arrive at the script's
         angles exactly when the frame ends.
         """
-        data = self.data
         self._objects_before[:] = self.caregiver.objects
         self.caregiver.advance()
-        data.ctrl[:] = command
-        data.qvel[self._scripted_qvel] = (self._script() - data.qpos[self._scripted_qpos]) / FRAME_S
-        data.mocap_pos[self._objects] = self.caregiver.objects
+        self.data.ctrl[:] = command
+        self._script_speeds[:] = (self.caregiver.joints - self._script_angles) / FRAME_S
+        self._object_places[:] = self.caregiver.objects
         self._picture = None
 
     def picture(self) -> np.ndarray:
@@ -128,19 +128,20 @@ class World:
 
     def head_angles(self) -> np.ndarray:
         """Pan and tilt of the robot's head, (2,), rad."""
-        return self.data.qpos[self._head_qpos]
+        return self._head_angles.copy()
 
     def head_velocity(self) -> np.ndarray:
         """Its angular velocity, (2,), rad/s."""
-        return self.data.qvel[self._head_qvel]
+        return self._head_speeds.copy()
 
     def head_moves(self) -> bool:
         """Whether the robot's head turns; while it does, flow in the picture is its own."""
-        return bool(np.abs(self.head_velocity()).max() > np.radians(HEAD_STILL_DEG_S))
+        pan, tilt = self._head_speeds
+        return max(abs(pan), abs(tilt)) > _HEAD_STILL
 
     def face_angles_deg(self) -> np.ndarray:
         """Yaw and pitch of the caregiver's head, (2,), degrees."""
-        return np.degrees(self.data.qpos[self._scripted_qpos[:2]])
+        return np.degrees(self._script_angles[:2])
 
     def candidate_points(self) -> np.ndarray:
         """Centres of the objects and, last, of the caregiver's head: (n + 1, 3), metres."""
@@ -149,7 +150,7 @@ class World:
 
     def moving(self, face_above_deg_s: float, object_above_m_s: float) -> np.ndarray:
         """Which of the candidates moved faster than this in the last frame: (n + 1,) bool."""
-        face = np.linalg.norm(self.data.qvel[self._scripted_qvel[:2]])
+        face = np.linalg.norm(self._script_speeds[:2])
         path = self.caregiver.objects - self._objects_before
         moved = np.empty(len(path) + 1, bool)
         np.greater(np.einsum("ij,ij->i", path, path), (object_above_m_s * FRAME_S) ** 2, out=moved[:-1])
@@ -174,9 +175,19 @@ class World:
         mujoco.mj_setState(self.model, self.data, integration, mujoco.mjtState.mjSTATE_INTEGRATION)
         mujoco.mj_step1(self.model, self.data)
 
-    def _script(self) -> np.ndarray:
-        joints = self.caregiver.joints
-        return np.concatenate([joints[:4], joints[2:]])  # both eyes turn alike
+
+def _span(addresses: Sequence[int]) -> slice:
+    """Consecutive addresses as a slice, through which numpy reads and writes without copying."""
+    first, count = addresses[0], len(addresses)
+    if list(addresses) != list(range(first, first + count)):
+        raise ValueError(f"the scene must list these one after the other; got addresses {list(addresses)}")
+    return slice(first, first + count)
+
+
+def _spans(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[slice, slice]:
+    """Where the joints' angles and speeds lie in qpos and qvel."""
+    found = [model.joint(name) for name in joints]
+    return _span([joint.qposadr[0] for joint in found]), _span([joint.dofadr[0] for joint in found])
 
 
 class Observation(Mapping[str, np.ndarray]):
