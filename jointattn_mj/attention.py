@@ -5,19 +5,20 @@ saliency that grows while it moves. Candidates are the n objects and, last, the 
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numba
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import TOP_LEVEL
 
 
 @dataclass(frozen=True)
 class AttentionConfig:
     """Table 6.1, the constants of section 6.4.1, and what the text leaves open."""
 
-    motion_cues: bool = True
+    motion_cues: Annotated[bool, TOP_LEVEL] = True
     """Without them the motion saliency is 1 for every candidate (the comparison of section 6.4.3)."""
     face_preference: float = 1500.0
     """C of the face, Table 6.1."""

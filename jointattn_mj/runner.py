@@ -28,6 +28,8 @@ class RunOptions:
     """Go on from the checkpoint in the folder, to the same final result."""
     video: bool = False
     """Also leave a video that shows what the robot attends to and why (slower: every frame is rendered twice)."""
+    video_every: int = 1
+    """Frames of the session for one of the video: 1 is 30 a second, 2 is 15 and takes half the time."""
     checkpoint_minutes: float = 2.0
     """Simulated minutes between checkpoints: at most so much is lost by a kill."""
 
@@ -92,7 +94,7 @@ def _film(session: Session, options: RunOptions):
         return nullcontext()
     from jointattn_mj.recording.video import Film  # imports ffmpeg's wrapper, which most sessions do not need
 
-    return Film(_free_name(options.out / "video.mp4"), session)
+    return Film(_free_name(options.out / "video.mp4"), session, options.video_every)
 
 
 def _free_name(path: Path) -> Path:

@@ -188,9 +188,8 @@ class GazeFollower:
         if shift.activations is not None and shift.reached not in (None, self.face):
             centred = config.reference == "object"
             end = direction_of(percept.px[shift.reached], head) if centred else head
-            self.learner.learn(shift.activations, end - shift.start)
+            self._pair(shift, shift.activations, end - shift.start)
             self.iterations += 1
-            shift.learned = True
         elif (
             config.directions == "both"
             and shift.reached == self.face
@@ -199,9 +198,13 @@ class GazeFollower:
         ):
             activations = self.som.activations(self.perceiver.face_pattern())
             start = shift.source_direction if config.reference == "object" else shift.start
-            self.learner.learn(activations, start - head)
+            self._pair(shift, activations, start - head)
             self.iterations += config.counts == "both"
-            shift.learned = True
+
+    def _pair(self, shift: GazeShift, activations: np.ndarray, command: np.ndarray) -> None:
+        """Strengthen the connection between a face and the command that leads from it to the object."""
+        self.learner.learn(activations, command)
+        shift.learned = True
 
     def weights(self) -> dict[str, np.ndarray]:
         """All that was learned: the map of faces, the map from faces to commands, and l of eq. 6.8."""

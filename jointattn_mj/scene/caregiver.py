@@ -140,6 +140,7 @@ class ObjectTransfer:
         self.objects = np.column_stack([self._layout.fill(object_count), np.full(object_count, rest_height)])
         self.target: int | None = None
         self.held: int | None = None
+        self._taken_from = self.objects[0]
         self._gaze = np.zeros(2)
         self._hand = np.array(config.rest_place)
         self._begin(Phase.GREET)
@@ -179,7 +180,7 @@ class ObjectTransfer:
                 gaze = np.broadcast_to(self._sight(target), (frames, 2))
                 self._plan = self._planned(gaze, path_between(hand, target, frames, config.reach_arch_m))
             case Phase.LIFT:
-                self.held = self.target
+                self.held, self._taken_from = self.target, self.objects[self.target].copy()
                 path = path_between(hand, np.array(config.holding_place), frames, config.carry_arch_m)
                 self._plan = self._planned(self._sight(path), path)
             case Phase.OBSERVE:
@@ -187,9 +188,7 @@ class ObjectTransfer:
                 steady = np.broadcast_to(self._sight(np.array(config.holding_place)), (frames, 2))
                 self._plan = self._planned(self._sight(path), path, head_towards=steady)
             case Phase.PUT:
-                others = np.delete(self.objects[:, :2], self.held, axis=0)
-                place = np.append(self._layout.place(others), self._rest_height)
-                path = path_between(hand, place, frames, config.carry_arch_m)
+                path = path_between(hand, self._new_place(), frames, config.carry_arch_m)
                 self._plan = self._planned(self._sight(path), path)
             case Phase.GAZE:
                 self.held = None
@@ -197,6 +196,14 @@ class ObjectTransfer:
                 back = min(frames, round(config.withdraw_s / FRAME_S))
                 path = path_between(hand, np.array(config.rest_place), back, config.reach_arch_m)
                 self._plan = self._planned(gaze, np.vstack([path, np.broadcast_to(path[-1], (frames - back, 3))]))
+
+    def _new_place(self) -> np.ndarray:
+        """Where to put the held object, (3,): somewhere else, or back where it was if the table has no room left."""
+        others = np.delete(self.objects[:, :2], self.held, axis=0)
+        try:
+            return np.append(self._layout.place(others), self._rest_height)
+        except ConfigError:
+            return self._taken_from
 
     def _frames(self, seconds: float) -> int:
         jitter = self.config.duration_jitter

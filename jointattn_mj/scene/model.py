@@ -10,11 +10,13 @@ import colorsys
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from typing import Annotated
 
 import mujoco
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import TOP_LEVEL
 from jointattn_mj.scene import body, room
 from jointattn_mj.scene.face import FaceConfig, FaceMesh, build_face, identity
 from jointattn_mj.scene.shapes import Mesh
@@ -60,12 +62,14 @@ OBJECTS: tuple[ObjectConfig, ...] = (
 class SceneConfig:
     """What the world looks like. Everything in it changes appearance only, not how anybody behaves."""
 
-    caregiver: str = "robin"  # identity of the caregiver, a key of face.IDENTITIES
+    caregiver: Annotated[str, TOP_LEVEL] = "robin"
+    """Who she is: robin, noa, kai, amara, elin or tove."""
     face: FaceConfig | None = None  # looks of somebody else; None: those of `caregiver`
     clothing: tuple[float, float, float] = (0.40, 0.43, 0.48)  # dull, unlike any object
     objects: tuple[ObjectConfig, ...] = OBJECTS[:4]  # four objects, section 6.4.1
     object_size: float = 0.06  # m, edge or diameter: about 16 px in the picture (choice)
-    quality: str = "fast"  # "fast" for the closed loop; "high" for figures and video
+    quality: Annotated[str, TOP_LEVEL] = "fast"
+    """"fast" for the closed loop; "high" (shadows, smooth edges, fine meshes) for figures."""
 
     def __post_init__(self) -> None:
         if self.quality not in QUALITIES:

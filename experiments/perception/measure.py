@@ -1,0 +1,122 @@
+"""How well the pixel path perceives, in closed loop: the numbers that ``TruthConfig`` stands in for.
+
+    python -m experiments.perception.measure --out experiments/perception/measured.json
+"""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import tyro
+
+from jointattn_mj.recording.files import write_whole
+from jointattn_mj.scene.camera import in_picture, pixels_of_points
+from jointattn_mj.session import Session, SessionConfig
+
+RIDGE = 1e-3
+
+
+@dataclass(frozen=True)
+class Options:
+    """What to measure."""
+
+    out: Path | None = None
+    """JSON file for the result."""
+    minutes: float = 8.0
+    """Simulated minutes a session."""
+    seeds: int = 2
+    """Sessions a caregiver."""
+    caregivers: tuple[str, ...] = ("robin", "noa", "kai", "amara", "elin", "tove")
+    """Whose faces."""
+
+
+def watch_session(config: SessionConfig) -> dict[str, np.ndarray]:
+    """Live through a session and collect errors, misses, flags and face patterns of every look."""
+    session = Session(config)
+    session.begin()
+    world, robot, face = session.world, session.robot, session.robot.face
+    off, visible, seen, said, real, patterns, angles = [], [], [], [], [], [], []
+
+    def look(session: Session) -> None:
+        percept = robot.percept
+        if percept is None:
+            return
+        pixels = pixels_of_points(world.candidate_points(), np.degrees(world.head_angles()))
+        off.append(percept.px - pixels)
+        visible.append(in_picture(pixels))
+        seen.append(percept.seen.copy())
+        if robot.landed is None:
+            said.append(percept.moves.copy())
+            real.append(world.moving(config.truth.face_moves_above_deg_s, config.truth.object_moves_above_m_s))
+        if robot.attended == face and percept.seen[face] and session.frame % 3 == 0:
+            patterns.append(robot.som.activations(robot.perceiver.face_pattern()))
+            angles.append(world.face_angles_deg())
+
+    while session.frame < session.total:
+        session.step(look)
+    session.close()
+    names = ("off", "visible", "seen", "said", "real", "patterns", "angles")
+    return {name: np.array(value) for name, value in zip(names, (off, visible, seen, said, real, patterns, angles), strict=True)}
+
+
+def read_out_error(activations: np.ndarray, angles: np.ndarray) -> float:
+    """Error (deg, each axis) of the best linear read-out of head yaw and pitch, on the half it was not fitted to."""
+    half = len(angles) // 2
+    inputs = np.column_stack([activations, np.ones(len(activations))])
+    fit, test = inputs[:half], inputs[half:]
+    weights = np.linalg.solve(fit.T @ fit + RIDGE * np.eye(fit.shape[1]), fit.T @ angles[:half])
+    return float(np.sqrt(np.mean((test @ weights - angles[half:]) ** 2)))
+
+
+def pattern_noise(pixels: dict[str, np.ndarray], exact: dict[str, np.ndarray]) -> float:
+    """Noise (deg) on exact head angles with which a SOM of them would read out as badly as the one of pictures does."""
+    worse, best = (read_out_error(run["patterns"], run["angles"]) for run in (pixels, exact))
+    return float(np.sqrt(max(worse**2 - best**2, 0.0)))
+
+
+def measure(options: Options) -> dict[str, float]:
+    """The rates and standard deviations, pooled over caregivers and seeds; names are those of ``TruthConfig``."""
+    runs, noise = [], []
+    for caregiver in options.caregivers:
+        for seed in range(options.seeds):
+            config = SessionConfig(minutes=options.minutes, seed=1000 + seed)
+            scene = replace(config.world.scene, caregiver=caregiver)
+            runs.append(watch_session(replace(config, world=replace(config.world, scene=scene))))
+            exact = replace(config, perception="truth", truth=replace(config.truth, pattern_noise_deg=0.0))
+            noise.append(pattern_noise(runs[-1], watch_session(exact)))
+            print(f"{caregiver} {seed}: pattern noise {noise[-1]:.2f} deg")
+
+    def pooled(name: str) -> np.ndarray:
+        return np.concatenate([run[name] for run in runs])
+
+    def spread(errors: np.ndarray) -> float:
+        return float(np.sqrt(np.nanmean(np.square(errors - np.nanmean(errors, axis=0)))))
+
+    visible, seen, said, real = (pooled(name) for name in ("visible", "seen", "said", "real"))
+    return {
+        "face_noise_px": float(np.mean([spread(run["off"][:, -1]) for run in runs])),
+        "face_miss": 1 - float(seen[:, -1][visible[:, -1]].mean()),
+        "object_noise_px": float(np.nanmedian(np.abs(pooled("off")[:, :-1]))) * 1.4826,
+        "object_miss": 1 - float(seen[:, :-1][visible[:, :-1]].mean()),
+        "pattern_noise_deg": float(np.mean(noise)),
+        "face_motion_hit": float(said[:, -1][real[:, -1]].mean()),
+        "face_motion_false_alarm": float(said[:, -1][~real[:, -1]].mean()),
+        "object_motion_hit": float(said[:, :-1][real[:, :-1]].mean()),
+        "object_motion_false_alarm": float(said[:, :-1][~real[:, :-1]].mean()),
+        "looks": len(visible),
+        "minutes": options.minutes * len(runs),
+    }
+
+
+def main() -> None:
+    """Measure, print, and write."""
+    options = tyro.cli(Options, description=__doc__)
+    text = json.dumps({name: round(value, 4) for name, value in measure(options).items()}, indent=1) + "\n"
+    print(text)
+    if options.out is not None:
+        write_whole(options.out, lambda path: path.write_text(text))
+
+
+if __name__ == "__main__":
+    main()
