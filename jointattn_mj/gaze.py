@@ -11,6 +11,7 @@ import numpy as np
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.movement import minimum_jerk
 
+
 @dataclass(frozen=True)
 class GazeConfig:
     """How gaze shifts are commanded and carried out."""
@@ -22,12 +23,12 @@ class GazeConfig:
     """p of eq. 6.8, learning iterations."""
     gate_width: float = 22.5
     """q of eq. 6.8, learning iterations."""
-    shift_frames: int = 25
+    shift_frames: int = 26
     """Frames over which the head's reference moves; with the servo's settling a shift takes 26 to 27 frames ("about
     one second", 6.4.1)."""
     attends: Literal["nearest", "centred"] = "nearest"
     """What is attended after a shift that ended beside everything: the nearest candidate all the same, or nothing."""
-    feedback_frames: tuple[int, ...] = (16,)
+    feedback_frames: tuple[int, ...] = (17,)
     """Frames of a shift at which visual feedback looks again and corrects its aim; a carried object moves on in the
     0.8 s of a shift. Colour areas can be seen while the head turns, flow cannot. Empty: one open-loop command."""
     centre_radius_deg: float = 3.5

@@ -17,15 +17,20 @@ NEAR = 0.05  # a view that scores this much less than the best at a place may st
 
 
 @njit(cache=True, fastmath=True)
-def _read_window(gray, left, top, columns, rows, side, least_norm, region, norm):
-    """Copy the window's pixels to ``region`` and the norm of the pattern at each offset to ``norm``.
+def _read_window(gray, left, top, columns, rows, side, least_norm, region, shifted, norm):
+    """Copy the window's pixels to ``region`` and ``shifted``, and the norm of the pattern at each offset to ``norm``.
 
+    shifted: one copy for each column offset, ``side`` wide, so that the pixels under a template lie in one stretch.
     A norm below ``least_norm`` is given as infinite, so that the place scores nothing.
     """
     height, width = rows + side - 1, columns + side - 1
     for i in range(height):
         for j in range(width):
             region[i, j] = gray[top + i, left + j] - np.float32(128)
+    for j in range(columns):
+        for i in range(height):
+            for k in range(side):
+                shifted[j, i * side + k] = region[i, j + k]
     pixels = np.float32(side * side)
     total, squares = np.zeros(width, np.float32), np.zeros(width, np.float32)
     for i in range(side):
@@ -50,20 +55,16 @@ def _read_window(gray, left, top, columns, rows, side, least_norm, region, norm)
 
 
 @njit(cache=True, fastmath=True)
-def _correlate(region, norm, penalty, view, row, column):
+def _correlate(shifted, norm, penalty, view, side, row, column):
     """Normalised cross-correlation of ``view`` (zero mean, unit norm) with the region at one offset, less penalty."""
-    pixels, pattern = region.ravel(), view.ravel()
-    side, width = uintp(view.shape[1]), uintp(region.shape[1])  # unsigned: no wrap-around checks, twice as fast
-    dot = np.float32(0)
-    for i in range(side):
-        here, there = uintp(i * side), (uintp(row) + i) * width + uintp(column)
-        for j in range(side):
-            dot += pattern[here + j] * pixels[there + j]
+    pixels, start, dot = shifted[column], uintp(row * side), np.float32(0)
+    for k in range(uintp(view.size)):  # unsigned: no wrap-around checks
+        dot += view[k] * pixels[start + k]
     return dot / norm[row, column] - penalty[row, column]
 
 
 @njit(cache=True, fastmath=True)
-def _climb(region, norm, penalty, view, rows, columns, best, row, column):
+def _climb(shifted, norm, penalty, view, side, rows, columns, best, row, column):
     """The nearest peak of the correlation: best score, row, column."""
     climbing = True
     while climbing:
@@ -72,19 +73,19 @@ def _climb(region, norm, penalty, view, rows, columns, best, row, column):
         for step in range(4):
             i, j = here + (step == 0) - (step == 1), there + (step == 2) - (step == 3)
             if 0 <= i < rows and 0 <= j < columns:
-                score = _correlate(region, norm, penalty, view, i, j)
+                score = _correlate(shifted, norm, penalty, view, side, i, j)
                 if score > best:
                     best, row, column, climbing = score, i, j, True
     return best, row, column
 
 
 @njit(cache=True, fastmath=True)
-def _scan(region, norm, penalty, view, rows, columns, step):
+def _scan(shifted, norm, penalty, view, side, rows, columns, step):
     """Best score, row, column among every ``step``-th offset, the middle one included."""
     best, row, column = np.float32(-2), 0, 0
     for i in range((rows // 2) % step, rows, step):
         for j in range((columns // 2) % step, columns, step):
-            score = _correlate(region, norm, penalty, view, i, j)
+            score = _correlate(shifted, norm, penalty, view, side, i, j)
             if score > best:
                 best, row, column = score, i, j
     return best, row, column
@@ -98,40 +99,57 @@ def _vertex(before, here, after):
 
 
 @njit(cache=True, fastmath=True)
-def _match(gray, views, n, last, left, top, columns, rows, search_all_below, least_norm, region, norm, penalty, out):
-    """Best view and offset within a window of ``columns`` x ``rows`` offsets from (left, top).
+def _match(
+    gray, views, n, last, side, x, y, radius, distance_penalty, search_all_below, least_norm,
+    region, shifted, norm, penalty, out,
+):  # fmt: skip
+    """Best view with its centre within ``radius`` of (x, y); its number, or -1 where the picture has no such place.
 
-    The view that fitted last is tried on every second place, and its best climbed from. The others are tried there, and
-    those that come near climb too. All are tried on every second place if the best scores below ``search_all_below``.
-    out: score, x and y of the template's upper left corner (refined by a parabola on each axis), view.
+    The view that fitted last climbs from the place next to (x, y). The others are tried where it arrives, and those
+    that come near climb too. All are tried on every second place if the best scores below ``search_all_below``.
+    out: score, x and y of the centre (refined by a parabola on each axis).
     """
-    _read_window(gray, left, top, columns, rows, views.shape[1], least_norm, region, norm)
-    best, row, column = _scan(region, norm, penalty, views[last], rows, columns, 2)
-    best, row, column = _climb(region, norm, penalty, views[last], rows, columns, best, row, column)
+    corner_x, corner_y = x - (side - 1) / 2, y - (side - 1) / 2
+    left, top = int(np.rint(corner_x)), int(np.rint(corner_y))
+    first_x, last_x = max(left - radius, 0), min(left + radius, gray.shape[1] - side)
+    first_y, last_y = max(top - radius, 0), min(top + radius, gray.shape[0] - side)
+    columns, rows = last_x - first_x + 1, last_y - first_y + 1
+    if columns <= 0 or rows <= 0:
+        return -1
+    _read_window(gray, first_x, first_y, columns, rows, side, least_norm, region, shifted, norm)
+    for i in range(rows):
+        for j in range(columns):
+            off = (first_x + j - corner_x) ** 2 + (first_y + i - corner_y) ** 2
+            penalty[i, j] = distance_penalty * off
+    row, column = min(max(top - first_y, 0), rows - 1), min(max(left - first_x, 0), columns - 1)
+    best = _correlate(shifted, norm, penalty, views[last], side, row, column)
+    best, row, column = _climb(shifted, norm, penalty, views[last], side, rows, columns, best, row, column)
     view, row0, column0, last_score = last, row, column, best
     for k in range(n):
         if k != last:
-            score = _correlate(region, norm, penalty, views[k], row0, column0)
+            score = _correlate(shifted, norm, penalty, views[k], side, row0, column0)
             if score > last_score - NEAR:
-                score, i, j = _climb(region, norm, penalty, views[k], rows, columns, score, row0, column0)
+                score, i, j = _climb(shifted, norm, penalty, views[k], side, rows, columns, score, row0, column0)
                 if score > best:
                     best, row, column, view = score, i, j, k
     if best < search_all_below:
         for k in range(n):
-            score, i, j = _scan(region, norm, penalty, views[k], rows, columns, 2)
+            score, i, j = _scan(shifted, norm, penalty, views[k], side, rows, columns, 2)
             if score > best - NEAR:
-                score, i, j = _climb(region, norm, penalty, views[k], rows, columns, score, i, j)
+                score, i, j = _climb(shifted, norm, penalty, views[k], side, rows, columns, score, i, j)
                 if score > best:
                     best, row, column, view = score, i, j, k
-    x, y = np.float32(column), np.float32(row)
+    part_x, part_y = np.float32(0), np.float32(0)
     pattern = views[view]
     if 0 < column < columns - 1:
-        before = _correlate(region, norm, penalty, pattern, row, column - 1)
-        x += _vertex(before, best, _correlate(region, norm, penalty, pattern, row, column + 1))
+        before = _correlate(shifted, norm, penalty, pattern, side, row, column - 1)
+        part_x = _vertex(before, best, _correlate(shifted, norm, penalty, pattern, side, row, column + 1))
     if 0 < row < rows - 1:
-        before = _correlate(region, norm, penalty, pattern, row - 1, column)
-        y += _vertex(before, best, _correlate(region, norm, penalty, pattern, row + 1, column))
-    out[0], out[1], out[2], out[3] = best + penalty[row, column], left + x, top + y, view
+        before = _correlate(shifted, norm, penalty, pattern, side, row - 1, column)
+        part_y = _vertex(before, best, _correlate(shifted, norm, penalty, pattern, side, row + 1, column))
+    half = (side - 1) / 2
+    out[0], out[1], out[2] = best + penalty[row, column], first_x + column + part_x + half, first_y + row + part_y + half
+    return view
 
 
 def crop(gray: np.ndarray, x: float, y: float, side: int) -> np.ndarray:
@@ -160,21 +178,23 @@ class ViewBank:
     ):  # fmt: skip
         self.side, self.capacity, self.radius = side, capacity, radius
         self.search_all_below, self.contrast_ratio = search_all_below, contrast_ratio
-        self.forget_after, self.distance_penalty = forget_after, np.float32(distance_penalty)
+        self.forget_after, self.distance_penalty = forget_after, distance_penalty
         self.n = 0
         self._least_norm = 0.0
-        self._views = np.zeros((capacity, side, side), np.float32)
+        self._views = np.zeros((capacity, side * side), np.float32)
         self._used = np.zeros(capacity, np.int64)
         self._clock = 0
         self._last = 0
         self._region = np.zeros((side + 2 * radius, side + 2 * radius), np.float32)
+        self._shifted = np.zeros((2 * radius + 1, (side + 2 * radius) * side), np.float32)
         self._norm = np.zeros((2 * radius + 1, 2 * radius + 1), np.float32)
-        self._out = np.zeros(4, np.float64)
+        self._penalty = np.zeros((2 * radius + 1, 2 * radius + 1), np.float32)
+        self._out = np.zeros(3)
 
     @property
     def views(self) -> np.ndarray:
         """(n, side, side) float32, zero mean and unit norm: for figures."""
-        return self._views[: self.n]
+        return self._views[: self.n].reshape(-1, self.side, self.side)
 
     def add(self, gray: np.ndarray, x: float, y: float) -> bool:
         """Keep the region around (x, y) as a view. False if it is flat, or the bank full of views in use."""
@@ -190,7 +210,7 @@ class ViewBank:
                 return False
         else:
             self.n += 1
-        self._views[slot] = view
+        self._views[slot] = view.ravel()
         self._used[slot] = self._clock
         self._last = slot
         return True
@@ -206,26 +226,20 @@ class ViewBank:
         Returns:
             Score -1..1 (-1 if the window lies outside the picture) and the centre (x, y) in pixels, to a fraction.
         """
-        height, width = gray.shape
-        half = (self.side - 1) / 2
-        left, top = round(x - half), round(y - half)
-        first_x, last_x = max(left - self.radius, 0), min(left + self.radius, width - self.side)
-        first_y, last_y = max(top - self.radius, 0), min(top + self.radius, height - self.side)
-        if self.n == 0 or last_x < first_x or last_y < first_y:
+        view = -1
+        if self.n > 0:
+            view = _match(
+                gray, self._views, self.n, self._last, self.side, x, y, self.radius, self.distance_penalty,
+                self.search_all_below, self._least_norm,
+                self._region, self._shifted, self._norm, self._penalty, self._out,
+            )  # fmt: skip
+        if view < 0:
             return -1.0, float("nan"), float("nan")
-        columns, rows = last_x - first_x + 1, last_y - first_y + 1
-        off_x = np.arange(first_x, last_x + 1, dtype=np.float32) - np.float32(x - half)
-        off_y = np.arange(first_y, last_y + 1, dtype=np.float32) - np.float32(y - half)
-        penalty = self.distance_penalty * (off_y[:, None] ** 2 + off_x**2)
-        _match(
-            gray, self._views, self.n, self._last, first_x, first_y, columns, rows,
-            self.search_all_below, self._least_norm, self._region, self._norm, penalty, self._out,
-        )  # fmt: skip
-        score, corner_x, corner_y, view = self._out
         self._clock += 1
-        self._last = int(view)
-        self._used[self._last] = self._clock
-        return float(score), float(corner_x + half), float(corner_y + half)
+        self._last = view
+        self._used[view] = self._clock
+        score, found_x, found_y = self._out.tolist()
+        return score, found_x, found_y
 
     def search(self, gray: np.ndarray, count: int) -> list[tuple[float, float]]:
         """Centres (x, y) where the ``count`` views of `recent` fit best in the whole picture, at half resolution."""
@@ -236,7 +250,7 @@ class ViewBank:
         faint = square - mean * mean < (self._least_norm / self.side / 2) ** 2  # the coarse picture has less contrast
         places = []
         for index in self.recent(count):
-            small = cv2.resize(self._views[index], (side, side), interpolation=cv2.INTER_AREA)
+            small = cv2.resize(self.views[index], (side, side), interpolation=cv2.INTER_AREA)
             fit = cv2.matchTemplate(half, small, cv2.TM_CCOEFF_NORMED)
             fit[faint[: fit.shape[0], : fit.shape[1]]] = -1
             left, top = cv2.minMaxLoc(fit)[3]

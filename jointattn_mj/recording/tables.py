@@ -13,8 +13,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from jointattn_mj.recording.files import write_whole
-from jointattn_mj.robots.gaze_follower import GazeFollower, GazeShift
 from jointattn_mj.referee import Judgement, Moment
+from jointattn_mj.robots.gaze_follower import GazeFollower, GazeShift
 from jointattn_mj.scene.camera import off_centre, pixels_of_points
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
 from jointattn_mj.scene.world import World

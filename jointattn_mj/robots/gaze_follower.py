@@ -9,7 +9,7 @@ from jointattn_mj.attention import AttentionConfig, AttentionSelector
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze import GazeConfig, HeadShift, gate_probability
 from jointattn_mj.learning import LearnerConfig, make_learner
-from jointattn_mj.perception.percept import Percept, Perceiver
+from jointattn_mj.perception.percept import Perceiver, Percept
 from jointattn_mj.perception.som import SOM, SOMConfig
 from jointattn_mj.scene.camera import direction_of, off_centre
 
