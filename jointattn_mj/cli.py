@@ -79,6 +79,7 @@ def _commands() -> dict[str, Callable[..., Any]]:
 def _run_with_bar(config: SessionConfig, options: RunOptions) -> None:
     bar = tqdm(
         total=config.minutes,
+        desc="getting to know the face",
         bar_format="{l_bar}{bar}| {n:.1f}/{total:g} simulated min [{elapsed}<{remaining}{postfix}]",
         disable=None,
     )
@@ -87,6 +88,7 @@ def _run_with_bar(config: SessionConfig, options: RunOptions) -> None:
         recent = [row.success for row in session.shifts if row.face_to_object]
         last = recent[-20:]
         rate = f"success {sum(map(bool, last)) / len(last):.0%} of the last {len(last)}" if last else "no success yet"
+        bar.set_description_str("session", refresh=False)
         bar.set_postfix_str(f"{len(recent)} gaze shifts, {rate}", refresh=False)
         bar.update(session.frame / FRAMES_PER_MINUTE - bar.n)
 
@@ -96,6 +98,8 @@ def _run_with_bar(config: SessionConfig, options: RunOptions) -> None:
     except KeyboardInterrupt:
         if (options.out / "checkpoint.bin").exists():
             print(f"jointattn: stopped; the same command with --resume goes on from {options.out}", file=sys.stderr)
+        else:
+            print("jointattn: stopped before the session began; nothing was written", file=sys.stderr)
         raise
     late = summary["late_rate"]
     print(
