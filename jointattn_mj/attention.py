@@ -51,6 +51,9 @@ class AttentionConfig:
         for name in ("face_preference", "object_preference", "motion_width"):
             if not getattr(self, name) > 0:
                 raise ConfigError(f"attention.{name} must be positive; got {getattr(self, name)}")
+        for name in ("face_decay", "object_decay", "face_growth", "object_growth", "motion_gain"):
+            if not getattr(self, name) >= 0:
+                raise ConfigError(f"attention.{name} must be 0 or more; got {getattr(self, name)}")
 
 
 @numba.njit(cache=True)
@@ -60,7 +63,9 @@ def motion_saliency(motion: float, gain: float, delay: float, width: float) -> f
 
 
 @numba.njit(cache=True)
-def _advance(saliency, motion, interest, attended, moves, preference, decay, growth, toward_preference, gain, delay, width):
+def _advance(
+    saliency, motion, interest, attended, moves, preference, decay, growth, toward_preference, gain, delay, width
+):
     for i in range(saliency.size):
         motion[i] = motion[i] + 1 if moves[i] else max(motion[i] - 1, 0)  # eq. 6.3
         if i == attended:  # eq. 6.6
@@ -105,8 +110,8 @@ class AttentionSelector:
         )  # fmt: skip
 
     def draw(self, seen: np.ndarray) -> int | None:
-        """The next candidate to look at, drawn by eq. 6.7 among those in view; None when none is."""
-        if not seen.any():
-            return None
+        """The next candidate to look at, drawn by eq. 6.7 among those in view; None when none is of any interest."""
         bound = np.cumsum(np.where(seen, self.interest, 0.0))
+        if not bound[-1] > 0:
+            return None
         return int(np.searchsorted(bound, self._rng.random() * bound[-1], side="right"))

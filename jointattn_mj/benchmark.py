@@ -24,7 +24,7 @@ class BenchmarkOptions:
     """Also write the figures to this JSON file."""
 
     def __post_init__(self) -> None:
-        if self.blocks < 1 or self.seconds < 1:
+        if not (self.blocks >= 1 and 1 <= self.seconds < float("inf")):
             raise ConfigError(f"benchmark needs blocks >= 1 and seconds >= 1; got {self.blocks}, {self.seconds}")
 
 
@@ -55,7 +55,8 @@ class Benchmark:
     def text(self) -> str:
         """A table to read."""
         return "\n".join(
-            f"{name:24} {value if isinstance(value, str) else format(value, '.3g')}" for name, value in self.rows().items()
+            f"{name:24} {value if isinstance(value, str) else format(value, '.3g')}"
+            for name, value in self.rows().items()
         )
 
 

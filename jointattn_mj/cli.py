@@ -14,6 +14,7 @@ from tqdm import tqdm
 
 from jointattn_mj.benchmark import BenchmarkOptions, run_benchmark
 from jointattn_mj.errors import CheckpointError, ConfigError, JointAttnError, OutputError
+from jointattn_mj.recording.files import write_whole
 from jointattn_mj.runner import RunOptions, run_session
 from jointattn_mj.session import FRAMES_PER_MINUTE, Session, SessionConfig
 
@@ -29,6 +30,8 @@ def main(arguments: list[str] | None = None) -> None:
         _leave(str(error), BAD_USAGE)
     except JointAttnError as error:
         _leave(str(error), FAILED)
+    except MemoryError as error:
+        _leave(f"this machine has too little memory ({error}); ask for fewer minutes", FAILED)
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)
 
@@ -103,8 +106,8 @@ def _run_with_bar(config: SessionConfig, options: RunOptions) -> None:
         raise
     late = summary["late_rate"]
     print(
-        f"{summary['gaze_shifts']} gaze shifts from the face to an object, {summary['successes']} to where the caregiver "
-        f"looked ({'-' if late is None else format(late, '.0%')} over the last 6 minutes), "
+        f"{summary['gaze_shifts']} gaze shifts from the face to an object, {summary['successes']} to where "
+        f"the caregiver looked ({'-' if late is None else format(late, '.0%')} over the last 6 minutes), "
         f"in {summary['wall_seconds']:.0f} s. Results: {options.out}"
     )
 
@@ -113,4 +116,5 @@ def _benchmark(options: BenchmarkOptions) -> None:
     result = run_benchmark(options)
     print(result.text())
     if options.out is not None:
-        options.out.write_text(json.dumps(result.rows(), indent=1) + "\n")
+        text = json.dumps(result.rows(), indent=1) + "\n"
+        write_whole(options.out, lambda path: path.write_text(text))

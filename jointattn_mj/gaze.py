@@ -3,6 +3,7 @@
 Directions are pairs (pan, tilt) in degrees, as in ``scene.camera``.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -35,7 +36,7 @@ class GazeConfig:
     """An object this near to the centre of view is being gazed at: "around the center of the view" (6.3.1)."""
 
     def __post_init__(self) -> None:
-        if self.shift_frames < 1 or self.gate_width <= 0 or self.centre_radius_deg <= 0:
+        if not (self.shift_frames >= 1 and self.gate_width > 0 and self.centre_radius_deg > 0):
             raise ConfigError(
                 "gaze needs shift_frames >= 1, gate_width > 0 and centre_radius_deg > 0; got "
                 f"{self.shift_frames}, {self.gate_width}, {self.centre_radius_deg}"
@@ -43,10 +44,13 @@ class GazeConfig:
 
 
 def gate_probability(config: GazeConfig, iterations: int) -> float:
-    """Pr_g(l), eq. 6.8: the chance that the learner's command is taken after so many learning iterations."""
+    """Pr_g(l), eq. 6.8: the chance that the learner's command is taken after so many learning iterations.
+
+    1 / (1 + exp(-x)) is written as (1 + tanh(x / 2)) / 2, which never overflows.
+    """
     if config.gate != "sigmoid":
         return float(config.gate == "open")
-    return 1 / (1 + float(np.exp((config.gate_midpoint - iterations) / config.gate_width)))
+    return (1 + math.tanh((iterations - config.gate_midpoint) / (2 * config.gate_width))) / 2
 
 
 class HeadShift:
@@ -59,7 +63,7 @@ class HeadShift:
         self.frame = 0
 
     def aim(self, end: np.ndarray) -> None:
-        """Let the rest of the movement lead to ``end``, without a jump."""
+        """Let the rest of the movement lead to ``end``, without a jump; only while not all is ``commanded``."""
         self._start = self._reference(self.frame - 1) if self.frame else self._start
         self._offset = float(self._progress[self.frame - 1]) if self.frame else 0.0
         self._end = end

@@ -37,7 +37,7 @@ class LearnerConfig:
     """Standard deviation of the reference pattern about the reference command."""
 
     def __post_init__(self) -> None:
-        if not 0 < self.rate <= 1 or self.tuning_deg <= 0 or min(self.units) < 3:
+        if not (0 < self.rate <= 1 and self.tuning_deg > 0 and min(self.units) >= 3):
             raise ConfigError(
                 "learner needs 0 < rate <= 1, tuning_deg > 0 and at least 3 units an axis; got "
                 f"{self.rate}, {self.tuning_deg}, {self.units}"
@@ -126,10 +126,13 @@ class LinearLearner:
 
 def make_learner(config: LearnerConfig, inputs: int) -> Learner:
     """The learner that ``config.code`` names, for ``inputs`` SOM cells."""
-    return {"population": PopulationLearner, "linear": LinearLearner}[config.code](config, inputs)
+    return PopulationLearner(config, inputs) if config.code == "population" else LinearLearner(config, inputs)
 
 
 def _same_shape(given: np.ndarray, own: np.ndarray) -> np.ndarray:
     if given.shape != own.shape:
         raise ConfigError(f"learned weights must have shape {own.shape} under this config; got {given.shape}")
-    return np.array(given, own.dtype)
+    weights = np.array(given, own.dtype)
+    if not np.isfinite(weights).all():
+        raise ConfigError("learned weights must be finite numbers")
+    return weights

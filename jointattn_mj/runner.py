@@ -3,12 +3,12 @@
 import json
 import time
 from collections.abc import Callable
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jointattn_mj.errors import OutputError
+from jointattn_mj.errors import ConfigError, OutputError
 from jointattn_mj.recording import checkpoint, figures
 from jointattn_mj.recording.files import write_whole
 from jointattn_mj.recording.interrupts import deferred
@@ -33,6 +33,12 @@ class RunOptions:
     checkpoint_minutes: float = 2.0
     """Simulated minutes between checkpoints: at most so much is lost by a kill."""
 
+    def __post_init__(self) -> None:
+        if not 0 < self.checkpoint_minutes < float("inf"):
+            raise ConfigError(f"checkpoint_minutes must be a positive number of minutes; got {self.checkpoint_minutes}")
+        if self.video_every < 1:
+            raise ConfigError(f"video_every must be at least 1 frame; got {self.video_every}")
+
 
 def run_session(
     config: SessionConfig, options: RunOptions, progress: Callable[[Session], None] = lambda session: None
@@ -46,9 +52,12 @@ def run_session(
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
         GLError: Pictures are needed and cannot be rendered.
+        VideoError: A video is asked for and cannot be written.
     """
     out, frozen = options.out, options.out / "checkpoint.bin"
     started = time.perf_counter()
+    if options.video:
+        _check_ffmpeg()
     if options.resume:
         spent, session = checkpoint.load(frozen, config)
     else:
@@ -61,8 +70,9 @@ def run_session(
     try:
         if not options.resume:
             session.begin()
-            write_config(out / "config.yaml", config)
             freeze()
+        if not (out / "config.yaml").exists():
+            write_config(out / "config.yaml", config)
         with deferred() as interrupts, _film(session, options) as film:
             pause = max(1, round(options.checkpoint_minutes * FRAMES_PER_MINUTE))
             while session.frame < session.total:
@@ -85,14 +95,20 @@ def _claim(out: Path) -> None:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another --out") from error
-    if (out / "config.yaml").exists():
+    if any((out / name).exists() for name in ("config.yaml", "checkpoint.bin")):
         raise OutputError(f"{out} already holds a run; choose another --out, or --resume to go on with that one")
 
 
-def _film(session: Session, options: RunOptions):
+def _check_ffmpeg() -> None:
+    from jointattn_mj.recording.video import find_ffmpeg  # imports ffmpeg's wrapper, which most sessions do not need
+
+    find_ffmpeg()
+
+
+def _film(session: Session, options: RunOptions) -> AbstractContextManager[Callable[[Session], None] | None]:
     if not options.video or session.frame == session.total:
         return nullcontext()
-    from jointattn_mj.recording.video import Film  # imports ffmpeg's wrapper, which most sessions do not need
+    from jointattn_mj.recording.video import Film
 
     return Film(_free_name(options.out / "video.mp4"), session, options.video_every)
 

@@ -18,7 +18,7 @@ from jointattn_mj.recording.summary import summarise
 from jointattn_mj.recording.tables import FrameTable, ShiftRow, shift_row
 from jointattn_mj.recording.weights import read_weights
 from jointattn_mj.referee import Moment, judge
-from jointattn_mj.robots.gaze_follower import GazeFollower, RobotConfig
+from jointattn_mj.robots.gaze_follower import GazeFollower, GazeShift, RobotConfig
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.world import Observation, World, WorldConfig
 
@@ -89,13 +89,13 @@ class Session:
             self.world.step(self.robot.familiarise(self._observation, frame))
 
     def step(self, watch: Callable[["Session"], None] | None = None) -> None:
-        """One frame; ``watch`` is shown the session after the robot has perceived and decided, before anything moves."""
+        """One frame; ``watch`` is shown the session when the robot has perceived and decided, before anything moves."""
         world, robot = self.world, self.robot
         rendered, turning = world.rendered_frames, robot.shift is not None
         head = np.degrees(world.head_angles())
         command = robot.act(self._observation)
-        if robot.landed is not None:
-            self._record_landing(head)
+        if robot.landed is not None and self._launch is not None:
+            self._record_landing(robot.landed, self._launch, head)
         if robot.shift is not None and (robot.landed is not None or not turning):
             self._launch = Moment.now(world, self.frame)
         self.frames.add(world, robot, world.rendered_frames > rendered, head)
@@ -104,8 +104,8 @@ class Session:
         world.step(command)
         self.frame += 1
 
-    def _record_landing(self, head: np.ndarray) -> None:
-        shift, launch, landing = self.robot.landed, self._launch, Moment.now(self.world, self.frame)
+    def _record_landing(self, shift: GazeShift, launch: Moment, head: np.ndarray) -> None:
+        landing = Moment.now(self.world, self.frame)
         judgement = success = None
         if shift.source == self.robot.face:
             judgement = judge(launch, landing, head)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig
+from jointattn_mj.perception.gray import fill_gray
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
 from jointattn_mj.perception.objects import ColourAreas, ColourConfig
 from jointattn_mj.perception.percept import Percept
@@ -43,24 +44,30 @@ class PixelPerception:
         self.colours = ColourAreas(rgb, config.colours)
         self._motion = MotionDetector(config.motion)
         self._face_direction: np.ndarray | None = None
-        self._gray = np.empty((0, 0), np.uint8)
+        self._gray = np.zeros((0, 0), np.uint8)
         self.motion: Motion | None = None
-        candidates = len(rgb) + 1
-        self._percept = Percept(np.zeros(candidates, bool), np.full((candidates, 2), np.nan), np.zeros(candidates, bool))
+        count = len(rgb) + 1
+        self._percept = Percept(np.zeros(count, bool), np.full((count, 2), np.nan), np.zeros(count, bool))
 
     def look(self, observation: Mapping[str, np.ndarray], landed: bool) -> Percept:
         """Face, colour areas and motion of this picture; ``landed`` begins a new history of motion."""
-        head = np.degrees(observation["head_angles"])
-        self._gray, areas = self.colours.segment(observation["camera"])
-        known = self._face_direction
-        self.fix = fix = self.faces.detect(self._gray, None if known is None else tuple(pixel_of(known, head)))
+        head, picture = np.degrees(observation["head_angles"]).tolist(), observation["camera"]
+        if self._gray.shape != picture.shape[:2]:
+            self._gray = np.zeros(picture.shape[:2], np.uint8)
+        gray, known, expected = self._gray, self._face_direction, None
+        areas = self.colours.find(picture, gray)
+        if known is not None:
+            expected = tuple(pixel_of(known, head).tolist())
+            fill_gray(picture, gray, *self.faces.part(expected))
+        self.fix = fix = self.faces.detect(gray, expected, lambda: fill_gray(picture, gray, 0, 0, *gray.shape[::-1]))
         if fix.found:
-            direction = direction_of((fix.x, fix.y), head)
+            direction = direction_of(np.array([fix.x, fix.y]), head)
             self._face_direction = direction if known is None else known + MEMORY_RATE * (direction - known)
         if landed:
             self._motion.reset()
-        box = self.faces.box(fix, self._gray.shape) if fix.found else None
-        self.motion = self._motion.update(self._gray, box, areas)
+        box = self.faces.box(fix, gray.shape) if fix.found else None
+        fill_gray(picture, gray, *self._motion.face_part(box))
+        self.motion = self._motion.update(gray, box, areas)
         percept = self._percept
         percept.seen[:-1], percept.seen[-1] = areas.seen, fix.found
         percept.px[:-1], percept.px[-1] = areas.px, (fix.x, fix.y)

@@ -1,4 +1,4 @@
-"""The same ``Percept`` from the simulator's state, as well and as badly as the pixel path sees it (``perception truth``).
+"""The same ``Percept`` from the simulator's state, as well and as badly as the pixel path sees it.
 
 The only part of a robot's path that knows the world. It renders nothing and is meant for sweeps; its face pattern is
 the caregiver's head direction instead of a grey patch, and its errors are those that the pixel path was measured to
@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.percept import Percept
 from jointattn_mj.scene.camera import in_picture, pixels_of_points
 from jointattn_mj.scene.world import World
@@ -42,6 +43,13 @@ class TruthConfig:
     """Chance that a moving object is seen to move."""
     object_motion_false_alarm: float = 0.011
     """Chance that a still object is seen to move."""
+
+    def __post_init__(self) -> None:
+        chances = [name for name in vars(self) if name.endswith(("miss", "hit", "false_alarm"))]
+        for name, value in vars(self).items():
+            if not 0 <= value <= (1 if name in chances else float("inf")):
+                kind = "a chance from 0 to 1" if name in chances else "0 or more"
+                raise ConfigError(f"truth.{name} must be {kind}; got {value}")
 
 
 class TruthPerception:

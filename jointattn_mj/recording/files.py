@@ -7,7 +7,7 @@ from pathlib import Path
 from jointattn_mj.errors import OutputError
 
 
-def write_whole(path: Path, write: Callable[[Path], None]) -> None:
+def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """Let ``write`` fill a temporary file beside ``path`` and put it in place in one step.
 
     Raises:
@@ -18,6 +18,7 @@ def write_whole(path: Path, write: Callable[[Path], None]) -> None:
         write(temporary)
         os.replace(temporary, path)
     except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror or error}; free space or choose another --out") from error
+        trouble = error.strerror or error
+        raise OutputError(f"cannot write {path}: {trouble}; free space or choose another --out") from error
     finally:
         temporary.unlink(missing_ok=True)

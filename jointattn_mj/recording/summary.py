@@ -28,6 +28,7 @@ def summarise(frames: FrameTable, shifts: list[ShiftRow], minutes: float, wall_s
     success = int(sum(bool(row.success) for row in rows))
     errors = frames.face_error_px()
     errors = errors[~np.isnan(errors)]
+    face = len(frames.candidates) - 1
     map_errors = [row.map_error_deg for row in late if row.map_error_deg is not None]
     return {
         "minutes": minutes,
@@ -44,17 +45,17 @@ def summarise(frames: FrameTable, shifts: list[ShiftRow], minutes: float, wall_s
         "success_rate": _ratio(success, len(rows)),
         "late_rate": _ratio(sum(bool(row.success) for row in late), len(late)),
         "commanded_by_learner": int(sum(row.commanded_by == "learner" for row in rows)),
-        "learning_iterations": int(rows[-1].iterations) if rows else 0,
+        "learning_iterations": int(frames.column("iterations")[-1]) if frames.frames else 0,
         "motion": {
-            "face": _detection(frames, [len(frames.candidates) - 1]),
-            "objects": _detection(frames, list(range(len(frames.candidates) - 1))),
+            "face": _detection(frames, [face]),
+            "objects": _detection(frames, list(range(face))),
         },
         "face_error_px": {
             "p50": float(np.percentile(errors, 50)) if len(errors) else None,
             "p95": float(np.percentile(errors, 95)) if len(errors) else None,
             "above_8px": float(np.mean(errors > 8)) if len(errors) else None,
         },
-        "face_missed": _ratio(np.sum(frames.column("seen", len(frames.candidates) - 1) == 0), frames.column("looked").sum()),
+        "face_missed": _ratio(np.sum(frames.column("seen", face) == 0), frames.column("looked").sum()),
         "map_error_deg": {"median": float(np.median(map_errors)) if map_errors else None, "n": len(map_errors)},
     }
 

@@ -42,7 +42,7 @@ class FrameTable:
         self.frames = 0
         self._above = (*[object_above_m_s] * len(objects), face_above_deg_s)
         self._face_point = np.full((1, 3), np.nan)
-        names = [(name, None) for name in _PER_FRAME]
+        names: list[tuple[str, int | None]] = [(name, None) for name in _PER_FRAME]
         names += [(name, k) for k in range(len(objects)) for name in _PER_OBJECT]
         names += [(name, k) for name in _PER_CANDIDATE[:-2] for k in range(len(objects) + 1)]
         names += [(name, k) for k in range(len(objects) + 1) for name in _PER_CANDIDATE[-2:]]
@@ -89,7 +89,7 @@ class FrameTable:
     def face_error_px(self) -> np.ndarray:
         """Distance (frames,) of the face as seen from where it really was; NaN where it was not seen."""
         face = len(self.candidates) - 1
-        heads = zip(self.column("pan_deg"), self.column("tilt_deg"), strict=True)
+        heads = np.column_stack([self.column("pan_deg"), self.column("tilt_deg")])
         real = np.array([pixels_of_points(self._face_point, head)[0] for head in heads]).reshape(-1, 2)
         return np.hypot(self.column("x_px", face) - real[:, 0], self.column("y_px", face) - real[:, 1])
 
@@ -114,8 +114,8 @@ class FrameTable:
             else:
                 columns[label] = _typed(name, values)
         columns["face_error_px"] = _typed("face_error_px", self.face_error_px())
-        for number, candidate in enumerate(self.candidates):
-            columns[f"{candidate}_really_moves"] = pa.array(self.really_moves(number))
+        for number, name in enumerate(self.candidates):
+            columns[f"{name}_really_moves"] = pa.array(self.really_moves(number))
         return pa.table(columns)
 
     def __getstate__(self) -> dict[str, Any]:

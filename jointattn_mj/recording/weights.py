@@ -1,7 +1,8 @@
 """What a robot has learned, as one .npz of named arrays (no pickles: safe to share)."""
 
-import zipfile
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from jointattn_mj.errors import CheckpointError
 from jointattn_mj.recording.files import write_whole
 
 
-def write_weights(path: Path, weights: dict[str, np.ndarray]) -> None:
+def write_weights(path: Path, weights: Mapping[str, Any]) -> None:
     """Write named arrays, whole or not at all."""
     write_whole(path, lambda temporary: np.savez_compressed(temporary, **weights))
 
@@ -25,5 +26,5 @@ def read_weights(path: Path) -> dict[str, np.ndarray]:
             return dict(archive)
     except FileNotFoundError as error:
         raise CheckpointError(f"there are no weights at {path}; give the weights.npz of a finished session") from error
-    except (OSError, ValueError, zipfile.BadZipFile, EOFError) as error:
+    except Exception as error:  # numpy, zipfile and zlib raise a dozen kinds here
         raise CheckpointError(f"{path} is not a weights.npz of this package ({error})") from error

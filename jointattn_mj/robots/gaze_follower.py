@@ -105,21 +105,20 @@ class GazeFollower:
     def act(self, observation: Mapping[str, np.ndarray]) -> np.ndarray:
         """One frame of life: percept, attention, and a motor command."""
         self.landed = self.percept = None
-        if self._movement is not None and not (self._movement.commanded and not observation["head_moves"]):
-            return self._turn(observation)
+        shift, movement = self.shift, self._movement
+        if shift is not None and movement is not None and (observation["head_moves"] or not movement.commanded):
+            return self._turn(shift, movement, observation)
         head = np.degrees(observation["head_angles"])
-        landing = self._movement is not None
-        self.percept = percept = self.perceiver.look(observation, landing)
-        if landing:
-            self._land(percept, head)
-        else:
+        self.percept = percept = self.perceiver.look(observation, shift is not None)
+        if shift is None:
             self.attention.advance(self.attended, percept.moves)
+        else:
+            self._land(shift, percept, head)
         self._dwell += 1
         if self._dwell % self.config.attention.selection_period == 0:
             chosen = self.attention.draw(percept.seen)
             if chosen is not None and chosen != self.attended:
                 self._launch(chosen, percept, head)
-                self._held = self._movement.next_reference()
         return np.radians(self._held)
 
     def _launch(self, chosen: int, percept: Percept, head: np.ndarray) -> None:
@@ -146,11 +145,12 @@ class GazeFollower:
             source_direction=direction_of(percept.px[source], head) if source_seen else None,
         )
         self._movement = HeadShift(self._held, command, self.config.gaze.shift_frames)
+        self._held = self._movement.next_reference()
 
-    def _turn(self, observation: Mapping[str, np.ndarray]) -> np.ndarray:
+    def _turn(self, shift: GazeShift, movement: HeadShift, observation: Mapping[str, np.ndarray]) -> np.ndarray:
         """One frame of a gaze shift; visual feedback looks where its target has gone."""
-        shift, movement = self.shift, self._movement
-        if not shift.by_learner and shift.chosen != self.face and movement.frame in self.config.gaze.feedback_frames:
+        looks = movement.frame in self.config.gaze.feedback_frames and not movement.commanded
+        if looks and not shift.by_learner and shift.chosen != self.face:
             percept = self.perceiver.look(observation, landed=True)
             if percept.seen[shift.chosen]:
                 head = np.degrees(observation["head_angles"])
@@ -159,9 +159,8 @@ class GazeFollower:
         self._held = movement.next_reference()
         return np.radians(self._held)
 
-    def _land(self, percept: Percept, head: np.ndarray) -> None:
+    def _land(self, shift: GazeShift, percept: Percept, head: np.ndarray) -> None:
         """See what is at the centre of view now, and learn from the shift."""
-        shift = self.shift
         nearest, distance = self._nearest(percept, head)
         centred = distance <= self.config.gaze.centre_radius_deg
         shift.reached = nearest if centred else None
@@ -220,10 +219,15 @@ class GazeFollower:
         Raises:
             ConfigError: The arrays do not fit this robot's config.
         """
+        source = "give the weights.npz of a finished session with this config"
         try:
             arrays = {name.removeprefix("som_"): array for name, array in weights.items() if name.startswith("som_")}
-            self.som = SOM.from_arrays(arrays, self.config.som)
+            som, size = SOM.from_arrays(arrays, self.config.som), self.perceiver.pattern_size
+            if som.weights.shape[1] != size:
+                raise ConfigError(f"a map of faces of {size} numbers each is needed; got {som.weights.shape[1]}")
             self.learner.load(weights["learner"])
-            self.iterations = int(weights["iterations"])
+            self.som, self.iterations = som, int(weights["iterations"])
         except KeyError as error:
-            raise ConfigError(f"these weights lack {error}; give the weights.npz of a finished session") from error
+            raise ConfigError(f"these weights lack {error}; {source}") from error
+        except (ValueError, TypeError, IndexError) as error:
+            raise ConfigError(f"these weights do not fit ({error}); {source}") from error

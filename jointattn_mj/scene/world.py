@@ -4,7 +4,7 @@ Knows MuJoCo and no environment API: the session steps a ``World`` directly, and
 ``World`` over its own physics.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -196,7 +196,7 @@ class Observation(Mapping[str, np.ndarray]):
     Keys: ``camera`` uint8 (240, 320, 3); ``head_angles`` (2,) pan and tilt, rad; ``head_moves`` bool.
     """
 
-    _READ: ClassVar = {
+    _READ: ClassVar[dict[str, Callable[[World], Any]]] = {
         "camera": World.picture,
         "head_angles": World.head_angles,
         "head_moves": World.head_moves,
