@@ -12,6 +12,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from jointattn_mj.recording.columns import FRAME, SHIFT, described
 from jointattn_mj.recording.files import write_whole
 from jointattn_mj.referee import Judgement, Moment
 from jointattn_mj.robots.gaze_follower import GazeFollower, GazeShift
@@ -116,7 +117,7 @@ class FrameTable:
         columns["face_error_px"] = _typed("face_error_px", self.face_error_px())
         for number, name in enumerate(self.candidates):
             columns[f"{name}_really_moves"] = pa.array(self.really_moves(number))
-        return pa.table(columns)
+        return described(pa.table(columns), FRAME, self.candidates)
 
     def __getstate__(self) -> dict[str, Any]:
         """Only the rows that are filled."""
@@ -131,7 +132,7 @@ class FrameTable:
 
 @dataclass(frozen=True)
 class ShiftRow:
-    """One gaze shift. Angles in degrees; times in seconds of the session; None where a column does not apply."""
+    """One gaze shift; ``columns.SHIFT`` says what each column means. None where a column does not apply."""
 
     launch_s: float
     landing_s: float
@@ -153,17 +154,14 @@ class ShiftRow:
     iterations: int
     face_to_object: bool
     nearest: str | None
-    """Object nearest to the centre of view after landing; this and all below only for face-to-object shifts."""
     nearest_off_deg: float | None
     on_nothing: bool | None
     success_at_launch: bool | None
     success_at_landing: bool | None
     success: bool | None
     pan_error_deg: float | None
-    """Landing minus the caregiver's target at launch, pan alone (infants follow horizontal displacement first)."""
     tilt_error_deg: float | None
     map_error_deg: float | None
-    """Angle between the learner's suggestion at launch and the caregiver's target then, whoever commanded."""
 
 
 def shift_row(
@@ -228,7 +226,7 @@ def shift_table(rows: list[ShiftRow]) -> pa.Table:
         pa.field(name, kinds[str(getattr(kind, "__name__", kind)).split(" ")[0]])
         for name, kind in ShiftRow.__annotations__.items()
     ]
-    return pa.Table.from_pylist([vars(row) for row in rows], schema=pa.schema(fields))
+    return described(pa.Table.from_pylist([vars(row) for row in rows], schema=pa.schema(fields)), SHIFT)
 
 
 def _named(values: np.ndarray, names: tuple[str, ...]) -> pa.Array:
