@@ -1,0 +1,81 @@
+"""Where objects lie in turn taking: anywhere on the table, within the robot's first view, or outside it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.scene.layout import LayoutConfig
+
+Rectangle = tuple[float, float, float, float]  # x from, x to, y from, y to; world frame, metres
+
+IN_VIEW: tuple[Rectangle, ...] = ((*LayoutConfig.x_range, *LayoutConfig.y_range),)
+"""The part of the table that chapter 6 uses; all of it is seen while the robot looks at the face."""
+OUTSIDE: tuple[Rectangle, ...] = ((0.50, 0.70, 0.43, 0.55), (0.50, 0.70, -0.55, -0.43))
+"""The table's corners at the robot: more than 31 degrees to either side, beyond the picture's edge."""
+TABLE: tuple[Rectangle, ...] = ((0.50, 1.12, -0.55, 0.55),)
+"""Both, and what lies between; near the robot it is also below the first view."""
+REGIONS = {"in_view": IN_VIEW, "outside": OUTSIDE, "table": TABLE}
+
+TRIES = 300
+"""Draws for one object after which its table is begun anew."""
+
+
+@dataclass(frozen=True)
+class TableConfig:
+    """What lies on the table."""
+
+    objects: int = 5
+    """How many objects."""
+    region: Literal["table", "in_view", "outside"] = "table"
+    """Where they may lie; ``table`` mixes places in view and outside."""
+    spacing: float = 0.13
+    """Least distance between two, metres, as in ``scene.layout``."""
+
+    def __post_init__(self) -> None:
+        if self.objects < 1 or self.spacing < 0:
+            raise ConfigError(f"a table needs objects >= 1 and spacing >= 0; got {self.objects}, {self.spacing}")
+
+
+def draw_places(region: tuple[Rectangle, ...], count: int, rng: np.random.Generator) -> np.ndarray:
+    """(count, 2) places, uniform over the rectangles together."""
+    corners = np.array(region)
+    size = corners[:, 1::2] - corners[:, ::2]
+    which = rng.choice(len(corners), size=count, p=size.prod(axis=1) / size.prod(axis=1).sum())
+    return corners[which, ::2] + size[which] * rng.random((count, 2))
+
+
+def draw_tables(config: TableConfig, count: int, rng: np.random.Generator) -> np.ndarray:
+    """(count, objects, 2) places, each table's at least ``spacing`` apart.
+
+    Raises:
+        ConfigError: So many objects do not fit.
+    """
+    region = REGIONS[config.region]
+    tables = np.full((count, config.objects, 2), np.nan)
+    for _ in range(TRIES):
+        begun = np.flatnonzero(np.isnan(tables).any(axis=(1, 2)))
+        if not len(begun):
+            return tables
+        tables[begun] = _fill(config, region, len(begun), rng)
+    raise ConfigError(f"no room for {config.objects} objects {config.spacing} m apart in the region {config.region!r}")
+
+
+def _fill(config: TableConfig, region: tuple[Rectangle, ...], count: int, rng: np.random.Generator) -> np.ndarray:
+    """One go at ``count`` tables, object by object; those that got full stay NaN."""
+    tables = np.full((count, config.objects, 2), np.nan)
+    todo = np.arange(count)
+    for i in range(config.objects):
+        waiting = todo
+        for _ in range(TRIES):
+            places = draw_places(region, len(waiting), rng)
+            apart = np.linalg.norm(tables[waiting, :i] - places[:, None], axis=2)
+            free = (apart >= config.spacing).all(axis=1)
+            tables[waiting[free], i] = places[free]
+            waiting = waiting[~free]
+            if not len(waiting):
+                break
+        tables[waiting] = np.nan
+        todo = np.setdiff1d(todo, waiting, assume_unique=True)
+    return tables
