@@ -66,7 +66,8 @@ def test_the_face_region_stays_through_a_fixation():
     detector.reset()
     detector.update(texture(), (100, 60, 132, 92), NOTHING)
     assert (detector.update(texture(), (100, 60, 132, 92), NOTHING).blocks == first).all()
-    found_elsewhere = detector.update(texture(), (200, 60, 232, 92), NOTHING).blocks
+    for _ in range(3):
+        found_elsewhere = detector.update(texture(), (200, 60, 232, 92), NOTHING).blocks
     assert found_elsewhere[:, 0].min() > 190
 
 

@@ -10,6 +10,7 @@ When no view fits near the expected place, the whole picture is searched. A good
 where the robot expects the face is taken for a pose not seen before; else no face is reported.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
@@ -20,6 +21,7 @@ import numpy as np
 from jointattn_mj.perception.views import ViewBank, crop
 
 PATCH_SIDE = 32  # "a 32x32 pixel face-like region is extracted", section 6.4.1
+PATCH_MARGIN = 4  # pixels around it that its blur reads
 
 
 @dataclass(frozen=True)
@@ -114,14 +116,28 @@ class FaceDetector:
         self._until_haar = 0
         self._until_search = 0
 
-    def detect(self, gray: np.ndarray, expected_px: tuple[float, float] | None = None) -> FaceFix:
+    def part(self, expected_px: tuple[float, float]) -> tuple[int, int, int, int]:
+        """x0, y0, x1, y1 of what `detect` and `patch` read while the face is about where it is expected."""
+        x, y = round(expected_px[0]), round(expected_px[1])
+        reach = self.config.side_px // 2 + self.config.search_radius_px + PATCH_MARGIN + 2
+        return x - reach, y - reach, x + reach, y + reach
+
+    def detect(
+        self,
+        gray: np.ndarray,
+        expected_px: tuple[float, float] | None = None,
+        complete: Callable[[], None] = lambda: None,
+    ) -> FaceFix:
         """Find the face in a picture (h, w) uint8.
 
         Args:
             gray: The picture.
             expected_px: (x, y) where the face's centre should be, from the robot's slow memory of its direction in the
                 world; None if it has none, then the detector's own memory of the last pictures serves.
+            complete: Called to fill in all of ``gray`` when more than `part` of it is to be read.
         """
+        if self.bank.n == 0 or expected_px is None:
+            complete()
         if self.bank.n == 0:
             return self._first_sight(gray)
         config = self.config
@@ -134,6 +150,7 @@ class FaceDetector:
             self._until_search -= 1
         else:
             self._until_search = config.redetect_every - 1
+            complete()
             elsewhere = self._search_everywhere(gray)
             if elsewhere is not None:
                 (score, x, y), near = elsewhere, False
@@ -166,10 +183,9 @@ class FaceDetector:
         """The face pattern f_v: (32, 32) float32 grey values 0..255 around ``fix``."""
         side = self.config.side_px
         if self.config.patch_blur_px > 0:
-            margin = 4
-            wide = crop(gray, fix.x, fix.y, side + 2 * margin)
+            wide = crop(gray, fix.x, fix.y, side + 2 * PATCH_MARGIN)
             wide = cv2.GaussianBlur(wide, (0, 0), self.config.patch_blur_px)
-            face = wide[margin:-margin, margin:-margin]
+            face = wide[PATCH_MARGIN:-PATCH_MARGIN, PATCH_MARGIN:-PATCH_MARGIN]
         else:
             face = crop(gray, fix.x, fix.y, side)
         if side != PATCH_SIDE:

@@ -27,8 +27,8 @@ def _difference(now, before, y, x, dy, dx):
 
 
 @njit(cache=True)
-def _inside(y, x, height, width):
-    return 0 <= y <= height - BLOCK and 0 <= x <= width - BLOCK
+def _inside(y, x, part):
+    return part[1] <= y <= part[3] - BLOCK and part[0] <= x <= part[2] - BLOCK
 
 
 @njit(cache=True)
@@ -41,10 +41,9 @@ def _fraction(before, here, after, floor):
 
 
 @njit(cache=True)
-def _block_flow(now, before, y, x, start_y, start_x, reach, floor, out):
+def _block_flow(now, before, part, y, x, start_y, start_x, reach, floor, out):
     """Displacement (x, y) of one block by descent from a start. False if the block has no texture."""
-    height, width = now.shape
-    if not _inside(y - start_y, x - start_x, height, width):
+    if not _inside(y - start_y, x - start_x, part):
         start_y, start_x = 0, 0
     dy, dx = start_y, start_x
     here = _difference(now, before, y, x, dy, dx)
@@ -55,7 +54,7 @@ def _block_flow(now, before, y, x, start_y, start_x, reach, floor, out):
             next_y = dy + (side == 0) - (side == 1)
             next_x = dx + (side == 2) - (side == 3)
             off_y, off_x = abs(next_y - start_y), abs(next_x - start_x)
-            if not _inside(y - next_y, x - next_x, height, width) or max(off_y, off_x) > reach:
+            if not _inside(y - next_y, x - next_x, part) or max(off_y, off_x) > reach:
                 return False
             around[side] = _difference(now, before, y, x, next_y, next_x)
             if around[side] < best:
@@ -65,7 +64,7 @@ def _block_flow(now, before, y, x, start_y, start_x, reach, floor, out):
         dy += (step == 0) - (step == 1)
         dx += (step == 2) - (step == 3)
         here = best
-    if not (_inside(y - 1, x - 1, height, width) and _inside(y + 1, x + 1, height, width)):
+    if not (_inside(y - 1, x - 1, part) and _inside(y + 1, x + 1, part)):
         return False
     for side in range(4):  # and the other way round: the old block, moved by the same difference, in the new picture
         off_y = (side == 0) - (side == 1)
@@ -81,13 +80,19 @@ def _block_flow(now, before, y, x, start_y, start_x, reach, floor, out):
 
 
 @njit(cache=True)
-def region_flow(now, before, box, step, margin, start_y, start_x, reach, floor, owner, count, blocks, flow, owners):
-    """Flow of the textured blocks of one region, appended to the arrays. Returns the new count."""
-    height, width = now.shape
-    y1, x1 = min(box[3] + margin, height), min(box[2] + margin, width)  # a negative margin leaves a rim out
-    for y in range(max(box[1] - margin, 0), y1 - BLOCK + 1, step):
-        for x in range(max(box[0] - margin, 0), x1 - BLOCK + 1, step):
-            if count < len(blocks) and _block_flow(now, before, y, x, start_y, start_x, reach, floor, flow[count]):
+def region_flow(
+    now, before, part, box, step, margin, start_y, start_x, reach, floor, owner, count, blocks, flow, owners
+):
+    """Flow of the textured blocks of one region, appended to the arrays. Returns the new count.
+
+    part: x0, y0, x1, y1 (the last two exclusive) of what may be read of both pictures.
+    """
+    y1, x1 = min(box[3] + margin, part[3]), min(box[2] + margin, part[2])  # a negative margin leaves a rim out
+    for y in range(max(box[1] - margin, part[1]), y1 - BLOCK + 1, step):
+        for x in range(max(box[0] - margin, part[0]), x1 - BLOCK + 1, step):
+            if count == len(blocks):
+                return count
+            if _block_flow(now, before, part, y, x, start_y, start_x, reach, floor, flow[count]):
                 blocks[count, 0], blocks[count, 1] = x + (BLOCK - 1) / 2, y + (BLOCK - 1) / 2
                 owners[count] = owner
                 count += 1

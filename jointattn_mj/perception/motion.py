@@ -16,7 +16,7 @@ that passes before it pulls the centroid, but takes pixels on one side without a
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
+from numba import njit, uintp
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.flow import BLOCK, region_flow
@@ -121,41 +121,85 @@ def _mean_length(flow, start, count):
 
 
 @njit(cache=True)
+def _keep(gray, corner, side, face_part, picture, parts):
+    """Copy to ``picture`` what will be read of ``gray``, each object's window and the face's; ``parts`` says where."""
+    height, width = gray.shape
+    values, kept = gray.ravel(), picture.ravel()
+    n = len(corner)
+    for k in range(n + 1):
+        x0, y0, x1, y1 = face_part if k == n else (corner[k, 0], corner[k, 1], corner[k, 0] + side, corner[k, 1] + side)
+        x0, y0, x1, y1 = max(x0, 0), max(y0, 0), min(x1, width), min(y1, height)
+        parts[k, 0], parts[k, 1], parts[k, 2], parts[k, 3] = x0, y0, x1, y1
+        for y in range(y0, y1):
+            start = uintp(y * width + x0)
+            for at in range(start, start + uintp(max(x1 - x0, 0))):
+                kept[at] = values[at]
+
+
+@njit(cache=True)
+def _common(part, other, out):
+    """The rectangle that two have in common."""
+    out[0], out[1] = max(part[0], other[0]), max(part[1], other[1])
+    out[2], out[3] = min(part[2], other[2]), min(part[3], other[3])
+
+
+@njit(cache=True)
 def _measure_all(
-    now, before, face_box, has_face, inset, seen, px, box, mask, corner, seen_before, px_before, box_before,
-    mask_before, corner_before, step, margin, reach, floor, refit_ratio, blocks, flow, owners, strength,
+    now, before, parts, parts_before, face_box, inset, seen, px, box, mask, corner,
+    seen_before, px_before, box_before, mask_before, corner_before,
+    step, margin, reach, floor, least, refit_ratio, blocks, flow, owners, strength,
 ):  # fmt: skip
-    """Flow of every candidate's blocks, and its strength of motion, pixels (face last). Returns their number."""
+    """Flow of the blocks of the face and of objects that may have moved, and each one's strength of motion, pixels.
+
+    parts: (n + 1, 4) x0, y0, x1, y1 of what was kept of either picture, face last. An object whose centroid has not
+    moved by ``least`` has no flow. Returns the number of blocks.
+    """
     n, count = len(seen), 0
+    part = np.empty(4, parts.dtype)
     for k in range(n):
         strength[k] = 0.0
         if seen[k] and seen_before[k]:
             x, y = px[k, 0] - px_before[k, 0], px[k, 1] - px_before[k, 1]
-            start, start_x, start_y = count, np.int64(np.rint(x)), np.int64(np.rint(y))
-            count = region_flow(
-                now, before, box[k], step, margin, start_y, start_x, reach, floor, k, count, blocks, flow, owners
-            )
-            if _moved_as_one(
+            if np.hypot(x, y) > least and _moved_as_one(
                 mask[k], corner[k], box[k], mask_before[k], corner_before[k], box_before[k], x, y, refit_ratio
             ):
+                start, start_x, start_y = count, np.int64(np.rint(x)), np.int64(np.rint(y))
+                _common(parts[k], parts_before[k], part)
+                count = region_flow(
+                    now, before, part, box[k], step, margin, start_y, start_x, reach, floor, k,
+                    count, blocks, flow, owners,
+                )  # fmt: skip
                 strength[k] = min(np.hypot(x, y), _mean_length(flow, start, count))
-    strength[n] = 0.0
-    if has_face:
-        start = count
-        count = region_flow(now, before, face_box, step, -inset, 0, 0, reach, floor, n, count, blocks, flow, owners)
-        strength[n] = _mean_length(flow, start, count)
+    start = count
+    _common(parts[n], parts_before[n], part)
+    count = region_flow(now, before, part, face_box, step, -inset, 0, 0, reach, floor, n, count, blocks, flow, owners)
+    strength[n] = _mean_length(flow, start, count)
     return count
 
 
+@njit(cache=True)
+def _raise_flags(strength, face_px, object_px, stay_ratio, linger, on, left):
+    """Thresholds with hysteresis: eq. 6.3's |f_i| > epsilon_i."""
+    for i in range(len(on)):
+        threshold = face_px if i == len(on) - 1 else object_px
+        if strength[i] > (stay_ratio * threshold if on[i] else threshold):
+            on[i], left[i] = True, linger
+        elif left[i] > 0:
+            left[i] -= 1
+        else:
+            on[i] = False
+
+
 class MotionDetector:
-    """Tells who moves. Holds the last few pictures and areas: it can be pickled."""
+    """Tells who moves. Holds what it needs of the last few pictures: it can be pickled."""
 
     def __init__(self, config: MotionConfig | None = None):
         self.config = config or MotionConfig()
         self._blocks = np.zeros((MAX_BLOCKS, 2))
         self._flow = np.zeros((MAX_BLOCKS, 2))
         self._owners = np.zeros(MAX_BLOCKS, np.int64)
-        self._pictures: list[np.ndarray] = []
+        self._pictures: list[np.ndarray] = []  # grey, valid in ``_parts``
+        self._parts: list[np.ndarray] = []  # (n + 1, 4)
         self._areas: list[Areas] = []
         self._on = np.zeros(0, bool)
         self._left = np.zeros(0, int)
@@ -167,8 +211,24 @@ class MotionDetector:
         """Forget all pictures: the head has moved, and a fixation begins (section 6.3.2: no flow while it turns)."""
         self._count = 0
         self._has_box = False
+        self._box[:] = 0
         self._on[:] = False
         self._left[:] = 0
+
+    def face_part(self, face_box: tuple[int, int, int, int] | None) -> tuple[int, int, int, int]:
+        """x0, y0, x1, y1 of what `update` will read for the face; it reads the objects in the windows of their masks.
+
+        Args:
+            face_box: As for `update`.
+        """
+        if face_box is not None:
+            shift = max(abs(self._box[0] - face_box[0]), abs(self._box[1] - face_box[1]))
+            if not self._has_box or shift > (face_box[2] - face_box[0]) / 2:
+                self._box[:] = face_box
+                self._has_box = True
+        x0, y0, x1, y1 = self._box.tolist()
+        rim = self.config.reach_px + 1 - self.config.face_inset_px
+        return x0 - rim, y0 - rim, x1 + rim, y1 + rim
 
     def update(self, gray: np.ndarray, face_box: tuple[int, int, int, int] | None, areas: Areas) -> Motion:
         """What moves, from one more picture of this fixation.
@@ -185,20 +245,24 @@ class MotionDetector:
         config, n = self.config, len(areas.seen)
         if len(self._areas) == 0 or self._pictures[0].shape != gray.shape or len(self._on) != n + 1:
             self._allocate(gray.shape, areas)
-        self._fix_box(face_box)
         slots = config.frames_back + 1
         now = self._count % slots
-        np.copyto(self._pictures[now], gray)
+        part = self.face_part(face_box)
+        _keep(gray, areas.corner, areas.mask.shape[1], part, self._pictures[now], self._parts[now])
         areas.copy_to(self._areas[now])
         back = min(self._count, config.frames_back)
         blocks = 0
         if back > 0:
             before = (self._count - back) % slots
-            blocks = self._measure(self._pictures[before], gray, self._areas[before], areas)
             scale = config.frames_back / back
-            self._strength *= scale
-            self._flow[:blocks] *= scale
-            self._raise_flags()
+            blocks = self._measure(now, before, min(config.stay_ratio, 1.0) * config.object_px / scale)
+            if scale != 1:
+                self._strength *= scale
+                self._flow[:blocks] *= scale
+            _raise_flags(
+                self._strength, config.face_px, config.object_px, config.stay_ratio, config.linger_frames,
+                self._on, self._left,
+            )  # fmt: skip
         self._count += 1
         return Motion(
             bool(self._on[n]), self._on[:n], self._blocks[:blocks], self._flow[:blocks], self._owners[:blocks]
@@ -207,37 +271,18 @@ class MotionDetector:
     def _allocate(self, shape: tuple[int, ...], areas: Areas) -> None:
         slots, n = self.config.frames_back + 1, len(areas.seen)
         self._pictures = [np.zeros(shape, np.uint8) for _ in range(slots)]
+        self._parts = [np.zeros((n + 1, 4), np.int32) for _ in range(slots)]
         self._areas = [Areas.empty(n, areas.mask.shape[1] // 2) for _ in range(slots)]
         self._on, self._left, self._strength = np.zeros(n + 1, bool), np.zeros(n + 1, int), np.zeros(n + 1)
         self.reset()
 
-    def _fix_box(self, face_box: tuple[int, int, int, int] | None) -> None:
-        if face_box is None:
-            return
-        shift = max(abs(self._box[0] - face_box[0]), abs(self._box[1] - face_box[1]))
-        if not self._has_box or shift > (face_box[2] - face_box[0]) / 2:
-            self._box[:] = face_box
-            self._has_box = True
-
-    def _measure(self, before: np.ndarray, now: np.ndarray, old: Areas, new: Areas) -> int:
+    def _measure(self, now: int, before: int, least: float) -> int:
         """Fill in the flow and each candidate's strength of motion, pixels; the number of blocks."""
-        config = self.config
+        config, new, old = self.config, self._areas[now], self._areas[before]
         return _measure_all(
-            now, before, self._box, self._has_box, config.face_inset_px,
+            self._pictures[now], self._pictures[before], self._parts[now], self._parts[before],
+            self._box, config.face_inset_px,
             new.seen, new.px, new.box, new.mask, new.corner, old.seen, old.px, old.box, old.mask, old.corner,
-            config.step_px, config.object_margin_px, config.reach_px, config.texture * BLOCK * BLOCK * 2,
+            config.step_px, config.object_margin_px, config.reach_px, config.texture * BLOCK * BLOCK * 2, least,
             config.refit_ratio, self._blocks, self._flow, self._owners, self._strength,
         )  # fmt: skip
-
-    def _raise_flags(self) -> None:
-        """Thresholds with hysteresis: eq. 6.3's |f_i| > epsilon_i."""
-        config = self.config
-        last = len(self._on) - 1
-        for i, strength in enumerate(self._strength):
-            threshold = config.face_px if i == last else config.object_px
-            if strength > (config.stay_ratio * threshold if self._on[i] else threshold):
-                self._on[i], self._left[i] = True, config.linger_frames
-            elif self._left[i] > 0:
-                self._left[i] -= 1
-            else:
-                self._on[i] = False

@@ -147,8 +147,8 @@ def _match(
     if 0 < row < rows - 1:
         before = _correlate(shifted, norm, penalty, pattern, side, row - 1, column)
         part_y = _vertex(before, best, _correlate(shifted, norm, penalty, pattern, side, row + 1, column))
-    half = (side - 1) / 2
-    out[0], out[1], out[2] = best + penalty[row, column], first_x + column + part_x + half, first_y + row + part_y + half
+    out[0] = best + penalty[row, column]
+    out[1], out[2] = first_x + column + part_x + (side - 1) / 2, first_y + row + part_y + (side - 1) / 2
     return view
 
 
