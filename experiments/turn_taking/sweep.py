@@ -107,7 +107,8 @@ def live_one(setting: Setting, faces: FaceBank, strange: FaceBank, seed: int) ->
     results = counts(live(robot, situations, known, setting.attempts, attempts), BINS)
     robot.config = replace(setting.robot, gate="open")
     for name, inputs in (("known", known), ("new", new)):
-        test = live(robot, _situations(setting, setting.tests, inputs, after), inputs, setting.tests, after, learning=False)
+        situations = _situations(setting, setting.tests, inputs, after)
+        test = live(robot, situations, inputs, setting.tests, after, learning=False)
         results |= {f"test_{name}_{key}": value for key, value in counts(test, 1).items()}
     return results
 

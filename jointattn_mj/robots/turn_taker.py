@@ -38,7 +38,7 @@ class TurnTakerConfig:
     first_weight: float = 0.1
     """Standard deviation of all other first weights."""
     gain: float = 0.7
-    """g: share of the way that one step goes, for either command. .5 and .3 work too and take more steps; a slow approach
+    """g: share of the way that one step goes, for either command. .5 and .3 work too and take more steps; a slow one
     passes, and stops at, more objects on its way."""
     steps: int = 12
     """Movements that one attempt may take; with g = .7 most take two or three."""
