@@ -166,15 +166,14 @@ class ObjectTransfer:
         config, hand = self.config, self._hand
         self.phase = phase
         frames = self._frames(getattr(config, f"{phase}_s"))
-        still = np.broadcast_to(hand, (frames, 3))
         match phase:
             case Phase.GREET:
-                self._plan = self._planned(np.zeros((frames, 2)), still)
+                self._plan = self._planned(np.zeros((frames, 2)), hand[None])
             case Phase.TURN:
                 others = [i for i in range(len(self.objects)) if i != self.target or len(self.objects) == 1]
                 self.target = int(self._rng.choice(others))
                 aim = self._sight(self.objects[self.target])
-                self._plan = self._planned(path_between(self._gaze, aim, frames), still)
+                self._plan = self._planned(path_between(self._gaze, aim, frames), hand[None])
             case Phase.REACH:
                 target = self.objects[self.target]
                 gaze = np.broadcast_to(self._sight(target), (frames, 2))
@@ -195,7 +194,7 @@ class ObjectTransfer:
                 gaze = np.broadcast_to(self._gaze, (frames, 2))
                 back = min(frames, round(config.withdraw_s / FRAME_S))
                 path = path_between(hand, np.array(config.rest_place), back, config.reach_arch_m)
-                self._plan = self._planned(gaze, np.vstack([path, np.broadcast_to(path[-1], (frames - back, 3))]))
+                self._plan = self._planned(gaze, path)
 
     def _new_place(self) -> np.ndarray:
         """Where to put the held object, (3,): somewhere else, or back where it was if the table has no room left."""
@@ -233,8 +232,10 @@ class ObjectTransfer:
         return config.wobble_m * swell[:, None] * np.column_stack([0 * time, np.sin(phase), 0.5 * np.sin(2 * phase)])
 
     def _planned(self, gaze: np.ndarray, grasp: np.ndarray, head_towards: np.ndarray | None = None) -> Plan:
+        """The plan for a gaze (T, 2) and a way of the hand (up to T, 3); the hand stays where its way ends."""
+        on_way = np.minimum(np.arange(len(gaze)), len(grasp) - 1)
         head = self.config.head_share * (gaze if head_towards is None else head_towards)
         arm = self._arm.reach(self._own(grasp), self._elbow(grasp[:, 2]))
         eyes = gaze - head
-        joints = np.concatenate([head, eyes, eyes, arm], axis=1)
-        return Plan(gaze=gaze, head=head, grasp=grasp, joints=joints)
+        joints = np.concatenate([head, eyes, eyes, arm[on_way]], axis=1)
+        return Plan(gaze=gaze, head=head, grasp=grasp[on_way], joints=joints)

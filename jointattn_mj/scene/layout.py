@@ -6,7 +6,8 @@ import numpy as np
 
 from jointattn_mj.errors import ConfigError
 
-TRIES = 2000  # random places looked at for one object
+DRAWS = 100  # random places drawn at a time; the first are enough on any but a crowded table
+TRIES = 20  # such draws for one object
 FILLS = 20  # tables begun anew before giving up
 
 
@@ -55,9 +56,15 @@ class Layout:
         return self._least_used(free)
 
     def _free(self, others: np.ndarray) -> np.ndarray:
-        draws = self._low + self._size * self._rng.random((TRIES, 2))
-        apart = np.linalg.norm(draws[:, None] - np.reshape(others, (1, -1, 2)), axis=2)
-        return draws[np.all(apart >= self.config.spacing, axis=1)][: self.config.evenness]
+        """Up to ``evenness`` random places (m, 2) that are far enough from ``others`` (k, 2)."""
+        found = np.empty((0, 2))
+        for _ in range(TRIES):
+            draws = self._low + self._size * self._rng.random((DRAWS, 2))
+            apart = np.linalg.norm(draws[:, None] - np.reshape(others, (1, -1, 2)), axis=2)
+            found = np.vstack([found, draws[np.all(apart >= self.config.spacing, axis=1)]])
+            if len(found) >= self.config.evenness:
+                break
+        return found[: self.config.evenness]
 
     def _least_used(self, free: np.ndarray) -> np.ndarray:
         cells = ((free - self._low) / self._size * self.config.cells).astype(int)
