@@ -10,11 +10,13 @@ from pathlib import Path
 import numpy as np
 import tyro
 
+from jointattn_mj.perception.som import standardised
 from jointattn_mj.recording.files import write_whole
 from jointattn_mj.scene.camera import in_picture, pixels_of_points
 from jointattn_mj.session import Session, SessionConfig
 
-RIDGE = 1e-3
+NEIGHBOURS = 5
+"""Patterns that a read-out averages over."""
 
 
 @dataclass(frozen=True)
@@ -50,29 +52,33 @@ def watch_session(config: SessionConfig) -> dict[str, np.ndarray]:
             said.append(percept.moves.copy())
             real.append(world.moving(config.truth.face_moves_above_deg_s, config.truth.object_moves_above_m_s))
         if robot.attended == face and percept.seen[face] and session.frame % 3 == 0:
-            patterns.append(robot.som.activations(robot.perceiver.face_pattern()))
+            patterns.append(standardised(robot.perceiver.face_pattern()))
             angles.append(world.face_angles_deg())
 
     while session.frame < session.total:
         session.step(look)
     session.close()
-    names = ("off", "visible", "seen", "said", "real", "patterns", "angles")
-    return {name: np.array(value) for name, value in zip(names, (off, visible, seen, said, real, patterns, angles), strict=True)}
+    lists = {"off": off, "visible": visible, "seen": seen, "said": said, "real": real, "patterns": patterns, "angles": angles}
+    return {name: np.array(values) for name, values in lists.items()}
 
 
-def read_out_error(activations: np.ndarray, angles: np.ndarray) -> float:
-    """Error (deg, each axis) of the best linear read-out of head yaw and pitch, on the half it was not fitted to."""
+def read_out_error(patterns: np.ndarray, angles: np.ndarray) -> float:
+    """Error (deg, each axis) of head yaw and pitch read off the ``NEIGHBOURS`` most similar patterns of the first half,
+    for the patterns of the second."""
     half = len(angles) // 2
-    inputs = np.column_stack([activations, np.ones(len(activations))])
-    fit, test = inputs[:half], inputs[half:]
-    weights = np.linalg.solve(fit.T @ fit + RIDGE * np.eye(fit.shape[1]), fit.T @ angles[:half])
-    return float(np.sqrt(np.mean((test @ weights - angles[half:]) ** 2)))
+    known, test = patterns[:half], patterns[half:]
+    apart = np.square(known).sum(axis=1) - 2 * test @ known.T
+    nearest = np.argsort(apart, axis=1)[:, :NEIGHBOURS]
+    return float(np.sqrt(np.mean((angles[nearest].mean(axis=1) - angles[half:]) ** 2)))
 
 
 def pattern_noise(pixels: dict[str, np.ndarray], exact: dict[str, np.ndarray]) -> float:
-    """Noise (deg) on exact head angles with which a SOM of them would read out as badly as the one of pictures does."""
+    """Noise (deg) on exact head angles with which they would be read out as badly as from pictures.
+
+    With noise s the mean of k neighbours adds s^2 (1 + 1/k) to the squared error.
+    """
     worse, best = (read_out_error(run["patterns"], run["angles"]) for run in (pixels, exact))
-    return float(np.sqrt(max(worse**2 - best**2, 0.0)))
+    return float(np.sqrt(max(worse**2 - best**2, 0.0) / (1 + 1 / NEIGHBOURS)))
 
 
 def measure(options: Options) -> dict[str, float]:
