@@ -10,7 +10,7 @@ from typing import Any
 
 from jointattn_mj.errors import ConfigError, OutputError
 from jointattn_mj.recording import checkpoint, figures
-from jointattn_mj.recording.files import write_whole
+from jointattn_mj.recording.files import forget_partial, write_whole
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.provenance import write_config
 from jointattn_mj.recording.tables import shift_table, write_parquet
@@ -60,6 +60,7 @@ def run_session(
         _check_ffmpeg()
     if options.resume:
         spent, session = checkpoint.load(frozen, config)
+        forget_partial(out)
     else:
         _claim(out)
         spent, session = 0.0, Session(config)

@@ -1,10 +1,18 @@
 """Files that are there whole or not at all."""
 
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 from jointattn_mj.errors import OutputError
+
+
+def forget_partial(folder: Path) -> None:
+    """Delete what processes that were killed while they wrote have left in ``folder``."""
+    for path in folder.glob(".*"):
+        if re.fullmatch(r"\..+\.\d+\.\w+", path.name):
+            path.unlink(missing_ok=True)
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
