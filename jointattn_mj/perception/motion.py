@@ -121,13 +121,16 @@ def _mean_length(flow, start, count):
 
 
 @njit(cache=True)
-def _keep(gray, corner, side, face_part, picture, parts):
+def _keep(gray, corner, side, face_box, rim, picture, parts):
     """Copy to ``picture`` what will be read of ``gray``, each object's window and the face's; ``parts`` says where."""
     height, width = gray.shape
     values, kept = gray.ravel(), picture.ravel()
     n = len(corner)
     for k in range(n + 1):
-        x0, y0, x1, y1 = face_part if k == n else (corner[k, 0], corner[k, 1], corner[k, 0] + side, corner[k, 1] + side)
+        if k == n:
+            x0, y0, x1, y1 = face_box[0] - rim, face_box[1] - rim, face_box[2] + rim, face_box[3] + rim
+        else:
+            x0, y0, x1, y1 = corner[k, 0], corner[k, 1], corner[k, 0] + side, corner[k, 1] + side
         x0, y0, x1, y1 = max(x0, 0), max(y0, 0), min(x1, width), min(y1, height)
         parts[k, 0], parts[k, 1], parts[k, 2], parts[k, 3] = x0, y0, x1, y1
         for y in range(y0, y1):
@@ -144,35 +147,37 @@ def _common(part, other, out):
 
 
 @njit(cache=True)
-def _measure_all(
-    now, before, parts, parts_before, face_box, inset, seen, px, box, mask, corner,
-    seen_before, px_before, box_before, mask_before, corner_before,
-    step, margin, reach, floor, least, refit_ratio, blocks, flow, owners, strength,
+def _measure(
+    now, before, pictures, parts, face_box, seen, px, box, mask, corner,
+    inset, step, margin, reach, floor, least, refit_ratio, blocks, flow, owners, strength,
 ):  # fmt: skip
     """Flow of the blocks of the face and of objects that may have moved, and each one's strength of motion, pixels.
 
-    parts: (n + 1, 4) x0, y0, x1, y1 of what was kept of either picture, face last. An object whose centroid has not
-    moved by ``least`` has no flow. Returns the number of blocks.
+    An object whose centroid has not moved by ``least`` has no flow. Returns the number of blocks.
     """
-    n, count = len(seen), 0
+    n, count = seen.shape[1], 0
     part = np.empty(4, parts.dtype)
     for k in range(n):
         strength[k] = 0.0
-        if seen[k] and seen_before[k]:
-            x, y = px[k, 0] - px_before[k, 0], px[k, 1] - px_before[k, 1]
+        if seen[now, k] and seen[before, k]:
+            x, y = px[now, k, 0] - px[before, k, 0], px[now, k, 1] - px[before, k, 1]
             if np.hypot(x, y) > least and _moved_as_one(
-                mask[k], corner[k], box[k], mask_before[k], corner_before[k], box_before[k], x, y, refit_ratio
-            ):
+                mask[now, k], corner[now, k], box[now, k], mask[before, k], corner[before, k], box[before, k], x, y,
+                refit_ratio,
+            ):  # fmt: skip
                 start, start_x, start_y = count, np.int64(np.rint(x)), np.int64(np.rint(y))
-                _common(parts[k], parts_before[k], part)
+                _common(parts[now, k], parts[before, k], part)
                 count = region_flow(
-                    now, before, part, box[k], step, margin, start_y, start_x, reach, floor, k,
-                    count, blocks, flow, owners,
+                    pictures[now], pictures[before], part, box[now, k], step, margin, start_y, start_x, reach, floor,
+                    k, count, blocks, flow, owners,
                 )  # fmt: skip
                 strength[k] = min(np.hypot(x, y), _mean_length(flow, start, count))
     start = count
-    _common(parts[n], parts_before[n], part)
-    count = region_flow(now, before, part, face_box, step, -inset, 0, 0, reach, floor, n, count, blocks, flow, owners)
+    _common(parts[now, n], parts[before, n], part)
+    count = region_flow(
+        pictures[now], pictures[before], part, face_box, step, -inset, 0, 0, reach, floor,
+        n, count, blocks, flow, owners,
+    )  # fmt: skip
     strength[n] = _mean_length(flow, start, count)
     return count
 
@@ -190,6 +195,37 @@ def _raise_flags(strength, face_px, object_px, stay_ratio, linger, on, left):
             on[i] = False
 
 
+@njit(cache=True)
+def _update(
+    gray, face_box, seen, px, box, mask, corner,
+    frame, frames_back, pictures, parts, kept_seen, kept_px, kept_box, kept_mask, kept_corner,
+    face_px, object_px, stay_ratio, linger, floor, inset, step, margin, reach, refit_ratio,
+    blocks, flow, owners, strength, on, left,
+):  # fmt: skip
+    """Keep one more look, and compare it with an earlier one (arguments as in MotionDetector). Number of blocks.
+
+    pictures: (frames_back + 1, h, w) grey, valid in parts; parts: (.., n + 1, 4) x0, y0, x1, y1, the face's last; the
+    other kept arrays are those of ``Areas`` with the same first axis.
+    """
+    now = frame % len(pictures)
+    _keep(gray, corner, mask.shape[1], face_box, reach + 1 - inset, pictures[now], parts[now])
+    kept_seen[now], kept_px[now], kept_box[now], kept_mask[now], kept_corner[now] = seen, px, box, mask, corner
+    back = min(frame, frames_back)
+    if back == 0:
+        return 0
+    scale = frames_back / back
+    count = _measure(
+        now, (frame - back) % len(pictures), pictures, parts, face_box,
+        kept_seen, kept_px, kept_box, kept_mask, kept_corner,
+        inset, step, margin, reach, floor, min(stay_ratio, 1.0) * object_px / scale, refit_ratio,
+        blocks, flow, owners, strength,
+    )  # fmt: skip
+    strength *= scale
+    flow[:count] *= scale
+    _raise_flags(strength, face_px, object_px, stay_ratio, linger, on, left)
+    return count
+
+
 class MotionDetector:
     """Tells who moves. Holds what it needs of the last few pictures: it can be pickled."""
 
@@ -198,20 +234,22 @@ class MotionDetector:
         self._blocks = np.zeros((MAX_BLOCKS, 2))
         self._flow = np.zeros((MAX_BLOCKS, 2))
         self._owners = np.zeros(MAX_BLOCKS, np.int64)
-        self._pictures: list[np.ndarray] = []  # grey, valid in ``_parts``
-        self._parts: list[np.ndarray] = []  # (n + 1, 4)
-        self._areas: list[Areas] = []
-        self._on = np.zeros(0, bool)
-        self._left = np.zeros(0, int)
-        self._strength = np.zeros(0)
-        self._box = np.zeros(4, np.int32)
+        self._allocate((0, 0), Areas.empty(0, 0))
+
+    def _allocate(self, shape: tuple[int, ...], areas: Areas) -> None:
+        slots, n = self.config.frames_back + 1, len(areas.seen)
+        self._shape = shape, areas.mask.shape
+        self._pictures = np.zeros((slots, *shape), np.uint8)
+        self._parts = np.zeros((slots, n + 1, 4), np.int32)
+        looks = (areas.seen, areas.px, areas.box, areas.mask, areas.corner)
+        self._looks = tuple(np.zeros((slots, *array.shape), array.dtype) for array in looks)
+        self._on, self._left, self._strength = np.zeros(n + 1, bool), np.zeros(n + 1, int), np.zeros(n + 1)
         self.reset()
 
     def reset(self) -> None:
         """Forget all pictures: the head has moved, and a fixation begins (section 6.3.2: no flow while it turns)."""
-        self._count = 0
-        self._has_box = False
-        self._box[:] = 0
+        self._frame = 0
+        self._box = (0, 0, 0, 0)  # nothing yet
         self._on[:] = False
         self._left[:] = 0
 
@@ -221,14 +259,13 @@ class MotionDetector:
         Args:
             face_box: As for `update`.
         """
+        box = self._box
         if face_box is not None:
-            shift = max(abs(self._box[0] - face_box[0]), abs(self._box[1] - face_box[1]))
-            if not self._has_box or shift > (face_box[2] - face_box[0]) / 2:
-                self._box[:] = face_box
-                self._has_box = True
-        x0, y0, x1, y1 = self._box.tolist()
+            shift = max(abs(box[0] - face_box[0]), abs(box[1] - face_box[1]))
+            if box[2] == 0 or shift > (face_box[2] - face_box[0]) / 2:
+                self._box = box = face_box
         rim = self.config.reach_px + 1 - self.config.face_inset_px
-        return x0 - rim, y0 - rim, x1 + rim, y1 + rim
+        return box[0] - rim, box[1] - rim, box[2] + rim, box[3] + rim
 
     def update(self, gray: np.ndarray, face_box: tuple[int, int, int, int] | None, areas: Areas) -> Motion:
         """What moves, from one more picture of this fixation.
@@ -243,46 +280,18 @@ class MotionDetector:
         compared with, and the displacement scaled up.
         """
         config, n = self.config, len(areas.seen)
-        if len(self._areas) == 0 or self._pictures[0].shape != gray.shape or len(self._on) != n + 1:
+        if self._shape != (gray.shape, areas.mask.shape):
             self._allocate(gray.shape, areas)
-        slots = config.frames_back + 1
-        now = self._count % slots
-        part = self.face_part(face_box)
-        _keep(gray, areas.corner, areas.mask.shape[1], part, self._pictures[now], self._parts[now])
-        areas.copy_to(self._areas[now])
-        back = min(self._count, config.frames_back)
-        blocks = 0
-        if back > 0:
-            before = (self._count - back) % slots
-            scale = config.frames_back / back
-            blocks = self._measure(now, before, min(config.stay_ratio, 1.0) * config.object_px / scale)
-            if scale != 1:
-                self._strength *= scale
-                self._flow[:blocks] *= scale
-            _raise_flags(
-                self._strength, config.face_px, config.object_px, config.stay_ratio, config.linger_frames,
-                self._on, self._left,
-            )  # fmt: skip
-        self._count += 1
+        self.face_part(face_box)
+        blocks = _update(
+            gray, self._box, areas.seen, areas.px, areas.box, areas.mask, areas.corner,
+            self._frame, config.frames_back, self._pictures, self._parts, *self._looks,
+            config.face_px, config.object_px, config.stay_ratio, config.linger_frames,
+            config.texture * BLOCK * BLOCK * 2, config.face_inset_px, config.step_px, config.object_margin_px,
+            config.reach_px, config.refit_ratio,
+            self._blocks, self._flow, self._owners, self._strength, self._on, self._left,
+        )  # fmt: skip
+        self._frame += 1
         return Motion(
             bool(self._on[n]), self._on[:n], self._blocks[:blocks], self._flow[:blocks], self._owners[:blocks]
         )
-
-    def _allocate(self, shape: tuple[int, ...], areas: Areas) -> None:
-        slots, n = self.config.frames_back + 1, len(areas.seen)
-        self._pictures = [np.zeros(shape, np.uint8) for _ in range(slots)]
-        self._parts = [np.zeros((n + 1, 4), np.int32) for _ in range(slots)]
-        self._areas = [Areas.empty(n, areas.mask.shape[1] // 2) for _ in range(slots)]
-        self._on, self._left, self._strength = np.zeros(n + 1, bool), np.zeros(n + 1, int), np.zeros(n + 1)
-        self.reset()
-
-    def _measure(self, now: int, before: int, least: float) -> int:
-        """Fill in the flow and each candidate's strength of motion, pixels; the number of blocks."""
-        config, new, old = self.config, self._areas[now], self._areas[before]
-        return _measure_all(
-            self._pictures[now], self._pictures[before], self._parts[now], self._parts[before],
-            self._box, config.face_inset_px,
-            new.seen, new.px, new.box, new.mask, new.corner, old.seen, old.px, old.box, old.mask, old.corner,
-            config.step_px, config.object_margin_px, config.reach_px, config.texture * BLOCK * BLOCK * 2, least,
-            config.refit_ratio, self._blocks, self._flow, self._owners, self._strength,
-        )  # fmt: skip
