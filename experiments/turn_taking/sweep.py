@@ -43,25 +43,26 @@ class Setting:
     """Attempts at the end of a life with the gate open, nothing learned, on new tables, before and with new faces."""
 
 
-def reading(**robot: object) -> Setting:
-    """Five objects and a robot that differs from the default."""
-    return Setting(robot=TurnTakerConfig(**robot))  # type: ignore[arg-type]
+def reading(objects: int, **robot: object) -> Setting:
+    """A robot that differs from the default."""
+    return Setting(TableConfig(objects=objects), TurnTakerConfig(**robot))  # type: ignore[arg-type]
 
 
 SETTINGS: dict[str, Setting] = {
     **{f"turn_taking/objects_{n}": Setting(TableConfig(objects=n)) for n in (1, 3, 5, 10)},
     "turn_taking/in_view_5": Setting(TableConfig(objects=5, region="in_view")),
-    "turn_taking/outside_5": Setting(TableConfig(objects=5, region="outside")),
-    "turn_taking/feedback_alone_5": reading(gate="shut"),
-    "turn_taking/kept_5": reading(feedback="kept"),
-    "turn_taking/interest_5": reading(feedback="interest"),
-    "turn_taking/last_5": reading(ends="last", steps=6),
-    "turn_taking/executed_5": reading(reference="executed"),
-    "turn_taking/first_step_5": reading(learns_from="first_step"),
-    "turn_taking/gate_once_5": reading(gate_draws="attempt"),
+    "turn_taking/outside_3": Setting(TableConfig(objects=3, region="outside")),
+    "turn_taking/readings/feedback_alone_5": reading(5, gate="shut"),
+    "turn_taking/readings/executed_5": reading(5, reference="executed"),
+    "turn_taking/readings/first_step_5": reading(5, learns_from="first_step"),
+    "turn_taking/readings/gate_once_5": reading(5, gate_draws="attempt"),
+    "turn_taking/readings/kept_10": reading(10, feedback="kept"),
+    "turn_taking/readings/interest_10": reading(10, feedback="interest"),
+    "turn_taking/readings/ends_first_10": reading(10, ends="first", steps=12),
+    "turn_taking/readings/half_way_10": reading(10, gain=0.5, steps=10),
 }
-"""By string id. ``objects_n``: anywhere on the table, so some in the first view and some outside; the last seven take
-other readings of the earlier work, one at a time."""
+"""By string id. ``objects_n``: anywhere on the table, so some in the first view and some outside; ``readings``: other
+readings of the earlier work, one at a time."""
 
 
 @dataclass(frozen=True)
