@@ -118,3 +118,7 @@ def _benchmark(options: BenchmarkOptions) -> None:
     if options.out is not None:
         text = json.dumps(result.rows(), indent=1) + "\n"
         write_whole(options.out, lambda path: path.write_text(text))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,277 @@
+"""The command line: what it says, and how it refuses what cannot be done. Nothing that was there is lost."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shell import Outcome, Shell
+
+SHORT = ("--minutes", 0.2, "--perception", "truth", "--robot.familiarise.minutes", 0.05)
+
+
+@pytest.fixture(scope="module")
+def jointattn():
+    shell = Shell()
+    yield shell
+    shell.close()
+
+
+@pytest.fixture(scope="module")
+def finished(jointattn, tmp_path_factory) -> Path:
+    """A folder with a session in it."""
+    out = tmp_path_factory.mktemp("run") / "finished"
+    outcome = jointattn("session", "--out", out, *SHORT)
+    assert outcome.code == 0, outcome.err
+    assert outcome.err == ""
+    assert str(out) in outcome.out
+    return out
+
+
+@pytest.fixture
+def run(finished, tmp_path) -> Path:
+    """A copy of it to be maltreated."""
+    return shutil.copytree(finished, tmp_path / "run")
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+def refused(outcome: Outcome, code: int, *words: str) -> None:
+    """One message on one line, no traceback, and it says what matters."""
+    assert outcome.code == code, outcome.err
+    assert outcome.out == ""
+    assert outcome.err.count("\n") == 1, outcome.err
+    assert outcome.err.startswith("jointattn: ")
+    assert "Traceback" not in outcome.err
+    for word in words:
+        assert word in outcome.err
+
+
+BAD_OPTIONS = [
+    (("--caregiver", "nobody"), ("nobody", "robin")),
+    (("--minutes", "-3"), ("minutes", "-3")),
+    (("--minutes", "nan"), ("minutes", "nan")),
+    (("--minutes", "inf"), ("minutes", "inf")),
+    (("--minutes", "many"), ("minutes", "many")),
+    (("--seed", "-1"), ("seed", "-1")),
+    (("--seed", "1.5"), ("seed", "1.5")),
+    (("--perception", "ears"), ("perception", "ears", "pixels")),
+    (("--no-such-option",), ("--no-such-option",)),
+    (("--quality", "poor"), ("quality", "poor")),
+    (("--checkpoint-minutes", "0"), ("checkpoint_minutes", "0")),
+    (("--video-every", "0"), ("video_every", "0")),
+    (("--robot.attention.motion-width", "0"), ("motion_width", "0")),
+    (("--robot.gaze.gate-width", "nan"), ("gate_width", "nan")),
+    (("--robot.learner.rate", "0"), ("rate", "0")),
+    (("--robot.familiarise.minutes", "0"), ("familiarise", "0")),
+    (("--truth.face-miss", "2"), ("face_miss", "2")),
+]
+
+
+@pytest.mark.parametrize(("options", "words"), BAD_OPTIONS, ids=lambda value: value[0].strip("-"))
+def test_bad_options(jointattn, tmp_path, options, words):
+    outcome = jointattn("session", "--out", tmp_path / "out", *SHORT, *options)
+    refused(outcome, 2, *words)
+    assert not (tmp_path / "out").exists()
+
+
+def test_without_a_folder(jointattn):
+    refused(jointattn("session", "--minutes", 1), 2, "--out")
+
+
+def test_more_memory_than_there_is(jointattn, tmp_path):
+    refused(jointattn("session", "--out", tmp_path / "out", *SHORT, "--minutes", 1e12), 1, "memory")
+
+
+def test_folder_holds_another_run(jointattn, run):
+    before = content(run)
+    refused(jointattn("session", "--out", run, *SHORT, "--seed", 5), 2, "already holds a run", "--resume")
+    (run / "config.yaml").unlink()
+    refused(jointattn("session", "--out", run, *SHORT, "--seed", 5), 2, "already holds a run")
+    del before["config.yaml"]
+    assert content(run) == before
+
+
+def test_folder_holds_other_things(jointattn, tmp_path):
+    """They do not matter, and stay."""
+    (tmp_path / "notes.txt").write_text("mine")
+    assert jointattn("session", "--out", tmp_path, *SHORT).code == 0
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+
+
+@pytest.mark.parametrize("below", [False, True])
+def test_a_file_in_the_folders_place(jointattn, tmp_path, below):
+    place = tmp_path / "file"
+    place.write_text("mine")
+    out = place / "out" if below else place
+    refused(jointattn("session", "--out", out, *SHORT), 2, str(out))
+    refused(jointattn("session", "--out", out, *SHORT, "--resume"), 2, str(out))
+    assert place.read_text() == "mine"
+
+
+class TestResume:
+    def test_of_nothing(self, jointattn, tmp_path):
+        refused(jointattn("session", "--out", tmp_path, *SHORT, "--resume"), 2, "no checkpoint", "without --resume")
+        assert not list(tmp_path.iterdir())
+
+    def test_of_a_finished_session(self, jointattn, run):
+        """Its results once more."""
+        before = content(run)
+        assert jointattn("session", "--out", run, *SHORT, "--resume").code == 0
+        after = content(run)
+        for name in before.keys() - {"summary.json", "checkpoint.bin"}:
+            assert after[name] == before[name], name
+        assert after.keys() == before.keys()
+
+    @pytest.mark.parametrize("options", [("--seed", 5), ("--no-motion-cues",), ("--minutes", 0.4)])
+    def test_of_another_config(self, jointattn, run, options):
+        before = content(run)
+        refused(jointattn("session", "--out", run, *SHORT, *options, "--resume"), 2, "another config", "config.yaml")
+        assert content(run) == before
+
+    @pytest.mark.parametrize("damage", ["truncated", "empty", "flipped", "foreign", "folder"])
+    def test_of_a_damaged_checkpoint(self, jointattn, run, damage):
+        path = run / "checkpoint.bin"
+        whole = path.read_bytes()
+        middle = len(whole) // 2
+        if damage == "folder":
+            path.unlink()
+            path.mkdir()
+        else:
+            path.write_bytes(
+                {
+                    "truncated": whole[:middle],
+                    "empty": b"",
+                    "flipped": whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :],
+                    "foreign": b"GIF89a" + whole[6:],
+                }[damage]
+            )
+        (run / "notes.txt").write_text("mine")
+        kept = {child.name for child in run.iterdir()}
+        refused(jointattn("session", "--out", run, *SHORT, "--resume"), 2, str(path))
+        assert {child.name for child in run.iterdir()} == kept
+        assert (run / "gaze_shifts.parquet").stat().st_size > 1000
+
+
+class TestStartFrom:
+    def test_weights(self, jointattn, finished, tmp_path):
+        assert jointattn("session", "--out", tmp_path, *SHORT, "--start-from", finished / "weights.npz").code == 0
+        first, second = (json.loads((out / "summary.json").read_text()) for out in (finished, tmp_path))
+        assert second["learning_iterations"] >= first["learning_iterations"] > 0
+
+    @pytest.mark.parametrize("what", ["missing", "text", "npy", "truncated", "flipped", "folder", "table", "pickle"])
+    def test_no_weights(self, jointattn, finished, tmp_path, what):
+        path, whole = tmp_path / "weights.npz", bytearray((finished / "weights.npz").read_bytes())
+        match what:
+            case "text":
+                path.write_text("no weights")
+            case "npy":
+                with path.open("wb") as file:
+                    np.save(file, np.zeros(3))
+            case "truncated":
+                path.write_bytes(whole[: len(whole) // 2])
+            case "flipped":
+                whole[len(whole) // 2] ^= 255
+                path.write_bytes(whole)
+            case "folder":
+                path.mkdir()
+            case "table":
+                shutil.copy(finished / "frames.parquet", path)
+            case "pickle":
+                np.savez(path, learner=np.array([{}], object))
+        refused(jointattn("session", "--out", tmp_path / "out", *SHORT, "--start-from", path), 2, str(path))
+
+    def test_weights_of_another_robot(self, jointattn, finished, tmp_path):
+        options = ("--start-from", finished / "weights.npz")
+        linear = jointattn("session", "--out", tmp_path, *SHORT, *options, "--robot.learner.code", "linear")
+        refused(linear, 2, "must have shape")
+        seeing = jointattn("session", "--out", tmp_path, *options, "--minutes", 0.1)
+        refused(seeing, 2, "1024", "got 2")
+        assert not list(tmp_path.iterdir())  # the folder is free for a run that can be done
+
+
+class TestFullDisk:
+    """A limit on the size of files stands for it: the same errors, at the same places."""
+
+    def test_from_the_first(self, jointattn, tmp_path):
+        out = tmp_path / "out"
+        refused(jointattn("session", "--out", out, *SHORT, file_limit=10_000), 2, str(out), "free space")
+        assert not list(out.iterdir())
+        assert jointattn("session", "--out", out, *SHORT).code == 0
+
+    def test_on_the_way(self, jointattn, finished, tmp_path):
+        """The last good checkpoint stays, and with space again leads to the same results."""
+        out = tmp_path / "out"
+        size = (finished / "checkpoint.bin").stat().st_size
+        options = ("--out", out, *SHORT, "--checkpoint-minutes", 0.02)
+        refused(jointattn("session", *options, file_limit=size - 20_000), 2, "checkpoint.bin", "free space")
+        assert {path.name for path in out.iterdir()} == {"checkpoint.bin", "config.yaml"}
+        assert jointattn("session", *options, "--resume").code == 0
+        expected, got = content(finished), content(out)
+        assert got.keys() == expected.keys()
+        for name in expected.keys() - {"summary.json", "checkpoint.bin"}:
+            assert got[name] == expected[name], name
+
+
+def test_no_ffmpeg(jointattn, tmp_path):
+    """Said at once, before minutes are spent and a folder is claimed."""
+    nowhere = {"PATH": str(tmp_path), "IMAGEIO_FFMPEG_EXE": str(tmp_path / "ffmpeg")}
+    out = tmp_path / "out"
+    refused(jointattn("session", "--out", out, *SHORT, "--video", env=nowhere), 1, "ffmpeg", "apt-get install")
+    assert not out.exists()
+
+
+def test_no_opengl(tmp_path):
+    arguments = ["session", "--out", str(tmp_path / "out"), "--minutes", "0.1"]
+    done = subprocess.run(
+        [sys.executable, "-m", "jointattn_mj.cli", *arguments],
+        env=os.environ | {"MUJOCO_GL": "disable"},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 1
+    assert done.stderr.startswith("jointattn: Pictures need an OpenGL library")
+    assert "apt-get install" in done.stderr
+    assert "--perception truth" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list((tmp_path / "out").iterdir())
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_stopped_from_outside(tmp_path, number):
+    """Ctrl-C, or the kind signal of a scheduler: a checkpoint, one line that says how to go on, 130."""
+    arguments = ["session", "--out", str(tmp_path), *map(str, SHORT), "--minutes", "600"]
+    with subprocess.Popen(
+        [sys.executable, "-m", "jointattn_mj.cli", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        while not (tmp_path / "config.yaml").exists():
+            assert process.poll() is None
+            time.sleep(0.02)
+        time.sleep(0.2)
+        process.send_signal(number)
+        out, err = process.communicate(timeout=30)
+    refused(Outcome(process.returncode, out, err), 130, "--resume", str(tmp_path))
+    assert {path.name for path in tmp_path.iterdir()} == {"checkpoint.bin", "config.yaml"}
+
+
+def test_bad_benchmark(jointattn):
+    refused(jointattn("benchmark", "--blocks", 0), 2, "blocks")
+    refused(jointattn("benchmark", "--seconds", "nan"), 2, "seconds")
+
+
+def test_help(jointattn):
+    outcome = jointattn("session", "--help")
+    assert outcome.code == 0
+    for option in ("--minutes", "--seed", "--motion-cues", "--caregiver", "--resume", "--video", "--start-from"):
+        assert option in outcome.out
