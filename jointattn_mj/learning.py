@@ -16,11 +16,21 @@ from jointattn_mj.errors import ConfigError
 class LearnerConfig:
     """The online contingency learning module."""
 
-    code: Literal["population", "linear"] = "population"
+    code: Literal["population", "linear", "network"] = "population"
     """Output code. With two linear outputs right and wrong pairs average to the middle of the table; a population of
-    output units tuned to directions keeps them apart and lets the more frequent, the right one, win."""
+    output units tuned to directions keeps them apart and lets the more frequent, the right one, win. "network" puts a
+    hidden layer before the population, in torch (see ``network_learner``, also for networks of your own)."""
     rate: float = 0.02
     """Learning rate of the delta rule, normalised by the squared length of the input."""
+    context: float = 0.5
+    """Activity of one more input that is always on and takes no part in prediction (the context of Rescorla and
+    Wagner's rule; the bias of a perceptron). What comes often whatever the face, such as an object that lies still for
+    long, is put down to it, and a face keeps what it tells beyond that. 0 is without; then some sessions without motion
+    cues hold on to a wrong map (``experiments/wrong_map``)."""
+    hidden: int = 60
+    """Hidden units of the "network" code."""
+    network_rate: float = 0.02
+    """Learning rate of its gradient descent."""
     directions: Literal["both", "face_to_object"] = "both"
     """Which shifts are learned from: section 6.3.1 learns from object-to-face shifts too "to have double chances"."""
     counts: Literal["face_to_object", "both"] = "face_to_object"
@@ -37,10 +47,10 @@ class LearnerConfig:
     """Standard deviation of the reference pattern about the reference command."""
 
     def __post_init__(self) -> None:
-        if not (0 < self.rate <= 1 and self.tuning_deg > 0 and min(self.units) >= 3):
+        if not (0 < self.rate <= 1 and self.tuning_deg > 0 and self.context >= 0 and min(self.units) >= 3):
             raise ConfigError(
-                "learner needs 0 < rate <= 1, tuning_deg > 0 and at least 3 units an axis; got "
-                f"{self.rate}, {self.tuning_deg}, {self.units}"
+                "learner needs 0 < rate <= 1, tuning_deg > 0, context >= 0 and at least 3 units an axis; got "
+                f"{self.rate}, {self.tuning_deg}, {self.context}, {self.units}"
             )
 
 
@@ -60,38 +70,55 @@ class Learner(Protocol):
         """Take over what ``weights`` gave."""
 
 
-class PopulationLearner:
-    """Outputs are units on a grid of directions; the delta rule moves them towards a bump at the reference."""
+class PopulationCode:
+    """Directions as bumps of activity on a grid of units, each with a preferred direction."""
 
-    def __init__(self, config: LearnerConfig, inputs: int):
-        self._config = config
+    def __init__(self, config: LearnerConfig):
+        self.shape = config.units
         self._pans = np.linspace(*config.pan_range_deg, config.units[0])
         self._tilts = np.linspace(*config.tilt_range_deg, config.units[1])
-        self._weights = np.zeros((inputs, *config.units))
+        self._width = config.tuning_deg
 
-    def predict(self, activations: np.ndarray) -> np.ndarray:
-        """Centre of mass of the most active unit and its neighbours."""
-        output = np.tensordot(activations, self._weights, 1)
-        pan, tilt = np.unravel_index(np.argmax(output), output.shape)
+    def encode(self, command: np.ndarray) -> np.ndarray:
+        """Activity (pan units, tilt units) for a command (2,)."""
+        return np.outer(
+            np.exp(-0.5 * ((self._pans - command[0]) / self._width) ** 2),
+            np.exp(-0.5 * ((self._tilts - command[1]) / self._width) ** 2),
+        )
+
+    def decode(self, activity: np.ndarray) -> np.ndarray:
+        """Centre of mass (2,) of the most active unit and its neighbours."""
+        pan, tilt = np.unravel_index(np.argmax(activity), activity.shape)
         pans = slice(max(pan - 1, 0), pan + 2)
         tilts = slice(max(tilt - 1, 0), tilt + 2)
-        bump = np.maximum(output[pans, tilts], 0) + 1e-12
+        bump = np.maximum(activity[pans, tilts], 0) + 1e-12
         bump /= bump.sum()
         return np.array([bump.sum(1) @ self._pans[pans], bump.sum(0) @ self._tilts[tilts]])
 
+
+class PopulationLearner:
+    """Outputs are units with preferred directions; the delta rule moves them towards a bump at the reference.
+
+    The last input is the context (see ``LearnerConfig.context``).
+    """
+
+    def __init__(self, config: LearnerConfig, inputs: int):
+        self._rate, self._context, self._code = config.rate, config.context, PopulationCode(config)
+        self._weights = np.zeros((inputs + 1, *config.units))
+
+    def predict(self, activations: np.ndarray) -> np.ndarray:
+        """The direction whose units this face makes most active."""
+        return self._code.decode(np.tensordot(activations, self._weights[:-1], 1))
+
     def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
         """One step of the normalised delta rule."""
-        width = self._config.tuning_deg
-        reference = np.outer(
-            np.exp(-0.5 * ((self._pans - command[0]) / width) ** 2),
-            np.exp(-0.5 * ((self._tilts - command[1]) / width) ** 2),
-        )
-        error = reference - np.tensordot(activations, self._weights, 1)
-        gain = self._config.rate / (activations @ activations)
-        self._weights += np.multiply.outer(gain * activations, error)
+        inputs = np.append(activations, self._context)
+        error = self._code.encode(command) - np.tensordot(inputs, self._weights, 1)
+        gain = self._rate / (inputs @ inputs)
+        self._weights += np.multiply.outer(gain * inputs, error)
 
     def weights(self) -> np.ndarray:
-        """(k, pan units, tilt units)."""
+        """(k + 1, pan units, tilt units)."""
         return self._weights.copy()
 
     def load(self, weights: np.ndarray) -> None:
@@ -124,8 +151,12 @@ class LinearLearner:
         self._weights = _same_shape(weights, self._weights)
 
 
-def make_learner(config: LearnerConfig, inputs: int) -> Learner:
-    """The learner that ``config.code`` names, for ``inputs`` SOM cells."""
+def make_learner(config: LearnerConfig, inputs: int, rng: np.random.Generator) -> Learner:
+    """The learner that ``config.code`` names, for ``inputs`` SOM cells; ``rng`` draws first weights where needed."""
+    if config.code == "network":
+        from jointattn_mj.network_learner import NetworkLearner, hidden_layer  # torch takes seconds to import
+
+        return NetworkLearner(config, hidden_layer(config, inputs, rng))
     return PopulationLearner(config, inputs) if config.code == "population" else LinearLearner(config, inputs)
 
 

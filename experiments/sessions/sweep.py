@@ -39,6 +39,8 @@ SETTINGS: dict[str, SessionConfig] = {
     "truth/cues_feedback_alone": setting("truth", True, gaze={"gate": "shut"}),
     "truth/no_cues_feedback_alone": setting("truth", False, gaze={"gate": "shut"}),
     "truth/cues_linear": setting("truth", True, learner={"code": "linear", "rate": 0.1}),
+    "truth/cues_hidden_layer": setting("truth", True, learner={"code": "network"}),
+    "truth/no_cues_without_context": setting("truth", False, learner={"context": 0.0}),
     "truth/cues_open_loop": setting("truth", True, gaze={"feedback_frames": ()}),
     "truth/cues_face_to_object_only": setting("truth", True, learner={"directions": "face_to_object"}),
 }

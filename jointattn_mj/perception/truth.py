@@ -29,7 +29,7 @@ class TruthConfig:
     """Standard deviation of an object's place, each axis."""
     object_miss: float = 0.0006
     """Chance that a visible object is not found."""
-    pattern_noise_deg: float = 1.96
+    pattern_noise_deg: float = 1.6
     """Standard deviation of head yaw and pitch in the face pattern: how well the SOM can tell faces apart."""
     face_moves_above_deg_s: float = 4.0
     """Head speed that counts as motion."""

@@ -75,12 +75,12 @@ class GazeFollower:
     """
 
     def __init__(self, config: RobotConfig, perceiver: Perceiver, objects: int, seed: np.random.SeedSequence):
-        attention, gate, som = (np.random.default_rng(child) for child in seed.spawn(3))
+        attention, gate, som, learner = (np.random.default_rng(child) for child in seed.spawn(4))
         self.config, self.perceiver = config, perceiver
         self.face = objects
         self.attention = AttentionSelector(config.attention, objects, attention)
         self.som = SOM(perceiver.pattern_size, config.som, som)
-        self.learner = make_learner(config.learner, len(self.som.weights))
+        self.learner = make_learner(config.learner, len(self.som.weights), learner)
         self.iterations = 0
         self.attended: int | None = None
         self.percept: Percept | None = None

@@ -1,0 +1,59 @@
+"""A learner with any torch network between the face and the population of directions.
+
+Give ``NetworkLearner`` a module of your own that maps a face's description (k,) to the units' activities, flat.
+"""
+
+import numpy as np
+import torch
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.learning import LearnerConfig, PopulationCode
+
+
+def hidden_layer(config: LearnerConfig, inputs: int, rng: np.random.Generator) -> torch.nn.Module:
+    """The three-layered default: one hidden layer of tanh units, as in the earlier work (reference [19])."""
+    outputs = config.units[0] * config.units[1]
+    network = torch.nn.Sequential(
+        torch.nn.Linear(inputs, config.hidden), torch.nn.Tanh(), torch.nn.Linear(config.hidden, outputs)
+    )
+    with torch.no_grad():
+        for layer, spread in ((network[0], 3.0), (network[2], 0.01)):
+            layer.weight.copy_(torch.from_numpy(spread * rng.standard_normal(tuple(layer.weight.shape))))
+            layer.bias.zero_()
+    return network
+
+
+class NetworkLearner:
+    """Online gradient descent on the squared error of the population's activity."""
+
+    def __init__(self, config: LearnerConfig, network: torch.nn.Module):
+        self._code = PopulationCode(config)
+        self._network = network
+        self._descent = torch.optim.SGD(network.parameters(), lr=config.network_rate)
+
+    def predict(self, activations: np.ndarray) -> np.ndarray:
+        """The direction whose units are most active."""
+        with torch.no_grad():
+            activity = self._network(torch.from_numpy(activations).float())
+        return self._code.decode(activity.double().numpy().reshape(self._code.shape))
+
+    def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
+        """One step of backpropagation."""
+        wanted = torch.from_numpy(self._code.encode(command).ravel()).float()
+        self._descent.zero_grad()
+        (0.5 * (self._network(torch.from_numpy(activations).float()) - wanted).square().sum()).backward()
+        self._descent.step()
+
+    def weights(self) -> np.ndarray:
+        """All parameters as one array."""
+        return torch.nn.utils.parameters_to_vector(self._network.parameters()).detach().numpy().copy()
+
+    def load(self, weights: np.ndarray) -> None:
+        """The inverse of ``weights``.
+
+        Raises:
+            ConfigError: The network has another number of parameters.
+        """
+        if weights.shape != self.weights().shape:
+            raise ConfigError(f"this network has {self.weights().size} parameters; got {weights.shape}")
+        torch.nn.utils.vector_to_parameters(torch.from_numpy(weights).float(), self._network.parameters())
