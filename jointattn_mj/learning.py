@@ -123,7 +123,7 @@ class PopulationLearner:
 
     def load(self, weights: np.ndarray) -> None:
         """The inverse of ``weights``."""
-        self._weights = _same_shape(weights, self._weights)
+        self._weights = same_shape(weights, self._weights)
 
 
 class LinearLearner:
@@ -148,7 +148,7 @@ class LinearLearner:
 
     def load(self, weights: np.ndarray) -> None:
         """The inverse of ``weights``."""
-        self._weights = _same_shape(weights, self._weights)
+        self._weights = same_shape(weights, self._weights)
 
 
 def make_learner(config: LearnerConfig, inputs: int, rng: np.random.Generator) -> Learner:
@@ -160,7 +160,12 @@ def make_learner(config: LearnerConfig, inputs: int, rng: np.random.Generator) -
     return PopulationLearner(config, inputs) if config.code == "population" else LinearLearner(config, inputs)
 
 
-def _same_shape(given: np.ndarray, own: np.ndarray) -> np.ndarray:
+def same_shape(given: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """A copy of ``given`` if it can replace the weights ``own``.
+
+    Raises:
+        ConfigError: It has another shape, or numbers that are not finite.
+    """
     if given.shape != own.shape:
         raise ConfigError(f"learned weights must have shape {own.shape} under this config; got {given.shape}")
     weights = np.array(given, own.dtype)

@@ -6,8 +6,7 @@ Give ``NetworkLearner`` a module of your own that maps a face's description (k,)
 import numpy as np
 import torch
 
-from jointattn_mj.errors import ConfigError
-from jointattn_mj.learning import LearnerConfig, PopulationCode
+from jointattn_mj.learning import LearnerConfig, PopulationCode, same_shape
 
 
 def hidden_layer(config: LearnerConfig, inputs: int, rng: np.random.Generator) -> torch.nn.Module:
@@ -52,8 +51,7 @@ class NetworkLearner:
         """The inverse of ``weights``.
 
         Raises:
-            ConfigError: The network has another number of parameters.
+            ConfigError: The network has another number of parameters, or they are not finite.
         """
-        if weights.shape != self.weights().shape:
-            raise ConfigError(f"this network has {self.weights().size} parameters; got {weights.shape}")
-        torch.nn.utils.vector_to_parameters(torch.from_numpy(weights).float(), self._network.parameters())
+        fitting = torch.from_numpy(same_shape(weights, self.weights()))
+        torch.nn.utils.vector_to_parameters(fitting, self._network.parameters())

@@ -6,10 +6,15 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.learning import LearnerConfig, LinearLearner, PopulationLearner, make_learner
+from jointattn_mj.learning import Learner, LearnerConfig, LinearLearner, PopulationLearner
+from jointattn_mj.learning import make_learner as make
 from jointattn_mj.scene.camera import off_centre
 
-CODES = ("population", "linear")
+CODES = ("population", "linear", "network")
+
+
+def make_learner(config: LearnerConfig, inputs: int) -> Learner:
+    return make(config, inputs, np.random.default_rng(5))
 
 
 def faces(count: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
@@ -25,7 +30,7 @@ def errors(learner, activations: np.ndarray, commands: np.ndarray) -> np.ndarray
     return np.array([off_centre(learner.predict(a), c) for a, c in zip(activations, commands, strict=True)])
 
 
-@pytest.mark.parametrize(("code", "rate", "limit"), [("population", 0.1, 1.5), ("linear", 0.3, 1.5)])
+@pytest.mark.parametrize(("code", "rate", "limit"), [("population", 0.1, 1.5), ("linear", 0.3, 1.5), ("network", 0.1, 2.5)])
 def test_learns_a_map(code, rate, limit):
     rng = np.random.default_rng(0)
     learner = make_learner(LearnerConfig(code=code, rate=rate), 81)
@@ -50,19 +55,34 @@ def test_population_keeps_directions_apart_and_linear_averages():
     np.testing.assert_allclose(compete("linear"), [12 / 5, -15], atol=1.0)
 
 
-@pytest.mark.parametrize("code", CODES)
+@pytest.mark.parametrize("code", ["population", "linear"])
 def test_one_step_of_the_delta_rule(code):
     """With rate 1 the normalised delta rule makes the output for this input equal to the reference at once."""
-    learner = make_learner(LearnerConfig(code=code, rate=1.0), 5)
+    learner = make_learner(LearnerConfig(code=code, rate=1.0, context=0.0), 5)
     face, command = np.array([0.4, 0.3, 0.2, 0.1, 0.0]), np.array([10.0, -12.0])
     learner.learn(face, command)
     np.testing.assert_allclose(learner.predict(face), command, atol=0.35 if code == "population" else 1e-9)
-    output = np.tensordot(face, learner.weights(), 1)
+    output = np.tensordot(face, learner.weights()[:5], 1)
     if code == "population":
         pans, tilts = np.linspace(-25, 25, 21), np.linspace(-30, 0, 11)
         bump = np.exp(-((pans[:, None] - 10) ** 2 + (tilts - -12) ** 2) / (2 * 1.5**2))
         np.testing.assert_allclose(output, bump, atol=1e-12)
     assert not learner.weights()[4].any()  # a silent cell learns nothing
+
+
+def told_apart(context: float) -> np.ndarray:
+    """A direction that comes with every face, and for the second face one of its own, half as often."""
+    learner = make_learner(LearnerConfig(context=context), 2)
+    always, own = np.array([15.0, -15.0]), np.array([-15.0, -15.0])
+    for step in range(3000):
+        face = np.eye(2)[step % 2]
+        learner.learn(face, own if step % 2 and step % 5 < 2 else always)
+    return learner.predict(np.array([0.0, 1.0]))
+
+
+def test_context_takes_what_comes_whatever_the_face():
+    np.testing.assert_allclose(told_apart(context=0.0), [15, -15], atol=0.8)
+    np.testing.assert_allclose(told_apart(context=2.0), [-15, -15], atol=0.8)
 
 
 def test_predictions_stay_in_range():
@@ -95,7 +115,7 @@ def test_weights_round_trip(code):
 def test_foreign_weights(code):
     learner = make_learner(LearnerConfig(code=code), 81)
     with pytest.raises(ConfigError, match="must have shape"):
-        learner.load(np.zeros((80, *learner.weights().shape[1:])))
+        learner.load(learner.weights()[:-1])
     with pytest.raises(ConfigError, match="finite"):
         learner.load(np.full(learner.weights().shape, np.nan))
 
