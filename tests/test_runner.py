@@ -1,0 +1,194 @@
+"""A session in a folder: the same seed gives the same bytes, and so does going on after a kill; memory stays flat."""
+
+import gc
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
+from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
+from jointattn_mj.runner import RunOptions, run_session
+from jointattn_mj.scene import gl
+from jointattn_mj.session import Session, SessionConfig
+
+RESULTS = ("frames.parquet", "gaze_shifts.parquet", "weights.npz", "success.png", "som.png")
+FOLDER = {*RESULTS, "summary.json", "config.yaml", "checkpoint.bin"}
+MINUTES = {"truth": 2.0, "pixels": 0.6}
+needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
+
+PROGRAM = """
+import os, signal, sys
+from jointattn_mj import cli
+run, how, at = cli.run_session, sys.argv[1], int(sys.argv[2])
+def interrupted(config, options, progress):
+    def watch(session):
+        if session.frame == at:
+            os.kill(os.getpid(), signal.SIGINT)
+        progress(session)
+    return run(config, options, watch)
+def killing_replace(source, target, replace=os.replace, written=[]):
+    written.append(str(target).endswith("checkpoint.bin"))
+    if sum(written) == at:
+        os.kill(os.getpid(), signal.SIGKILL)
+    replace(source, target)
+if how == "interrupt":
+    cli.run_session = interrupted
+if how == "kill":
+    os.replace = killing_replace
+cli.main(sys.argv[3:])
+"""
+"""``jointattn``, but it is interrupted at a frame, or killed while it writes a checkpoint."""
+
+
+def command(perception: str, out: Path, *options: str, how: str = "plain", at: int = 0, hash_seed: int = 1):
+    """A session in a process of its own."""
+    arguments = [
+        "session", "--out", str(out), "--perception", perception, "--minutes", str(MINUTES[perception]), "--seed", "3",
+        "--robot.familiarise.minutes", "0.15", "--checkpoint-minutes", "0.2", *options,
+    ]  # fmt: skip
+    return subprocess.run(
+        [sys.executable, "-c", PROGRAM, how, str(at), *arguments],
+        env=os.environ | {"PYTHONHASHSEED": str(hash_seed)},
+        capture_output=True,
+        text=True,
+    )
+
+
+def assert_same(first: Path, second: Path) -> None:
+    """All that a session leaves, byte for byte; only the wall clock may differ."""
+    assert {path.name for path in first.iterdir()} == {path.name for path in second.iterdir()} == FOLDER
+    for name in (*RESULTS, "config.yaml"):
+        assert (first / name).read_bytes() == (second / name).read_bytes(), name
+    summaries = [json.loads((out / "summary.json").read_text()) | {"wall_seconds": 0} for out in (first, second)]
+    assert summaries[0] == summaries[1]
+
+
+@pytest.fixture(scope="module", params=["truth", pytest.param("pixels", marks=needs_gl)])
+def straight(request, tmp_path_factory) -> tuple[str, Path]:
+    """A session that nothing disturbs."""
+    out = tmp_path_factory.mktemp(request.param) / "straight"
+    done = command(request.param, out)
+    assert (done.returncode, done.stderr) == (0, "")
+    return request.param, out
+
+
+def test_same_seed_same_bytes(straight, tmp_path):
+    perception, out = straight
+    done = command(perception, tmp_path / "again", hash_seed=2)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert_same(out, tmp_path / "again")
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["gaze_shifts"] > 3
+    assert (summary["rendered_frames"] > 300) == (perception == "pixels")
+
+
+def test_interrupted_and_resumed(straight, tmp_path):
+    perception, out = straight
+    stopped = command(perception, tmp_path / "on", how="interrupt", at=600)
+    assert stopped.returncode == 130
+    assert stopped.stderr.count("\n") == 1
+    assert "--resume" in stopped.stderr
+    assert {path.name for path in (tmp_path / "on").iterdir()} == {"checkpoint.bin", "config.yaml"}
+    resumed = command(perception, tmp_path / "on", "--resume", hash_seed=3)
+    assert (resumed.returncode, resumed.stderr) == (0, "")
+    assert_same(out, tmp_path / "on")
+
+
+def test_killed_and_resumed(straight, tmp_path):
+    """Killed in the middle of its third checkpoint, without a chance to tidy up."""
+    perception, out = straight
+    killed = command(perception, tmp_path / "on", how="kill", at=3)
+    assert killed.returncode == -signal.SIGKILL
+    assert len([*(tmp_path / "on").iterdir()]) == 3  # config, the second checkpoint, and half of the third
+    resumed = command(perception, tmp_path / "on", "--resume", hash_seed=3)
+    assert (resumed.returncode, resumed.stderr) == (0, "")
+    assert_same(out, tmp_path / "on")
+
+
+def config(seed: int = 0, minutes: float = 0.5, **options) -> SessionConfig:
+    robot = RobotConfig(familiarise=FamiliariseConfig(minutes=0.1))
+    return SessionConfig(seed=seed, minutes=minutes, perception="truth", robot=robot, **options)
+
+
+def test_another_seed_another_session(tmp_path):
+    for seed in (0, 1):
+        run_session(config(seed), RunOptions(tmp_path / str(seed)))
+    for name in RESULTS:
+        assert (tmp_path / "0" / name).read_bytes() != (tmp_path / "1" / name).read_bytes(), name
+
+
+def test_progress_comes_every_second(tmp_path):
+    frames = []
+    run_session(config(), RunOptions(tmp_path), lambda session: frames.append(session.frame))
+    assert frames == list(range(30, 901, 30))
+
+
+def interrupt(session: Session) -> None:
+    if session.frame == 300:
+        signal.raise_signal(signal.SIGINT)
+
+
+def test_signal_handlers_are_given_back(tmp_path):
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    with pytest.raises(KeyboardInterrupt):
+        run_session(config(), RunOptions(tmp_path), interrupt)
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
+
+
+def test_resume_of_a_session_that_started_from_weights(tmp_path):
+    """The path of the weights is part of its config, and of its checkpoint."""
+    run_session(config(), RunOptions(tmp_path / "first"))
+    later = config(seed=1, start_from=tmp_path / "first" / "weights.npz")
+    run_session(later, RunOptions(tmp_path / "straight"))
+    with pytest.raises(KeyboardInterrupt):
+        run_session(later, RunOptions(tmp_path / "on"), interrupt)
+    run_session(later, RunOptions(tmp_path / "on", resume=True))
+    assert_same(tmp_path / "straight", tmp_path / "on")
+
+
+def test_wall_time_goes_on(tmp_path):
+    """What was spent before a stop counts."""
+    with pytest.raises(KeyboardInterrupt):
+        run_session(config(), RunOptions(tmp_path), interrupt)
+    summary = run_session(config(), RunOptions(tmp_path, resume=True))
+    again = run_session(config(), RunOptions(tmp_path, resume=True))
+    assert 0 < summary["wall_seconds"] <= again["wall_seconds"]
+
+
+def test_named_errors(tmp_path):
+    with pytest.raises(CheckpointError, match="without --resume"):
+        run_session(config(), RunOptions(tmp_path, resume=True))
+    (tmp_path / "checkpoint.bin").write_bytes(b"")
+    with pytest.raises(OutputError, match="already holds a run"):
+        run_session(config(), RunOptions(tmp_path))
+    for options in ({"checkpoint_minutes": 0.0}, {"checkpoint_minutes": float("nan")}, {"video_every": 0}):
+        with pytest.raises(ConfigError, match=next(iter(options))):
+            RunOptions(tmp_path, **options)
+
+
+def resident_mb() -> float:
+    gc.collect()
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="no /proc")
+@pytest.mark.parametrize(("perception", "seconds"), [("truth", 240), pytest.param("pixels", 60, marks=needs_gl)])
+def test_memory_stays_flat(perception, seconds):
+    """After a warm-up of a quarter of the time. Over 26 minutes even 1 MB a minute would be little; here it is less."""
+    robot = RobotConfig(familiarise=FamiliariseConfig(minutes=0.1))
+    session = Session(SessionConfig(minutes=seconds / 60, perception=perception, robot=robot))
+    session.begin()
+    sizes = []
+    while session.frame < session.total:
+        session.step()
+        if session.frame % (session.total // 8) == 0:
+            sizes.append(resident_mb())
+    session.close()
+    assert sizes[-1] - sizes[1] < 3
+    assert np.isfinite(sizes).all()
