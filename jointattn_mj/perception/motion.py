@@ -147,13 +147,24 @@ def _common(part, other, out):
 
 
 @njit(cache=True)
+def _equal(now, before, part):
+    """Whether a part is the same in two pictures."""
+    for y in range(part[1], part[3]):
+        for x in range(part[0], part[2]):
+            if now[y, x] != before[y, x]:
+                return False
+    return True
+
+
+@njit(cache=True)
 def _measure(
     now, before, pictures, parts, face_box, seen, px, box, mask, corner,
     inset, step, margin, reach, floor, least, refit_ratio, blocks, flow, owners, strength,
 ):  # fmt: skip
     """Flow of the blocks of the face and of objects that may have moved, and each one's strength of motion, pixels.
 
-    An object whose centroid has not moved by ``least`` has no flow. Returns the number of blocks.
+    An object whose centroid has not moved by ``least`` has no flow, nor has a face that looks the same to the last
+    grey value. Returns the number of blocks.
     """
     n, count = seen.shape[1], 0
     part = np.empty(4, parts.dtype)
@@ -174,10 +185,11 @@ def _measure(
                 strength[k] = min(np.hypot(x, y), _mean_length(flow, start, count))
     start = count
     _common(parts[now, n], parts[before, n], part)
-    count = region_flow(
-        pictures[now], pictures[before], part, face_box, step, -inset, 0, 0, reach, floor,
-        n, count, blocks, flow, owners,
-    )  # fmt: skip
+    if not _equal(pictures[now], pictures[before], part):
+        count = region_flow(
+            pictures[now], pictures[before], part, face_box, step, -inset, 0, 0, reach, floor,
+            n, count, blocks, flow, owners,
+        )  # fmt: skip
     strength[n] = _mean_length(flow, start, count)
     return count
 

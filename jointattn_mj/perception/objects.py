@@ -5,7 +5,7 @@ and so leaves hue and saturation alone. The rule is worked out once, for every c
 after.
 
 One picture is read in two passes. The first looks at one pixel in sixteen and counts hits on a grid of cells; the
-fullest 2x2 cells tell where the colour's largest cluster is. The second reads each cluster's surroundings at full
+fullest 2x2 cells tell where the colour's largest cluster is. The second reads what lies around each cluster at full
 resolution, so a few stray pixels elsewhere (skin, hair, wood) do not bend the centre.
 """
 
@@ -123,61 +123,85 @@ def _label(channels, table, at):
 
 
 @njit(cache=True)
-def _find_clusters(picture, table, votes, clusters):
-    """First pass: each label's fullest 2x2 cells. votes: (n, gh, gw, 3); clusters: (n, 3) hits, x, y."""
+def _read_coarsely(picture, table, hits):
+    """First pass: (label - 1, x, y) of the pixels looked at that have a label. Returns their number."""
     height, width = picture.shape[0], picture.shape[1]
-    channels = picture.ravel()
-    votes[:] = 0
+    channels, count = picture.ravel(), 0
     for y in range(0, height, STRIDE):
         start = uintp(3 * y * width)
         for x in range(uintp(y // STRIDE % 2 * STRIDE // 2), uintp(width), uintp(STRIDE)):
             label = _label(channels, table, start + uintp(3) * x)
             if label:
-                vote = votes[label - 1, y >> CELL_BITS, x >> uintp(CELL_BITS)]
-                vote[0] += 1
-                vote[1] += x
-                vote[2] += y
+                hits[count, 0], hits[count, 1], hits[count, 2] = label - 1, x, y
+                count += 1
+    return count
+
+
+@njit(cache=True)
+def _find_clusters(hits, votes, clusters):
+    """Each label's fullest 2x2 cells. votes: (n, gh, gw, 3) hits, sums of x and y; clusters: (n, 3) hits, mean x, y."""
+    votes[:] = 0
+    for label, x, y in hits:
+        vote = votes[label, y >> CELL_BITS, x >> CELL_BITS]
+        vote[0] += 1
+        vote[1] += x
+        vote[2] += y
     n, rows, columns = votes.shape[0], votes.shape[1], votes.shape[2]
     for k in range(n):
         most = 0
         for i in range(rows - 1):
             for j in range(columns - 1):
-                hits = votes[k, i, j, 0] + votes[k, i, j + 1, 0] + votes[k, i + 1, j, 0] + votes[k, i + 1, j + 1, 0]
-                if hits > most:
-                    most = hits
+                count = votes[k, i, j, 0] + votes[k, i, j + 1, 0] + votes[k, i + 1, j, 0] + votes[k, i + 1, j + 1, 0]
+                if count > most:
+                    most = count
                     for c in range(1, 3):
                         upper = votes[k, i, j, c] + votes[k, i, j + 1, c]
                         lower = votes[k, i + 1, j, c] + votes[k, i + 1, j + 1, c]
-                        clusters[k, c] = (upper + lower) // hits
+                        clusters[k, c] = (upper + lower) // count
         clusters[k, 0] = most
 
 
 @njit(cache=True)
-def _measure(picture, table, clusters, reach, min_area, gray, seen, area, px, box, mask, corner):
-    """Second pass: area, centroid, box and mask of each label within ``reach`` of its cluster, and ``gray`` there."""
+def _surround(hits, k, cx, cy, reach, out):
+    """The box x0, y0, x1, y1 (the last two exclusive) of a label's hits within ``reach``, and a stride around them."""
+    out[0], out[1], out[2], out[3] = cx, cy, cx + 1, cy + 1
+    for label, x, y in hits:
+        if label == k and abs(x - cx) <= reach and abs(y - cy) <= reach:
+            out[0], out[1] = min(out[0], x - STRIDE), min(out[1], y - STRIDE)
+            out[2], out[3] = max(out[2], x + STRIDE + 1), max(out[3], y + STRIDE + 1)
+    out[0], out[1] = max(out[0], cx - reach), max(out[1], cy - reach)
+    out[2], out[3] = min(out[2], cx + reach + 1), min(out[3], cy + reach + 1)
+
+
+@njit(cache=True)
+def _find(picture, table, hits, votes, clusters, reach, min_area, gray, seen, area, px, box, mask, corner):
+    """Both passes: area, centroid, box and mask of each label within ``reach`` of its cluster, and ``gray`` there."""
     height, width = picture.shape[0], picture.shape[1]
+    hits = hits[: _read_coarsely(picture, table, hits)]
+    _find_clusters(hits, votes, clusters)
     channels = picture.ravel()
+    around = np.empty(4, np.int64)
     for k in range(clusters.shape[0]):
         seen[k], area[k], px[k, :], box[k, :] = False, 0, np.nan, 0
         if clusters[k, 0] == 0:
             continue
-        label = k + 1
         cx, cy = clusters[k, 1], clusters[k, 2]
         corner[k, 0], corner[k, 1] = cx - reach, cy - reach
         fill_gray(picture, gray, cx - reach, cy - reach, cx + reach + 1, cy + reach + 1)
+        _surround(hits, k, cx, cy, reach, around)
         mask[k] = False
         count, sum_x, sum_y = 0, 0, 0
         left, right, top, bottom = width, -1, height, -1
-        x0, x1 = max(0, cx - reach), min(width, cx + reach + 1)
-        for y in range(max(0, cy - reach), min(height, cy + reach + 1)):
+        x0, x1 = max(0, around[0]), min(width, around[2])
+        for y in range(max(0, around[1]), min(height, around[3])):
             row, in_row = mask[k, y - cy + reach], 0
             at = uintp(3 * (y * width + x0))
             for x in range(x0, x1):
-                if _label(channels, table, at) == label:
-                    row[uintp(x - cx + reach)] = True
-                    in_row += 1
-                    sum_x += x
-                    left, right = min(left, x), max(right, x)
+                own = _label(channels, table, at) == k + 1  # without branches: their outcome is anybody's guess
+                row[uintp(x - cx + reach)] = own
+                in_row += own
+                sum_x += own * x
+                left, right = min(left, x if own else width), max(right, x if own else -1)
                 at += uintp(3)
             if in_row:
                 count += in_row
@@ -199,7 +223,9 @@ class ColourAreas:
         self._table = colour_table(rgb, self.config)
         n = len(rgb)
         self._clusters = np.zeros((n, 3), np.int32)
+        self._shape = (0, 0, 3)  # of pictures, for which these two are laid out
         self._votes = np.zeros((n, 0, 0, 3), np.int32)
+        self._hits = np.zeros((0, 3), np.int32)
         self._areas = Areas.empty(n, self.config.reach_px)
 
     def find(self, picture: np.ndarray, gray: np.ndarray) -> Areas:
@@ -208,14 +234,13 @@ class ColourAreas:
         A window is ``mask.shape`` pixels from ``corner``; both arrays are contiguous.
         """
         found, config = self._areas, self.config
-        height, width = picture.shape[:2]
-        cell = 1 << CELL_BITS
-        cells = len(self._clusters), -(-height // cell), -(-width // cell), 3
-        if self._votes.shape != cells:
-            self._votes = np.zeros(cells, np.int32)
-        _find_clusters(picture, self._table, self._votes, self._clusters)
-        _measure(
-            picture, self._table, self._clusters, config.reach_px, config.min_area_px, gray,
+        if self._shape != picture.shape:
+            self._shape = height, width, _ = picture.shape
+            cell = 1 << CELL_BITS
+            self._votes = np.zeros((len(found.seen), -(-height // cell), -(-width // cell), 3), np.int32)
+            self._hits = np.zeros((-(-height // STRIDE) * -(-width // STRIDE), 3), np.int32)
+        _find(
+            picture, self._table, self._hits, self._votes, self._clusters, config.reach_px, config.min_area_px, gray,
             found.seen, found.area, found.px, found.box, found.mask, found.corner,
         )  # fmt: skip
         return found

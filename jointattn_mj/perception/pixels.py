@@ -4,16 +4,33 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+from numba import njit
 
 from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig
 from jointattn_mj.perception.gray import fill_gray
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
 from jointattn_mj.perception.objects import ColourAreas, ColourConfig
 from jointattn_mj.perception.percept import Percept
-from jointattn_mj.scene.camera import direction_of, pixel_of
+from jointattn_mj.scene import camera
 
 MEMORY_RATE = 0.02
 """Share of each new look in the remembered direction of the face, which says where to search for it."""
+
+_pixel_of = njit(cache=True)(camera.pixel_of)
+_direction_of = njit(cache=True)(camera.direction_of)
+
+
+@njit(cache=True)
+def _expected(direction, head):
+    """Where a remembered direction (2,), deg, should appear to a head at (2,), rad: x, y."""
+    pixel = _pixel_of(direction, np.degrees(head))
+    return pixel[0], pixel[1]
+
+
+@njit(cache=True)
+def _remember(direction, x, y, head, rate):
+    """Let a remembered direction (2,), deg, follow what a head at (2,), rad, sees at (x, y) in the picture."""
+    direction += rate * (_direction_of(np.array([x, y]), np.degrees(head)) - direction)
 
 
 @dataclass(frozen=True)
@@ -43,7 +60,8 @@ class PixelPerception:
         self.faces = FaceDetector(config.faces)
         self.colours = ColourAreas(rgb, config.colours)
         self._motion = MotionDetector(config.motion)
-        self._face_direction: np.ndarray | None = None
+        self._face_direction = np.zeros(2)
+        self._knows_face = False
         self._gray = np.zeros((0, 0), np.uint8)
         self.motion: Motion | None = None
         count = len(rgb) + 1
@@ -51,21 +69,22 @@ class PixelPerception:
 
     def look(self, observation: Mapping[str, np.ndarray], landed: bool) -> Percept:
         """Face, colour areas and motion of this picture; ``landed`` begins a new history of motion."""
-        head, picture = np.degrees(observation["head_angles"]).tolist(), observation["camera"]
+        head, picture = observation["head_angles"], observation["camera"]
         if self._gray.shape != picture.shape[:2]:
             self._gray = np.zeros(picture.shape[:2], np.uint8)
-        gray, known, expected = self._gray, self._face_direction, None
+        gray, expected = self._gray, None
         areas = self.colours.find(picture, gray)
-        if known is not None:
-            expected = tuple(pixel_of(known, head).tolist())
+        if self._knows_face:
+            expected = _expected(self._face_direction, head)
             fill_gray(picture, gray, *self.faces.part(expected))
         self.fix = fix = self.faces.detect(gray, expected, lambda: fill_gray(picture, gray, 0, 0, *gray.shape[::-1]))
+        box = None
         if fix.found:
-            direction = direction_of(np.array([fix.x, fix.y]), head)
-            self._face_direction = direction if known is None else known + MEMORY_RATE * (direction - known)
+            _remember(self._face_direction, fix.x, fix.y, head, MEMORY_RATE if self._knows_face else 1.0)
+            self._knows_face = True
+            box = self.faces.box(fix, gray.shape)
         if landed:
             self._motion.reset()
-        box = self.faces.box(fix, gray.shape) if fix.found else None
         fill_gray(picture, gray, *self._motion.face_part(box))
         self.motion = self._motion.update(gray, box, areas)
         percept = self._percept

@@ -32,7 +32,7 @@ def direction_of(pixel: np.ndarray, head: np.ndarray) -> np.ndarray:
 
 
 def pixel_of(direction: np.ndarray, head: np.ndarray) -> np.ndarray:
-    """Where a thing in ``direction`` (2,) appears while the head stands at ``head`` (2,); the inverse of direction_of."""
+    """Where a thing in ``direction`` (2,) appears to a head at ``head`` (2,); the inverse of direction_of."""
     pan, elevation, tilt = radians(direction[0] - head[0]), radians(direction[1]), radians(head[1])
     x, y, z = cos(elevation) * cos(pan), cos(elevation) * sin(pan), sin(elevation)
     depth, up = cos(tilt) * x + sin(tilt) * z, cos(tilt) * z - sin(tilt) * x
@@ -72,7 +72,9 @@ class Eye:
     own rendering context, so that dm_control's ``physics.render`` and wrappers work beside it.
     """
 
-    def __init__(self, physics: Physics, camera: str = "robot/eye", width: int = PICTURE_WIDTH, height: int = PICTURE_HEIGHT):
+    def __init__(
+        self, physics: Physics, camera: str = "robot/eye", width: int = PICTURE_WIDTH, height: int = PICTURE_HEIGHT
+    ):
         self._physics, self._name, self._size = physics, camera, (height, width)
         self._camera: Camera | None = None
         self._buffer = np.empty((height, width, 3), np.uint8)

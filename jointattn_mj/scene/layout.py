@@ -6,8 +6,8 @@ import numpy as np
 
 from jointattn_mj.errors import ConfigError
 
-DRAWS = 100  # random places drawn at a time; the first are enough on any but a crowded table
-TRIES = 20  # such draws for one object
+TRIES = 2000  # random places looked at for one object
+AT_ONCE = 100  # of them at a time; the first are enough on any but a crowded table
 FILLS = 20  # tables begun anew before giving up
 
 
@@ -57,11 +57,11 @@ class Layout:
 
     def _free(self, others: np.ndarray) -> np.ndarray:
         """Up to ``evenness`` random places (m, 2) that are far enough from ``others`` (k, 2)."""
-        found = np.empty((0, 2))
-        for _ in range(TRIES):
-            draws = self._low + self._size * self._rng.random((DRAWS, 2))
-            apart = np.linalg.norm(draws[:, None] - np.reshape(others, (1, -1, 2)), axis=2)
-            found = np.vstack([found, draws[np.all(apart >= self.config.spacing, axis=1)]])
+        found, draws = np.empty((0, 2)), self._low + self._size * self._rng.random((TRIES, 2))
+        for first in range(0, TRIES, AT_ONCE):
+            some = draws[first : first + AT_ONCE]
+            apart = np.linalg.norm(some[:, None] - np.reshape(others, (1, -1, 2)), axis=2)
+            found = np.vstack([found, some[np.all(apart >= self.config.spacing, axis=1)]])
             if len(found) >= self.config.evenness:
                 break
         return found[: self.config.evenness]
