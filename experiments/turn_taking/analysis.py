@@ -72,7 +72,7 @@ def numbers_of(name: str, lives: dict[str, np.ndarray]) -> dict[str, dict]:
 
 
 def half_way(rate: np.ndarray) -> np.ndarray:
-    """(lives,) stretch from which a rate stays above half of its rise from start to end; NaN for lives without a rise."""
+    """(lives,) stretch from which a rate stays above half of its rise from start to end; NaN where it does not rise."""
     start, end = rate[:, :1], rate[:, -END:].mean(axis=1, keepdims=True)
     below = rate < start + 0.5 * (end - start)
     last = rate.shape[1] - np.argmax(below[:, ::-1], axis=1)
@@ -112,8 +112,11 @@ def draw(folder: Path, path: Path) -> None:
         time = np.linspace(0, SETTINGS[STAGED].attempts, 300)
         gate = 1 / (1 + np.exp((robot.gate_midpoint - time) / robot.gate_width))
         stages.plot(time / 1e4, gate, ":", color="#2c3e50", lw=1, label="gate: network commands")
-    places = {"objects_5": ("five, anywhere on the table", "#c0392b"), "in_view_5": ("five, in the first view", "#1e8449"),
-              "outside_3": ("three, outside the first view", "#6c3483")}  # fmt: skip
+    places = {
+        "objects_5": ("five, anywhere on the table", "#c0392b"),
+        "in_view_5": ("five, in the first view", "#1e8449"),
+        "outside_3": ("three, outside the first view", "#6c3483"),
+    }
     for key, (label, colour) in places.items():
         lives = read_lives(folder, f"turn_taking/{key}")
         if lives:

@@ -1,0 +1,205 @@
+"""Tables, rendered faces, and attempts: who commands, what is learned, what counts."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.perception.truth import TruthConfig
+from jointattn_mj.robots.turn_taker import TurnTaker, TurnTakerConfig
+from jointattn_mj.scene.camera import in_picture, pixels_of_points
+from jointattn_mj.turn_taking.attempts import Situations, live
+from jointattn_mj.turn_taking.faces import (
+    FACE_DIRECTION,
+    FaceBank,
+    FaceBankConfig,
+    FaceInputs,
+    gaze_deg,
+    load_or_render,
+    render_faces,
+)
+from jointattn_mj.turn_taking.tables import TableConfig, draw_tables
+
+HEIGHT = 0.741  # of an object's centre, metres
+SHORT = TurnTakerConfig(hidden=20, rate=0.004, gate_midpoint=4000.0, gate_width=1000.0)
+TABLE_3, VIEW_3 = TableConfig(objects=3), TableConfig(objects=3, region="in_view")
+
+
+def code_faces(seed: int = 0, count: int = 400) -> FaceInputs:
+    """Made-up faces, a smooth code of the gaze in 20 numbers: for tests of everything but the pictures."""
+    rng = np.random.default_rng(seed)
+    gaze = np.column_stack([rng.uniform(-50, 50, count), rng.uniform(12, 32, count)])
+    code = np.random.default_rng(99).standard_normal((2, 20)) / [[25], [6]]
+    patterns = np.tanh((gaze - [0, 22]) @ code) * 2
+    return FaceInputs(patterns.astype(np.float32), gaze, np.zeros(20), 1.0)
+
+
+def situations(faces: FaceInputs, table: TableConfig, seed: int = 1, count: int = 800) -> Situations:
+    rng = np.random.default_rng(seed)
+    return Situations.of_places(draw_tables(table, count, rng), faces, 0.0, rng)
+
+
+def taker(config: TurnTakerConfig, faces: FaceInputs, seed: int = 2) -> TurnTaker:
+    return TurnTaker(config, faces.patterns.shape[1], np.random.default_rng(seed))
+
+
+def first_view(places: np.ndarray) -> np.ndarray:
+    points = np.concatenate([places, np.full((*places.shape[:-1], 1), HEIGHT)], axis=-1)
+    return in_picture(pixels_of_points(points.reshape(-1, 3), FACE_DIRECTION)).reshape(places.shape[:-1])
+
+
+@pytest.mark.parametrize(("region", "objects"), [("in_view", 10), ("table", 10), ("outside", 3)])
+def test_tables_keep_objects_apart_and_in_their_region(region, objects):
+    places = draw_tables(TableConfig(objects=objects, region=region), 200, np.random.default_rng(0))
+    assert places.shape == (200, objects, 2)
+    apart = np.linalg.norm(places[:, :, None] - places[:, None], axis=3) + 9 * np.eye(objects)
+    assert apart.min() >= 0.13
+    seen = first_view(places).mean()
+    assert {"in_view": seen > 0.99, "outside": seen == 0, "table": 0.5 < seen < 0.8}[region]
+    assert (places == draw_tables(TableConfig(objects=objects, region=region), 200, np.random.default_rng(0))).all()
+
+
+def test_a_table_too_full_is_named(monkeypatch):
+    monkeypatch.setattr("jointattn_mj.turn_taking.tables.TRIES", 5)
+    with pytest.raises(ConfigError, match="no room for 40 objects"):
+        draw_tables(TableConfig(objects=40, region="outside"), 2, np.random.default_rng(0))
+
+
+def test_she_turns_to_the_side_where_the_object_is():
+    ahead, robots_left, near_robot = gaze_deg(np.array([[1.0, 0.0], [1.0, 0.3], [0.6, 0.0]]))
+    assert ahead[0] == pytest.approx(0) and ahead[1] == pytest.approx(np.degrees(np.arctan2(1.08 - 0.741, 0.5)))
+    assert robots_left[0] == pytest.approx(-np.degrees(np.arctan2(0.3, 0.5)))  # world +y is to her right
+    assert near_robot[1] < ahead[1]
+
+
+@pytest.fixture(scope="module")
+def bank() -> FaceBank:
+    return render_faces(FaceBankConfig(faces=120, familiar=60), np.random.default_rng(0))
+
+
+def test_faces_are_rendered_found_and_tell_where_she_looks(bank):
+    assert bank.patches.shape == (120, 1024) and bank.gaze.shape == (120, 2)  # none was missed
+    inputs = bank.inputs(10.0)
+    assert np.sqrt(np.square(inputs.patterns).sum(axis=1).mean()) == pytest.approx(10, rel=1e-4)
+    assert inputs.patterns.mean(axis=0) == pytest.approx(0, abs=1e-4)
+    ones = np.column_stack([inputs.patterns, np.ones(120)])
+    even, odd = np.arange(0, 120, 2), np.arange(1, 120, 2)
+    ridge = ones[even].T @ ones[even] + 30 * np.eye(1025)
+    guess = ones[odd] @ np.linalg.solve(ridge, ones[even].T @ bank.gaze[even])
+    assert np.median(np.abs(guess - bank.gaze[odd]), axis=0)[0] < 4
+    assert bank.gaze[:, 0].std() > 15
+
+
+def test_a_bank_is_rendered_once(bank, tmp_path, monkeypatch):
+    monkeypatch.setattr("jointattn_mj.turn_taking.faces.render_faces", lambda config, rng: bank)
+    first = load_or_render(tmp_path / "deep/faces.npz", FaceBankConfig(), np.random.default_rng(0))
+    monkeypatch.setattr("jointattn_mj.turn_taking.faces.render_faces", None)
+    again = load_or_render(tmp_path / "deep/faces.npz", FaceBankConfig(), np.random.default_rng(0))
+    assert (again.patches == first.patches).all() and (again.gaze == first.gaze).all()
+
+
+def test_a_face_is_taken_by_the_direction_of_gaze():
+    faces = code_faces()
+    places = np.array([[[1.0, 0.2], [0.6, -0.5]]])
+    chosen = faces.of_places(places, 0.0, np.random.default_rng(0))
+    assert chosen.shape == (1, 2)
+    distance = np.linalg.norm(faces.gaze[chosen] - gaze_deg(places), axis=-1)
+    assert (distance == np.linalg.norm(faces.gaze - gaze_deg(places)[:, :, None], axis=-1).min(axis=-1)).all()
+
+
+def test_visual_feedback_reaches_some_object_and_hers_by_chance():
+    faces = code_faces()
+    robot = taker(replace(SHORT, gate="shut"), faces)
+    outcomes = live(robot, situations(faces, VIEW_3), faces, 3000, np.random.default_rng(3))
+    assert outcomes.reached.mean() > 0.99 and outcomes.in_view.mean() > 0.99
+    assert outcomes.right.mean() == pytest.approx(1 / 3, abs=0.03)
+    assert (outcomes.movements == SHORT.steps).all()
+
+
+def test_visual_feedback_does_not_reach_what_was_never_in_view():
+    faces = code_faces()
+    robot = taker(replace(SHORT, gate="shut"), faces)
+    outside = situations(faces, TableConfig(objects=3, region="outside"))
+    outcomes = live(robot, outside, faces, 300, np.random.default_rng(3))
+    assert not outcomes.reached.any() and not outcomes.in_view.any()
+
+
+def test_any_object_then_hers_in_view_then_outside():
+    faces = code_faces()
+    robot = taker(replace(SHORT, gate_midpoint=8000.0, gate_width=2500.0), faces)
+    table = situations(faces, TABLE_3)
+    early, _, late = (live(robot, table, faces, count, np.random.default_rng(count)) for count in (2000, 28_000, 4000))
+    assert robot.time == 34_000
+    assert early.reached.mean() > 0.9 and early.right.mean() == pytest.approx(1 / 3, abs=0.05)
+    assert early.right[~early.in_view].mean() < 0.05
+    assert late.right[late.in_view].mean() > 0.8
+    assert early.right[~early.in_view].mean() + 0.07 < late.right[~late.in_view].mean() < 0.5  # under way
+
+
+def test_learning_from_the_movement_made_drifts_away_from_objects():
+    faces = code_faces()
+    one = situations(faces, TableConfig(objects=1, region="in_view"))
+    success = {}
+    for reference in ("object", "executed"):
+        robot = taker(replace(SHORT, reference=reference), faces)
+        live(robot, one, faces, 20_000, np.random.default_rng(0))
+        success[reference] = live(robot, one, faces, 1000, np.random.default_rng(1), learning=False).right.mean()
+    assert success["object"] > 0.9
+    assert success["executed"] < 0.4
+
+
+def test_a_failed_attempt_teaches_nothing_and_tests_change_nothing():
+    faces = code_faces()
+    robot = taker(replace(SHORT, gate="open", centre_radius_deg=1e-6), faces)
+    before = [array.copy() for array in robot.network]
+    table = situations(faces, TABLE_3)
+    assert not live(robot, table, faces, 200, np.random.default_rng(0)).reached.any()
+    assert robot.time == 200 and all((a == b).all() for a, b in zip(before, robot.network, strict=True))
+    robot = taker(SHORT, faces)
+    before = [array.copy() for array in robot.network]
+    assert live(robot, table, faces, 200, np.random.default_rng(0), learning=False).reached.any()
+    assert robot.time == 0 and all((a == b).all() for a, b in zip(before, robot.network, strict=True))
+
+
+def test_same_seed_same_life_and_blind_eyes_reach_nothing():
+    faces = code_faces()
+    table = situations(faces, TABLE_3)
+    first, again = (live(taker(SHORT, faces), table, faces, 500, np.random.default_rng(7)) for _ in range(2))
+    assert (first.right == again.right).all() and (first.movements == again.movements).all()
+    blind = live(taker(SHORT, faces), table, faces, 50, np.random.default_rng(7), senses=TruthConfig(object_miss=1.0))
+    assert not blind.reached.any()
+
+
+def test_ending_at_the_first_object_takes_fewer_steps():
+    faces = code_faces()
+    table = situations(faces, TableConfig(objects=5, region="in_view"))
+    robot = taker(replace(SHORT, ends="first", gate="shut"), faces)
+    outcomes = live(robot, table, faces, 300, np.random.default_rng(0))
+    assert outcomes.reached.mean() > 0.99 and outcomes.movements.mean() < 3
+
+
+def test_a_cell_is_one_file_and_is_not_computed_twice(tmp_path, monkeypatch, bank, capsys):
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[1]))
+    from experiments.turn_taking import analysis, sweep
+
+    setting = sweep.Setting(TABLE_3, replace(SHORT, hidden=5), attempts=600, tables=50, tests=60)
+    monkeypatch.setitem(sweep.SETTINGS, "turn_taking/objects_3", setting)
+    monkeypatch.setattr(sweep, "face_banks", lambda out, setting: (bank, bank))
+    sweep.run_cell(tmp_path, "turn_taking/objects_3", 4)
+    files = sorted(path.name for path in (tmp_path / "turn_taking/objects_3").iterdir())
+    assert files == ["config.yaml", "seed_4.npz"]
+    lives = analysis.read_lives(tmp_path, "turn_taking/objects_3")
+    assert lives["attempts"].shape == (1, sweep.BINS) and lives["attempts"].sum() == 600
+    assert (lives["right_in_view"] + lives["right_outside"] == lives["right"]).all()
+    assert lives["test_new_attempts"].item() == 60
+    monkeypatch.setattr(sweep, "live_one", None)
+    sweep.run_cell(tmp_path, "turn_taking/objects_3", 4)
+    numbers = analysis.numbers_of("turn_taking/objects_3", lives)
+    assert numbers["right_end"]["n"] == 1 and 0 <= numbers["right_end"]["mean"] <= 1
+    monkeypatch.setitem(sweep.SETTINGS, "turn_taking/objects_5", setting)
+    for name in ("objects_5", "in_view_5"):
+        (tmp_path / "turn_taking" / name).symlink_to(tmp_path / "turn_taking/objects_3")
+    analysis.draw(tmp_path, tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").stat().st_size > 10_000
