@@ -24,7 +24,7 @@ class Estimate:
 
 
 def mean_interval(values: np.ndarray) -> Estimate:
-    """Mean of ``values`` (n,) with a BCa bootstrap interval (percentile where BCa is undefined); NaN are left out.
+    """Mean of ``values`` (n,) with a BCa bootstrap interval; NaN are left out.
 
     With fewer than two values, or none that differ, the interval is the mean itself.
     """

@@ -29,8 +29,13 @@ _TRUSTED = {
 
 
 def fingerprint(config: Any) -> str:
-    """SHA-256 of a config's contents."""
-    return hashlib.sha256(json.dumps(plain(config), sort_keys=True).encode()).hexdigest()
+    """SHA-256 of a config's contents; 26 minutes and 26.0 are the same."""
+
+    def number(text: str) -> float:
+        return int(float(text)) if float(text).is_integer() else float(text)
+
+    contents = json.loads(json.dumps(plain(config)), parse_float=number)
+    return hashlib.sha256(json.dumps(contents, sort_keys=True).encode()).hexdigest()
 
 
 class _Unpickler(pickle.Unpickler):

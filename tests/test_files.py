@@ -1,0 +1,104 @@
+"""Files are whole or not there; what they replaced stays when the disk is full."""
+
+import errno
+import os
+import resource
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from matplotlib.figure import Figure
+
+from jointattn_mj.errors import OutputError
+from jointattn_mj.recording import checkpoint, figures
+from jointattn_mj.recording.files import forget_partial, write_whole
+from jointattn_mj.recording.provenance import write_config
+from jointattn_mj.recording.tables import write_parquet
+from jointattn_mj.recording.weights import write_weights
+
+NOISE = np.random.default_rng(0).random((200, 200))
+WRITERS = {
+    "frames.parquet": lambda path: write_parquet(path, pa.table({"x": NOISE.ravel()})),
+    "weights.npz": lambda path: write_weights(path, {"learner": NOISE}),
+    "success.png": lambda path: figures.save(figure(), path),
+    "checkpoint.bin": lambda path: checkpoint.save(path, NOISE, {}),
+    "config.yaml": lambda path: write_config(path, {"x": "y" * 10_000}),
+}
+
+
+def figure() -> Figure:
+    figure = Figure()
+    figure.subplots().imshow(NOISE)
+    return figure
+
+
+@pytest.fixture
+def full_disk():
+    """No file can be longer than 1000 bytes."""
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+
+def test_a_file_is_replaced_in_one_step(tmp_path):
+    path = tmp_path / "file.txt"
+    path.write_text("old")
+
+    def write(temporary: Path) -> None:
+        temporary.write_text("half")
+        assert path.read_text() == "old"
+        temporary.write_text("new")
+
+    write_whole(path, write)
+    assert path.read_text() == "new"
+    assert [child.name for child in tmp_path.iterdir()] == ["file.txt"]
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_full_disk(tmp_path, full_disk, name, capfd):
+    """One named error; the old file is still there, and nothing else."""
+    path = tmp_path / name
+    path.write_bytes(b"old")
+    with pytest.raises(OutputError, match="free space") as caught:
+        WRITERS[name](path)
+    assert str(path) in str(caught.value)
+    assert path.read_bytes() == b"old"
+    assert [child.name for child in tmp_path.iterdir()] == [name]
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_no_folder(tmp_path, name):
+    with pytest.raises(OutputError, match="No such file"):
+        WRITERS[name](tmp_path / "nowhere" / name)
+
+
+def test_no_space_to_put_it_in_place(tmp_path, monkeypatch):
+    def full(source, target):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OutputError, match="No space left on device"):
+        write_whole(tmp_path / "file", lambda path: path.write_text("new"))
+    assert not list(tmp_path.iterdir())
+
+
+def test_other_errors_pass_through_and_leave_nothing(tmp_path):
+    def fail(path: Path) -> None:
+        path.write_text("half")
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_whole(tmp_path / "file", fail)
+    assert not list(tmp_path.iterdir())
+
+
+def test_forget_partial(tmp_path):
+    """Temporaries of killed writers go; everything else stays, hidden or not."""
+    kept = ("frames.parquet", ".gitignore", ".notes.txt", ".frames.v2.parquet")
+    for name in (*kept, ".checkpoint.4711.bin", ".frames.12.parquet"):
+        (tmp_path / name).write_text("")
+    forget_partial(tmp_path)
+    assert {child.name for child in tmp_path.iterdir()} == set(kept)
