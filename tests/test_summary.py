@@ -1,0 +1,107 @@
+"""The numbers of a summary on shifts made by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jointattn_mj.recording.summary import moving_average, summarise
+from jointattn_mj.recording.tables import FrameTable, ShiftRow
+
+SHIFT = ShiftRow(
+    launch_s=0, landing_s=0, source="face", chosen="red", reached="red", commanded_by="visual_feedback",
+    phase_at_launch="gaze", phase_at_landing="gaze", target_at_launch="red", target_at_landing="red", start_pan_deg=0,
+    start_tilt_deg=0, command_pan_deg=0, command_tilt_deg=0, landing_pan_deg=0, landing_tilt_deg=0, learned=True,
+    iterations=1, face_to_object=True, nearest="red", nearest_off_deg=1, on_nothing=False, success_at_launch=True,
+    success_at_landing=True, success=True, pan_error_deg=0, tilt_error_deg=0, map_error_deg=3.0,
+)  # fmt: skip
+MISS = replace(SHIFT, success=False, success_at_launch=False, success_at_landing=False)
+BACK = replace(SHIFT, source="red", face_to_object=False, success=None, map_error_deg=None)
+
+
+def at(minute: float, shift: ShiftRow) -> ShiftRow:
+    return replace(shift, landing_s=60 * minute)
+
+
+def no_frames() -> FrameTable:
+    return FrameTable(1, ("red", "blue"), 4.0, 0.05)
+
+
+def test_moving_average_by_hand():
+    """Eq. 6.9: from t-1 to t+1, ends included; shifts back to the face do not count."""
+    shifts = [at(0.5, SHIFT), at(1.0, MISS), at(2.0, SHIFT), at(2.2, BACK), at(2.9, MISS), at(4.1, SHIFT)]
+    times, rate = moving_average(shifts, 6)
+    assert times.tolist() == [1, 2, 3, 4, 5]
+    np.testing.assert_allclose(rate, [2 / 3, 1 / 3, 1 / 2, 1, 1])
+    times, rate = moving_average(shifts[:2], 6)
+    np.testing.assert_allclose(rate, [1 / 2, 0, np.nan, np.nan, np.nan])
+
+
+def test_moving_average_of_26_minutes_runs_from_1_to_25():
+    assert moving_average([], 26)[0].tolist() == list(range(1, 26))
+    assert np.isnan(moving_average([], 26)[1]).all()
+    assert len(moving_average([], 0.3)[0]) == 1
+
+
+@given(st.lists(st.tuples(st.floats(0, 10), st.booleans()), max_size=30))
+def test_moving_average_against_plain_python(given):
+    shifts = [at(minute, SHIFT if good else MISS) for minute, good in given]
+    times, rate = moving_average(shifts, 10)
+    for time, value in zip(times, rate, strict=True):
+        near = [row.success for row in shifts if abs(row.landing_s / 60 - time) <= 1]
+        assert value == pytest.approx(np.mean(near)) if near else np.isnan(value)
+
+
+def test_counts_by_hand():
+    launch_only = replace(SHIFT, success_at_landing=False)
+    landing_only = replace(SHIFT, success_at_launch=False, on_nothing=True)
+    by_learner = replace(MISS, commanded_by="learner", map_error_deg=9.0)
+    rows = [at(1, SHIFT), at(2, launch_only), at(3, landing_only), at(21, by_learner), at(25, SHIFT), at(25.5, BACK)]
+    summary = summarise(no_frames(), rows, 26.0, 12.345)
+    assert (summary["minutes"], summary["wall_seconds"]) == (26.0, 12.35)
+    assert summary["gaze_shifts"] == 5
+    assert summary["gaze_shifts_of_all_kinds"] == 6
+    assert summary["successes"] == 4
+    assert summary["successes_at_launch"] == 3
+    assert summary["successes_at_landing"] == 3
+    assert summary["landings_on_nothing"] == 1
+    assert summary["successes_on_something"] == 3
+    assert summary["success_rate"] == pytest.approx(4 / 5)
+    assert summary["late_rate"] == pytest.approx(1 / 2)  # from the 20th minute on
+    assert summary["commanded_by_learner"] == 1
+    assert summary["map_error_deg"] == {"median": 6.0, "n": 2}
+
+
+def test_nothing_happened():
+    """None where there is nothing to count, never a division by zero or NaN, which is no JSON."""
+    summary = summarise(no_frames(), [], 26.0, 0.0)
+    assert summary["gaze_shifts"] == summary["successes"] == summary["learning_iterations"] == summary["frames"] == 0
+    for value in (summary["success_rate"], summary["late_rate"], summary["map_error_deg"]["median"]):
+        assert value is None
+    assert summary["motion"]["face"] == {"hit_rate": None, "false_alarm_rate": None}
+    assert summary["face_error_px"] == {"p50": None, "p95": None, "above_8px": None}
+    assert summary["face_missed"] is None
+
+
+def test_motion_rates_by_hand():
+    """Landing frames and frames of a turning head do not count."""
+    frames = FrameTable(8, ("red",), 4.0, 0.05)
+    moved = [0, 1, 1, 1, 0, 0, 1, 1]  # really, since the frame before
+    said = [1, 1, 1, 0, 0, 1, 0, 0]
+    landed = [0, 0, 0, 0, 0, 0, 1, 0]
+    turns = [0, 0, 0, 0, 0, 0, 0, 1]
+    frames._values[:] = 0
+    for name, candidate, values in (
+        ("x_m", 0, 0.01 * np.cumsum(moved)),
+        ("moves", 0, said),
+        ("landed", None, landed),
+        ("head_moves", None, turns),
+        ("looked", None, np.ones(8)),
+    ):
+        frames._values[:, frames._index[name, candidate]] = values
+    frames.frames = 8
+    motion = summarise(frames, [], 1.0, 0.0)["motion"]
+    assert motion["objects"] == {"hit_rate": pytest.approx(2 / 3), "false_alarm_rate": pytest.approx(2 / 3)}
+    assert motion["face"] == {"hit_rate": None, "false_alarm_rate": 0}
