@@ -21,27 +21,27 @@ class TruthConfig:
     """Noise, misses and false alarms; defaults are the pixel path's, measured in closed loop over six caregivers by
     ``python -m experiments.perception.measure``."""
 
-    face_noise_px: float = 0.56
+    face_noise_px: float = 0.55
     """Standard deviation of the face's place, each axis."""
     face_miss: float = 0.0
     """Chance that a visible face is not found."""
     object_noise_px: float = 0.25
     """Standard deviation of an object's place, each axis."""
-    object_miss: float = 0.0006
+    object_miss: float = 0.0005
     """Chance that a visible object is not found."""
-    pattern_noise_deg: float = 1.6
+    pattern_noise_deg: float = 1.03
     """Standard deviation of head yaw and pitch in the face pattern: how well the SOM can tell faces apart."""
     face_moves_above_deg_s: float = 4.0
     """Head speed that counts as motion."""
     object_moves_above_m_s: float = 0.05
     """Object speed that counts as motion."""
-    face_motion_hit: float = 0.976
+    face_motion_hit: float = 0.977
     """Chance that a turning face is seen to move."""
     face_motion_false_alarm: float = 0.025
     """Chance that a still face is seen to move."""
-    object_motion_hit: float = 0.982
+    object_motion_hit: float = 0.983
     """Chance that a moving object is seen to move."""
-    object_motion_false_alarm: float = 0.011
+    object_motion_false_alarm: float = 0.012
     """Chance that a still object is seen to move."""
 
     def __post_init__(self) -> None:
