@@ -15,14 +15,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.statistics import mean_interval
-from experiments.turn_taking.sweep import SETTINGS
+from experiments.turn_taking.sweep import SETTINGS, Setting
 from jointattn_mj.recording.figures import save
 from jointattn_mj.recording.files import write_whole
 
 END = 6
 """Stretches of a life, of 60, that count as its end: 30,000 attempts."""
+LEVEL = 0.75
+"""Success at which a stage counts as reached."""
 COLOURS = {1: "#7f8c8d", 3: "#2471a3", 5: "#c0392b", 10: "#b7950b"}
-STAGED = "turn_taking/objects_5"
+ATTEMPTS = Setting().attempts
 
 
 @dataclass(frozen=True)
@@ -57,61 +59,55 @@ def rates(lives: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 def numbers_of(name: str, lives: dict[str, np.ndarray]) -> dict[str, dict]:
     """What is reported of a setting, each with its interval over lives."""
-    attempts = SETTINGS[name].attempts
     rate = rates(lives)
-    stretch = attempts / rate["right"].shape[1]
+    stretch = SETTINGS[name].attempts / rate["right"].shape[1]
     tests = {
         f"test_{kind}": lives[f"test_{kind}_right"][:, 0] / lives[f"test_{kind}_attempts"][:, 0]
         for kind in ("known", "new")
     }
     start = {f"{key}_start": values[:, 0] for key, values in rate.items()}
     end = {f"{key}_end": values[:, -END:].mean(axis=1) for key, values in rate.items()}
-    half = {f"{key}_half_at": half_way(values) * stretch for key, values in rate.items() if key != "any"}
+    in_view, outside = (reaches(rate[f"right_{place}"], LEVEL) * stretch for place in ("in_view", "outside"))
+    stages = {"in_view_reaches_at": in_view, "outside_reaches_at": outside, "outside_later_by": outside - in_view}
     lowest = {"right_lowest": rate["right"].min(axis=1), "any_lowest": rate["any"].min(axis=1)}
-    return {key: vars(mean_interval(values)) for key, values in (start | end | half | lowest | tests).items()}
+    return {key: vars(mean_interval(values)) for key, values in (start | end | stages | lowest | tests).items()}
 
 
-def half_way(rate: np.ndarray) -> np.ndarray:
-    """(lives,) stretch from which a rate stays above half of its rise from start to end; NaN where it does not rise."""
-    start, end = rate[:, :1], rate[:, -END:].mean(axis=1, keepdims=True)
-    below = rate < start + 0.5 * (end - start)
-    last = rate.shape[1] - np.argmax(below[:, ::-1], axis=1)
-    rises = (end - start)[:, 0] > 0.1
-    return np.where(rises & below.any(axis=1), last, np.nan)
+def reaches(rate: np.ndarray, level: float) -> np.ndarray:
+    """(lives,) when a rate first gets to ``level``, in stretches (interpolated); NaN for lives in which it does not."""
+    reached = np.full(len(rate), np.nan)
+    for life, values in enumerate(rate):
+        above = np.flatnonzero(values >= level)
+        if len(above):
+            k = above[0]
+            before = values[k - 1] if k else values[k]
+            reached[life] = k + 0.5 - ((values[k] - level) / (values[k] - before) if values[k] > before else 0.0)
+    return reached
 
 
-def band(axes: Axes, rate: np.ndarray, attempts: int, label: str, colour: str, style: str = "-") -> None:
+def band(axes: Axes, rate: np.ndarray, label: str, colour: str) -> None:
     """A curve over learning time: mean of all lives with its 95% interval."""
     estimates = [mean_interval(column) for column in rate.T]
-    at = (np.arange(rate.shape[1]) + 0.5) * attempts / rate.shape[1] / 1e4
+    at = _times(rate)
     axes.fill_between(at, [e.low for e in estimates], [e.high for e in estimates], color=colour, alpha=0.2, lw=0)
-    axes.plot(at, [e.mean for e in estimates], style, color=colour, lw=1.5, label=label)
+    axes.plot(at, [e.mean for e in estimates], color=colour, lw=1.5, label=label)
+
+
+def _times(rate: np.ndarray) -> np.ndarray:
+    """Middle of each stretch, 10^4 attempts."""
+    return (np.arange(rate.shape[1]) + 0.5) * ATTEMPTS / rate.shape[1] / 1e4
 
 
 def draw(folder: Path, path: Path) -> None:
-    """Success by number of objects; the three stages; where objects lie."""
-    figure = Figure(figsize=(12, 3.9), layout="constrained")
-    by_number, stages, by_place = figure.subplots(1, 3, sharey=True)
+    """Success by number of objects; the three stages with five and with ten; where objects lie."""
+    figure = Figure(figsize=(9.5, 7.2), layout="constrained")
+    by_number, by_place, five, ten = figure.subplots(2, 2, sharey=True).ravel()
     for objects, colour in COLOURS.items():
-        name = f"turn_taking/objects_{objects}"
-        lives = read_lives(folder, name)
+        lives = read_lives(folder, f"turn_taking/objects_{objects}")
         if lives:
             label = f"{objects} object{'s' * (objects > 1)} ({len(lives['right'])} lives)"
-            band(by_number, rates(lives)["right"], SETTINGS[name].attempts, label, colour)
+            band(by_number, rates(lives)["right"], label, colour)
             by_number.axhline(1 / objects, color=colour, ls=":", lw=0.8)
-    lives = read_lives(folder, STAGED)
-    if lives:
-        shown = {
-            "any": ("some object", "#7f8c8d", "-"),
-            "right_in_view": ("hers, in the first view", "#1e8449", "-"),
-            "right_outside": ("hers, outside the first view", "#6c3483", "-"),
-        }
-        for key, (label, colour, style) in shown.items():
-            band(stages, rates(lives)[key], SETTINGS[STAGED].attempts, label, colour, style)
-        robot = SETTINGS[STAGED].robot
-        time = np.linspace(0, SETTINGS[STAGED].attempts, 300)
-        gate = 1 / (1 + np.exp((robot.gate_midpoint - time) / robot.gate_width))
-        stages.plot(time / 1e4, gate, ":", color="#2c3e50", lw=1, label="gate: network commands")
     places = {
         "objects_5": ("five, anywhere on the table", "#c0392b"),
         "in_view_5": ("five, in the first view", "#1e8449"),
@@ -120,23 +116,42 @@ def draw(folder: Path, path: Path) -> None:
     for key, (label, colour) in places.items():
         lives = read_lives(folder, f"turn_taking/{key}")
         if lives:
-            right, attempts = rates(lives)["right"], SETTINGS[f"turn_taking/{key}"].attempts
-            band(by_place, right, attempts, label, colour)
-            at = (np.arange(right.shape[1]) + 0.5) * attempts / right.shape[1] / 1e4
-            by_place.plot(at, right.T, color=colour, lw=0.3, alpha=0.5)
+            band(by_place, rates(lives)["right"], label, colour)
+            by_place.plot(_times(rates(lives)["right"]), rates(lives)["right"].T, color=colour, lw=0.3, alpha=0.5)
+    draw_stages(five, folder, "turn_taking/objects_5")
+    draw_stages(ten, folder, "turn_taking/objects_10")
     titles = {
-        by_number: "the object she looks at is reached; dotted: chance",
-        stages: "five objects on the table: three stages",
-        by_place: "the object she looks at, by where objects may lie",
+        by_number: "the object she looks at is reached (dotted: chance)",
+        by_place: "the same, by where objects may lie (thin: single lives)",
+        five: "three stages, five objects on the table",
+        ten: "three stages, ten objects",
     }
     for axes, title in titles.items():
         axes.set_title(title, fontsize=10)
-        axes.set(xlabel="learning time (10⁴ attempts)", ylim=(0, 1.02), xlim=(0, 30))
-        axes.legend(fontsize=7, loc="lower right")
+        axes.set(ylim=(0, 1.02), xlim=(0, 30))
         axes.grid(alpha=0.3)
-    by_number.set_ylabel("share of attempts")
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(fontsize=7, loc="lower right")
+    for axes in (five, ten):
+        axes.set_xlabel("learning time (10⁴ attempts)")
+    for axes in (by_number, five):
+        axes.set_ylabel("share of attempts")
     path.parent.mkdir(parents=True, exist_ok=True)
     save(figure, path)
+
+
+def draw_stages(axes: Axes, folder: Path, name: str) -> None:
+    """Any object; hers where it was in the first view; hers where it was not; the gate."""
+    lives = read_lives(folder, name)
+    if not lives:
+        return
+    rate = rates(lives)
+    band(axes, rate["any"], "some object", "#7f8c8d")
+    band(axes, rate["right_in_view"], "hers, in the first view", "#1e8449")
+    band(axes, rate["right_outside"], "hers, outside the first view", "#6c3483")
+    robot, time = SETTINGS[name].robot, np.linspace(0, ATTEMPTS, 300)
+    gate = 1 / (1 + np.exp((robot.gate_midpoint - time) / robot.gate_width))
+    axes.plot(time / 1e4, gate, ":", color="#2c3e50", lw=1, label="gate: the network commands")
 
 
 def main() -> None:
