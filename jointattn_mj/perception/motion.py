@@ -13,16 +13,19 @@ pixels changed as those of a thing that moves: an arm that passes behind it has 
 that passes before it pulls the centroid, but takes pixels on one side without adding any on the other.
 """
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit, uintp
+from numba import njit
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.flow import BLOCK, region_flow
 from jointattn_mj.perception.objects import Areas
 
 MAX_BLOCKS = 1024  # flow vectors kept for one picture
+Box = tuple[int, int, int, int]  # x0, y0, x1, y1, the last two exclusive
+NOWHERE: Box = (0, 0, 0, 0)
 
 
 @dataclass(frozen=True)
@@ -121,29 +124,11 @@ def _mean_length(flow, start, count):
 
 
 @njit(cache=True)
-def _keep(gray, corner, side, face_box, rim, picture, parts):
-    """Copy to ``picture`` what will be read of ``gray``, each object's window and the face's; ``parts`` says where."""
-    height, width = gray.shape
-    values, kept = gray.ravel(), picture.ravel()
-    n = len(corner)
-    for k in range(n + 1):
-        if k == n:
-            x0, y0, x1, y1 = face_box[0] - rim, face_box[1] - rim, face_box[2] + rim, face_box[3] + rim
-        else:
-            x0, y0, x1, y1 = corner[k, 0], corner[k, 1], corner[k, 0] + side, corner[k, 1] + side
-        x0, y0, x1, y1 = max(x0, 0), max(y0, 0), min(x1, width), min(y1, height)
-        parts[k, 0], parts[k, 1], parts[k, 2], parts[k, 3] = x0, y0, x1, y1
-        for y in range(y0, y1):
-            start = uintp(y * width + x0)
-            for at in range(start, start + uintp(max(x1 - x0, 0))):
-                kept[at] = values[at]
-
-
-@njit(cache=True)
-def _common(part, other, out):
-    """The rectangle that two have in common."""
-    out[0], out[1] = max(part[0], other[0]), max(part[1], other[1])
-    out[2], out[3] = min(part[2], other[2]), min(part[3], other[3])
+def _common(corner, other, side, shape, part):
+    """What two windows of ``side`` pixels have in common within the picture."""
+    for axis in range(2):
+        part[axis] = max(corner[axis], other[axis], 0)
+        part[2 + axis] = min(min(corner[axis], other[axis]) + side, shape[1 - axis])
 
 
 @njit(cache=True)
@@ -158,7 +143,8 @@ def _equal(now, before, part):
 
 @njit(cache=True)
 def _measure(
-    now, before, pictures, parts, face_box, seen, px, box, mask, corner,
+    now, before, face_box, face_part, seen, px, box, mask, corner,
+    seen_before, px_before, box_before, mask_before, corner_before,
     inset, step, margin, reach, floor, least, refit_ratio, blocks, flow, owners, strength,
 ):  # fmt: skip
     """Flow of the blocks of the face and of objects that may have moved, and each one's strength of motion, pixels.
@@ -166,37 +152,38 @@ def _measure(
     An object whose centroid has not moved by ``least`` has no flow, nor has a face that looks the same to the last
     grey value. Returns the number of blocks.
     """
-    n, count = seen.shape[1], 0
-    part = np.empty(4, parts.dtype)
+    n, count = len(seen), 0
+    part = np.zeros(4, np.int64)
     for k in range(n):
         strength[k] = 0.0
-        if seen[now, k] and seen[before, k]:
-            x, y = px[now, k, 0] - px[before, k, 0], px[now, k, 1] - px[before, k, 1]
+        if seen[k] and seen_before[k]:
+            x, y = px[k, 0] - px_before[k, 0], px[k, 1] - px_before[k, 1]
             if np.hypot(x, y) > least and _moved_as_one(
-                mask[now, k], corner[now, k], box[now, k], mask[before, k], corner[before, k], box[before, k], x, y,
-                refit_ratio,
-            ):  # fmt: skip
+                mask[k], corner[k], box[k], mask_before[k], corner_before[k], box_before[k], x, y, refit_ratio
+            ):
                 start, start_x, start_y = count, np.int64(np.rint(x)), np.int64(np.rint(y))
-                _common(parts[now, k], parts[before, k], part)
+                _common(corner[k], corner_before[k], mask.shape[1], now.shape, part)
                 count = region_flow(
-                    pictures[now], pictures[before], part, box[now, k], step, margin, start_y, start_x, reach, floor,
-                    k, count, blocks, flow, owners,
+                    now, before, part, box[k], step, margin, start_y, start_x, reach, floor, k,
+                    count, blocks, flow, owners,
                 )  # fmt: skip
                 strength[k] = min(np.hypot(x, y), _mean_length(flow, start, count))
     start = count
-    _common(parts[now, n], parts[before, n], part)
-    if not _equal(pictures[now], pictures[before], part):
+    for k in range(4):
+        part[k] = face_part[k]
+    if not _equal(now, before, part):
         count = region_flow(
-            pictures[now], pictures[before], part, face_box, step, -inset, 0, 0, reach, floor,
-            n, count, blocks, flow, owners,
-        )  # fmt: skip
+            now, before, part, np.array(face_box), step, -inset, 0, 0, reach, floor, n, count, blocks, flow, owners
+        )
     strength[n] = _mean_length(flow, start, count)
     return count
 
 
 @njit(cache=True)
-def _raise_flags(strength, face_px, object_px, stay_ratio, linger, on, left):
-    """Thresholds with hysteresis: eq. 6.3's |f_i| > epsilon_i."""
+def _raise_flags(strength, flow, scale, face_px, object_px, stay_ratio, linger, on, left):
+    """Thresholds with hysteresis: eq. 6.3's |f_i| > epsilon_i. Strength and flow are scaled up first."""
+    strength *= scale
+    flow *= scale
     for i in range(len(on)):
         threshold = face_px if i == len(on) - 1 else object_px
         if strength[i] > (stay_ratio * threshold if on[i] else threshold):
@@ -207,103 +194,77 @@ def _raise_flags(strength, face_px, object_px, stay_ratio, linger, on, left):
             on[i] = False
 
 
-@njit(cache=True)
-def _update(
-    gray, face_box, seen, px, box, mask, corner,
-    frame, frames_back, pictures, parts, kept_seen, kept_px, kept_box, kept_mask, kept_corner,
-    face_px, object_px, stay_ratio, linger, floor, inset, step, margin, reach, refit_ratio,
-    blocks, flow, owners, strength, on, left,
-):  # fmt: skip
-    """Keep one more look, and compare it with an earlier one (arguments as in MotionDetector). Number of blocks.
-
-    pictures: (frames_back + 1, h, w) grey, valid in parts; parts: (.., n + 1, 4) x0, y0, x1, y1, the face's last; the
-    other kept arrays are those of ``Areas`` with the same first axis.
-    """
-    now = frame % len(pictures)
-    _keep(gray, corner, mask.shape[1], face_box, reach + 1 - inset, pictures[now], parts[now])
-    kept_seen[now], kept_px[now], kept_box[now], kept_mask[now], kept_corner[now] = seen, px, box, mask, corner
-    back = min(frame, frames_back)
-    if back == 0:
-        return 0
-    scale = frames_back / back
-    count = _measure(
-        now, (frame - back) % len(pictures), pictures, parts, face_box,
-        kept_seen, kept_px, kept_box, kept_mask, kept_corner,
-        inset, step, margin, reach, floor, min(stay_ratio, 1.0) * object_px / scale, refit_ratio,
-        blocks, flow, owners, strength,
-    )  # fmt: skip
-    strength *= scale
-    flow[:count] *= scale
-    _raise_flags(strength, face_px, object_px, stay_ratio, linger, on, left)
-    return count
-
-
 class MotionDetector:
-    """Tells who moves. Holds what it needs of the last few pictures: it can be pickled."""
+    """Tells who moves. Holds the last few pictures and areas: it can be pickled."""
 
     def __init__(self, config: MotionConfig | None = None):
         self.config = config or MotionConfig()
         self._blocks = np.zeros((MAX_BLOCKS, 2))
         self._flow = np.zeros((MAX_BLOCKS, 2))
         self._owners = np.zeros(MAX_BLOCKS, np.int64)
-        self._allocate((0, 0), Areas.empty(0, 0))
-
-    def _allocate(self, shape: tuple[int, ...], areas: Areas) -> None:
-        slots, n = self.config.frames_back + 1, len(areas.seen)
-        self._shape = shape, areas.mask.shape
-        self._pictures = np.zeros((slots, *shape), np.uint8)
-        self._parts = np.zeros((slots, n + 1, 4), np.int32)
-        looks = (areas.seen, areas.px, areas.box, areas.mask, areas.corner)
-        self._looks = tuple(np.zeros((slots, *array.shape), array.dtype) for array in looks)
-        self._on, self._left, self._strength = np.zeros(n + 1, bool), np.zeros(n + 1, int), np.zeros(n + 1)
-        self.reset()
+        self._kept: deque[tuple[np.ndarray, Box, Areas]] = deque(maxlen=self.config.frames_back)
+        self._on, self._left, self._strength = np.zeros(1, bool), np.zeros(1, int), np.zeros(1)
+        self._box: Box | None = None
 
     def reset(self) -> None:
         """Forget all pictures: the head has moved, and a fixation begins (section 6.3.2: no flow while it turns)."""
-        self._frame = 0
-        self._box = (0, 0, 0, 0)  # nothing yet
+        self._kept.clear()
+        self._box = None
         self._on[:] = False
         self._left[:] = 0
 
-    def face_part(self, face_box: tuple[int, int, int, int] | None) -> tuple[int, int, int, int]:
-        """x0, y0, x1, y1 of what `update` will read for the face; it reads the objects in the windows of their masks.
+    def face_part(self, face_box: Box | None, shape: tuple[int, ...]) -> Box:
+        """What `update` will read of a picture (h, w) for the face; it reads the objects in the windows of their masks.
 
         Args:
             face_box: As for `update`.
+            shape: h, w.
         """
         box = self._box
         if face_box is not None:
-            shift = max(abs(box[0] - face_box[0]), abs(box[1] - face_box[1]))
-            if box[2] == 0 or shift > (face_box[2] - face_box[0]) / 2:
+            half = (face_box[2] - face_box[0]) / 2
+            if box is None or max(abs(box[0] - face_box[0]), abs(box[1] - face_box[1])) > half:
                 self._box = box = face_box
+        if box is None:
+            return NOWHERE
         rim = self.config.reach_px + 1 - self.config.face_inset_px
-        return box[0] - rim, box[1] - rim, box[2] + rim, box[3] + rim
+        return max(box[0] - rim, 0), max(box[1] - rim, 0), min(box[2] + rim, shape[1]), min(box[3] + rim, shape[0])
 
-    def update(self, gray: np.ndarray, face_box: tuple[int, int, int, int] | None, areas: Areas) -> Motion:
+    def update(self, gray: np.ndarray, face_box: Box | None, areas: Areas) -> Motion:
         """What moves, from one more picture of this fixation.
 
         Args:
-            gray: (h, w) uint8.
+            gray: (h, w) uint8, contiguous.
             face_box: x0, y0, x1, y1 of the face, None if unseen. The first of a fixation stays in force until `reset`,
                 or until the face is found half a box away.
             areas: The objects' areas in the same picture.
 
+        Picture and areas are kept, not copied: the caller leaves them as they are for the next ``frames_back`` updates.
         In the first picture nothing moves; in the next ones, before ``frames_back`` pictures have passed, the oldest is
         compared with, and the displacement scaled up.
         """
         config, n = self.config, len(areas.seen)
-        if self._shape != (gray.shape, areas.mask.shape):
-            self._allocate(gray.shape, areas)
-        self.face_part(face_box)
-        blocks = _update(
-            gray, self._box, areas.seen, areas.px, areas.box, areas.mask, areas.corner,
-            self._frame, config.frames_back, self._pictures, self._parts, *self._looks,
-            config.face_px, config.object_px, config.stay_ratio, config.linger_frames,
-            config.texture * BLOCK * BLOCK * 2, config.face_inset_px, config.step_px, config.object_margin_px,
-            config.reach_px, config.refit_ratio,
-            self._blocks, self._flow, self._owners, self._strength, self._on, self._left,
-        )  # fmt: skip
-        self._frame += 1
+        if len(self._on) != n + 1:
+            self._on, self._left, self._strength = np.zeros(n + 1, bool), np.zeros(n + 1, int), np.zeros(n + 1)
+            self.reset()
+        part, blocks = self.face_part(face_box, gray.shape), 0
+        if self._kept:
+            before, part_before, old = self._kept[0]
+            scale = config.frames_back / len(self._kept)
+            box = self._box if part == part_before and self._box is not None else NOWHERE
+            blocks = _measure(
+                gray, before, box, part,
+                areas.seen, areas.px, areas.box, areas.mask, areas.corner,
+                old.seen, old.px, old.box, old.mask, old.corner,
+                config.face_inset_px, config.step_px, config.object_margin_px, config.reach_px,
+                config.texture * BLOCK * BLOCK * 2, min(config.stay_ratio, 1.0) * config.object_px / scale,
+                config.refit_ratio, self._blocks, self._flow, self._owners, self._strength,
+            )  # fmt: skip
+            _raise_flags(
+                self._strength, self._flow[:blocks], scale, config.face_px, config.object_px, config.stay_ratio,
+                config.linger_frames, self._on, self._left,
+            )  # fmt: skip
+        self._kept.append((gray, part, areas))
         return Motion(
             bool(self._on[n]), self._on[:n], self._blocks[:blocks], self._flow[:blocks], self._owners[:blocks]
         )

@@ -42,7 +42,7 @@ class ColourConfig:
 
 @dataclass
 class Areas:
-    """What was found of each of ``n`` colours. Arrays belong to their ColourAreas and hold until its next picture."""
+    """What was found of each of ``n`` colours in one picture."""
 
     seen: np.ndarray  # (n,) bool
     area: np.ndarray  # (n,) pixels
@@ -50,11 +50,6 @@ class Areas:
     box: np.ndarray  # (n, 4) x0, y0, x1, y1, the last two exclusive; zeros when not seen
     mask: np.ndarray  # (n, m, m) bool, the object's own pixels in a window whose upper left pixel is ``corner``
     corner: np.ndarray  # (n, 2) x, y of that pixel; it may lie outside the picture
-
-    def copy_to(self, other: "Areas") -> None:
-        """Overwrite ``other``, of the same sizes, with this look."""
-        for name in ("seen", "area", "px", "box", "mask", "corner"):
-            np.copyto(getattr(other, name), getattr(self, name))
 
     @classmethod
     def empty(cls, n: int, reach_px: int) -> "Areas":
@@ -226,14 +221,16 @@ class ColourAreas:
         self._shape = (0, 0, 3)  # of pictures, for which these two are laid out
         self._votes = np.zeros((n, 0, 0, 3), np.int32)
         self._hits = np.zeros((0, 3), np.int32)
-        self._areas = Areas.empty(n, self.config.reach_px)
+    def nothing(self) -> Areas:
+        """Areas to be found by `find`."""
+        return Areas.empty(len(self._clusters), self.config.reach_px)
 
-    def find(self, picture: np.ndarray, gray: np.ndarray) -> Areas:
-        """The colour areas of an RGB picture (h, w, 3) uint8; ``gray`` (h, w) uint8 is filled in in their windows.
+    def find(self, picture: np.ndarray, gray: np.ndarray, found: Areas) -> None:
+        """Fill in the colour areas of an RGB picture (h, w, 3) uint8, and ``gray`` (h, w) uint8 in their windows.
 
-        A window is ``mask.shape`` pixels from ``corner``; both arrays are contiguous.
+        A window is ``mask.shape`` pixels from ``corner``; picture and ``gray`` are contiguous.
         """
-        found, config = self._areas, self.config
+        config = self.config
         if self._shape != picture.shape:
             self._shape = height, width, _ = picture.shape
             cell = 1 << CELL_BITS
@@ -243,12 +240,12 @@ class ColourAreas:
             picture, self._table, self._hits, self._votes, self._clusters, config.reach_px, config.min_area_px, gray,
             found.seen, found.area, found.px, found.box, found.mask, found.corner,
         )  # fmt: skip
-        return found
 
     def segment(self, picture: np.ndarray) -> tuple[np.ndarray, Areas]:
         """The whole grey picture (h, w) uint8, and the colour areas, of an RGB picture (h, w, 3) uint8."""
-        gray = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
-        return gray, self.find(picture, gray)
+        gray, areas = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), self.nothing()
+        self.find(picture, gray, areas)
+        return gray, areas
 
     def labels(self, picture: np.ndarray) -> np.ndarray:
         """Label of every pixel, (h, w) uint8, 0 for none: for overlays and for looking into errors."""

@@ -1,5 +1,6 @@
 """The robot's own perception: everything from the camera picture (boxes left of the attention selector in Fig. 6.2)."""
 
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -9,7 +10,7 @@ from numba import njit
 from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig
 from jointattn_mj.perception.gray import fill_gray
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
-from jointattn_mj.perception.objects import ColourAreas, ColourConfig
+from jointattn_mj.perception.objects import Areas, ColourAreas, ColourConfig
 from jointattn_mj.perception.percept import Percept
 from jointattn_mj.scene import camera
 
@@ -63,6 +64,7 @@ class PixelPerception:
         self._face_direction = np.zeros(2)
         self._knows_face = False
         self._gray = np.zeros((0, 0), np.uint8)
+        self._looks: deque[tuple[np.ndarray, Areas]] = deque()  # grey pictures and areas, written by turns
         self.motion: Motion | None = None
         count = len(rgb) + 1
         self._percept = Percept(np.zeros(count, bool), np.full((count, 2), np.nan), np.zeros(count, bool))
@@ -70,10 +72,9 @@ class PixelPerception:
     def look(self, observation: Mapping[str, np.ndarray], landed: bool) -> Percept:
         """Face, colour areas and motion of this picture; ``landed`` begins a new history of motion."""
         head, picture = observation["head_angles"], observation["camera"]
-        if self._gray.shape != picture.shape[:2]:
-            self._gray = np.zeros(picture.shape[:2], np.uint8)
-        gray, expected = self._gray, None
-        areas = self.colours.find(picture, gray)
+        gray, areas = self._next_look(picture.shape[:2])
+        expected = None
+        self.colours.find(picture, gray, areas)
         if self._knows_face:
             expected = _expected(self._face_direction, head)
             fill_gray(picture, gray, *self.faces.part(expected))
@@ -85,13 +86,22 @@ class PixelPerception:
             box = self.faces.box(fix, gray.shape)
         if landed:
             self._motion.reset()
-        fill_gray(picture, gray, *self._motion.face_part(box))
+        fill_gray(picture, gray, *self._motion.face_part(box, gray.shape))
         self.motion = self._motion.update(gray, box, areas)
         percept = self._percept
         percept.seen[:-1], percept.seen[-1] = areas.seen, fix.found
         percept.px[:-1], percept.px[-1] = areas.px, (fix.x, fix.y)
         percept.moves[:-1], percept.moves[-1] = self.motion.object_moves, self.motion.face_moves
         return percept
+
+    def _next_look(self, shape: tuple[int, ...]) -> tuple[np.ndarray, Areas]:
+        """Where to write this look's grey picture (h, w) and areas: what the motion detector needs no more."""
+        if self._gray.shape != shape:
+            kept = self._motion.config.frames_back + 1
+            self._looks = deque((np.zeros(shape, np.uint8), self.colours.nothing()) for _ in range(kept))
+        self._looks.rotate()
+        self._gray, areas = self._looks[0]
+        return self._gray, areas
 
     def face_pattern(self) -> np.ndarray:
         """The 32x32 grey patch f_v around the face of the last look, (1024,) float32."""
