@@ -52,6 +52,8 @@ class LearnerConfig:
                 "learner needs 0 < rate <= 1, tuning_deg > 0, context >= 0 and at least 3 units an axis; got "
                 f"{self.rate}, {self.tuning_deg}, {self.context}, {self.units}"
             )
+        if not (self.hidden >= 1 and self.network_rate > 0):
+            raise ConfigError(f"learner needs hidden >= 1, network_rate > 0; got {self.hidden}, {self.network_rate}")
 
 
 class Learner(Protocol):

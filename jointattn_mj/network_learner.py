@@ -3,37 +3,48 @@
 Give ``NetworkLearner`` a module of your own that maps a face's description (k,) to the units' activities, flat.
 """
 
+from typing import Any
+
 import numpy as np
 import torch
 
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.learning import LearnerConfig, PopulationCode, same_shape
 
 
-def hidden_layer(config: LearnerConfig, inputs: int, rng: np.random.Generator) -> torch.nn.Module:
+class HiddenLayer(torch.nn.Sequential):
+    """The default network, which a checkpoint knows how to build."""
+
+
+def hidden_layer(config: LearnerConfig, inputs: int, rng: np.random.Generator) -> HiddenLayer:
     """The three-layered default: one hidden layer of tanh units, as in the earlier work (reference [19])."""
     outputs = config.units[0] * config.units[1]
-    network = torch.nn.Sequential(
-        torch.nn.Linear(inputs, config.hidden), torch.nn.Tanh(), torch.nn.Linear(config.hidden, outputs)
-    )
+    first, second = torch.nn.Linear(inputs, config.hidden), torch.nn.Linear(config.hidden, outputs)
     with torch.no_grad():
-        for layer, spread in ((network[0], 3.0), (network[2], 0.01)):
+        for layer, spread in ((first, 3.0), (second, 0.01)):
             layer.weight.copy_(torch.from_numpy(spread * rng.standard_normal(tuple(layer.weight.shape))))
             layer.bias.zero_()
-    return network
+    return HiddenLayer(first, torch.nn.Tanh(), second)
 
 
 class NetworkLearner:
     """Online gradient descent on the squared error of the population's activity."""
 
     def __init__(self, config: LearnerConfig, network: torch.nn.Module):
-        self._code = PopulationCode(config)
+        self._config, self._code = config, PopulationCode(config)
         self._network = network
         self._descent = torch.optim.SGD(network.parameters(), lr=config.network_rate)
 
     def predict(self, activations: np.ndarray) -> np.ndarray:
-        """The direction whose units are most active."""
+        """The direction whose units are most active.
+
+        Raises:
+            ConfigError: The network has diverged.
+        """
         with torch.no_grad():
             activity = self._network(torch.from_numpy(activations).float())
+        if not torch.isfinite(activity).all():
+            raise ConfigError(f"the network diverged; choose a learner.network_rate below {self._config.network_rate}")
         return self._code.decode(activity.double().numpy().reshape(self._code.shape))
 
     def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
@@ -55,3 +66,21 @@ class NetworkLearner:
         """
         fitting = torch.from_numpy(same_shape(weights, self.weights()))
         torch.nn.utils.vector_to_parameters(fitting, self._network.parameters())
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For checkpoints, which hold no classes of torch: the default network is built anew from its config.
+
+        Raises:
+            ConfigError: The network is another one; a subclass that knows how to build it overrides both methods.
+        """
+        if not isinstance(self._network, HiddenLayer):
+            raise ConfigError("a learner with a network of your own needs its own __getstate__ and __setstate__")
+        inputs = next(self._network.parameters()).shape[1]
+        return {"config": self._config, "inputs": inputs, "weights": self.weights()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        config = state["config"]
+        self._config, self._code = config, PopulationCode(config)
+        self._network = hidden_layer(config, state["inputs"], np.random.default_rng(0))
+        self._descent = torch.optim.SGD(self._network.parameters(), lr=config.network_rate)
+        self.load(state["weights"])

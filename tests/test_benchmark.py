@@ -1,0 +1,40 @@
+"""The benchmark measures what it says; how fast is not for tests to judge."""
+
+import json
+import math
+
+import pytest
+
+from jointattn_mj import benchmark
+from jointattn_mj.benchmark import BenchmarkOptions, run_benchmark
+from jointattn_mj.cli import main
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
+from jointattn_mj.scene import gl
+from jointattn_mj.session import SessionConfig
+
+needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
+
+
+@needs_gl
+def test_figures(tmp_path, capsys, monkeypatch):
+    robot = RobotConfig(familiarise=FamiliariseConfig(minutes=0.05))
+    monkeypatch.setattr(benchmark, "SessionConfig", lambda **options: SessionConfig(robot=robot, **options))
+    main(["benchmark", "--blocks", "1", "--seconds", "2", "--out", str(tmp_path / "figures.json")])
+    figures = json.loads((tmp_path / "figures.json").read_text())
+    shown = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert figures.keys() == shown.keys() == run_benchmark.__annotations__["return"].__annotations__.keys()
+    assert figures.pop("renderer")
+    for name, value in figures.items():
+        assert math.isfinite(value), name
+        assert value > 0, name
+    assert figures["loop_to_render"] == pytest.approx(figures["loop_ms_per_picture"] / figures["render_ms"])
+    assert figures["session_26_min_s"] == pytest.approx(26 * 60 / figures["loop_times_real_time"])
+    assert figures["loop_to_cartpole"] == pytest.approx(figures["loop_ms_per_picture"] / figures["cartpole_ms"])
+    assert figures["truth_times_real_time"] > figures["loop_times_real_time"]
+
+
+@pytest.mark.parametrize("options", [{"blocks": 0}, {"seconds": 0.0}, {"seconds": math.nan}])
+def test_impossible_options(options):
+    with pytest.raises(ConfigError, match=next(iter(options))):
+        BenchmarkOptions(**options)
