@@ -20,6 +20,7 @@ needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="
 def test_figures(tmp_path, capsys, monkeypatch):
     robot = RobotConfig(familiarise=FamiliariseConfig(minutes=0.05))
     monkeypatch.setattr(benchmark, "SessionConfig", lambda **options: SessionConfig(robot=robot, **options))
+    monkeypatch.setattr(benchmark, "CARTPOLE_STEPS", 5)
     main(["benchmark", "--blocks", "1", "--seconds", "2", "--out", str(tmp_path / "figures.json")])
     figures = json.loads((tmp_path / "figures.json").read_text())
     shown = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
