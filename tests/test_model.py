@@ -53,7 +53,7 @@ def test_agreed_names_exist(model):
         model.site(site)
     assert model.camera("robot/eye").fovy[0] == 48.5
     model.camera("third_person")
-    assert model.opt.timestep == pytest.approx(1 / 60)
+    assert model.opt.timestep == pytest.approx(1 / 30)
     assert not model.geom_contype.any() and not model.geom_conaffinity.any()
 
 
@@ -88,7 +88,7 @@ def test_robot_head_settles_without_overshoot(model):
         pan.append(data.joint("robot/pan").qpos[0])
         tilt.append(data.joint("robot/tilt").qpos[0])
     assert max(pan) <= 0.4 + 1e-6 and min(tilt) >= -0.3 - 1e-6
-    assert pan[5] > 0.95 * 0.4 and tilt[5] < 0.95 * -0.3  # after a tenth of a second
+    assert pan[2] > 0.95 * 0.4 and tilt[2] < 0.95 * -0.3  # after a tenth of a second
     assert pan[-1] == pytest.approx(0.4, abs=1e-3)
 
 
@@ -98,7 +98,7 @@ def test_scripted_joints_keep_the_velocity_that_was_set(model):
     for joint, value in speed.items():
         data.joint(joint).qvel = value
     data.ctrl[:] = 0.3
-    for _ in range(30):
+    for _ in range(15):
         mujoco.mj_step(model, data)
     for joint, value in speed.items():
         assert data.joint(joint).qpos[0] == pytest.approx(value * 0.5, abs=1e-3)

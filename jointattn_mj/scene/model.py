@@ -22,7 +22,7 @@ from jointattn_mj.scene.face import FaceConfig, FaceMesh, build_face, identity
 from jointattn_mj.scene.shapes import Mesh
 
 PICTURE_WIDTH, PICTURE_HEIGHT = 320, 240  # camera pictures of section 6.4.1
-TIMESTEP = 1 / 60  # two physics steps a picture
+TIMESTEP = 1 / 30  # one physics step a picture: nothing collides, and the servos are damped implicitly
 TABLE_Z = 0.71  # height of the table top
 HEAD_POSITION = (1.5, 0.0, 1.08)  # centre of the caregiver's head; her yaw and pitch axes meet here
 SHAPES = ("box", "cylinder", "sphere")
