@@ -70,8 +70,8 @@ class Eye:
     """Renders one camera of a physics into one reused buffer.
 
     The renderer is made at the first picture: a scene that nobody looks at needs no OpenGL. It lives in the physics'
-    own rendering context, so that dm_control's ``physics.render`` and wrappers work beside it. It does what the latter's
-    ``Camera.render`` does for a plain picture, without what that does for others: 4 percent of a picture.
+    own rendering context, so that dm_control's ``physics.render`` and wrappers work beside it. It makes the calls of
+    dm_control's ``Camera.render`` that a plain picture needs, which saves 4 percent of it.
     """
 
     def __init__(
