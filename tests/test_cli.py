@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from shell import Outcome, Shell
 
+from jointattn_mj.scene import gl
+
 SHORT = ("--minutes", 0.2, "--perception", "truth", "--robot.familiarise.minutes", 0.05)
 
 
@@ -229,20 +231,36 @@ def test_no_ffmpeg(jointattn, tmp_path):
     assert not out.exists()
 
 
-def test_no_opengl(tmp_path):
-    arguments = ["session", "--out", str(tmp_path / "out"), "--minutes", "0.1"]
-    done = subprocess.run(
-        [sys.executable, "-m", "jointattn_mj.cli", *arguments],
-        env=os.environ | {"MUJOCO_GL": "disable"},
-        capture_output=True,
-        text=True,
-    )
+NO_OPENGL = {
+    "disabled": ({"MUJOCO_GL": "disable"}, "none that works was found"),
+    "unknown": ({"MUJOCO_GL": "crayons"}, "MUJOCO_GL=crayons"),
+    "no library": ({"MUJOCO_GL": "osmesa"}, "MUJOCO_GL=osmesa"),
+    "no driver": ({"MUJOCO_GL": "", "__EGL_VENDOR_LIBRARY_FILENAMES": "/nowhere"}, "none that works was found"),
+    "no driver, asked for": ({"MUJOCO_GL": "egl", "__EGL_VENDOR_LIBRARY_FILENAMES": "/nowhere"}, "MUJOCO_GL=egl"),
+}
+
+
+@pytest.mark.parametrize("case", NO_OPENGL)
+def test_no_opengl(tmp_path, case):
+    """In a process of its own from the start: backends are chosen before anything is imported."""
+    env, words = NO_OPENGL[case]
+    if case == "no library" and gl.available("osmesa"):
+        pytest.skip("OSMesa is there")
+    if case == "no driver" and gl.available("osmesa"):
+        pytest.skip("OSMesa is taken instead")
+    arguments = ["session", "--out", str(tmp_path / "out"), "--minutes", "0.05"]
+    program = [sys.executable, "-m", "jointattn_mj.cli", *arguments]
+    done = subprocess.run(program, env=os.environ | env, capture_output=True, text=True)
     assert done.returncode == 1
-    assert done.stderr.startswith("jointattn: Pictures need an OpenGL library")
-    assert "apt-get install" in done.stderr
-    assert "--perception truth" in done.stderr
+    assert done.stderr.startswith("jointattn: ")
+    for part in (words, "apt-get install", "--perception truth"):
+        assert part in done.stderr
     assert "Traceback" not in done.stderr
     assert not list((tmp_path / "out").iterdir())
+    if case == "no driver, asked for":  # the message's promise
+        truth = [*program, "--perception", "truth", "--robot.familiarise.minutes", "0.05"]
+        done = subprocess.run(truth, env=os.environ | env, capture_output=True, text=True)
+        assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -104,7 +104,7 @@ class Eye:
 
     def _open(self) -> Camera:
         if gl.rendering_disabled():
-            raise GLError(f"Pictures need an OpenGL library, and none was found. {gl.INSTALL}")
+            raise GLError(gl.why_not())
         try:
             camera = Camera(self._physics, *self._size, camera_id=self._name)
             camera.render()

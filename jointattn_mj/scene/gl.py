@@ -1,15 +1,18 @@
 """Which OpenGL backend MuJoCo renders with: chosen once, before anything imports mujoco.
 
 A backend is software (EGL or OSMesa, both through Mesa) or a GPU driver's EGL. MuJoCo reads ``MUJOCO_GL`` when it is
-imported and fails there with a loader's traceback when the library is missing; this file asks the loader first.
+imported and fails there with a traceback when a library or a driver is missing; this file asks both first. Where no
+picture can be rendered everything else works, and the first look says why there is none.
 """
 
 import ctypes
 import os
 import sys
 
-from jointattn_mj.errors import GLError
-
+DISABLED = ("disable", "disabled", "off", "false", "0")
+CHOICES = ("", "egl", "osmesa", "glfw", "glx", "enable", "enabled", "on", "true", "1", *DISABLED)
+"""What MuJoCo takes for ``MUJOCO_GL`` on Linux."""
+EGL_PLATFORM_DEVICE = 0x313F
 LIBRARIES = {"egl": ("libEGL.so.1", "libOpenGL.so.0"), "osmesa": ("libOSMesa.so.8", "libOSMesa.so")}
 
 INSTALL = (
@@ -20,6 +23,14 @@ INSTALL = (
 )
 
 
+_why_not = "Pictures need an OpenGL library, and none that works was found."
+
+
+def why_not() -> str:
+    """Why rendering is disabled, and what to install."""
+    return f"{_why_not} {INSTALL}"
+
+
 def _loads(name: str) -> bool:
     try:
         ctypes.CDLL(name)
@@ -28,31 +39,53 @@ def _loads(name: str) -> bool:
     return True
 
 
+def _egl_opens() -> bool:
+    """Whether EGL opens a display, as dm_control will: the library does nothing without Mesa's or a GPU's driver."""
+    egl = ctypes.CDLL(LIBRARIES["egl"][0])
+    pointer, number = ctypes.c_void_p, ctypes.c_int
+    egl.eglGetProcAddress.restype = pointer
+    egl.eglInitialize.argtypes = (pointer, pointer, pointer)
+    query, open_display = map(egl.eglGetProcAddress, (b"eglQueryDevicesEXT", b"eglGetPlatformDisplayEXT"))
+    if not (query and open_display):
+        return False
+    devices, count = (pointer * 16)(), number()
+    ctypes.CFUNCTYPE(number, number, pointer, pointer)(query)(16, devices, ctypes.byref(count))
+    chosen = os.environ.get("MUJOCO_EGL_DEVICE_ID", "")
+    numbers = range(count.value) if not chosen.isdecimal() else range(int(chosen), min(int(chosen) + 1, count.value))
+    display_of = ctypes.CFUNCTYPE(pointer, number, pointer, pointer)(open_display)
+    displays = (display_of(EGL_PLATFORM_DEVICE, devices[index], None) for index in numbers)
+    return any(display and egl.eglInitialize(display, None, None) for display in displays)
+
+
 def available(backend: str) -> bool:
-    """Whether the shared libraries of ``backend`` ("egl" or "osmesa") load."""
+    """Whether ``backend`` ("egl" or "osmesa") can be used: its shared libraries load, and EGL opens a display."""
     if backend == "egl":
-        return all(_loads(name) for name in LIBRARIES["egl"])
+        return all(_loads(name) for name in LIBRARIES["egl"]) and _egl_opens()
     return any(_loads(name) for name in LIBRARIES["osmesa"])
 
 
 def choose_backend() -> None:
     """Set ``MUJOCO_GL`` where the user has not; EGL first, for Mesa 25.1 dropped OSMesa.
 
-    With neither library on the machine rendering is disabled rather than the import of mujoco broken.
-
-    Raises:
-        GLError: The user named a backend whose library does not load.
+    Where that finds none, and where the user names one that cannot be used, rendering is disabled rather than the
+    import of mujoco broken; ``why_not`` tells.
     """
     if sys.platform != "linux":
         return
     chosen = os.environ.get("MUJOCO_GL", "").lower().strip()
     if not chosen:
-        found = next((backend for backend in LIBRARIES if available(backend)), "disable")
-        os.environ["MUJOCO_GL"] = found
+        os.environ["MUJOCO_GL"] = next((backend for backend in LIBRARIES if available(backend)), "disable")
+    elif chosen not in CHOICES:
+        _disable(f"MUJOCO_GL={chosen} was asked for, which is no way to render; egl and osmesa are.")
     elif chosen in LIBRARIES and not available(chosen):
-        raise GLError(f"MUJOCO_GL={chosen} was asked for, but {LIBRARIES[chosen][0]} cannot be loaded. {INSTALL}")
+        _disable(f"MUJOCO_GL={chosen} was asked for, but {LIBRARIES[chosen][0]} cannot be loaded, or has no driver.")
+
+
+def _disable(why_not: str) -> None:
+    global _why_not
+    _why_not, os.environ["MUJOCO_GL"] = why_not, "disable"
 
 
 def rendering_disabled() -> bool:
     """Whether mujoco was told not to render at all."""
-    return os.environ.get("MUJOCO_GL", "").lower().strip() in ("disable", "disabled", "off", "false", "0")
+    return os.environ.get("MUJOCO_GL", "").lower().strip() in DISABLED
