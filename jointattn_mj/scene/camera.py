@@ -63,7 +63,8 @@ def pixels_of_points(points: np.ndarray, head: np.ndarray) -> np.ndarray:
 
 def in_picture(pixels: np.ndarray) -> np.ndarray:
     """Which pixels (k, 2) lie inside the picture: (k,) bool."""
-    return ((pixels >= -0.5) & (pixels <= (PICTURE_WIDTH - 0.5, PICTURE_HEIGHT - 0.5))).all(axis=1)
+    inside = (pixels >= -0.5) & (pixels <= (PICTURE_WIDTH - 0.5, PICTURE_HEIGHT - 0.5))
+    return inside[:, 0] & inside[:, 1]
 
 
 class Eye:

@@ -198,7 +198,7 @@ class ObjectTransfer:
 
     def _new_place(self) -> np.ndarray:
         """Where to put the held object, (3,): somewhere else, or back where it was if the table has no room left."""
-        others = np.delete(self.objects[:, :2], self.held, axis=0)
+        others = self.objects[np.arange(len(self.objects)) != self.held, :2]
         try:
             return np.append(self._layout.place(others), self._rest_height)
         except ConfigError:
