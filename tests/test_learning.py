@@ -30,7 +30,9 @@ def errors(learner, activations: np.ndarray, commands: np.ndarray) -> np.ndarray
     return np.array([off_centre(learner.predict(a), c) for a, c in zip(activations, commands, strict=True)])
 
 
-@pytest.mark.parametrize(("code", "rate", "limit"), [("population", 0.1, 1.5), ("linear", 0.3, 1.5), ("network", 0.1, 2.5)])
+@pytest.mark.parametrize(
+    ("code", "rate", "limit"), [("population", 0.1, 1.5), ("linear", 0.3, 1.5), ("network", 0.1, 2.5)]
+)
 def test_learns_a_map(code, rate, limit):
     rng = np.random.default_rng(0)
     learner = make_learner(LearnerConfig(code=code, rate=rate), 81)

@@ -58,8 +58,8 @@ def watch_session(config: SessionConfig) -> dict[str, np.ndarray]:
     while session.frame < session.total:
         session.step(look)
     session.close()
-    lists = {"off": off, "visible": visible, "seen": seen, "said": said, "real": real, "patterns": patterns, "angles": angles}
-    return {name: np.array(values) for name, values in lists.items()}
+    looks = {"off": off, "visible": visible, "seen": seen, "said": said, "real": real}
+    return {name: np.array(values) for name, values in {**looks, "patterns": patterns, "angles": angles}.items()}
 
 
 def read_out_error(patterns: np.ndarray, angles: np.ndarray) -> float:

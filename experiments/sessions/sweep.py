@@ -19,7 +19,9 @@ from jointattn_mj.runner import RunOptions, run_session
 from jointattn_mj.session import SessionConfig
 
 
-def setting(perception: str, cues: bool, gaze: dict[str, Any] | None = None, learner: dict[str, Any] | None = None) -> SessionConfig:
+def setting(
+    perception: str, cues: bool, gaze: dict[str, Any] | None = None, learner: dict[str, Any] | None = None
+) -> SessionConfig:
     """A session's config that differs from the default in these."""
     config = SessionConfig(perception=perception)
     robot = replace(

@@ -33,13 +33,17 @@ def with_truth(**noise: float) -> SessionConfig:
     return replace(BASE, truth=replace(BASE.truth, **noise))
 
 
-def only_right_pairs(session: Session, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray) -> None:
+def only_right_pairs(
+    session: Session, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
+) -> None:
     """Leave out the pairs that lead elsewhere than to the caregiver's target."""
     if _is_right(session, command):
         pair(shift, activations, command)
 
 
-def only_still_pairs(session: Session, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray) -> None:
+def only_still_pairs(
+    session: Session, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
+) -> None:
     """Leave out the pairs whose face was turning, or whose object was moving, when they were learned."""
     truth = session.config.truth
     moving = session.world.moving(truth.face_moves_above_deg_s, truth.object_moves_above_m_s)
@@ -47,12 +51,15 @@ def only_still_pairs(session: Session, pair: Callable, shift: GazeShift, activat
         pair(shift, activations, command)
 
 
-def wrong_pairs_scattered(session: Session, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray) -> None:
+def wrong_pairs_scattered(
+    session: Session, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
+) -> None:
     """Send wrong pairs to a fresh random place on the table: as many wrong ones, but none that come again and again."""
     if not _is_right(session, command):
         layout = session.config.world.layout
         spot = np.random.default_rng([session.config.seed, session.frame]).random(2)
-        x, y = (low + part * (high - low) for part, (low, high) in zip(spot, (layout.x_range, layout.y_range), strict=True))
+        ranges = (layout.x_range, layout.y_range)
+        x, y = (low + part * (high - low) for part, (low, high) in zip(spot, ranges, strict=True))
         height = session.world.caregiver.objects[:, 2].min()
         command = directions_to(np.array([[x, y, height]]))[0] - _face(session)
     pair(shift, activations, command)
