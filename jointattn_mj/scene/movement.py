@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from numba import njit
 
 ARM_JOINTS = ("shoulder_yaw", "shoulder_pitch", "shoulder_roll", "elbow", "wrist_yaw", "wrist_pitch", "wrist_roll")
 
@@ -38,17 +39,52 @@ def gaze_angles(eye: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.stack([yaw, pitch], axis=-1)
 
 
-def rotation_to_zyx(rotation: np.ndarray) -> np.ndarray:
-    """Angles (..., 3) of three hinges about z, then y, then x that make ``rotation`` (..., 3, 3)."""
-    yaw = np.arctan2(rotation[..., 1, 0], rotation[..., 0, 0])
-    pitch = np.arctan2(-rotation[..., 2, 0], np.hypot(rotation[..., 0, 0], rotation[..., 1, 0]))
-    roll = np.arctan2(rotation[..., 2, 1], rotation[..., 2, 2])
-    return np.stack([yaw, pitch, roll], axis=-1)
+@njit(cache=True)
+def rotation_to_zyx(rotation):
+    """Angles (3,) of three hinges about z, then y, then x that make ``rotation`` (3, 3)."""
+    yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
+    pitch = np.arctan2(-rotation[2, 0], np.hypot(rotation[0, 0], rotation[1, 0]))
+    return np.array([yaw, pitch, np.arctan2(rotation[2, 1], rotation[2, 2])])
 
 
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Cross products of vectors (T, 3); numpy's own takes six times as long for a path of these lengths."""
-    return a[:, (1, 2, 0)] * b[:, (2, 0, 1)] - a[:, (2, 0, 1)] * b[:, (1, 2, 0)]
+@njit(cache=True)
+def _times(a, b):
+    """Product of two 3x3 matrices (numba's own needs scipy)."""
+    product = np.zeros((3, 3))
+    for i in range(3):
+        for j in range(3):
+            for k in range(3):
+                product[i, j] += a[i, k] * b[k, j]
+    return product
+
+
+@njit(cache=True)
+def _reach(points, swing, shoulder, upper, fore, grasp, hand):
+    """`Arm.reach` point by point. Compiled: in numpy this is most of what planning costs, and falls into one frame."""
+    joints = np.empty((len(points), 7))
+    for t in range(len(points)):
+        to_wrist = points[t] - shoulder
+        for i in range(3):
+            to_wrist[i] -= (hand[i] * grasp).sum()
+        distance = np.sqrt((to_wrist**2).sum())
+        along = to_wrist / distance
+        distance = min(max(distance, abs(upper - fore) + 1e-6), upper + fore - 1e-6)
+        right = np.array([along[1], -along[0], 0.0]) / np.hypot(along[0], along[1])
+        side = np.cos(swing[t]) * right + np.sin(swing[t]) * np.cross(right, along)
+
+        # Law of cosines: the angle at the shoulder between the line to the wrist and the upper arm, and the elbow's.
+        at_shoulder = np.arccos((upper**2 + distance**2 - fore**2) / (2 * upper * distance))
+        bend = np.pi - np.arccos((upper**2 + fore**2 - distance**2) / (2 * upper * fore))
+
+        # The upper arm's frame: x along it, y in the plane of the arm on the side to which the elbow bends.
+        x = np.cos(at_shoulder) * along + np.sin(at_shoulder) * side
+        y = np.sin(at_shoulder) * along - np.cos(at_shoulder) * side
+        frame = np.column_stack((x, y, np.cross(x, y)))
+        turn = np.array([[np.cos(bend), -np.sin(bend), 0.0], [np.sin(bend), np.cos(bend), 0.0], [0.0, 0.0, 1.0]])
+        joints[t, :3] = rotation_to_zyx(frame)
+        joints[t, 3] = bend
+        joints[t, 4:] = rotation_to_zyx(_times(_times(frame, turn).T, hand))
+    return joints
 
 
 @dataclass(frozen=True)
@@ -83,27 +119,4 @@ class Arm:
         ``swing`` (T,) raises the elbow above the level of shoulder and wrist, rad. A point beyond the arm's length is
         approached as far as the straight arm goes.
         """
-        to_wrist = points - self.hand @ self.grasp - self.shoulder
-        distance = np.linalg.norm(to_wrist, axis=1, keepdims=True)
-        along = to_wrist / distance
-        distance = np.clip(distance, abs(self.upper - self.fore) + 1e-6, self.upper + self.fore - 1e-6)
-        right = np.column_stack([along[:, 1], -along[:, 0], np.zeros(len(along))])
-        right /= np.linalg.norm(right, axis=1, keepdims=True)
-        side = np.cos(swing)[:, None] * right + np.sin(swing)[:, None] * _cross(right, along)
-
-        # Law of cosines: the angle at the shoulder between the line to the wrist and the upper arm, and the elbow's.
-        at_shoulder = np.arccos((self.upper**2 + distance**2 - self.fore**2) / (2 * self.upper * distance))
-        at_elbow = np.arccos((self.upper**2 + self.fore**2 - distance**2) / (2 * self.upper * self.fore))
-        bend = np.pi - at_elbow[:, 0]
-
-        # The upper arm's frame: x along it, y in the plane of the arm on the side to which the elbow bends.
-        x = np.cos(at_shoulder) * along + np.sin(at_shoulder) * side
-        y = np.sin(at_shoulder) * along - np.cos(at_shoulder) * side
-        upper = np.stack([x, y, _cross(x, y)], axis=-1)
-        turn = np.zeros((len(points), 3, 3))
-        turn[:, 0, 0] = turn[:, 1, 1] = np.cos(bend)
-        turn[:, 1, 0] = np.sin(bend)
-        turn[:, 0, 1] = -np.sin(bend)
-        turn[:, 2, 2] = 1
-        wrist = np.swapaxes(upper @ turn, 1, 2) @ self.hand
-        return np.concatenate([rotation_to_zyx(upper), bend[:, None], rotation_to_zyx(wrist)], axis=1)
+        return _reach(points, swing, self.shoulder, self.upper, self.fore, self.grasp, self.hand)
