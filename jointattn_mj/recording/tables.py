@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from numba import njit
 
 from jointattn_mj.recording.columns import FRAME, SHIFT, described
 from jointattn_mj.recording.files import write_whole
@@ -29,6 +30,33 @@ _PER_FRAME = (
 _PER_OBJECT = ("x_m", "y_m", "z_m")
 _PER_CANDIDATE = ("saliency", "motion", "interest", "seen", "moves", "x_px", "y_px")
 _BOOL = ("head_moves", "rendered", "looked", "landed", "seen", "moves", "really_moves")
+
+
+@njit(cache=True)
+def _write(row, numbers, head, face, objects, saliency, motion, interest):
+    """The columns up to interest, in their order; -1 stands for None. Compiled: it runs in every frame."""
+    for column, number in enumerate(numbers):
+        row[column] = number if number >= 0 else np.nan
+    column = len(numbers)
+    for angle in (head[0], head[1], np.degrees(face[0]), np.degrees(face[1])):
+        row[column] = angle
+        column += 1
+    for k in range(len(objects)):
+        for axis in range(3):
+            row[column] = objects[k, axis]
+            column += 1
+    n = len(saliency)
+    row[column : column + n] = saliency
+    row[column + n : column + 2 * n] = motion
+    row[column + 2 * n : column + 3 * n] = interest
+
+
+@njit(cache=True)
+def _write_percept(row, seen, moves, px):
+    """The columns of what was seen, the last of a row."""
+    n = len(seen)
+    for k in range(n):
+        row[k], row[n + k], row[2 * n + 2 * k], row[2 * n + 2 * k + 1] = seen[k], moves[k], px[k, 0], px[k, 1]
 
 
 class FrameTable:
@@ -53,32 +81,23 @@ class FrameTable:
     def add(self, world: World, robot: GazeFollower, rendered: bool, head: np.ndarray) -> None:
         """Write down this frame: the world as it is, and what the robot made of it. ``head`` in degrees."""
         row, caregiver, percept, attention = self._values[self.frames], world.caregiver, robot.percept, robot.attention
-        yaw, pitch = world.face_angles_deg()
-        width, start = len(self.candidates), len(_PER_FRAME)
-        row[:start] = (
+        numbers = (
             _PHASE_NUMBER[caregiver.phase],
-            np.nan if caregiver.target is None else caregiver.target,
-            np.nan if caregiver.held is None else caregiver.held,
-            np.nan if robot.attended is None else robot.attended,
-            robot.shift is not None,
-            rendered,
-            percept is not None,
-            robot.landed is not None,
+            -1 if caregiver.target is None else caregiver.target,
+            -1 if caregiver.held is None else caregiver.held,
+            -1 if robot.attended is None else robot.attended,
+            int(robot.shift is not None),
+            int(rendered),
+            int(percept is not None),
+            int(robot.landed is not None),
             robot.iterations,
-            head[0],
-            head[1],
-            yaw,
-            pitch,
         )
-        end = start + 3 * (width - 1)
-        row[start:end] = caregiver.objects.ravel()
-        row[end : end + width] = attention.saliency
-        row[end + width : end + 2 * width] = attention.motion
-        row[end + 2 * width : end + 3 * width] = attention.interest
+        _write(
+            row, numbers, head, world.face_angles(), caregiver.objects,
+            attention.saliency, attention.motion, attention.interest,
+        )  # fmt: skip
         if percept is not None:
-            row[end + 3 * width : end + 4 * width] = percept.seen
-            row[end + 4 * width : end + 5 * width] = percept.moves
-            row[end + 5 * width :] = percept.px.ravel()
+            _write_percept(row[-4 * len(percept.seen) :], percept.seen, percept.moves, percept.px)
         if self.frames == 0:
             self._face_point[:] = world.candidate_points()[-1]
         self.frames += 1

@@ -88,7 +88,8 @@ class GazeFollower:
         self.landed: GazeShift | None = None
         self._gate = gate
         self._movement: HeadShift | None = None
-        self._held = np.zeros(2)
+        self._held = np.zeros(2)  # reference of the head's servos, deg
+        self._command = np.zeros(2)  # the same in rad
         self._dwell = 0
 
     def familiarise(self, observation: Mapping[str, np.ndarray], frame: int) -> np.ndarray:
@@ -97,10 +98,10 @@ class GazeFollower:
         if frame % self.config.familiarise.every == 0:
             percept = self.perceiver.look(observation, landed=True)
             if percept.seen[self.face]:
-                self._held = direction_of(percept.px[self.face], head)
+                self._hold(direction_of(percept.px[self.face], head))
                 self.som.update(self.perceiver.face_pattern())
         self.attended = self.face
-        return np.radians(self._held)
+        return self._command
 
     def act(self, observation: Mapping[str, np.ndarray]) -> np.ndarray:
         """One frame of life: percept, attention, and a motor command."""
@@ -119,7 +120,11 @@ class GazeFollower:
             chosen = self.attention.draw(percept.seen)
             if chosen is not None and chosen != self.attended:
                 self._launch(chosen, percept, head)
-        return np.radians(self._held)
+        return self._command
+
+    def _hold(self, direction: np.ndarray) -> None:
+        """Let the head's servos follow ``direction`` (2,), deg, from now on."""
+        self._held, self._command = direction, np.radians(direction)
 
     def _launch(self, chosen: int, percept: Percept, head: np.ndarray) -> None:
         """Turn towards ``chosen``; from the face to an object, the gate decides who says where that is."""
@@ -145,7 +150,7 @@ class GazeFollower:
             source_direction=direction_of(percept.px[source], head) if source_seen else None,
         )
         self._movement = HeadShift(self._held, command, self.config.gaze.shift_frames)
-        self._held = self._movement.next_reference()
+        self._hold(self._movement.next_reference())
 
     def _turn(self, shift: GazeShift, movement: HeadShift, observation: Mapping[str, np.ndarray]) -> np.ndarray:
         """One frame of a gaze shift; visual feedback looks where its target has gone."""
@@ -156,8 +161,8 @@ class GazeFollower:
                 head = np.degrees(observation["head_angles"])
                 shift.command = direction_of(percept.px[shift.chosen], head)
                 movement.aim(shift.command)
-        self._held = movement.next_reference()
-        return np.radians(self._held)
+        self._hold(movement.next_reference())
+        return self._command
 
     def _land(self, shift: GazeShift, percept: Percept, head: np.ndarray) -> None:
         """See what is at the centre of view now, and learn from the shift."""

@@ -6,7 +6,6 @@ Knows MuJoCo and no environment API: the session steps a ``World`` directly, and
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import degrees
 from typing import Any, ClassVar
 
 import mujoco
@@ -67,6 +66,7 @@ class World:
         self.eye = Eye(physics)
         scripted, head = (_spans(model, names) for names in (SCRIPTED_JOINTS, HEAD_JOINTS))
         self._script_angles, self._script_speeds = self.data.qpos[scripted[0]], self.data.qvel[scripted[1]]
+        self._face_angles = self._script_angles[:2]
         self._head_angles, self._head_speeds = self.data.qpos[head[0]], self.data.qvel[head[1]]
         objects = _span([model.body(f"object/{item.name}").mocapid[0] for item in config.scene.objects])
         self._object_places = self.data.mocap_pos[objects]
@@ -142,10 +142,13 @@ class World:
         pan, tilt = self._head_speeds
         return max(abs(pan), abs(tilt)) > _HEAD_STILL
 
+    def face_angles(self) -> np.ndarray:
+        """Yaw and pitch of the caregiver's head, (2,), rad; they hold until the next step."""
+        return self._face_angles
+
     def face_angles_deg(self) -> np.ndarray:
-        """Yaw and pitch of the caregiver's head, (2,), degrees."""
-        yaw, pitch = self._script_angles[:2].tolist()
-        return np.array([degrees(yaw), degrees(pitch)])
+        """The same in degrees."""
+        return np.degrees(self._face_angles)
 
     def candidate_points(self) -> np.ndarray:
         """Centres of the objects and, last, of the caregiver's head: (n + 1, 3), metres."""
