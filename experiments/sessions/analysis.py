@@ -75,7 +75,7 @@ def moving_average(cell: dict) -> np.ndarray:
 
 def draw(folder: Path, path: Path) -> None:
     """Fig. 6.8 for either kind of perception: mean and standard deviation over sessions."""
-    figure = Figure(figsize=(10, 3.8), layout="constrained")
+    figure = Figure(figsize=(10, 4.4), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     for axes, perception in zip(panels, ("pixels", "truth"), strict=True):
         for condition, label in (("cues", "with motion cues"), ("no_cues", "without")):
@@ -86,13 +86,13 @@ def draw(folder: Path, path: Path) -> None:
             axes.errorbar(
                 MINUTES, np.nanmean(curves, axis=0), np.nanstd(curves, axis=0, ddof=1) if len(curves) > 1 else None,
                 fmt="x-" if condition == "cues" else "+-", color=COLOURS[condition], lw=1, capsize=2,
-                label=f"{label} ({len(cells)} sessions, mean and sd)",
+                label=f"{label}: mean and sd of {len(cells)} sessions",
             )  # fmt: skip
         axes.axhline(0.8, ls="--", color="#7f8c8d", lw=0.8, label="dissertation, with cues, after 20 min")
         axes.axhline(0.25, ls=":", color="#7f8c8d", lw=0.8, label="one of four objects at random")
         title = "from rendered pictures" if perception == "pixels" else "from the simulator's state, noise as measured"
-        axes.set(xlabel="time (simulated minutes)", ylim=(0, 1), title=title)
-        axes.legend(fontsize=7, loc="upper left", ncols=2)
+        axes.set(xlabel="time (simulated minutes)", xlim=(0, 26), ylim=(0, 1), title=title)
+        axes.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, frameon=False)
         axes.grid(alpha=0.3)
     panels[0].set_ylabel("success of gaze following, eq. 6.9")
     path.parent.mkdir(parents=True, exist_ok=True)
