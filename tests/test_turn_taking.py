@@ -128,14 +128,15 @@ def test_visual_feedback_does_not_reach_what_was_never_in_view():
 
 def test_any_object_then_hers_in_view_then_outside():
     faces = code_faces()
-    robot = taker(replace(SHORT, gate_midpoint=8000.0, gate_width=2500.0), faces)
+    quick = TurnTakerConfig(rate=0.006, first_face_weight=0.1, gate_midpoint=8000.0, gate_width=2500.0)
+    robot = taker(quick, faces)
     table = situations(faces, TABLE_3)
-    early, _, late = (live(robot, table, faces, count, np.random.default_rng(count)) for count in (2000, 28_000, 4000))
-    assert robot.time == 34_000
+    early, _, late = (live(robot, table, faces, count, np.random.default_rng(count)) for count in (2000, 60_000, 4000))
+    assert robot.time == 66_000
     assert early.reached.mean() > 0.9 and early.right.mean() == pytest.approx(1 / 3, abs=0.05)
     assert early.right[~early.in_view].mean() < 0.05
     assert late.right[late.in_view].mean() > 0.8
-    assert early.right[~early.in_view].mean() + 0.07 < late.right[~late.in_view].mean() < 0.5  # under way
+    assert 0.2 < late.right[~late.in_view].mean() < late.right[late.in_view].mean()  # .31 to .72 over five seeds
 
 
 def test_learning_from_the_movement_made_drifts_away_from_objects():

@@ -47,13 +47,18 @@ def read_lives(folder: Path, name: str) -> dict[str, np.ndarray]:
 
 
 def rates(lives: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Rates (lives, stretches): any object, the right one, the right one where it was in view at first or was not."""
+    """Rates (lives, stretches): any object, the right one, the right one where it was in view at first or was not.
+
+    NaN where that was one attempt in a hundred or fewer (an object in view that was missed).
+    """
+    outside = lives["attempts"] - lives["in_view"]
+    outside = np.where(outside > lives["attempts"] / 100, outside, np.nan)
     with np.errstate(invalid="ignore"):
         return {
             "any": lives["reached"] / lives["attempts"],
             "right": lives["right"] / lives["attempts"],
             "right_in_view": lives["right_in_view"] / lives["in_view"],
-            "right_outside": lives["right_outside"] / (lives["attempts"] - lives["in_view"]),
+            "right_outside": lives["right_outside"] / outside,
         }
 
 
@@ -100,7 +105,7 @@ def _times(rate: np.ndarray) -> np.ndarray:
 
 def draw(folder: Path, path: Path) -> None:
     """Success by number of objects; the three stages with five and with ten; where objects lie."""
-    figure = Figure(figsize=(9.5, 7.2), layout="constrained")
+    figure = Figure(figsize=(8.2, 6.0), layout="constrained")
     by_number, by_place, five, ten = figure.subplots(2, 2, sharey=True).ravel()
     for objects, colour in COLOURS.items():
         lives = read_lives(folder, f"turn_taking/objects_{objects}")
@@ -117,7 +122,8 @@ def draw(folder: Path, path: Path) -> None:
         lives = read_lives(folder, f"turn_taking/{key}")
         if lives:
             band(by_place, rates(lives)["right"], label, colour)
-            by_place.plot(_times(rates(lives)["right"]), rates(lives)["right"].T, color=colour, lw=0.3, alpha=0.5)
+            if key == "outside_3":
+                by_place.plot(_times(rates(lives)["right"]), rates(lives)["right"].T, color=colour, lw=0.4)
     draw_stages(five, folder, "turn_taking/objects_5")
     draw_stages(ten, folder, "turn_taking/objects_10")
     titles = {
