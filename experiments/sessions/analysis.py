@@ -107,7 +107,8 @@ def main() -> None:
     for name in SETTINGS:
         cells = read_cells(options.folder, name)
         if cells:
-            estimates = {label: mean_interval([value(cell, key) for cell in cells]) for label, key in QUANTITIES.items()}
+            columns = {label: [value(cell, key) for cell in cells] for label, key in QUANTITIES.items()}
+            estimates = {label: mean_interval(np.array(column)) for label, column in columns.items()}
             numbers[name] = {label: vars(estimate) for label, estimate in estimates.items()}
             print(f"| {name} | {len(cells)} | {' | '.join(map(str, estimates.values()))} |")
     for condition, (shifts, successes, late) in PUBLISHED.items():
