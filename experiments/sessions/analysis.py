@@ -23,6 +23,7 @@ QUANTITIES = {
     "at launch": "successes_at_launch",
     "at landing": "successes_at_landing",
     "on nothing": "landings_on_nothing",
+    "successes within 3.5 deg": "successes_on_something",
     "late rate": "late_rate",
     "map error (deg)": "map_error_deg.median",
     "pan error (deg)": "pan",
