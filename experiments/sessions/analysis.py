@@ -87,15 +87,17 @@ def draw(folder: Path, path: Path) -> None:
             axes.errorbar(
                 MINUTES, np.nanmean(curves, axis=0), np.nanstd(curves, axis=0, ddof=1) if len(curves) > 1 else None,
                 fmt="x-" if condition == "cues" else "+-", color=COLOURS[condition], lw=1, capsize=2,
-                label=f"{label}: mean and sd of {len(cells)} sessions",
+                label=f"{label} (mean, sd)",
             )  # fmt: skip
         axes.axhline(0.8, ls="--", color="#7f8c8d", lw=0.8, label="dissertation, with cues, after 20 min")
         axes.axhline(0.25, ls=":", color="#7f8c8d", lw=0.8, label="one of four objects at random")
-        title = "from rendered pictures" if perception == "pixels" else "from the simulator's state, noise as measured"
+        title = "from rendered pictures" if perception == "pixels" else "from the simulator's state"
+        title += f" ({len(read_cells(folder, f'{perception}/cues'))} sessions each)"
         axes.set(xlabel="time (simulated minutes)", xlim=(0, 26), ylim=(0, 1), title=title)
-        axes.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, frameon=False)
         axes.grid(alpha=0.3)
     panels[0].set_ylabel("success of gaze following, eq. 6.9")
+    lines = panels[0].get_legend_handles_labels()
+    figure.legend(*lines, fontsize=8, loc="outside lower center", ncols=4, frameon=False)
     path.parent.mkdir(parents=True, exist_ok=True)
     save(figure, path)
 
