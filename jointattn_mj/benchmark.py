@@ -1,9 +1,11 @@
 """How fast everything is, as ratios measured in one run: absolute times of shared machines mean little."""
 
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+import mujoco
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
@@ -37,7 +39,7 @@ class Benchmark:
 
     renderer: str
     render_ms: float
-    """Rendering alone, one picture of the scene with the caregiver at work."""
+    """Rendering alone, a picture: the same ones that the loop rendered."""
     loop_ms_per_picture: float
     """Closed loop from pixels: everything in it, divided by the pictures that were rendered for it."""
     loop_to_render: float
@@ -77,15 +79,13 @@ def run_benchmark(options: BenchmarkOptions) -> Benchmark:
     loop.begin()
     truth.begin()
     _live(truth, 30)  # compiles
-    _render(scene, 30)
     block, times = round(options.seconds / FRAME_S), []
     try:
         for _ in range(options.blocks):
-            before = loop.world.rendered_frames
-            in_loop = _live(loop, block)
-            pictures = loop.world.rendered_frames - before
-            alone, in_truth = _render(scene, pictures), _live(truth, block)
-            times.append((in_loop, pictures, alone, in_truth, _steps(cartpole, CARTPOLE_STEPS)))
+            seen = Poses()
+            in_loop = _live(loop, block, seen.note)
+            alone, in_truth = _render(scene, seen), _live(truth, block)
+            times.append((in_loop, len(seen.poses), alone, in_truth, _steps(cartpole, CARTPOLE_STEPS)))
         with loop.world.physics.contexts.gl.make_current() as context:
             renderer = context.call(_renderer_name)
     finally:
@@ -108,21 +108,37 @@ def run_benchmark(options: BenchmarkOptions) -> Benchmark:
     )
 
 
-def _live(session: Session, frames: int) -> float:
+class Poses:
+    """How everything stood whenever the robot looked, so that the very same pictures can be rendered again."""
+
+    def __init__(self) -> None:
+        self.poses: list[tuple[np.ndarray, np.ndarray]] = []
+        self._rendered: int | None = None
+
+    def note(self, session: Session) -> None:
+        """Called at every frame of a session, before anything moves."""
+        world = session.world
+        if self._rendered is not None and world.rendered_frames > self._rendered:
+            self.poses.append((world.data.qpos.copy(), world.data.mocap_pos.copy()))
+        self._rendered = world.rendered_frames
+
+
+def _live(session: Session, frames: int, watch: Callable[[Session], None] | None = None) -> float:
     """Seconds for so many frames of a session (fewer at its end)."""
     start = time.perf_counter()
     for _ in range(min(frames, session.total - session.frame)):
-        session.step()
+        session.step(watch)
     return time.perf_counter() - start
 
 
-def _render(world: World, pictures: int) -> float:
-    """Seconds for rendering alone; the world moves on between pictures, untimed."""
+def _render(world: World, seen: Poses) -> float:
+    """Seconds for rendering alone; things are put into their places before each picture, untimed."""
     spent = 0.0
-    for _ in range(pictures):
-        world.step(np.zeros(2))
+    for qpos, places in seen.poses:
+        world.data.qpos[:], world.data.mocap_pos[:] = qpos, places
+        mujoco.mj_fwdPosition(world.model, world.data)
         start = time.perf_counter()
-        world.picture()
+        world.eye.look()
         spent += time.perf_counter() - start
     return spent
 
