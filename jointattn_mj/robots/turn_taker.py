@@ -45,7 +45,7 @@ class TurnTakerConfig:
     """d_th: an object this near to the centre of view is being gazed at; as for the chapter 6 robot."""
     ends: Literal["last", "first"] = "last"
     """When an attempt is judged: after the last step, or as soon as an object is within d_th of the centre. The latter
-    stops at whatever lies on the way: with ten objects .30 right in the end instead of .84."""
+    stops at whatever lies on the way: with ten objects .30 right in the end instead of .88."""
     feedback: Literal["nearest", "kept", "interest"] = "nearest"
     """Which of several equally interesting objects visual feedback moves to. As long as the network has not moved the
     head: a random one in view when the attempt began, but for the last reading. Afterwards: the one nearest to the
