@@ -92,10 +92,10 @@ class Session:
         """One frame; ``watch`` is shown the session when the robot has perceived and decided, before anything moves."""
         world, robot = self.world, self.robot
         rendered, turning = world.rendered_frames, robot.shift is not None
-        head = np.degrees(world.head_angles())
+        head = world.head_angles()
         command = robot.act(self._observation)
         if robot.landed is not None and self._launch is not None:
-            self._record_landing(robot.landed, self._launch, head)
+            self._record_landing(robot.landed, self._launch, np.degrees(head))
         if robot.shift is not None and (robot.landed is not None or not turning):
             self._launch = Moment.now(world, self.frame)
         self.frames.add(world, robot, world.rendered_frames > rendered, head)

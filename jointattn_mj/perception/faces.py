@@ -116,11 +116,10 @@ class FaceDetector:
         self._until_haar = 0
         self._until_search = 0
 
-    def part(self, expected_px: tuple[float, float]) -> tuple[int, int, int, int]:
-        """x0, y0, x1, y1 of what `detect` and `patch` read while the face is about where it is expected."""
-        x, y = round(expected_px[0]), round(expected_px[1])
-        reach = self.config.side_px // 2 + self.config.search_radius_px + PATCH_MARGIN + 2
-        return x - reach, y - reach, x + reach, y + reach
+    @property
+    def reach_px(self) -> int:
+        """How far from the expected place `detect` and `patch` read the picture while the face is about there."""
+        return self.config.side_px // 2 + self.config.search_radius_px + PATCH_MARGIN + 2
 
     def detect(
         self,
@@ -134,7 +133,7 @@ class FaceDetector:
             gray: The picture.
             expected_px: (x, y) where the face's centre should be, from the robot's slow memory of its direction in the
                 world; None if it has none, then the detector's own memory of the last pictures serves.
-            complete: Called to fill in all of ``gray`` when more than `part` of it is to be read.
+            complete: Called to fill in all of ``gray`` when it is to be read beyond ``reach_px``.
         """
         if self.bank.n == 0 or expected_px is None:
             complete()

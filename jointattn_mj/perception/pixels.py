@@ -22,16 +22,26 @@ _direction_of = njit(cache=True)(camera.direction_of)
 
 
 @njit(cache=True)
-def _expected(direction, head):
-    """Where a remembered direction (2,), deg, should appear to a head at (2,), rad: x, y."""
-    pixel = _pixel_of(direction, np.degrees(head))
-    return pixel[0], pixel[1]
+def _expect(direction, head, picture, gray, reach):
+    """Where a remembered direction (2,), deg, should appear to a head at (2,), rad: x, y; fills ``gray`` there."""
+    x, y = _pixel_of(direction, np.degrees(head))
+    column, row = round(x), round(y)
+    fill_gray(picture, gray, column - reach, row - reach, column + reach, row + reach)
+    return x, y
 
 
 @njit(cache=True)
 def _remember(direction, x, y, head, rate):
     """Let a remembered direction (2,), deg, follow what a head at (2,), rad, sees at (x, y) in the picture."""
     direction += rate * (_direction_of(np.array([x, y]), np.degrees(head)) - direction)
+
+
+@njit(cache=True)
+def _gather(seen, px, moves, areas_seen, areas_px, objects_move, found, x, y, face_moves):
+    """Write down what was seen of the objects and, last, of the face."""
+    n = len(areas_seen)
+    seen[:n], px[:n], moves[:n] = areas_seen, areas_px, objects_move
+    seen[n], px[n, 0], px[n, 1], moves[n] = found, x, y, face_moves
 
 
 @dataclass(frozen=True)
@@ -76,8 +86,7 @@ class PixelPerception:
         expected = None
         self.colours.find(picture, gray, areas)
         if self._knows_face:
-            expected = _expected(self._face_direction, head)
-            fill_gray(picture, gray, *self.faces.part(expected))
+            expected = _expect(self._face_direction, head, picture, gray, self.faces.reach_px)
         self.fix = fix = self.faces.detect(gray, expected, lambda: fill_gray(picture, gray, 0, 0, *gray.shape[::-1]))
         box = None
         if fix.found:
@@ -89,9 +98,10 @@ class PixelPerception:
         fill_gray(picture, gray, *self._motion.face_part(box, gray.shape))
         self.motion = self._motion.update(gray, box, areas)
         percept = self._percept
-        percept.seen[:-1], percept.seen[-1] = areas.seen, fix.found
-        percept.px[:-1], percept.px[-1] = areas.px, (fix.x, fix.y)
-        percept.moves[:-1], percept.moves[-1] = self.motion.object_moves, self.motion.face_moves
+        _gather(
+            percept.seen, percept.px, percept.moves, areas.seen, areas.px, self.motion.object_moves,
+            fix.found, fix.x, fix.y, self.motion.face_moves,
+        )  # fmt: skip
         return percept
 
     def _next_look(self, shape: tuple[int, ...]) -> tuple[np.ndarray, Areas]:

@@ -38,8 +38,8 @@ def _write(row, numbers, head, face, objects, saliency, motion, interest):
     for column, number in enumerate(numbers):
         row[column] = number if number >= 0 else np.nan
     column = len(numbers)
-    for angle in (head[0], head[1], np.degrees(face[0]), np.degrees(face[1])):
-        row[column] = angle
+    for angle in (head[0], head[1], face[0], face[1]):
+        row[column] = np.degrees(angle)
         column += 1
     for k in range(len(objects)):
         for axis in range(3):
@@ -79,7 +79,7 @@ class FrameTable:
         self._values = np.full((frames, len(names)), np.nan, np.float32)
 
     def add(self, world: World, robot: GazeFollower, rendered: bool, head: np.ndarray) -> None:
-        """Write down this frame: the world as it is, and what the robot made of it. ``head`` in degrees."""
+        """Write down this frame: the world as it is, and what the robot made of it. ``head`` (2,) in rad."""
         row, caregiver, percept, attention = self._values[self.frames], world.caregiver, robot.percept, robot.attention
         numbers = (
             _PHASE_NUMBER[caregiver.phase],

@@ -109,17 +109,16 @@ class GazeFollower:
         shift, movement = self.shift, self._movement
         if shift is not None and movement is not None and (observation["head_moves"] or not movement.commanded):
             return self._turn(shift, movement, observation)
-        head = np.degrees(observation["head_angles"])
         self.percept = percept = self.perceiver.look(observation, shift is not None)
         if shift is None:
             self.attention.advance(self.attended, percept.moves)
         else:
-            self._land(shift, percept, head)
+            self._land(shift, percept, np.degrees(observation["head_angles"]))
         self._dwell += 1
         if self._dwell % self.config.attention.selection_period == 0:
             chosen = self.attention.draw(percept.seen)
             if chosen is not None and chosen != self.attended:
-                self._launch(chosen, percept, head)
+                self._launch(chosen, percept, np.degrees(observation["head_angles"]))
         return self._command
 
     def _hold(self, direction: np.ndarray) -> None:
