@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from experiments.sessions.sweep import SETTINGS
 from experiments.statistics import mean_interval
 from jointattn_mj.recording.figures import save
+from jointattn_mj.recording.summary import rate_of_success
 
 QUANTITIES = {
     "gaze shifts": "gaze_shifts",
@@ -68,10 +69,8 @@ def value(summary: dict, key: str) -> float:
 
 def moving_average(cell: dict) -> np.ndarray:
     """Eq. 6.9 at every minute of ``MINUTES``."""
-    at, success = cell["shifts"].landing_s.to_numpy() / 60, cell["shifts"].success.to_numpy(bool)
-    within = np.abs(at[None] - MINUTES[:, None]) <= 1
-    with np.errstate(invalid="ignore"):
-        return (within & success).sum(axis=1) / within.sum(axis=1)
+    shifts = cell["shifts"]
+    return rate_of_success(MINUTES, shifts.landing_s.to_numpy() / 60, shifts.success.to_numpy(bool))
 
 
 def draw(folder: Path, path: Path) -> None:

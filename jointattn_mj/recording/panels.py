@@ -24,6 +24,7 @@ from jointattn_mj.recording.paint import (
     tick,
     write,
 )
+from jointattn_mj.recording.summary import rate_of_success
 from jointattn_mj.recording.tables import ShiftRow
 from jointattn_mj.session import FRAMES_PER_MINUTE, Session
 
@@ -182,16 +183,3 @@ class SuccessPanel:
         if known.any():
             curve = np.column_stack([left + times * scale, top + (1 - rate) * self._plot.height])[known]
             lines(picture, [curve], GREEN, 2)
-
-
-def rate_of_success(times: np.ndarray, at: np.ndarray, success: np.ndarray) -> np.ndarray:
-    """mov_ave(t), eq. 6.9, at any ``times``: the share of successes among shifts within a minute of each; NaN if none.
-
-    Args:
-        times: (m,) minutes.
-        at: (k,) when the shifts landed, minutes.
-        success: (k,) bool.
-    """
-    within = np.abs(at[None] - times[:, None]) <= 1
-    count = within.sum(axis=1)
-    return np.where(count, (within & success).sum(axis=1) / np.maximum(count, 1), np.nan)

@@ -10,15 +10,26 @@ LATE_MINUTES = 6.0
 """The end of a session, over which its final rate of success is taken ("after about 20 minutes" of 26, 6.4.3)."""
 
 
+def rate_of_success(times: np.ndarray, at: np.ndarray, success: np.ndarray) -> np.ndarray:
+    """mov_ave(t), eq. 6.9, at any ``times``: the share of successes among shifts within a minute of each; NaN if none.
+
+    Args:
+        times: (m,) minutes.
+        at: (k,) when the shifts landed, minutes.
+        success: (k,) bool.
+    """
+    within = np.abs(at[None] - times[:, None]) <= 1
+    count = within.sum(axis=1)
+    return np.where(count, (within & success).sum(axis=1) / np.maximum(count, 1), np.nan)
+
+
 def moving_average(shifts: list[ShiftRow], minutes: float) -> tuple[np.ndarray, np.ndarray]:
     """mov_ave(t), eq. 6.9, at every full minute: (t, rate), each (m,); NaN where nothing happened."""
     rows = [row for row in shifts if row.face_to_object]
     at = np.array([row.landing_s / 60 for row in rows])
     success = np.array([row.success for row in rows], bool)
     times = np.arange(1, max(2, int(np.ceil(minutes))))
-    within = np.abs(at[None] - times[:, None]) <= 1
-    count = within.sum(axis=1)
-    return times, np.where(count, (within & success).sum(axis=1) / np.maximum(count, 1), np.nan)
+    return times, rate_of_success(times, at, success)
 
 
 def summarise(frames: FrameTable, shifts: list[ShiftRow], minutes: float, wall_seconds: float) -> dict[str, Any]:
