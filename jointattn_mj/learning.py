@@ -25,8 +25,8 @@ class LearnerConfig:
     context: float = 0.5
     """Activity of one more input that is always on and takes no part in prediction (the context of Rescorla and
     Wagner's rule; the bias of a perceptron). What comes often whatever the face, such as an object that lies still for
-    long, is put down to it, and a face keeps what it tells beyond that. 0 is without; then some sessions without motion
-    cues hold on to a wrong map (``experiments/wrong_map``)."""
+    long, is put down to it, and a face keeps what it tells beyond that. 0 is without; the difference over a session is
+    smaller than 8 sessions can show (``experiments/README.md``)."""
     hidden: int = 60
     """Hidden units of the "network" code."""
     network_rate: float = 0.02

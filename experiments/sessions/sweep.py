@@ -58,7 +58,9 @@ class Options:
     only: str = ""
     """Settings whose id begins with this."""
     runs: int = 20
-    """Seeds a setting, from 0."""
+    """Seeds a setting."""
+    first: int = 0
+    """The first of them."""
     jobs: int = 1
     """Processes."""
 
@@ -79,7 +81,7 @@ def main() -> None:
     options = tyro.cli(Options, description=__doc__)
     names = [name for name in SETTINGS if name.startswith(options.only)]
     Parallel(n_jobs=options.jobs)(
-        delayed(run_cell)(options.out, name, seed) for name in names for seed in range(options.runs)
+        delayed(run_cell)(options.out, name, options.first + run) for name in names for run in range(options.runs)
     )
 
 
