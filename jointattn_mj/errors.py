@@ -23,3 +23,7 @@ class CheckpointError(JointAttnError, RuntimeError):
 
 class VideoError(JointAttnError, RuntimeError):
     """The video cannot be written: no ffmpeg program, or it gave up."""
+
+
+class SeriesError(JointAttnError, ValueError):
+    """Observations cannot be measured as they are: unequal lengths, missing values, what is no code."""

@@ -1,0 +1,48 @@
+"""Contingency: how much what one senses and does says about what comes next (chapters 4 and 5)."""
+
+from jointattn_mj.contingency.granger import linear_granger
+from jointattn_mj.contingency.measures import (
+    combined_transfer_entropy,
+    conditional_mutual_information,
+    contingent_saliency,
+    mutual_information,
+    pointwise_combined_transfer_entropy,
+    pointwise_conditional_mutual_information,
+    pointwise_mutual_information,
+    pointwise_state_action_contingency,
+    pointwise_transfer_entropy,
+    state_action_contingency,
+    transfer_entropy,
+)
+from jointattn_mj.contingency.series import joint, recode
+from jointattn_mj.contingency.significance import (
+    Significance,
+    TestOptions,
+    adjust,
+    assess,
+    benjamini_hochberg,
+    holm,
+)
+
+__all__ = [
+    "Significance",
+    "TestOptions",
+    "adjust",
+    "assess",
+    "benjamini_hochberg",
+    "combined_transfer_entropy",
+    "conditional_mutual_information",
+    "contingent_saliency",
+    "holm",
+    "joint",
+    "linear_granger",
+    "mutual_information",
+    "pointwise_combined_transfer_entropy",
+    "pointwise_conditional_mutual_information",
+    "pointwise_mutual_information",
+    "pointwise_state_action_contingency",
+    "pointwise_transfer_entropy",
+    "recode",
+    "state_action_contingency",
+    "transfer_entropy",
+]

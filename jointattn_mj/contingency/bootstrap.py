@@ -1,0 +1,107 @@
+"""Intervals: transitions are drawn anew in blocks, so that what hangs together in time stays together."""
+
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+from numba import njit
+
+from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.table import Steps
+
+Resample = Literal["auto", "blocks", "recordings"]
+"""``blocks``: of consecutive transitions, from anywhere, going on at a recording's start where it ends (circular block
+bootstrap). ``recordings``: whole recordings. ``auto``: recordings where there are at least 10, otherwise blocks."""
+
+ENOUGH_RECORDINGS = 10
+
+BATCH = 50
+"""Resamples between two reports of progress."""
+
+
+def chosen(steps: Steps, resample: Resample) -> Literal["blocks", "recordings"]:
+    """What ``auto`` means for these series."""
+    if resample != "auto":
+        return resample
+    return "recordings" if len(steps.target.bounds) > ENOUGH_RECORDINGS else "blocks"
+
+
+def default_block(transitions: int) -> int:
+    """Transitions in a block: the cube root, at least 1."""
+    return max(1, round(transitions ** (1 / 3)))
+
+
+def resampled(
+    steps: Steps,
+    measure: Measure,
+    count: int,
+    rng: np.random.Generator,
+    resample: Literal["blocks", "recordings"] = "blocks",
+    block: int | None = None,
+    progress: Callable[[int], object] = lambda done: None,
+) -> np.ndarray:
+    """Plug-in values (count,), in nats, of so many resamples; ``block`` transitions at a time."""
+    cells, which = steps.cells_by_step()
+    ids, signs = [], []
+    for given, sign in [(measure.given, 1), (measure.less, -1)]:
+        if given is not None:
+            ids += [np.unique(cells.ids(given + axes)[0], return_inverse=True)[1] for axes in ("sn", "", "s", "n")]
+            signs += [sign, sign, -sign, -sign]
+    spans = steps.target.bounds - np.arange(len(steps.target.bounds))
+    length = 0 if resample == "recordings" else block or default_block(steps.transitions)
+    values = np.empty(count)
+    for start in range(0, count, BATCH):
+        batch = values[start : start + BATCH]
+        _resample(batch, rng, which, spans, length, np.array(ids), np.array(signs), len(cells.counts))
+        progress(len(batch))
+    return values
+
+
+def interval(value: float, values: np.ndarray, bias: float, level: float) -> tuple[float, float]:
+    """Bias-corrected interval of a measure with plug-in ``value`` and resampled ``values``.
+
+    Quantiles of the resamples, moved down twice: by what resampling adds to the plug-in, and by the plug-in's own
+    ``bias`` (degrees of freedom). Over simulated data, 95% intervals covered the truth in 88% to 100% of cases, lowest
+    where most combinations were seen a few times only.
+    """
+    tail = (1 - level) / 2
+    low, high = np.quantile(values, [tail, 1 - tail]) - (values.mean() - value) - bias
+    return float(low), float(high)
+
+
+@njit(cache=True)
+def _resample(values, rng, which, spans, length, ids, signs, cells):
+    """Fill ``values``; ``length`` 0 draws whole recordings."""
+    n, recordings = len(which), len(spans) - 1
+    counts, sums = np.empty(cells, np.int64), np.zeros(cells, np.int64)
+    home = np.empty(n, np.int64)
+    for recording in range(recordings):
+        home[spans[recording] : spans[recording + 1]] = recording
+    for i in range(len(values)):
+        counts[:] = 0
+        drawn = 0
+        if length == 0:
+            for _ in range(recordings):
+                recording = int(rng.random() * recordings)
+                for t in range(spans[recording], spans[recording + 1]):
+                    counts[which[t]] += 1
+                drawn += spans[recording + 1] - spans[recording]
+        else:
+            while drawn < n:
+                t = int(rng.random() * n)
+                start, stop = spans[home[t]], spans[home[t] + 1]
+                for _ in range(min(length, n - drawn)):
+                    counts[which[t]] += 1
+                    drawn += 1
+                    t += 1
+                    if t == stop:
+                        t = start
+        total = 0.0
+        for term in range(len(signs)):
+            for cell in range(cells):
+                sums[ids[term, cell]] += counts[cell]
+            for cell in range(cells):
+                if sums[cell] > 0:
+                    total += signs[term] * sums[cell] * np.log(sums[cell])
+                    sums[cell] = 0
+        values[i] = total / drawn

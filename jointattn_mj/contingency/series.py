@@ -1,0 +1,203 @@
+"""Series of codes: what the measures take, how it is checked, and several variables taken as one.
+
+A series is an integer array (T,), or a list or tuple of such arrays: separate recordings, so that no transition crosses
+from one into the next. Series that belong together are aligned such that ``r[t + 1]`` answers ``s[t]`` and ``a[t]``.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from jointattn_mj.errors import SeriesError
+
+Series = np.ndarray | Sequence[Any]
+"""An array-like of codes (T,), or a sequence of them."""
+
+SMALL = 1024
+"""Codes below this are taken as they are; larger ones are numbered anew where there are fewer steps than codes."""
+
+
+@dataclass(frozen=True)
+class Coded:
+    """A checked series: all recordings one after the other."""
+
+    codes: np.ndarray
+    """int64 (T,), each in 0..size-1."""
+    bounds: np.ndarray
+    """int64 (k + 1,): recording i is ``codes[bounds[i]:bounds[i + 1]]``."""
+    size: int
+    """One more than the highest code."""
+    values: np.ndarray | None = None
+    """The codes that the caller used, int64 (size,), where they were numbered anew; otherwise code i stands for i."""
+
+    def split(self, codes: np.ndarray | None = None) -> list[np.ndarray]:
+        """``codes`` (T,), or these, recording by recording."""
+        return np.split(self.codes if codes is None else codes, self.bounds[1:-1])
+
+    def compact(self) -> "Coded":
+        """The same with every code in use, in the order of the values."""
+        values, codes = np.unique(self.codes, return_inverse=True)
+        if len(values) == self.size:
+            return self
+        return Coded(codes, self.bounds, len(values), values if self.values is None else self.values[values])
+
+
+def code(series: Series, name: str = "series") -> Coded:
+    """Check a series; ``name`` is what messages call it.
+
+    Raises:
+        SeriesError: Missing values, negative codes, numbers that are not whole, text, another dimension than one, or a
+            recording of fewer than two steps.
+    """
+    given = _recordings(series)
+    parts = [_whole(part, name if len(given) == 1 else f"recording {i} of {name}") for i, part in enumerate(given)]
+    if not parts:
+        raise SeriesError(f"{name} is empty; at least 2 steps are needed")
+    codes = parts[0] if len(parts) == 1 else np.concatenate(parts)
+    lowest, highest = _extent(codes)
+    if lowest < 0:
+        at = int(np.argmax(codes < 0))
+        raise SeriesError(f"codes of {name} must be 0 or more; got {codes[at]} at step {at}")
+    bounds = np.zeros(len(parts) + 1, np.int64)
+    np.cumsum([len(part) for part in parts], out=bounds[1:])
+    coded = Coded(codes, bounds, int(highest) + 1)
+    return coded.compact() if highest >= max(SMALL, len(codes)) else coded
+
+
+def aligned(**series: Series | None) -> list[Coded | None]:
+    """Check series that belong together, by name; those that are None stay None.
+
+    Raises:
+        SeriesError: As ``code``, or the lengths of their recordings differ.
+    """
+    coded = {name: None if given is None else code(given, name) for name, given in series.items()}
+    present = [(name, one) for name, one in coded.items() if one is not None]
+    first_name, first = present[0]
+    for name, other in present[1:]:
+        if not np.array_equal(other.bounds, first.bounds):
+            raise SeriesError(
+                f"{first_name} and {name} must be equally long; got {_lengths(first)} and {_lengths(other)} steps"
+            )
+    return list(coded.values())
+
+
+def joint(*series: Series) -> np.ndarray | list[np.ndarray]:
+    """Several variables taken as one: a code for every combination that occurs, in lexicographic order.
+
+    Returns an array (T,), or a list of them where several recordings were given.
+
+    Raises:
+        SeriesError: As ``code``, different lengths, or no series at all.
+    """
+    if not series:
+        raise SeriesError("joint needs at least one series")
+    coded = [one for one in aligned(**{f"series {i + 1}": one for i, one in enumerate(series)}) if one is not None]
+    codes = combined([one.codes for one in coded], [one.size for one in coded])[0]
+    codes = np.unique(codes, return_inverse=True)[1]
+    return coded[0].split(codes) if len(coded[0].bounds) > 2 else codes
+
+
+def recode(series: Series) -> tuple[np.ndarray | list[np.ndarray], np.ndarray]:
+    """The series with codes 0..k-1 without gaps, and the k codes that they stand for, ascending.
+
+    Raises:
+        SeriesError: As ``code``.
+    """
+    coded = code(series).compact()
+    values = np.arange(coded.size) if coded.values is None else coded.values
+    return (coded.split() if len(coded.bounds) > 2 else coded.codes), values
+
+
+def combined(columns: Sequence[np.ndarray], sizes: Sequence[int]) -> tuple[np.ndarray, int]:
+    """One key for each row of ``columns``, each (n,) in 0..size-1, in lexicographic order, and a bound for the keys.
+
+    Rows are equal where keys are. Keys are numbered anew on the way wherever they would leave 62 bits.
+    """
+    keys, bound = columns[0], int(sizes[0])
+    for column, size in zip(columns[1:], sizes[1:], strict=True):
+        if bound * int(size) >= 2**62:
+            seen, keys = np.unique(keys, return_inverse=True)
+            bound = len(seen)
+        if bound * int(size) >= 2**62:
+            seen, column = np.unique(column, return_inverse=True)
+            size = len(seen)
+        keys, bound = keys * size + column, bound * int(size)
+    return keys, bound
+
+
+def check_base(base: float) -> float:
+    """The natural logarithm of ``base``, by which nats are divided.
+
+    Raises:
+        SeriesError: It is no number above 1.
+    """
+    try:
+        sound = bool(1 < base < float("inf"))
+    except (TypeError, ValueError):
+        sound = False
+    if not sound:
+        raise SeriesError(f"base of the logarithm must be a number above 1, such as 2 for bits; got {base!r}")
+    return float(np.log(base))
+
+
+def _recordings(series: Series) -> Sequence[Any]:
+    """The recordings; a flat list of numbers is one recording."""
+    if isinstance(series, (list, tuple)) and (not series or hasattr(series[0], "__len__")):
+        return [series] if series and isinstance(series[0], str) else series
+    return [series]
+
+
+def _whole(given: Any, name: str) -> np.ndarray:
+    """One recording as int64 (T,)."""
+    if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
+        raise SeriesError(f"{name} has {int(np.ma.getmaskarray(given).sum())} masked values; cut the series there")
+    try:
+        array = np.asarray(given)
+    except (ValueError, TypeError) as error:
+        raise SeriesError(f"{name} must be an array of whole numbers (T,): {error}") from error
+    if array.ndim != 1:
+        raise SeriesError(
+            f"{name} must have one dimension; got shape {array.shape}. Give separate recordings as a list of arrays, "
+            "and take several variables together with joint()"
+        )
+    if len(array) < 2:
+        raise SeriesError(f"{name} needs at least 2 steps, so that something can follow something; got {len(array)}")
+    if array.dtype.kind == "f":
+        return _from_floats(array, name)
+    if array.dtype.kind not in "iub":
+        raise SeriesError(
+            f"{name} must hold whole numbers; got {array.dtype}, such as {array[0]!r}. Number the values first, for "
+            "example with numpy.unique(values, return_inverse=True)"
+        )
+    if array.dtype == np.uint64 and array.max() >= 2**62:
+        raise SeriesError(f"codes of {name} must be below 2**62; got {array.max()}")
+    return np.ascontiguousarray(array, np.int64)
+
+
+def _from_floats(array: np.ndarray, name: str) -> np.ndarray:
+    missing = np.isnan(array)
+    if missing.any():
+        raise SeriesError(f"{name} has {missing.sum()} missing values, the first at step {np.argmax(missing)}")
+    fractions = ~((array == np.trunc(array)) & (np.abs(array) < 2**53))
+    if fractions.any():
+        at = int(np.argmax(fractions))
+        raise SeriesError(f"{name} must hold whole numbers; got {array[at]} at step {at}: sort values into bins first")
+    return array.astype(np.int64)
+
+
+def _lengths(coded: Coded) -> str:
+    lengths = np.diff(coded.bounds).tolist()
+    return str(lengths[0]) if len(lengths) == 1 else f"{lengths[:8]}{' and so on' if len(lengths) > 8 else ''}"
+
+
+@njit(cache=True)
+def _extent(codes: np.ndarray) -> tuple[int, int]:
+    """Lowest and highest."""
+    lowest, highest = codes[0], codes[0]
+    for value in codes:
+        lowest = min(lowest, value)
+        highest = max(highest, value)
+    return lowest, highest

@@ -1,0 +1,203 @@
+"""Whether a measure says more than chance, how far it can be trusted, and what holds when many events are tested."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from jointattn_mj.contingency import bootstrap, information
+from jointattn_mj.contingency.bootstrap import Resample
+from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.series import Series, check_base
+from jointattn_mj.contingency.surrogates import Permute, plan
+from jointattn_mj.contingency.table import Steps, steps
+from jointattn_mj.errors import SeriesError
+
+MEASURES: dict[str, Measure] = {
+    "transfer_entropy": information.TRANSFER,
+    "combined_transfer_entropy": information.COMBINED,
+    "state_action_contingency": information.CONTINGENCY,
+    "mutual_information": information.MUTUAL,
+    "conditional_mutual_information": information.CONDITIONAL_MUTUAL,
+}
+"""By the names of the functions that compute them."""
+
+Adjust = Literal["holm", "benjamini_hochberg", "none"]
+"""For many tests: ``holm`` keeps the chance of any false alarm below alpha, ``benjamini_hochberg`` the share of false
+ones among those that are called significant."""
+
+
+@dataclass(frozen=True)
+class TestOptions:
+    """How a measure is tested."""
+
+    __test__ = False  # no test case, whatever its name looks like
+
+    surrogates: int = 1000
+    """Permutations of the source; p cannot be smaller than 1 / (surrogates + 1)."""
+    permute: Permute = "context"
+    """See ``surrogates.Permute``."""
+    across_recordings: bool = False
+    """Permute among all recordings instead of within each: more powerful where they are short, wrong where they
+    differ."""
+    resamples: int = 1000
+    """Bootstrap resamples for the interval; 0 leaves it out."""
+    resample: Resample = "auto"
+    """See ``bootstrap.Resample``."""
+    block: int | None = None
+    """Transitions in a block; none is the cube root of their number."""
+    level: float = 0.95
+    """Coverage of the interval."""
+
+    def __post_init__(self) -> None:
+        if self.surrogates < 1 or self.resamples < 0 or (self.block is not None and self.block < 1):
+            raise SeriesError(
+                "a test needs surrogates >= 1, resamples >= 0 and block >= 1; got "
+                f"{self.surrogates}, {self.resamples}, {self.block}"
+            )
+        if not 0 < self.level < 1:
+            raise SeriesError(f"level of the interval must lie between 0 and 1; got {self.level}")
+
+
+@dataclass(frozen=True)
+class Significance:
+    """A measure and what is known about it; in units of the logarithm's base (bits for 2)."""
+
+    value: float
+    """Plug-in."""
+    corrected: float
+    """Effective value: less the mean of the surrogates."""
+    null_mean: float
+    """Mean of the surrogates."""
+    null_sd: float
+    """Their standard deviation."""
+    z: float
+    """``corrected`` in such standard deviations; 0 where surrogates do not differ."""
+    p: float
+    """(1 + surrogates at or above the value) / (1 + surrogates)."""
+    interval: tuple[float, float]
+    """Bias-corrected bootstrap interval; NaN where it was left out."""
+    level: float
+    """Its coverage."""
+    transitions: int
+    exchangeable: int
+    """Transitions that surrogates could change; where there are few of them, p says nothing."""
+    surrogates: int
+    resampled: str
+    """What the interval comes from: blocks or recordings."""
+
+
+def assess(
+    measure: str,
+    source: Series,
+    target: Series,
+    condition: Series | None = None,
+    *,
+    options: TestOptions | None = None,
+    base: float = 2,
+    seed: int | np.random.SeedSequence | np.random.Generator = 0,
+    progress: Callable[[int], object] = lambda done: None,
+) -> Significance:
+    """Test a measure, one of the keys of ``MEASURES``; the null is that s says nothing about r' beyond its context.
+
+    A permutation test takes the transitions of one context as exchangeable. A source that stays the same for long,
+    while the result has a longer memory than one step, is not, and p is then too small.
+
+    Raises:
+        SeriesError: Series that cannot be measured, an unknown measure, or a condition missing or superfluous.
+    """
+    if measure not in MEASURES:
+        raise SeriesError(f"measure must be one of {', '.join(MEASURES)}; got {measure!r}")
+    chosen = MEASURES[measure]
+    if ("a" in chosen.given) != (condition is not None):
+        verb = "needs" if condition is None else "takes no"
+        raise SeriesError(f"{measure} {verb} condition")
+    return assess_steps(
+        steps(source, target, condition), chosen, options or TestOptions(), check_base(base), generator(seed), progress
+    )
+
+
+def assess_steps(
+    given: Steps,
+    measure: Measure,
+    options: TestOptions,
+    unit: float,
+    rng: np.random.Generator,
+    progress: Callable[[int], object] = lambda done: None,
+) -> Significance:
+    """``assess`` for series that are checked; ``unit`` is the base's natural logarithm."""
+    cells = given.cells()
+    value = measure.value(cells)
+    surrogates = plan(given, measure, options.permute, options.across_recordings)
+    null = surrogates.draw(options.surrogates, rng, progress)
+    resampled = bootstrap.chosen(given, options.resample)
+    low = high = float("nan")
+    if options.resamples:
+        values = bootstrap.resampled(given, measure, options.resamples, rng, resampled, options.block, progress)
+        bias = measure.bias(cells, "degrees_of_freedom")
+        low, high = bootstrap.interval(value, values, bias, options.level)
+    mean, sd = float(null.mean()), float(null.std())
+    rounding = 1e-12 * max(1.0, abs(value))
+    return Significance(
+        value=value / unit,
+        corrected=(value - mean) / unit,
+        null_mean=mean / unit,
+        null_sd=sd / unit,
+        z=(value - mean) / sd if sd > rounding else 0.0,
+        p=float((1 + np.sum(null >= value - rounding)) / (1 + len(null))),
+        interval=(low / unit, high / unit),
+        level=options.level,
+        transitions=given.transitions,
+        exchangeable=surrogates.exchangeable,
+        surrogates=options.surrogates,
+        resampled=resampled,
+    )
+
+
+def adjust(p: Sequence[float] | np.ndarray, how: Adjust = "holm") -> np.ndarray:
+    """p-values (k,) corrected for their number.
+
+    Raises:
+        SeriesError: ``how`` is unknown.
+    """
+    if how not in get_args(Adjust):
+        raise SeriesError(f"adjust must be one of {', '.join(get_args(Adjust))}; got {how!r}")
+    if how == "none":
+        return np.array(p, float)
+    return holm(p) if how == "holm" else benjamini_hochberg(p)
+
+
+def holm(p: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Adjusted p-values (k,) by Holm's step-down method."""
+    given = np.asarray(p, float)
+    order = np.argsort(given, kind="stable")
+    steps_down = np.maximum.accumulate(given[order] * np.arange(len(given), 0, -1))
+    return _put_back(np.minimum(steps_down, 1), order)
+
+
+def benjamini_hochberg(p: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Adjusted p-values (k,) by Benjamini and Hochberg's step-up method, for the rate of false discoveries."""
+    given = np.asarray(p, float)
+    order = np.argsort(given, kind="stable")
+    scaled = given[order] * len(given) / np.arange(1, len(given) + 1)
+    return _put_back(np.minimum(np.minimum.accumulate(scaled[::-1])[::-1], 1), order)
+
+
+def generator(seed: int | np.random.SeedSequence | np.random.Generator) -> np.random.Generator:
+    """A generator as it is, or a new one of a seed.
+
+    Raises:
+        SeriesError: A negative seed, or none at all.
+    """
+    if isinstance(seed, np.random.Generator):
+        return seed
+    if isinstance(seed, (bool, float)) or (isinstance(seed, (int, np.integer)) and seed < 0) or seed is None:
+        raise SeriesError(f"seed must be a whole number of 0 or more; got {seed!r}")
+    return np.random.default_rng(seed)
+
+
+def _put_back(values: np.ndarray, order: np.ndarray) -> np.ndarray:
+    result = np.empty(len(values))
+    result[order] = values
+    return result

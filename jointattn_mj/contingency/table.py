@@ -1,0 +1,164 @@
+"""The table of counts behind every measure: how often (r', r, s, a) came together, as a list of its observed cells."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from jointattn_mj.contingency.series import Coded, aligned, combined
+from jointattn_mj.errors import SeriesError
+
+AXES = "rasn"
+"""r: result before, a: action or other condition, s: source, n: result next. Marginals are named by these letters."""
+
+DENSE = 2**16
+"""A table of so many cells, or of two for every transition, is counted in place; a larger one by sorting."""
+
+
+@dataclass(frozen=True)
+class Cells:
+    """The m observed cells of the table."""
+
+    columns: np.ndarray
+    """int64 (4, m): codes of r, a, s, n."""
+    counts: np.ndarray
+    """float64 (m,), each at least 1."""
+    sizes: tuple[int, int, int, int]
+    """Codes of each axis lie below these."""
+
+    @property
+    def transitions(self) -> int:
+        """Number of transitions that were counted."""
+        return int(self.counts.sum())
+
+    def ids(self, axes: str) -> tuple[np.ndarray, int]:
+        """Marginal cell of each cell (m,), numbered from 0, and a bound for these numbers. Not all need to occur."""
+        if not axes:
+            return np.zeros(len(self.counts), np.int64), 1
+        chosen = [AXES.index(axis) for axis in axes]
+        keys, bound = combined([self.columns[i] for i in chosen], [self.sizes[i] for i in chosen])
+        if bound <= max(DENSE, 4 * len(keys)):
+            return keys, bound
+        seen, keys = np.unique(keys, return_inverse=True)
+        return keys, len(seen)
+
+    def marginal(self, axes: str) -> np.ndarray:
+        """Count (m,) of the marginal over ``axes`` to which each cell belongs; over no axes: all transitions."""
+        keys, bound = self.ids(axes)
+        return np.bincount(keys, self.counts, bound)[keys]
+
+    def distribution(self, axes: str) -> np.ndarray:
+        """Counts (k,) of the k observed cells of the marginal."""
+        keys, bound = self.ids(axes)
+        counts = np.bincount(keys, self.counts, bound)
+        return counts[counts > 0]
+
+    def entropy(self, axes: str, given: str = "") -> float:
+        """H(axes | given) in nats."""
+        inner, outer = (self.marginal(names) for names in (axes + given, given))
+        return float(self.counts @ np.log(outer / inner)) / self.transitions
+
+    def information(self, given: str) -> np.ndarray:
+        """Local information (m,) in nats that s gives on n in each cell: log p(n | s, given) / p(n | given)."""
+        both, alone = self.marginal(given + "sn"), self.marginal(given)
+        return np.log(both * alone / (self.marginal(given + "s") * self.marginal(given + "n")))
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Series that belong together; a variable that is not there has the one value 0."""
+
+    source: Coded
+    target: Coded
+    condition: Coded | None = None
+
+    @property
+    def sizes(self) -> tuple[int, int, int, int]:
+        """Bounds of the codes of r, a, s, n."""
+        target = self.target.size
+        return target, self.condition.size if self.condition else 1, self.source.size, target
+
+    @property
+    def transitions(self) -> int:
+        """T less one for each recording."""
+        return len(self.target.codes) - len(self.target.bounds) + 1
+
+    def columns(self) -> list[np.ndarray]:
+        """Codes of r, a, s, n at each transition, each (n,)."""
+        first = np.ones(len(self.target.codes), bool)
+        first[self.target.bounds[1:] - 1] = False
+        nexts = np.flatnonzero(first) + 1
+        target = self.target.codes
+        action = self.condition.codes[first] if self.condition else np.zeros(len(nexts), np.int64)
+        return [target[first], action, self.source.codes[first], target[nexts]]
+
+    def recordings(self) -> np.ndarray:
+        """Number of the recording of each transition (n,)."""
+        lengths = np.diff(self.target.bounds)
+        return np.repeat(np.arange(len(lengths)), lengths - 1)
+
+    def cells(self) -> Cells:
+        """Count everything."""
+        sizes = self.sizes
+        total = np.prod(sizes, dtype=float)
+        if total > max(DENSE, 2 * self.transitions):
+            return _sorted(self.columns(), sizes)
+        target, source = self.target, self.source
+        table = np.zeros(int(total), np.int64)
+        if self.condition is None:
+            _count(table, target.codes, source.codes, target.bounds, target.size, source.size)
+        else:
+            conditions = self.condition
+            _count_conditioned(
+                table, target.codes, conditions.codes, source.codes, target.bounds,
+                target.size, conditions.size, source.size,
+            )  # fmt: skip
+        seen = np.flatnonzero(table)
+        return Cells(np.array(np.unravel_index(seen, sizes)), table[seen].astype(float), sizes)
+
+    def cells_by_step(self) -> tuple[Cells, np.ndarray]:
+        """The cells, and for each transition the number of its cell (n,)."""
+        columns = self.columns()
+        keys = combined(columns, self.sizes)[0]
+        _, first, which, counts = np.unique(keys, return_index=True, return_inverse=True, return_counts=True)
+        cells = Cells(np.array([column[first] for column in columns]), counts.astype(float), self.sizes)
+        return cells, which
+
+
+def steps(source: object, target: object, condition: object = None) -> Steps:
+    """Check series that belong together.
+
+    Raises:
+        SeriesError: See ``series.code`` and ``series.aligned``.
+    """
+    coded = aligned(source=source, target=target, condition=condition)  # type: ignore[arg-type]
+    if coded[0] is None or coded[1] is None:
+        raise SeriesError("a source and a target are needed; got None")
+    return Steps(coded[0], coded[1], coded[2])
+
+
+def _sorted(columns: list[np.ndarray], sizes: tuple[int, int, int, int]) -> Cells:
+    _, first, counts = np.unique(combined(columns, sizes)[0], return_index=True, return_counts=True)
+    return Cells(np.array([column[first] for column in columns]), counts.astype(float), sizes)
+
+
+@njit(cache=True)
+def _count(table, target, source, bounds, targets, sources):
+    """Add every transition to ``table``, flat over (r, s, n)."""
+    for recording in range(len(bounds) - 1):
+        before = target[bounds[recording]]
+        for t in range(bounds[recording], bounds[recording + 1] - 1):
+            after = target[t + 1]
+            table[(before * sources + source[t]) * targets + after] += 1
+            before = after
+
+
+@njit(cache=True)
+def _count_conditioned(table, target, condition, source, bounds, targets, conditions, sources):
+    """Add every transition to ``table``, flat over (r, a, s, n)."""
+    for recording in range(len(bounds) - 1):
+        before = target[bounds[recording]]
+        for t in range(bounds[recording], bounds[recording + 1] - 1):
+            after = target[t + 1]
+            table[((before * conditions + condition[t]) * sources + source[t]) * targets + after] += 1
+            before = after

@@ -1,0 +1,106 @@
+"""Series: what is taken, what is refused by name, several variables as one, codes of any size."""
+
+import numpy as np
+import pytest
+
+from jointattn_mj.contingency import joint, recode, transfer_entropy
+from jointattn_mj.contingency.series import aligned, check_base, code, combined
+from jointattn_mj.errors import JointAttnError, SeriesError
+
+GOOD = np.array([0, 1, 1, 0, 1])
+
+
+@pytest.mark.parametrize(
+    "series",
+    [
+        [0, 1, 1, 0, 1],
+        (0, 1, 1, 0, 1),
+        GOOD.astype(np.int8),
+        GOOD.astype(np.uint64),
+        GOOD.astype(bool),
+        GOOD.astype(float),
+        [GOOD],
+        np.array([9, 0, 9, 1, 9, 1, 9, 0, 9, 1])[1::2],
+    ],
+)
+def test_what_is_one_series(series):
+    coded = code(series)
+    assert coded.codes.tolist() == GOOD.tolist()
+    assert coded.bounds.tolist() == [0, 5]
+    assert coded.size == 2
+
+
+def test_recordings():
+    coded = code([[0, 1], np.array([2, 0, 1])])
+    assert coded.bounds.tolist() == [0, 2, 5]
+    assert [part.tolist() for part in coded.split()] == [[0, 1], [2, 0, 1]]
+
+
+BAD = {
+    "empty": ([], "empty"),
+    "empty array": (np.array([], int), "at least 2 steps"),
+    "one step": ([1], "at least 2 steps"),
+    "short recording": ([[0, 1], [1]], "recording 1 of s"),
+    "negative": ([0, -3], "-3"),
+    "fraction": ([0.0, 1.5], "1.5"),
+    "missing": ([0.0, np.nan, np.nan], "2 missing"),
+    "infinite": ([0.0, np.inf], "inf"),
+    "masked": (np.ma.array([1, 2, 3], mask=[0, 1, 0]), "1 masked"),
+    "text": (["left", "right"], "whole numbers"),
+    "none": ([None, 1], "whole numbers"),
+    "two dimensions": (np.zeros((5, 2), int), "joint"),
+    "no dimension": (3, "one dimension"),
+    "ragged": ([[0, [1]], [0, 1]], "s"),
+    "huge": (np.array([0, 2**63], np.uint64), "2\\*\\*62"),
+    "complex": ([1j, 2j], "whole numbers"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_what_is_none(case):
+    series, words = BAD[case]
+    with pytest.raises(SeriesError, match=words) as caught:
+        code(series, "s")
+    assert isinstance(caught.value, JointAttnError)
+    assert isinstance(caught.value, ValueError)
+
+
+def test_lengths_must_agree():
+    with pytest.raises(SeriesError, match=r"source and target .* 5 and 4"):
+        transfer_entropy(GOOD, GOOD[:4])
+    with pytest.raises(SeriesError, match=r"\[2, 3\] and \[3, 2\]"):
+        aligned(s=[GOOD[:2], GOOD[2:]], r=[GOOD[:3], GOOD[3:]])
+
+
+@pytest.mark.parametrize("base", [1, 0.5, 0, -2, np.nan, np.inf, "2", None])
+def test_bad_base(base):
+    with pytest.raises(SeriesError, match="base"):
+        check_base(base)
+
+
+def test_joint():
+    assert joint([0, 0, 1, 1, 0], [5, 7, 5, 7, 7]).tolist() == [0, 1, 2, 3, 1]
+    two = joint([[0, 1], [1, 0]], [[0, 1], [1, 1]])
+    assert [part.tolist() for part in two] == [[0, 2], [2, 1]]
+    with pytest.raises(SeriesError, match="series 2"):
+        joint([0, 1], [0, 1, 2])
+    with pytest.raises(SeriesError):
+        joint()
+
+
+def test_recode():
+    codes, values = recode([10**12, 7, 10**12])
+    assert (codes.tolist(), values.tolist()) == ([1, 0, 1], [7, 10**12])
+    codes, values = recode([[3, 1], [1, 0]])
+    assert ([part.tolist() for part in codes], values.tolist()) == ([[2, 1], [1, 0]], [0, 1, 3])
+
+
+def test_combined_never_overflows():
+    rng = np.random.default_rng(0)
+    columns = [rng.integers(0, 2**40, 1000) for _ in range(4)]
+    columns = [np.concatenate([column, column]) for column in columns]
+    keys, bound = combined(columns, [2**40] * 4)
+    assert bound < 2**62
+    assert keys.min() >= 0
+    assert (keys[:1000] == keys[1000:]).all()
+    assert len(np.unique(keys)) == 1000
