@@ -13,7 +13,9 @@ import tyro
 from tqdm import tqdm
 
 from jointattn_mj.benchmark import BenchmarkOptions, run_benchmark
-from jointattn_mj.errors import CheckpointError, ConfigError, JointAttnError, OutputError
+from jointattn_mj.discover_command import DiscoverOptions, run_discover
+from jointattn_mj.errors import CheckpointError, ConfigError, JointAttnError, OutputError, SeriesError
+from jointattn_mj.measure_command import MeasureOptions, run_measure
 from jointattn_mj.recording.files import write_whole
 from jointattn_mj.runner import RunOptions, run_session
 from jointattn_mj.session import FRAMES_PER_MINUTE, Session, SessionConfig
@@ -26,7 +28,7 @@ def main(arguments: list[str] | None = None) -> None:
     cv2.setNumThreads(1)  # pictures are small: handing them round threads costs more than it gains
     try:
         _parse(arguments)()
-    except (ConfigError, OutputError, CheckpointError) as error:
+    except (ConfigError, OutputError, CheckpointError, SeriesError) as error:
         _leave(str(error), BAD_USAGE)
     except JointAttnError as error:
         _leave(str(error), FAILED)
@@ -76,7 +78,15 @@ def _commands() -> dict[str, Callable[..., Any]]:
         """Measure the closed loop beside rendering alone, the truth path, and dm_control's cartpole, in one run."""
         return lambda: _benchmark(options)
 
-    return {"session": session, "benchmark": benchmark}
+    def measure(options: Annotated[MeasureOptions, tyro.conf.arg(name="")]) -> Callable[[], None]:
+        """Measure how much a recorded variable says about what another does next: transfer entropy, T^C, SAC."""
+        return lambda: _print_with_bar(run_measure, options)
+
+    def discover(options: Annotated[DiscoverOptions, tyro.conf.arg(name="")]) -> Callable[[], None]:
+        """Find which events (sensor, action) -> result in a recording are contingent, and which values carry them."""
+        return lambda: _print_with_bar(run_discover, options)
+
+    return {"session": session, "benchmark": benchmark, "measure": measure, "discover": discover}
 
 
 def _run_with_bar(config: SessionConfig, options: RunOptions) -> None:
@@ -110,6 +120,12 @@ def _run_with_bar(config: SessionConfig, options: RunOptions) -> None:
         f"the caregiver looked ({'-' if late is None else format(late, '.0%')} over the last 6 minutes), "
         f"in {summary['wall_seconds']:.0f} s. Results: {options.out}"
     )
+
+
+def _print_with_bar(run: Callable[..., Any], options: Any) -> None:
+    with tqdm(total=options.draws, desc="surrogates", leave=False, disable=None) as bar:
+        result = run(options, bar.update)
+    print(result.text())
 
 
 def _benchmark(options: BenchmarkOptions) -> None:

@@ -1,6 +1,8 @@
 """Contingency: how much what one senses and does says about what comes next (chapters 4 and 5)."""
 
+from jointattn_mj.contingency.discovery import Finding, discover
 from jointattn_mj.contingency.granger import linear_granger
+from jointattn_mj.contingency.local import LocalContingency, local_contingency
 from jointattn_mj.contingency.measures import (
     combined_transfer_entropy,
     conditional_mutual_information,
@@ -14,6 +16,7 @@ from jointattn_mj.contingency.measures import (
     state_action_contingency,
     transfer_entropy,
 )
+from jointattn_mj.contingency.recordings import Recordings, read_recordings
 from jointattn_mj.contingency.series import joint, recode
 from jointattn_mj.contingency.significance import (
     Significance,
@@ -25,6 +28,9 @@ from jointattn_mj.contingency.significance import (
 )
 
 __all__ = [
+    "Finding",
+    "LocalContingency",
+    "Recordings",
     "Significance",
     "TestOptions",
     "adjust",
@@ -33,15 +39,18 @@ __all__ = [
     "combined_transfer_entropy",
     "conditional_mutual_information",
     "contingent_saliency",
+    "discover",
     "holm",
     "joint",
     "linear_granger",
+    "local_contingency",
     "mutual_information",
     "pointwise_combined_transfer_entropy",
     "pointwise_conditional_mutual_information",
     "pointwise_mutual_information",
     "pointwise_state_action_contingency",
     "pointwise_transfer_entropy",
+    "read_recordings",
     "recode",
     "state_action_contingency",
     "transfer_entropy",

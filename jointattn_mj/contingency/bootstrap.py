@@ -23,7 +23,7 @@ def chosen(steps: Steps, resample: Resample) -> Literal["blocks", "recordings"]:
     """What ``auto`` means for these series."""
     if resample != "auto":
         return resample
-    return "recordings" if len(steps.target.bounds) > ENOUGH_RECORDINGS else "blocks"
+    return "recordings" if len(steps.spans(whole=True)) > ENOUGH_RECORDINGS else "blocks"
 
 
 def default_block(transitions: int) -> int:
@@ -47,7 +47,7 @@ def resampled(
         if given is not None:
             ids += [np.unique(cells.ids(given + axes)[0], return_inverse=True)[1] for axes in ("sn", "", "s", "n")]
             signs += [sign, sign, -sign, -sign]
-    spans = steps.target.bounds - np.arange(len(steps.target.bounds))
+    spans = steps.spans(whole=resample == "recordings")
     length = 0 if resample == "recordings" else block or default_block(steps.transitions)
     values = np.empty(count)
     for start in range(0, count, BATCH):

@@ -41,7 +41,7 @@ class TestOptions:
     across_recordings: bool = False
     """Permute among all recordings instead of within each: more powerful where they are short, wrong where they
     differ."""
-    resamples: int = 1000
+    resamples: int = 500
     """Bootstrap resamples for the interval; 0 leaves it out."""
     resample: Resample = "auto"
     """See ``bootstrap.Resample``."""
@@ -97,9 +97,13 @@ def assess(
     options: TestOptions | None = None,
     base: float = 2,
     seed: int | np.random.SeedSequence | np.random.Generator = 0,
+    groups: Sequence[int] | None = None,
     progress: Callable[[int], object] = lambda done: None,
 ) -> Significance:
     """Test a measure, one of the keys of ``MEASURES``; the null is that s says nothing about r' beyond its context.
+
+    ``groups`` (k,) numbers the k recordings given: those with the same number are pieces of one, cut at gaps, and
+    follow each other; the source is permuted among them, and they are resampled together.
 
     A permutation test takes the transitions of one context as exchangeable. A source that stays the same for long,
     while the result has a longer memory than one step, is not, and p is then too small.
@@ -113,9 +117,8 @@ def assess(
     if ("a" in chosen.given) != (condition is not None):
         verb = "needs" if condition is None else "takes no"
         raise SeriesError(f"{measure} {verb} condition")
-    return assess_steps(
-        steps(source, target, condition), chosen, options or TestOptions(), check_base(base), generator(seed), progress
-    )
+    given = steps(source, target, condition, groups)
+    return assess_steps(given, chosen, options or TestOptions(), check_base(base), generator(seed), progress)
 
 
 def assess_steps(

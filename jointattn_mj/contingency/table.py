@@ -1,11 +1,12 @@
 """The table of counts behind every measure: how often (r', r, s, a) came together, as a list of its observed cells."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 
-from jointattn_mj.contingency.series import Coded, aligned, combined
+from jointattn_mj.contingency.series import Coded, Series, aligned, combined
 from jointattn_mj.errors import SeriesError
 
 AXES = "rasn"
@@ -71,6 +72,8 @@ class Steps:
     source: Coded
     target: Coded
     condition: Coded | None = None
+    groups: np.ndarray | None = None
+    """int64 (k,): recordings with the same number are pieces of one; they follow each other. None: each is its own."""
 
     @property
     def sizes(self) -> tuple[int, int, int, int]:
@@ -92,10 +95,18 @@ class Steps:
         action = self.condition.codes[first] if self.condition else np.zeros(len(nexts), np.int64)
         return [target[first], action, self.source.codes[first], target[nexts]]
 
+    def spans(self, whole: bool) -> np.ndarray:
+        """Where the transitions of each piece of a recording begin, or of each ``whole`` recording, and the end."""
+        starts = self.target.bounds - np.arange(len(self.target.bounds))
+        if not whole or self.groups is None:
+            return starts
+        first = np.concatenate([[True], np.diff(self.groups) != 0, [True]])
+        return starts[first]
+
     def recordings(self) -> np.ndarray:
-        """Number of the recording of each transition (n,)."""
-        lengths = np.diff(self.target.bounds)
-        return np.repeat(np.arange(len(lengths)), lengths - 1)
+        """Number of the whole recording of each transition (n,), from 0."""
+        lengths = np.diff(self.spans(whole=True))
+        return np.repeat(np.arange(len(lengths)), lengths)
 
     def cells(self) -> Cells:
         """Count everything."""
@@ -125,16 +136,25 @@ class Steps:
         return cells, which
 
 
-def steps(source: object, target: object, condition: object = None) -> Steps:
-    """Check series that belong together.
+def steps(
+    source: Series, target: Series, condition: Series | None = None, groups: Sequence[int] | None = None
+) -> Steps:
+    """Check series that belong together; ``groups`` as in ``Steps``.
 
     Raises:
         SeriesError: See ``series.code`` and ``series.aligned``.
     """
-    coded = aligned(source=source, target=target, condition=condition)  # type: ignore[arg-type]
-    if coded[0] is None or coded[1] is None:
+    first, second, third = aligned(source=source, target=target, condition=condition)
+    if first is None or second is None:
         raise SeriesError("a source and a target are needed; got None")
-    return Steps(coded[0], coded[1], coded[2])
+    numbers = None if groups is None else np.asarray(groups)
+    if numbers is not None:
+        recordings = len(second.bounds) - 1
+        if numbers.shape != (recordings,) or len(np.unique(numbers)) != 1 + np.count_nonzero(np.diff(numbers)):
+            raise SeriesError(
+                f"groups must number the {recordings} recordings, pieces of one side by side; got {numbers.tolist()}"
+            )
+    return Steps(first, second, third, numbers)
 
 
 def _sorted(columns: list[np.ndarray], sizes: tuple[int, int, int, int]) -> Cells:

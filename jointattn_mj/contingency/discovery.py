@@ -1,0 +1,144 @@
+"""Which event is contingent? All events of some sensors, actions and results, ranked and tested (section 5.2.1)."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.local import LocalContingency, carriers, local_of_steps
+from jointattn_mj.contingency.series import Series, check_base
+from jointattn_mj.contingency.significance import (
+    MEASURES,
+    Adjust,
+    Significance,
+    TestOptions,
+    adjust,
+    assess_steps,
+    generator,
+)
+from jointattn_mj.contingency.table import steps
+from jointattn_mj.errors import SeriesError
+
+
+@dataclass(frozen=True)
+class Finding:
+    """An event and what is known about its contingency."""
+
+    sensor: str
+    action: str
+    result: str
+    significance: Significance
+    p_adjusted: float
+    """Corrected for the number of events."""
+    normalised: float
+    """Effective value, less the mean of surrogates, divided by the bound ``smallest`` (see ``information``)."""
+    values: tuple[LocalContingency, ...] = ()
+    """Values that carry the contingency, those that add most first; left out of events that are not significant."""
+
+    @property
+    def event(self) -> str:
+        """In one line."""
+        return f"({self.sensor}, {self.action}) -> {self.result}"
+
+
+def discover(
+    data: Mapping[str, Series],
+    sensors: Sequence[str],
+    actions: Sequence[str],
+    results: Sequence[str],
+    *,
+    measure: str = "state_action_contingency",
+    options: TestOptions | None = None,
+    how: Adjust = "holm",
+    alpha: float = 0.05,
+    base: float = 2,
+    seed: int | np.random.SeedSequence = 0,
+    explain: int = 3,
+    groups: Sequence[int] | None = None,
+    progress: Callable[[int], object] = lambda done: None,
+) -> tuple[Finding, ...]:
+    """All events, the highest effective value first; ``data`` holds a series for every name.
+
+    ``measure`` is ``state_action_contingency`` or ``combined_transfer_entropy``. p-values come from permutations within
+    (r, a), corrected for the number of events by ``how``. The ``explain`` highest events with p up to ``alpha`` also
+    tell by which values. Each event has a random stream of its own: its p does not depend on the others. ``groups`` is
+    that of ``assess``.
+
+    Raises:
+        SeriesError: Unknown names, names that play two parts of one event, series that cannot be measured, or bad
+            options.
+    """
+    chosen = _measure(measure)
+    _check(data, sensors, actions, results, alpha)
+    given, unit, tested = options or TestOptions(), check_base(base), []
+    events = list(product(sensors, actions, results))
+    for event, stream in zip(events, _seeds(seed).spawn(len(events)), strict=True):
+        tested.append(_tested(data, event, groups, chosen, given, unit, generator(stream), progress))
+    adjusted = adjust([one.significance.p for one in tested], how)
+    tested = [replace(one, p_adjusted=float(p)) for one, p in zip(tested, adjusted, strict=True)]
+    ranked = sorted(tested, key=lambda one: -one.significance.corrected)
+    for i, one in enumerate(ranked[:explain]):
+        if one.p_adjusted <= alpha:
+            cells = local_of_steps(steps(data[one.sensor], data[one.result], data[one.action]), chosen, unit)
+            ranked[i] = replace(one, values=carriers(cells, alpha))
+    return tuple(ranked)
+
+
+def least_surrogates(events: int, alpha: float = 0.05) -> int:
+    """Surrogates without which no event among so many can have a p of ``alpha`` by Holm's method."""
+    return int(np.ceil(events / alpha)) - 1
+
+
+def _tested(
+    data: Mapping[str, Series],
+    event: tuple[str, str, str],
+    groups: Sequence[int] | None,
+    measure: Measure,
+    options: TestOptions,
+    unit: float,
+    rng: np.random.Generator,
+    progress: Callable[[int], object],
+) -> Finding:
+    sensor, action, result = event
+    try:
+        given = steps(data[sensor], data[result], data[action], groups)
+        significance = assess_steps(given, measure, options, unit, rng, progress)
+    except SeriesError as error:
+        raise SeriesError(f"({sensor}, {action}) -> {result}: {error}") from error
+    bound = measure.bound(given.cells(), "smallest") / unit
+    normalised = significance.corrected / bound if bound > 1e-12 else 0.0
+    return Finding(sensor, action, result, significance, 1.0, normalised)
+
+
+def _measure(name: str) -> Measure:
+    measure = MEASURES.get(name)
+    if measure is None or measure.given != "ra":
+        raise SeriesError(f"events are ranked by state_action_contingency or combined_transfer_entropy; got {name!r}")
+    return measure
+
+
+def _check(
+    data: Mapping[str, Series], sensors: Sequence[str], actions: Sequence[str], results: Sequence[str], alpha: float
+) -> None:
+    for role, names in (("sensor", sensors), ("action", actions), ("result", results)):
+        if not names:
+            raise SeriesError(f"at least one {role} is needed")
+        if len(set(names)) < len(names):
+            raise SeriesError(f"every {role} must be named once; got {', '.join(names)}")
+        unknown = [name for name in names if name not in data]
+        if unknown:
+            raise SeriesError(f"there is no variable {unknown[0]!r}; there are {', '.join(data)}")
+    twice = set(sensors) & set(actions)
+    if twice:
+        raise SeriesError(f"{', '.join(sorted(twice))} cannot be both sensor and action")
+    if not 0 < alpha < 1:
+        raise SeriesError(f"alpha must lie between 0 and 1; got {alpha}")
+
+
+def _seeds(seed: int | np.random.SeedSequence) -> np.random.SeedSequence:
+    if isinstance(seed, np.random.SeedSequence):
+        return seed
+    generator(seed)
+    return np.random.SeedSequence(seed)

@@ -1,0 +1,150 @@
+"""Contingency value by value: which s with which a brings which r' about, given r.
+
+That contingency is worth evaluating locally, for single values instead of whole variables, because few values carry
+it and evidence for them comes sooner, is the idea of Mahzoon, Yoshikawa and Ishiguro (2016, doi
+10.3389/frobt.2016.00010), who look for values that contribute in synergy. The estimates here are not theirs: a cell's
+share of T^C or SAC, and an exact test of its count, corrected for the number of cells.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from jointattn_mj.contingency.information import CONTINGENCY, Measure
+from jointattn_mj.contingency.series import Coded, Series, check_base
+from jointattn_mj.contingency.significance import MEASURES, Adjust, adjust
+from jointattn_mj.contingency.table import Cells, Steps, steps
+from jointattn_mj.errors import SeriesError
+
+
+@dataclass(frozen=True)
+class LocalContingency:
+    """One observed combination of values."""
+
+    before: int
+    """r[t]."""
+    sensor: int
+    """s[t]."""
+    action: int
+    """a[t]."""
+    result: int
+    """r[t + 1]."""
+    count: int
+    """How often it came."""
+    occasions: int
+    """How often r, s and a came, whatever followed."""
+    expected: float
+    """How often it would have come if s said nothing beyond r and a."""
+    contribution: float
+    """What the combination adds to the measure; over all combinations these add up to it."""
+    z: float
+    """Count less expected, in standard deviations of the hypergeometric distribution; 0 where there is no choice."""
+    p: float
+    """Chance of so high a count, or a higher one, with s permuted among transitions of the same r and a (exact)."""
+    p_adjusted: float
+    """The same, corrected for the number of combinations."""
+
+    @property
+    def rate(self) -> float:
+        """p(r' | r, s, a)."""
+        return self.count / self.occasions
+
+    @property
+    def usual(self) -> float:
+        """p(r' | r, a)."""
+        return self.expected / self.occasions
+
+    def words(self, names: Sequence[str], labels: Mapping[str, Sequence[str]] | None = None) -> str:
+        """In words; ``names`` of sensor, action and result, and what their codes are called."""
+        called = [labels.get(name) if labels else None for name in names]
+        sensor, action, before, result = (
+            str(value) if given is None else given[value]
+            for value, given in (
+                (self.sensor, called[0]),
+                (self.action, called[1]),
+                (self.before, called[2]),
+                (self.result, called[2]),
+            )
+        )
+        return (
+            f"{names[0]} {sensor} with {names[1]} {action}: {names[2]} {before} -> {result} in {self.count} of "
+            f"{self.occasions} ({self.rate:.0%}; {self.usual:.0%} whatever {names[0]})"
+        )
+
+
+def local_contingency(
+    s: Series,
+    a: Series,
+    r: Series,
+    measure: str = "state_action_contingency",
+    base: float = 2,
+    how: Adjust = "holm",
+) -> tuple[LocalContingency, ...]:
+    """All observed combinations (r, s, a, r'), those first that add most to SAC, or to ``combined_transfer_entropy``.
+
+    Raises:
+        SeriesError: Series that cannot be measured, or a measure without an action.
+    """
+    chosen = MEASURES.get(measure)
+    if chosen is None or chosen.given != "ra":
+        raise SeriesError(
+            f"local contingency needs state_action_contingency or combined_transfer_entropy; got {measure!r}"
+        )
+    return local_of_steps(steps(s, r, a), chosen, check_base(base), how)
+
+
+def local_of_steps(
+    given: Steps, measure: Measure = CONTINGENCY, unit: float = 1.0, how: Adjust = "holm"
+) -> tuple[LocalContingency, ...]:
+    """``local_contingency`` for series that are checked; ``unit`` is the base's natural logarithm."""
+    cells = given.cells()
+    contribution = cells.counts * measure.local(cells) / cells.transitions / unit
+    expected, z, p = _tested(cells)
+    before, action, source, after = (
+        _named(column, coded)
+        for column, coded in zip(
+            cells.columns, (given.target, given.condition, given.source, given.target), strict=True
+        )
+    )
+    occasions, adjusted = cells.marginal("ras"), adjust(p, how)
+    found = [
+        LocalContingency(
+            before=int(before[i]),
+            sensor=int(source[i]),
+            action=int(action[i]),
+            result=int(after[i]),
+            count=int(cells.counts[i]),
+            occasions=int(occasions[i]),
+            expected=float(expected[i]),
+            contribution=float(contribution[i]),
+            z=float(z[i]),
+            p=float(p[i]),
+            p_adjusted=float(adjusted[i]),
+        )
+        for i in np.argsort(-contribution, kind="stable")
+    ]
+    return tuple(found)
+
+
+def carriers(found: Sequence[LocalContingency], alpha: float = 0.05, most: int = 3) -> tuple[LocalContingency, ...]:
+    """The first that add to the measure and are significant."""
+    return tuple(one for one in found if one.contribution > 0 and one.p_adjusted <= alpha)[:most]
+
+
+def _tested(cells: Cells) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Expected count, z and one-sided p of each cell, (m,) each."""
+    from scipy.stats import hypergeom  # takes longer to import than most tables to test
+
+    context, with_source, with_result = (cells.marginal(axes) for axes in ("ra", "ras", "ran"))
+    expected = with_source * with_result / context
+    others = np.maximum(context - 1, 1)
+    variance = expected * (context - with_source) * (context - with_result) / context / others
+    z = np.where(variance > 0, (cells.counts - expected) / np.sqrt(np.where(variance > 0, variance, 1)), 0.0)
+    p = hypergeom.sf(cells.counts - 1, context, with_result, with_source)
+    return expected, z, np.clip(p, 0, 1)
+
+
+def _named(column: np.ndarray, coded: Coded | None) -> np.ndarray:
+    """Codes as the caller gave them."""
+    return column if coded is None or coded.values is None else coded.values[column]

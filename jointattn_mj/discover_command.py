@@ -1,0 +1,178 @@
+"""``jointattn discover``: which events in a recording are contingent, and which values carry them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import tyro
+
+from jointattn_mj.contingency.discovery import Finding, discover, least_surrogates
+from jointattn_mj.contingency.recordings import Missing, read_recordings
+from jointattn_mj.contingency.series import check_base
+from jointattn_mj.contingency.significance import Adjust, TestOptions
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.measure_command import check_seed, exchange_notes, interval_text
+from jointattn_mj.recording.results import result_paths, write_results
+
+MEASURES = {"sac": "state_action_contingency", "tc": "combined_transfer_entropy"}
+
+
+@dataclass(frozen=True)
+class DiscoverOptions:
+    """Which events are compared, and how they are tested."""
+
+    file: tyro.conf.Positional[Path]
+    """CSV file with a header and a row for every step; the row after answers the row before."""
+    sensors: tuple[str, ...]
+    """Columns of what is sensed, S."""
+    actions: tuple[str, ...]
+    """Columns of what is done, A."""
+    results: tuple[str, ...]
+    """Columns of what may come of it, R."""
+    measure: Literal["sac", "tc"] = "sac"
+    """Contingency by SAC (eq. 5.2), or by T^C (eq. 4.3)."""
+    correction: Adjust = "holm"
+    """Correction of p for the number of events."""
+    alpha: float = 0.05
+    """Level of significance."""
+    explain: int = 3
+    """So many of the first events, if significant, also tell which values carry them."""
+    base: float = 2
+    """Base of the logarithm: 2 for bits."""
+    surrogates: int = 1000
+    """Permutations of the sensor within (r, a), behind effective values and p."""
+    resamples: int = 500
+    """Bootstrap resamples behind the intervals; 0 leaves these out."""
+    seed: int = 0
+    """Random seed of both."""
+    recording: str | None = None
+    """Column that tells independent recordings apart: no step leads from one into another."""
+    missing: Missing = "error"
+    """What a missing value does: an error, or a break in the recording."""
+    across_recordings: bool = False
+    """Permute among all recordings: for many short ones of the same kind."""
+    out: Path | None = None
+    """Also write the rows here, as .csv and, with config and versions, as .json."""
+
+    def __post_init__(self) -> None:
+        if not (self.sensors and self.actions and self.results):
+            raise ConfigError("discover needs at least one column each for --sensors, --actions and --results")
+        if not (0 < self.alpha < 1 and self.explain >= 0):
+            raise ConfigError(f"discover needs 0 < alpha < 1 and explain >= 0; got {self.alpha}, {self.explain}")
+        check_seed(self.seed)
+        check_base(self.base)
+        self.test()
+
+    def test(self) -> TestOptions:
+        """How significance is found."""
+        return TestOptions(self.surrogates, across_recordings=self.across_recordings, resamples=self.resamples)
+
+    @property
+    def events(self) -> int:
+        """Number of events."""
+        return len(self.sensors) * len(self.actions) * len(self.results)
+
+    @property
+    def draws(self) -> int:
+        """Surrogates and resamples of all events."""
+        return (self.surrogates + self.resamples) * self.events
+
+
+@dataclass(frozen=True)
+class DiscoverResult:
+    """All events, the most contingent first."""
+
+    options: DiscoverOptions
+    findings: tuple[Finding, ...]
+    labels: dict[str, tuple[str, ...]]
+    notes: tuple[str, ...]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row an event."""
+        return [
+            {
+                "rank": rank,
+                "sensor": one.sensor,
+                "action": one.action,
+                "result": one.result,
+                "plug_in": one.significance.value,
+                "effective": one.significance.corrected,
+                "low": one.significance.interval[0],
+                "high": one.significance.interval[1],
+                "normalised": one.normalised,
+                "z": one.significance.z,
+                "p": one.significance.p,
+                "p_adjusted": one.p_adjusted,
+                "significant": one.p_adjusted <= self.options.alpha,
+                "transitions": one.significance.transitions,
+                "values": "; ".join(self._values(one)),
+            }
+            for rank, one in enumerate(self.findings, 1)
+        ]
+
+    def text(self) -> str:
+        """A table to read, and the values in words."""
+        width = max(len(one.event) for one in self.findings)
+        name = "SAC" if self.options.measure == "sac" else "T^C"
+        lines = [
+            f"{'event':{width}}{name:>10}{'effective':>11}{'95% interval':>22}{'share':>9}{'z':>8}{'p':>9}{'p adj.':>9}"
+        ]
+        for one in self.findings:
+            found = one.significance
+            mark = " *" if one.p_adjusted <= self.options.alpha else ""
+            lines.append(
+                f"{one.event:{width}}{found.value:10.5f}{found.corrected:11.5f}{interval_text(found):>22}"
+                f"{one.normalised:9.1%}{found.z:8.1f}{found.p:9.4f}{one.p_adjusted:9.4f}{mark}"
+            )
+        for one in self.findings:
+            if one.values:
+                lines += ["", f"{one.event} is carried by", *(f"  {words}" for words in self._values(one))]
+        how = {"holm": "by Holm", "benjamini_hochberg": "by Benjamini and Hochberg", "none": "not corrected"}
+        adjusted = how[self.options.correction]
+        lines += [
+            "",
+            f"* significant at {self.options.alpha:g}; p adj.: for {self.options.events} events, {adjusted}.",
+        ]
+        return "\n".join([*lines, *(f"Note: {note}." for note in self.notes)])
+
+    def _values(self, one: Finding) -> list[str]:
+        return [value.words((one.sensor, one.action, one.result), self.labels) for value in one.values]
+
+
+def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = lambda done: None) -> DiscoverResult:
+    """Read the file, measure and test every event; ``progress`` is told of surrogates and resamples as they are drawn.
+
+    Raises:
+        SeriesError: The file or a column cannot be measured.
+        OutputError: ``out`` is there already or cannot be written.
+    """
+    paths = None if options.out is None else result_paths(options.out, "events")
+    names = list(dict.fromkeys([*options.sensors, *options.actions, *options.results]))
+    data = read_recordings(options.file, names, options.recording, options.missing)
+    findings = discover(
+        data.columns,
+        options.sensors,
+        options.actions,
+        options.results,
+        measure=MEASURES[options.measure],
+        options=options.test(),
+        how=options.correction,
+        alpha=options.alpha,
+        base=options.base,
+        seed=options.seed,
+        explain=options.explain,
+        groups=data.groups,
+        progress=progress,
+    )
+    notes = [*data.notes(), *exchange_notes([one.significance for one in findings])]
+    needed = least_surrogates(options.events, options.alpha)
+    if options.correction == "holm" and options.surrogates < needed:
+        notes.append(
+            f"with {options.surrogates} surrogates no single one of {options.events} events can be significant; "
+            f"--surrogates {needed} would do"
+        )
+    result = DiscoverResult(options, findings, data.labels, tuple(notes))
+    if paths is not None:
+        write_results(paths, result.rows(), options, notes=result.notes)
+    return result

@@ -1,0 +1,62 @@
+"""Results of one analysis: the rows as CSV, and the same with config, versions and notes as JSON."""
+
+import csv
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from jointattn_mj.errors import OutputError
+from jointattn_mj.recording.files import write_whole
+from jointattn_mj.recording.provenance import plain, versions
+
+
+def result_paths(out: Path, name: str) -> tuple[Path, Path]:
+    """The CSV and the JSON file that ``out`` means: without a suffix, or with one of theirs; in a folder, ``name``.
+
+    Raises:
+        OutputError: One of them is there already, or their folder cannot be made.
+    """
+    if out.is_dir():
+        out = out / name
+    stem = out.with_suffix("") if out.suffix in (".csv", ".json") else out
+    paths = stem.with_name(f"{stem.name}.csv"), stem.with_name(f"{stem.name}.json")
+    for path in paths:
+        if path.exists():
+            raise OutputError(f"{path} is there already; choose another --out")
+    try:
+        stem.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {stem.parent}: {error.strerror}; choose another --out") from error
+    return paths
+
+
+def write_results(paths: tuple[Path, Path], rows: Sequence[dict[str, Any]], config: Any, **more: Any) -> None:
+    """Write ``rows`` to both files; ``more`` goes into the JSON file beside config and versions.
+
+    Raises:
+        OutputError: A file cannot be written.
+    """
+    table, document = paths
+    contents = {"config": plain(config), "versions": versions(), **plain(more), "rows": plain(list(rows))}
+
+    def write_rows(path: Path) -> None:
+        with path.open("w", newline="") as file:
+            writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+
+    write_whole(table, write_rows)
+    text = json.dumps(_without_nan(contents), indent=1) + "\n"
+    write_whole(document, lambda path: path.write_text(text))
+
+
+def _without_nan(value: Any) -> Any:
+    """JSON knows neither NaN nor infinity: null stands for the one, text for the other."""
+    if isinstance(value, dict):
+        return {key: _without_nan(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_without_nan(item) for item in value]
+    if isinstance(value, float) and value != value:
+        return None
+    return str(value) if isinstance(value, float) and value in (float("inf"), float("-inf")) else value

@@ -1,0 +1,92 @@
+"""Single values: shares that add up, exact tests, the values that carry a contingency come first."""
+
+from itertools import permutations
+
+import numpy as np
+import pytest
+from slow_measures import every_case
+
+import jointattn_mj.contingency as c
+from jointattn_mj.contingency.local import carriers
+from jointattn_mj.errors import SeriesError
+
+
+def planted(seed=0, n=3000):
+    """Only s = 2 with a = 1 brings r' = 1 about more often than else."""
+    rng = np.random.default_rng(seed)
+    s, a = rng.integers(0, 4, n), rng.integers(0, 3, n)
+    chance = np.where((s == 2) & (a == 1), 0.9, 0.3)
+    r = np.concatenate([[0], rng.random(n - 1) < chance[:-1]]).astype(int)
+    return s, a, r
+
+
+@pytest.mark.parametrize("measure", ["state_action_contingency", "combined_transfer_entropy"])
+def test_shares_add_up(measure):
+    s, a, r = planted()
+    found = c.local_contingency(s, a, r, measure)
+    assert sum(one.contribution for one in found) == pytest.approx(getattr(c, measure)(s, a, r), abs=1e-12)
+    assert sum(one.count for one in found) == len(r) - 1
+    assert [one.contribution for one in found] == sorted((one.contribution for one in found), reverse=True)
+
+
+def test_finds_the_values():
+    found = carriers(c.local_contingency(*planted()), most=10)
+    assert {(one.sensor, one.action, one.result) for one in found[:2]} == {(2, 1, 1)}
+    assert {one.before for one in found[:2]} == {0, 1}
+    for one in found[:2]:
+        assert one.z > 5
+        assert one.p <= one.p_adjusted < 1e-6
+        assert one.rate > 0.8
+        assert one.usual < 0.6
+    assert all(one.action == 1 for one in found)  # the other values of s with it then bring 0 about
+
+
+def test_by_enumeration():
+    """p is the share of orders of s with so high a count; z its standard deviations."""
+    s, r = [0, 1, 1, 2, 0, 1], [0, 1, 1, 0, 1, 0]
+    pieces = [[v, 0] for v in s], [[0, 0]] * 6, [[0, v] for v in r]
+    for one in c.local_contingency(*pieces):
+        counts = [
+            sum(x == one.sensor and y == one.result for x, y in zip(order, r, strict=True)) for order in permutations(s)
+        ]
+        assert one.p == pytest.approx(np.mean(np.array(counts) >= one.count))
+        assert one.expected == pytest.approx(np.mean(counts))
+        assert one.z == pytest.approx((one.count - np.mean(counts)) / np.std(counts))
+
+
+def test_few_false_alarms():
+    alarms = 0
+    rng = np.random.default_rng(0)
+    for _ in range(60):
+        s, a, r = rng.integers(0, 4, 300), rng.integers(0, 3, 300), rng.integers(0, 2, 300)
+        alarms += min(one.p_adjusted for one in c.local_contingency(s, a, r)) <= 0.05
+    assert alarms <= 8
+
+
+def test_no_choice():
+    """Where r' is certain, or s is, nothing is surprising."""
+    s, a, r = every_case(lambda s, a: a)
+    for one in c.local_contingency(s, a, r):
+        assert (one.z, one.p, one.p_adjusted) == (0, 1, 1)
+        assert one.contribution == pytest.approx(0)
+
+
+def test_words():
+    s, a, r = planted()
+    first = c.local_contingency(s, a, r)[0]
+    assert first.words(("gaze", "turn", "object")).startswith(f"gaze 2 with turn 1: object {first.before} -> 1 in ")
+    labels = {"gaze": ("left", "right", "robot", "away"), "turn": ("left", "right", "face"), "object": ("no", "yes")}
+    words = first.words(("gaze", "turn", "object"), labels)
+    assert "gaze robot with turn right: object" in words
+    assert "-> yes" in words
+    assert f"{first.count} of {first.occasions}" in words
+
+
+def test_codes_are_those_of_the_caller():
+    s, a, r = planted()
+    assert c.local_contingency(s * 10**12, a, r)[0].sensor == 2 * 10**12
+
+
+def test_needs_an_action():
+    with pytest.raises(SeriesError, match="transfer_entropy"):
+        c.local_contingency(*planted(), "transfer_entropy")

@@ -1,0 +1,205 @@
+"""``jointattn measure`` and ``jointattn discover``: what they say and write, and how they refuse."""
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+from shell import Outcome, Shell
+
+import jointattn_mj.contingency as c
+from jointattn_mj.contingency import read_recordings
+from jointattn_mj.discover_command import DiscoverOptions, run_discover
+from jointattn_mj.errors import ConfigError, OutputError, SeriesError
+from jointattn_mj.measure_command import MeasureOptions, run_measure
+
+FEW = ("--surrogates", 199, "--resamples", 30)
+PARTS = ("--sensors", "gaze", "colour", "--actions", "turn", "hand", "--results", "object")
+
+
+@pytest.fixture(scope="module")
+def jointattn():
+    shell = Shell()
+    yield shell
+    shell.close()
+
+
+@pytest.fixture(scope="module")
+def seen(tmp_path_factory):
+    """2000 steps of two days in which gaze and turn together lead to objects."""
+    rng = np.random.default_rng(0)
+    n = 2000
+    gaze, turn = rng.integers(0, 3, n), rng.integers(0, 3, n)
+    found = np.where(rng.random(n) < 0.5, gaze == turn, rng.integers(0, 2, n))
+    places = np.array(["left", "middle", "right"])
+    columns = {
+        "day": np.where(np.arange(n) < 1000, "monday", "tuesday"),
+        "gaze": places[gaze],
+        "colour": rng.integers(0, 3, n),
+        "turn": places[turn],
+        "hand": rng.integers(0, 3, n),
+        "object": np.array(["none", "there"])[np.concatenate([[0], found[:-1]])],
+        "warmth": rng.random(n).round(3),
+        "gaps": np.where(rng.random(n) < 0.1, "", places[gaze]),
+    }
+    path = tmp_path_factory.mktemp("seen") / "seen.csv"
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        writer.writerows(zip(*columns.values(), strict=True))
+    return path
+
+
+def refused(outcome: Outcome, *words: str) -> None:
+    assert outcome.code == 2, outcome.err
+    assert outcome.out == ""
+    assert outcome.err.count("\n") == 1, outcome.err
+    assert outcome.err.startswith("jointattn: ")
+    for word in words:
+        assert word in outcome.err
+
+
+class TestMeasure:
+    def test_what_it_prints_and_writes(self, jointattn, seen, tmp_path):
+        options = ("--source", "gaze", "--target", "object", "--condition", "turn", *FEW)
+        outcome = jointattn("measure", seen, *options, "--out", tmp_path / "new" / "gaze.csv")
+        assert (outcome.code, outcome.err) == (0, "")
+        assert outcome.out.startswith("gaze -> object | turn: 1999 steps in 1 recording, bits\n")
+        with (tmp_path / "new" / "gaze.csv").open() as file:
+            rows = {row["measure"]: row for row in csv.DictReader(file)}
+        assert list(rows) == ["SAC", "T^C", "TE(s -> r)", "I(s; r')", "I(s; r' | a)"]
+        data = read_recordings(seen, ["gaze", "turn", "object"]).columns
+        sac = c.state_action_contingency(data["gaze"], data["turn"], data["object"])
+        assert float(rows["SAC"]["plug_in"]) == pytest.approx(sac)
+        assert f"{sac:.5f}" in outcome.out
+        assert float(rows["SAC"]["p"]) == 1 / 200
+        assert float(rows["TE(s -> r)"]["p"]) > 0.01
+        corrected = c.transfer_entropy(data["gaze"], data["object"], correction="miller_madow")
+        assert float(rows["TE(s -> r)"]["miller_madow"]) == pytest.approx(corrected)
+        document = json.loads((tmp_path / "new" / "gaze.json").read_text())
+        assert document["config"]["source"] == ["gaze"]
+        assert "numpy" in document["versions"]
+        assert [row["measure"] for row in document["rows"]] == list(rows)
+        assert document["rows"][0]["effective"] == pytest.approx(float(rows["SAC"]["effective"]))
+
+    def test_without_a_condition(self, jointattn, seen):
+        outcome = jointattn("measure", seen, "--source", "gaze", "turn", "--target", "object", "--resamples", 0)
+        assert outcome.code == 0
+        assert "gaze & turn -> object" in outcome.out
+        assert "SAC" not in outcome.out
+        assert "TE(s -> r)" in outcome.out
+
+    def test_recordings_and_gaps(self, jointattn, seen):
+        options = ("--source", "gaps", "--target", "object", "--condition", "turn", *FEW)
+        refused(jointattn("measure", seen, *options), "gaps", "missing values", "--missing break")
+        outcome = jointattn("measure", seen, *options, "--missing", "break", "--recording", "day")
+        assert outcome.code == 0
+        assert "in 2 recordings" in outcome.out
+        assert "of 2000 rows have missing values; recordings were cut there" in outcome.out
+        assert "says little" not in outcome.out  # pieces of one day are permuted together
+
+    def test_same_seed_same_words(self, jointattn, seen):
+        options = ("--source", "colour", "--target", "object", *FEW)
+        first, second, other = (jointattn("measure", seen, *options, "--seed", seed).out for seed in (3, 3, 4))
+        assert first == second != other
+
+    def test_little_to_permute(self, jointattn, tmp_path):
+        path = tmp_path / "short.csv"
+        path.write_text("who,s,r\n" + "".join(f"{i // 2},{i % 3},{i % 5 // 3}\n" for i in range(40)))
+        options = ("--source", "s", "--target", "r", "--recording", "who", *FEW)
+        assert "p says little" in jointattn("measure", path, *options).out
+        assert "p says little" not in jointattn("measure", path, *options, "--across-recordings").out
+
+    def test_text_rows_and_progress(self, seen):
+        told = []
+        options = MeasureOptions(seen, ("gaze",), ("object",), surrogates=20, resamples=10)
+        result = run_measure(options, told.append)
+        assert sum(told) == options.draws
+        assert len(result.rows()) == 2
+        assert all(math.isfinite(value) for row in result.rows() for value in row.values() if isinstance(value, float))
+        assert "linear Granger" in result.text()
+
+
+class TestDiscover:
+    def test_what_it_prints_and_writes(self, jointattn, seen, tmp_path):
+        outcome = jointattn("discover", seen, *PARTS, *FEW, "--out", tmp_path)
+        assert (outcome.code, outcome.err) == (0, "")
+        lines = outcome.out.splitlines()
+        assert lines[1].startswith("(gaze, turn) -> object")
+        assert lines[1].endswith("*")
+        assert sum(line.endswith("*") for line in lines) == 1
+        assert "(gaze, turn) -> object is carried by" in outcome.out
+        assert "gaze left with turn left: object" in outcome.out
+        with (tmp_path / "events.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        assert [row["rank"] for row in rows] == ["1", "2", "3", "4"]
+        assert rows[0]["significant"] == "True"
+        document = json.loads((tmp_path / "events.json").read_text())
+        assert document["config"]["sensors"] == ["gaze", "colour"]
+        assert document["rows"][0]["p_adjusted"] == pytest.approx(4 / 200)
+
+    def test_other_measure_and_correction(self, jointattn, seen):
+        outcome = jointattn("discover", seen, *PARTS, *FEW, "--measure", "tc", "--correction", "benjamini_hochberg")
+        assert "T^C" in outcome.out
+        assert "Benjamini and Hochberg" in outcome.out
+
+    def test_too_few_surrogates(self, jointattn, seen):
+        outcome = jointattn("discover", seen, *PARTS, "--surrogates", 50, "--resamples", 0)
+        assert "--surrogates 79 would do" in outcome.out
+
+    def test_progress(self, seen):
+        told = []
+        options = DiscoverOptions(seen, ("gaze",), ("turn",), ("object",), surrogates=20, resamples=10)
+        assert len(run_discover(options, told.append).rows()) == 1
+        assert sum(told) == options.draws
+
+
+GAZE = ("--source", "gaze", "--target", "object")
+BAD = [
+    ((), ("source",)),
+    (("--source", "smell", "--target", "object"), ("smell", "gaze, colour, turn")),
+    (("--source", "warmth", "--target", "object"), ("warmth", "bins")),
+    ((*GAZE, "--base", 1), ("base",)),
+    ((*GAZE, "--surrogates", 0), ("surrogates",)),
+    ((*GAZE, "--seed", -1), ("seed",)),
+    ((*GAZE, "--recording", "night"), ("night",)),
+    ((*GAZE, "--missing", "ignore"), ("ignore", "break")),
+]
+
+
+@pytest.mark.parametrize(("options", "words"), BAD, ids=lambda value: str(value[-1]) if value else "nothing")
+def test_refuses(jointattn, seen, options, words):
+    refused(jointattn("measure", seen, *options), *words)
+
+
+def test_refuses_files(jointattn, seen, tmp_path):
+    refused(jointattn("measure", tmp_path / "none.csv", *GAZE), "none.csv", "No such file")
+    (tmp_path / "empty.csv").write_text("")
+    refused(jointattn("discover", tmp_path / "empty.csv", *PARTS), "empty.csv", "empty")
+    (tmp_path / "mine.json").write_text("mine")
+    refused(jointattn("measure", seen, *GAZE, *FEW, "--out", tmp_path / "mine"), "mine.json", "there already")
+    assert (tmp_path / "mine.json").read_text() == "mine"
+    assert not (tmp_path / "mine.csv").exists()
+    refused(jointattn("measure", seen, *GAZE, *FEW, "--out", seen / "below" / "x"), "cannot make the folder")
+    refused(jointattn("discover", seen, *PARTS, "--alpha", 2), "alpha")
+    refused(jointattn("discover", seen, "--sensors", "gaze", "--actions", "gaze", "--results", "object"), "both")
+
+
+def test_named_errors(seen):
+    with pytest.raises(ConfigError):
+        MeasureOptions(seen, (), ("object",))
+    with pytest.raises(ConfigError):
+        DiscoverOptions(seen, ("gaze",), (), ("object",))
+    with pytest.raises(SeriesError):
+        MeasureOptions(seen, ("gaze",), ("object",), base=0)
+    with pytest.raises(OutputError):
+        run_measure(MeasureOptions(seen, ("gaze",), ("object",), out=seen))
+
+
+def test_help(jointattn):
+    for command in ("measure", "discover"):
+        outcome = jointattn(command, "--help")
+        assert outcome.code == 0
+        assert "--surrogates" in outcome.out
+    assert "measure" in jointattn("--help").out
