@@ -12,8 +12,8 @@ from jointattn_mj.contingency.recordings import Missing, read_recordings
 from jointattn_mj.contingency.series import check_base
 from jointattn_mj.contingency.significance import Adjust, TestOptions
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.measure_command import check_seed, exchange_notes, interval_text
-from jointattn_mj.recording.results import result_paths, write_results
+from jointattn_mj.measure_command import check_seed, exchange_notes
+from jointattn_mj.recording.results import bracket, number, result_paths, share, write_results
 
 MEASURES = {"sac": "state_action_contingency", "tc": "combined_transfer_entropy"}
 
@@ -122,8 +122,8 @@ class DiscoverResult:
             found = one.significance
             mark = " *" if one.p_adjusted <= self.options.alpha else ""
             lines.append(
-                f"{one.event:{width}}{found.value:10.5f}{found.corrected:11.5f}{interval_text(found):>22}"
-                f"{one.normalised:9.1%}{found.z:8.1f}{found.p:9.4f}{one.p_adjusted:9.4f}{mark}"
+                f"{one.event:{width}}{number(found.value):>10}{number(found.corrected):>11}{bracket(found.interval):>22}"
+                f"{share(one.normalised):>9}{found.z:8.1f}{found.p:9.4f}{one.p_adjusted:9.4f}{mark}"
             )
         for one in self.findings:
             if one.values:

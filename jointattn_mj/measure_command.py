@@ -20,8 +20,8 @@ from jointattn_mj.contingency.recordings import Missing, Recordings, read_record
 from jointattn_mj.contingency.series import check_base
 from jointattn_mj.contingency.significance import Significance, TestOptions, assess_steps
 from jointattn_mj.contingency.table import Steps, steps
-from jointattn_mj.errors import ConfigError
-from jointattn_mj.recording.results import result_paths, write_results
+from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.recording.results import bracket, number, result_paths, share, write_results
 
 ALONE = (TRANSFER, MUTUAL)
 CONDITIONED = (CONTINGENCY, COMBINED, TRANSFER, MUTUAL, CONDITIONAL_MUTUAL)
@@ -92,7 +92,7 @@ class MeasureResult:
     title: str
     measured: tuple[Measured, ...]
     granger: float
-    """Linear Granger causality, given the condition if there is one."""
+    """Linear Granger causality, given the condition if there is one; NaN where there are too many values for it."""
     notes: tuple[str, ...]
 
     def rows(self) -> list[dict[str, float | str | int]]:
@@ -126,11 +126,12 @@ class MeasureResult:
         for one in self.measured:
             found = one.significance
             lines.append(
-                f"{one.name:14}{found.value:10.5f}{one.miller_madow:11.5f}{one.degrees_of_freedom:10.5f}"
-                f"{found.corrected:11.5f}{interval_text(found):>22}{one.normalised:9.1%}{found.p:9.4f}"
+                f"{one.name:14}{number(found.value):>10}{number(one.miller_madow):>11}"
+                f"{number(one.degrees_of_freedom):>10}{number(found.corrected):>11}{bracket(found.interval):>22}"
+                f"{share(one.normalised):>9}{found.p:9.4f}"
             )
         lines += [
-            f"{'linear Granger':14}{self.granger:10.5f}",
+            f"{'linear Granger':14}{number(self.granger):>10}",
             "",
             "effective: plug-in less the mean of permutations of the source within its context; share: of the most",
             "that is possible. Miller-M. and df: plug-in less analytic estimates of its bias.",
@@ -157,21 +158,16 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
         _measured(given, measure, options, np.random.default_rng(stream), progress)
         for measure, stream in zip(CONDITIONED if options.condition else ALONE, streams, strict=False)
     )
-    result = MeasureResult(
-        _title(options, data),
-        measured,
-        linear_granger(source, target, condition, options.base),
-        (*data.notes(), *exchange_notes([one.significance for one in measured])),
-    )
+    notes = [*data.notes(), *exchange_notes([one.significance for one in measured])]
+    try:
+        granger = linear_granger(source, target, condition, options.base)
+    except SeriesError as error:
+        granger = float("nan")
+        notes.append(str(error))
+    result = MeasureResult(_title(options, data), measured, granger, tuple(notes))
     if paths is not None:
         write_results(paths, result.rows(), options, notes=result.notes)
     return result
-
-
-def interval_text(found: Significance) -> str:
-    """``[low, high]``, or a dash."""
-    low, high = found.interval
-    return "-" if low != low else f"[{low:.5f}, {high:.5f}]"
 
 
 def exchange_notes(found: list[Significance]) -> list[str]:

@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from jointattn_mj.contingency import read_recordings
 from jointattn_mj.discover_command import DiscoverOptions, run_discover
 from jointattn_mj.errors import ConfigError, OutputError, SeriesError
 from jointattn_mj.measure_command import MeasureOptions, run_measure
+from jointattn_mj.recording.results import bracket, number, share
 
 FEW = ("--surrogates", 199, "--resamples", 30)
 PARTS = ("--sensors", "gaze", "colour", "--actions", "turn", "hand", "--results", "object")
@@ -99,17 +101,28 @@ class TestMeasure:
         assert "of 2000 rows have missing values; recordings were cut there" in outcome.out
         assert "says little" not in outcome.out  # pieces of one day are permuted together
 
-    def test_same_seed_same_words(self, jointattn, seen):
-        options = ("--source", "colour", "--target", "object", *FEW)
-        first, second, other = (jointattn("measure", seen, *options, "--seed", seed).out for seed in (3, 3, 4))
+    def test_same_seed_same_words(self, seen):
+        first, second, other = (
+            run_measure(MeasureOptions(seen, ("colour",), ("object",), surrogates=99, resamples=20, seed=seed)).text()
+            for seed in (3, 3, 4)
+        )
         assert first == second != other
 
-    def test_little_to_permute(self, jointattn, tmp_path):
+    def test_little_to_permute(self, tmp_path):
         path = tmp_path / "short.csv"
         path.write_text("who,s,r\n" + "".join(f"{i // 2},{i % 3},{i % 5 // 3}\n" for i in range(40)))
-        options = ("--source", "s", "--target", "r", "--recording", "who", *FEW)
-        assert "p says little" in jointattn("measure", path, *options).out
-        assert "p says little" not in jointattn("measure", path, *options, "--across-recordings").out
+        options = MeasureOptions(path, ("s",), ("r",), recording="who", surrogates=99, resamples=0)
+        assert "p says little" in run_measure(options).text()
+        assert "p says little" not in run_measure(replace(options, across_recordings=True)).text()
+
+    def test_too_many_values_for_some(self, jointattn, tmp_path):
+        """Only linear Granger gives up."""
+        path = tmp_path / "many.csv"
+        path.write_text("s,r\n" + "".join(f"{i},{i % 7 // 3}\n" for i in range(2100)))
+        outcome = jointattn("measure", path, "--source", "s", "--target", "r", *FEW, "--out", tmp_path / "x")
+        assert outcome.code == 0
+        assert "Note: linear Granger takes up to 2000 values" in outcome.out
+        assert json.loads((tmp_path / "x.json").read_text())["rows"][0]["linear_granger"] is None
 
     def test_text_rows_and_progress(self, seen):
         told = []
@@ -139,14 +152,22 @@ class TestDiscover:
         assert document["config"]["sensors"] == ["gaze", "colour"]
         assert document["rows"][0]["p_adjusted"] == pytest.approx(4 / 200)
 
-    def test_other_measure_and_correction(self, jointattn, seen):
-        outcome = jointattn("discover", seen, *PARTS, *FEW, "--measure", "tc", "--correction", "benjamini_hochberg")
-        assert "T^C" in outcome.out
-        assert "Benjamini and Hochberg" in outcome.out
-
-    def test_too_few_surrogates(self, jointattn, seen):
-        outcome = jointattn("discover", seen, *PARTS, "--surrogates", 50, "--resamples", 0)
-        assert "--surrogates 79 would do" in outcome.out
+    def test_other_measure_and_correction(self, seen):
+        options = DiscoverOptions(
+            seen,
+            ("gaze", "colour"),
+            ("turn", "hand"),
+            ("object",),
+            "tc",
+            "benjamini_hochberg",
+            surrogates=50,
+            resamples=0,
+        )
+        text = run_discover(options).text()
+        assert "T^C" in text
+        assert "Benjamini and Hochberg" in text
+        assert "would do" not in text
+        assert "--surrogates 79 would do" in run_discover(replace(options, correction="holm")).text()
 
     def test_progress(self, seen):
         told = []
@@ -195,6 +216,15 @@ def test_named_errors(seen):
         MeasureOptions(seen, ("gaze",), ("object",), base=0)
     with pytest.raises(OutputError):
         run_measure(MeasureOptions(seen, ("gaze",), ("object",), out=seen))
+
+
+def test_numbers():
+    assert [number(x) for x in (0.0, 0.25, -0.0123456, 0.00001, -1e-17, float("nan"))] == [
+        "0.00000", "0.25000", "-0.01235", "1.0e-05", "0.00000", "-",
+    ]  # fmt: skip
+    assert bracket((-0.5, 0.00002)) == "[-0.50000, 2.0e-05]"
+    assert bracket((float("nan"), 1.0)) == "-"
+    assert [share(x) for x in (0.1234, -0.0001, -0.2)] == ["12.3%", "0.0%", "-20.0%"]
 
 
 def test_help(jointattn):

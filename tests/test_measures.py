@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from slow_measures import Histogram, contingency, every_case, flow, saliency, transitions
 
 import jointattn_mj.contingency as c
-from jointattn_mj.contingency import table
+from jointattn_mj.contingency import information, table
 from jointattn_mj.errors import SeriesError
 
 CLOSED_FORMS = {
@@ -128,6 +128,25 @@ def test_counting_by_sorting_gives_the_same(monkeypatch):
     monkeypatch.setattr(table, "DENSE", 0)
     monkeypatch.setattr(table.Steps, "transitions", 10, raising=False)
     assert five(s, a, r) == pytest.approx(dense, abs=1e-12)
+
+
+def test_types_change_nothing():
+    s, a, r = random_series(1)
+    expected = five(s, a, r)
+    for types in ((np.int32, np.int32, np.int32), (np.int8, np.int64, np.int32), (np.uint8, np.uint64, float)):
+        assert five(*(x.astype(kind) for x, kind in zip((s, a, r), types, strict=True))) == pytest.approx(expected)
+    assert c.transfer_entropy(s.astype(np.int32), r) == pytest.approx(expected[3])
+
+
+def test_more_transitions_of_a_kind_than_are_listed():
+    """Counts whose logarithm is computed."""
+    s, a, r = (np.tile(series, 60) for series in random_series(1))
+    h = table.steps(s, r, a).cells()
+    assert h.counts.max() < 4096 < h.marginal("r").max()
+    assert c.combined_transfer_entropy(s, a, r) == pytest.approx(
+        c.combined_transfer_entropy(s, a, r, correction="miller_madow")
+        + information.COMBINED.bias(h, "miller_madow") / np.log(2)
+    )
 
 
 def test_many_values_need_little_memory():

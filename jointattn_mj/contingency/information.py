@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from jointattn_mj.contingency.table import Cells
+from jointattn_mj.contingency.table import Cells, dense_information
 
 Correction = Literal["none", "miller_madow", "degrees_of_freedom", "shuffle"]
 """What is taken off the plug-in value. ``miller_madow``: each entropy gains (observed cells - 1) / 2n.
@@ -39,6 +39,13 @@ class Measure:
     def value(self, cells: Cells) -> float:
         """Plug-in value in nats."""
         return float(cells.counts @ self.local(cells)) / cells.transitions
+
+    def dense_value(self, table: np.ndarray) -> float:
+        """The same of a table over (r, a, s, n)."""
+        total = dense_information(table, self.given)
+        if self.less is not None:
+            total -= dense_information(table, self.less)
+        return total / int(table.sum())
 
     def bias(self, cells: Cells, correction: Literal["miller_madow", "degrees_of_freedom"]) -> float:
         """What ``correction`` takes off, nats; of either sign for SAC."""

@@ -187,7 +187,10 @@ def _measured(
     for name, choice, known in (("correction", correction, Correction), ("normalise", normalise, Normalise)):
         if choice not in get_args(known):
             raise SeriesError(f"{name} must be one of {', '.join(get_args(known))}; got {choice!r}")
-    cells = given.cells()
+    table = given.dense()
+    if table is not None and correction == normalise == "none":
+        return measure.dense_value(table) / unit
+    cells = given.cells(table)
     value = measure.value(cells)
     if correction == "shuffle":
         if surrogates < 1:

@@ -5,7 +5,7 @@ from one into the next. Series that belong together are aligned such that ``r[t 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,7 @@ class Coded:
     """A checked series: all recordings one after the other."""
 
     codes: np.ndarray
-    """int64 (T,), each in 0..size-1."""
+    """int64 or int32 (T,), each in 0..size-1."""
     bounds: np.ndarray
     """int64 (k + 1,): recording i is ``codes[bounds[i]:bounds[i + 1]]``."""
     size: int
@@ -70,6 +70,8 @@ def code(series: Series, name: str = "series") -> Coded:
 def aligned(**series: Series | None) -> list[Coded | None]:
     """Check series that belong together, by name; those that are None stay None.
 
+    Their codes are of one type, so that what is compiled for them has two variants at most.
+
     Raises:
         SeriesError: As ``code``, or the lengths of their recordings differ.
     """
@@ -81,6 +83,9 @@ def aligned(**series: Series | None) -> list[Coded | None]:
             raise SeriesError(
                 f"{first_name} and {name} must be equally long; got {_lengths(first)} and {_lengths(other)} steps"
             )
+    if len({one.codes.dtype for _, one in present}) > 1:
+        wide = {name: replace(one, codes=one.codes.astype(np.int64)) for name, one in present}
+        return [wide.get(name) for name in coded]
     return list(coded.values())
 
 
@@ -116,7 +121,7 @@ def combined(columns: Sequence[np.ndarray], sizes: Sequence[int]) -> tuple[np.nd
 
     Rows are equal where keys are. Keys are numbered anew on the way wherever they would leave 62 bits.
     """
-    keys, bound = columns[0], int(sizes[0])
+    keys, bound = columns[0].astype(np.int64, copy=False), int(sizes[0])
     for column, size in zip(columns[1:], sizes[1:], strict=True):
         if bound * int(size) >= 2**62:
             seen, keys = np.unique(keys, return_inverse=True)
@@ -151,7 +156,7 @@ def _recordings(series: Series) -> Sequence[Any]:
 
 
 def _whole(given: Any, name: str) -> np.ndarray:
-    """One recording as int64 (T,)."""
+    """One recording as int32 (T,) where it was that or less, otherwise int64."""
     if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
         raise SeriesError(f"{name} has {int(np.ma.getmaskarray(given).sum())} masked values; cut the series there")
     try:
@@ -174,7 +179,7 @@ def _whole(given: Any, name: str) -> np.ndarray:
         )
     if array.dtype == np.uint64 and array.max() >= 2**62:
         raise SeriesError(f"codes of {name} must be below 2**62; got {array.max()}")
-    return np.ascontiguousarray(array, np.int64)
+    return np.ascontiguousarray(array, np.int32 if np.can_cast(array.dtype, np.int32) else np.int64)
 
 
 def _from_floats(array: np.ndarray, name: str) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numba import njit
@@ -108,14 +109,13 @@ class Steps:
         lengths = np.diff(self.spans(whole=True))
         return np.repeat(np.arange(len(lengths)), lengths)
 
-    def cells(self) -> Cells:
-        """Count everything."""
-        sizes = self.sizes
-        total = np.prod(sizes, dtype=float)
+    def dense(self) -> np.ndarray | None:
+        """Counts as an array over (r, a, s, n), or None where that would be large."""
+        total = np.prod(self.sizes, dtype=float)
         if total > max(DENSE, 2 * self.transitions):
-            return _sorted(self.columns(), sizes)
+            return None
         target, source = self.target, self.source
-        table = np.zeros(int(total), np.int64)
+        table = np.zeros(int(total), np.int32 if len(target.codes) < 2**31 else np.int64)
         if self.condition is None:
             _count(table, target.codes, source.codes, target.bounds, target.size, source.size)
         else:
@@ -124,8 +124,15 @@ class Steps:
                 table, target.codes, conditions.codes, source.codes, target.bounds,
                 target.size, conditions.size, source.size,
             )  # fmt: skip
-        seen = np.flatnonzero(table)
-        return Cells(np.array(np.unravel_index(seen, sizes)), table[seen].astype(float), sizes)
+        return table.reshape(self.sizes)
+
+    def cells(self, dense: np.ndarray | None = None) -> Cells:
+        """Count everything; ``dense`` is what that function gave, if it was called already."""
+        dense = self.dense() if dense is None else dense
+        if dense is None:
+            return _sorted(self.columns(), self.sizes)
+        seen = np.flatnonzero(dense)
+        return Cells(np.array(np.unravel_index(seen, self.sizes)), dense.ravel()[seen].astype(float), self.sizes)
 
     def cells_by_step(self) -> tuple[Cells, np.ndarray]:
         """The cells, and for each transition the number of its cell (n,)."""
@@ -160,6 +167,52 @@ def steps(
 def _sorted(columns: list[np.ndarray], sizes: tuple[int, int, int, int]) -> Cells:
     _, first, counts = np.unique(combined(columns, sizes)[0], return_index=True, return_counts=True)
     return Cells(np.array([column[first] for column in columns]), counts.astype(float), sizes)
+
+
+def dense_information(table: np.ndarray, given: str) -> float:
+    """I(n; s | given) of a table over (r, a, s, n), times its number of transitions, in nats."""
+    others = tuple(AXES.index(axis) for axis in "ra" if axis not in given and table.shape[AXES.index(axis)] > 1)
+    blocks = table.sum(axis=others) if others else table
+    return float(_information(blocks.reshape(-1, *table.shape[2:]), _logarithms()))
+
+
+@cache
+def _logarithms() -> np.ndarray:
+    """ln c for small c; that of 0 is never asked for."""
+    return np.log(np.maximum(np.arange(4096), 1))
+
+
+@njit(cache=True)
+def _logarithm(count, logarithms):
+    return logarithms[count] if count < len(logarithms) else np.log(count)
+
+
+@njit(cache=True)
+def _information(blocks, logarithms):
+    """Sum of c ln(c n / (row column)) over the cells of all blocks (k, rows, columns); n is a block's sum."""
+    total = 0.0
+    rows, columns = np.empty(blocks.shape[1], np.int64), np.empty(blocks.shape[2], np.int64)
+    for block in blocks:
+        columns[:] = 0
+        whole = 0
+        for i in range(len(rows)):
+            rows[i] = 0
+            for j in range(len(columns)):
+                rows[i] += block[i, j]
+                columns[j] += block[i, j]
+            whole += rows[i]
+        for i in range(len(rows)):
+            if rows[i] > 0 and rows[i] < whole:
+                for j in range(len(columns)):
+                    count = block[i, j]
+                    if count > 0:
+                        total += count * (
+                            _logarithm(count, logarithms)
+                            + _logarithm(whole, logarithms)
+                            - _logarithm(rows[i], logarithms)
+                            - _logarithm(columns[j], logarithms)
+                        )
+    return total
 
 
 @njit(cache=True)

@@ -51,6 +51,25 @@ def write_results(paths: tuple[Path, Path], rows: Sequence[dict[str, Any]], conf
     write_whole(document, lambda path: path.write_text(text))
 
 
+def number(value: float) -> str:
+    """Five decimals, or one digit and the power of ten where these would hide it; a dash for NaN."""
+    if value != value:
+        return "-"
+    if abs(value) < 1e-12:
+        value = 0.0
+    return f"{value:.1e}" if 0 < abs(value) < 0.001 else f"{value:.5f}"
+
+
+def share(value: float) -> str:
+    """Per cent."""
+    return f"{value + 0.0 if abs(value) >= 0.0005 else 0:.1%}"
+
+
+def bracket(interval: tuple[float, float]) -> str:
+    """``[low, high]``, or a dash."""
+    return "-" if interval[0] != interval[0] else f"[{number(interval[0])}, {number(interval[1])}]"
+
+
 def _without_nan(value: Any) -> Any:
     """JSON knows neither NaN nor infinity: null stands for the one, text for the other."""
     if isinstance(value, dict):
