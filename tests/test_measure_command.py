@@ -121,7 +121,7 @@ class TestMeasure:
         path.write_text("s,r\n" + "".join(f"{i},{i % 7 // 3}\n" for i in range(2100)))
         outcome = jointattn("measure", path, "--source", "s", "--target", "r", *FEW, "--out", tmp_path / "x")
         assert outcome.code == 0
-        assert "Note: linear Granger takes up to 2000 values" in outcome.out
+        assert "Note: linear Granger takes up to 1000 values" in outcome.out
         assert json.loads((tmp_path / "x.json").read_text())["rows"][0]["linear_granger"] is None
 
     def test_text_rows_and_progress(self, seen):

@@ -267,8 +267,19 @@ class TestGranger:
         sums = [np.sum((r[1:] - np.hstack(x[:k]) @ w) ** 2) for k, w in zip((2, 3), rest, strict=True)]
         assert c.linear_granger(s, r, a) == pytest.approx(0.5 * np.log2(sums[0] / sums[1]), abs=1e-10)
 
+    def test_results_of_several_values(self):
+        """Half the logarithm of the ratio of the residuals' determinants."""
+        s, a, r = random_series(9, 400)
+        context = np.hstack([np.eye(3)[r[:-1]], np.eye(3)[a[:-1]]])
+        y = np.eye(3)[r[1:]][:, 1:]
+        logs = []
+        for x in (context, np.hstack([context, np.eye(4)[s[:-1]]])):
+            residual = y - x @ np.linalg.lstsq(x, y, rcond=None)[0]
+            logs.append(np.linalg.slogdet(residual.T @ residual)[1])
+        assert c.linear_granger(s, r, a) == pytest.approx((logs[0] - logs[1]) / 2 / np.log(2), abs=1e-10)
+
     def test_too_many_values(self):
-        with pytest.raises(SeriesError, match="2000"):
+        with pytest.raises(SeriesError, match="1000"):
             c.linear_granger(np.arange(3000), np.arange(3000) % 2)
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 import jointattn_mj.contingency as c
-from jointattn_mj.contingency import surrogates
+from jointattn_mj.contingency import permutation
 from jointattn_mj.contingency.bootstrap import resampled
 from jointattn_mj.contingency.information import COMBINED, CONTINGENCY, TRANSFER
 from jointattn_mj.contingency.significance import MEASURES, generator
@@ -74,9 +74,9 @@ def test_every_permutation_is_equally_likely():
 def test_hypergeometric(good, bad, data):
     """The quantiles of a fine grid are distributed as they should."""
     drawn = data.draw(st.integers(0, good + bad))
-    log_factorial = surrogates._tables(good + bad + 1)[1]
+    log_factorial = permutation.tables(good + bad + 1)[1]
     grid = (np.arange(2000) + 0.5) / 2000
-    values = [surrogates._hypergeometric(good, bad, drawn, log_factorial, u) for u in grid]
+    values = [permutation.hypergeometric(good, bad, drawn, log_factorial, u) for u in grid]
     expected = stats.hypergeom(good + bad, good, drawn) if good + bad else None
     for value in set(values):
         share = expected.pmf(value) if expected else 1
@@ -84,8 +84,8 @@ def test_hypergeometric(good, bad, data):
 
 
 def test_hypergeometric_of_millions():
-    log_factorial = surrogates._tables(2_000_000)[1]
-    values = [surrogates._hypergeometric(700_000, 1_300_000, 500_000, log_factorial, u) for u in (0.0, 0.5, 1 - 1e-16)]
+    log_factorial = permutation.tables(2_000_000)[1]
+    values = [permutation.hypergeometric(700_000, 1_300_000, 500_000, log_factorial, u) for u in (0.0, 0.5, 1 - 1e-16)]
     assert all(abs(value - 175_000) < 4000 for value in values)
 
 

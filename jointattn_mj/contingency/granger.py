@@ -6,8 +6,8 @@ from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.table import AXES, Cells, steps
 from jointattn_mj.errors import SeriesError
 
-MOST_INDICATORS = 2000
-"""Most indicator variables of one regression."""
+MOST_VALUES = 1000
+"""Most values of all variables together: each is a column of the regression."""
 
 
 def linear_granger(source: Series, target: Series, condition: Series | None = None, base: float = 2) -> float:
@@ -19,39 +19,48 @@ def linear_granger(source: Series, target: Series, condition: Series | None = No
     Barrett and Seth 2009), so units compare. An effect of s that depends on the condition is not linear and escapes.
 
     Raises:
-        SeriesError: Series that cannot be measured, or more than ``MOST_INDICATORS`` values.
+        SeriesError: Series that cannot be measured, or variables of more than ``MOST_VALUES`` values together.
     """
     unit = check_base(base)
     cells = steps(source, target, condition).cells()
-    after = _indicators(cells, "n")[:, 1:]
-    context = np.concatenate([_indicators(cells, axis) for axis in ("r" if condition is None else "ra")], 1)
-    both = np.concatenate([context, _indicators(cells, "s")], 1)
-    if after.shape[1] == 0:
+    products, column = _products(cells, "nrs" if condition is None else "nras")
+    after = column["n"][1:]
+    if len(after) == 0:
         return 0.0
-    weights = np.sqrt(cells.counts / cells.transitions)[:, None]
-    without, with_source = (_unexplained(x * weights, after * weights) for x in (context, both))
-    spread, axes = np.linalg.eigh(without)
-    left = spread > 1e-12
+    context = np.concatenate([column["r"], column.get("a", column["r"][:0])])
+    without = _unexplained(products, context, after)
+    with_source = _unexplained(products, np.concatenate([context, column["s"]]), after)
+    spread, directions = np.linalg.eigh(without)
+    left = spread > 1e-10
     if not left.any():
         return 0.0
-    whitened = axes[:, left] / np.sqrt(spread[left])
+    whitened = directions[:, left] / np.sqrt(spread[left])
     shares = np.linalg.eigvalsh(whitened.T @ with_source @ whitened)
-    if shares.min() < 1e-10:
+    if shares.min() < 1e-8:
         return float("inf")
     return float(max(0.0, -0.5 * np.log(np.minimum(shares, 1)).sum())) / unit
 
 
-def _indicators(cells: Cells, axis: str) -> np.ndarray:
-    """(m, k) indicator variables of the k values that occur."""
-    values, codes = np.unique(cells.columns[AXES.index(axis)], return_inverse=True)
-    if len(values) > MOST_INDICATORS:
-        raise SeriesError(
-            f"linear Granger takes up to {MOST_INDICATORS} values a variable; got {len(values)}: use bins"
-        )
-    return np.eye(len(values))[codes]
+def _products(cells: Cells, axes: str) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Mean products (k, k) of the indicators of all values that occur, and which of the k belong to each axis."""
+    codes, column, start = {}, {}, 0
+    for axis in axes:
+        values, codes[axis] = np.unique(cells.columns[AXES.index(axis)], return_inverse=True)
+        column[axis] = np.arange(start, start + len(values))
+        start += len(values)
+    if start > MOST_VALUES:
+        raise SeriesError(f"linear Granger takes up to {MOST_VALUES} values of all variables; got {start}: use bins")
+    products = np.empty((start, start))
+    for one in axes:
+        for other in axes:
+            shape = len(column[one]), len(column[other])
+            counts = np.bincount(codes[one] * shape[1] + codes[other], cells.counts, shape[0] * shape[1])
+            products[np.ix_(column[one], column[other])] = counts.reshape(shape)
+    return products / cells.transitions, column
 
 
-def _unexplained(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Residual covariance (k, k) of y (m, k) after least squares on x (m, j)."""
-    residual = y - x @ np.linalg.lstsq(x, y, rcond=1e-10)[0]
-    return residual.T @ residual
+def _unexplained(products: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Residual covariance of columns y after least squares on columns x."""
+    inner = np.linalg.pinv(products[np.ix_(x, x)], rcond=1e-10, hermitian=True)
+    across = products[np.ix_(x, y)]
+    return products[np.ix_(y, y)] - across.T @ inner @ across

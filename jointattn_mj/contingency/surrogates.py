@@ -1,8 +1,6 @@
 """Surrogates: what a measure is worth by chance, with the source permuted among transitions of the same context.
 
-A permutation within a context draws a table of (s, r') with the margins that were observed. Where a context holds many
-transitions and few values, the table is drawn cell by cell from hypergeometric distributions, which costs as much for a
-million transitions as for a thousand; elsewhere the source is shuffled.
+Which transitions change places is decided here; the drawing itself is in ``permutation``.
 """
 
 from collections.abc import Callable
@@ -10,9 +8,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.permutation import plain, tables, within
 from jointattn_mj.contingency.series import combined
 from jointattn_mj.contingency.table import AXES, Steps
 from jointattn_mj.errors import SeriesError
@@ -71,14 +69,14 @@ class Surrogates:
         values = np.empty(count)
         shared = (
             self.source, self.after, self.sizes[0], self.sizes[1], self.bounds, self.contexts, self.fixed,
-            self.with_less, _tables(len(self.source)),
+            self.with_less, tables(len(self.source)),
         )  # fmt: skip
         for start in range(0, count, BATCH):
             batch = values[start : start + BATCH]
             if self.permute == "context":
-                _within(batch, rng, *shared, *self.margins)
+                within(batch, rng, *shared, *self.margins)
             else:
-                _plain(batch, rng, *shared, self.groups, self.group_bounds)
+                plain(batch, rng, *shared, self.groups, self.group_bounds)
             progress(len(batch))
         return values
 
@@ -139,169 +137,3 @@ def _margin(stratum: np.ndarray, value: np.ndarray, size: int) -> tuple[np.ndarr
     keys, counts = np.unique(stratum * size + value, return_counts=True)
     bounds = np.searchsorted(keys, np.arange(stratum[-1] + 2) * size)
     return keys % size, counts, bounds
-
-
-def _tables(n: int) -> np.ndarray:
-    """c ln c and ln c! for c = 0..n: (2, n + 1)."""
-    whole = np.arange(1, n + 1)
-    logs = np.log(whole)
-    return np.concatenate([np.zeros((2, 1)), [whole * logs, np.cumsum(logs)]], axis=1)
-
-
-@njit(cache=True)
-def _hypergeometric(good: int, bad: int, drawn: int, log_factorial: np.ndarray, u: float) -> int:
-    """How many of ``drawn`` are good: the quantile for u in 0..1, counted from the mode outwards."""
-    low, high = max(0, drawn - bad), min(good, drawn)
-    if low == high:
-        return low
-    total = good + bad
-    mode = min(max((drawn + 1) * (good + 1) // (total + 2), low), high)
-    up = down = mode
-    above = below = np.exp(
-        log_factorial[good] - log_factorial[mode] - log_factorial[good - mode]
-        + log_factorial[bad] - log_factorial[drawn - mode] - log_factorial[bad - drawn + mode]
-        - log_factorial[total] + log_factorial[drawn] + log_factorial[total - drawn]
-    )  # fmt: skip
-    u -= above
-    while u >= 0 and max(above, below) > 1e-18:
-        if up < high:
-            above *= (good - up) * (drawn - up) / ((up + 1) * (bad - drawn + up + 1))
-            up += 1
-            u -= above
-            if u < 0:
-                return up
-        else:
-            above = 0.0
-        if down > low:
-            below *= down * (bad - drawn + down) / ((good - down + 1) * (drawn - down + 1))
-            down -= 1
-            u -= below
-            if u < 0:
-                return down
-        else:
-            below = 0.0
-    return mode
-
-
-@njit(cache=True)
-def _shuffle(values: np.ndarray, rng: np.random.Generator) -> None:
-    for last in range(len(values) - 1, 0, -1):
-        other = int(rng.random() * (last + 1))
-        values[last], values[other] = values[other], values[last]
-
-
-@njit(cache=True)
-def _add(table, touched, used, cell, count):
-    """Add to a cell; returns how many cells are in use."""
-    if table[cell] == 0 and count > 0:
-        touched[used] = cell
-        used += 1
-    table[cell] += count
-    return used
-
-
-@njit(cache=True)
-def _settle(table, touched, used, rows, afters, xlogx):
-    """Sum of c ln c over the cells less that over their rows."""
-    total = 0.0
-    for i in range(used):
-        count = table[touched[i]]
-        total += xlogx[count]
-        rows[touched[i] // afters] += count
-    for i in range(used):
-        row = touched[i] // afters
-        total -= xlogx[rows[row]]
-        rows[row] = 0
-    return total
-
-
-@njit(cache=True)
-def _close(fine, coarse, used, contexts, stratum, with_less, rows, afters, xlogx):
-    """After a stratum: settle the contexts that end with it. Returns what they add, and cells in use."""
-    total = 0.0
-    last = stratum + 1 == len(contexts)
-    if last or contexts[stratum + 1, 0] != contexts[stratum, 0]:
-        table, touched = fine
-        total += _settle(table, touched, used[0], rows, afters, xlogx)
-        for i in range(used[0]):
-            cell = touched[i]
-            if with_less:
-                used[1] = _add(coarse[0], coarse[1], used[1], cell, table[cell])
-            table[cell] = 0
-        used[0] = 0
-        if with_less and (last or contexts[stratum + 1, 1] != contexts[stratum, 1]):
-            table, touched = coarse
-            total -= _settle(table, touched, used[1], rows, afters, xlogx)
-            for i in range(used[1]):
-                table[touched[i]] = 0
-            used[1] = 0
-    return total
-
-
-@njit(cache=True)
-def _room(n, sources, afters):
-    """An empty table and a list of its cells in use."""
-    cells = sources * afters
-    return np.zeros(cells, np.int64), np.empty(min(n, cells) + 1, np.int64)
-
-
-@njit(cache=True)
-def _within(
-    values, rng, source, after, sources, afters, bounds, contexts, fixed, with_less, tables,
-    source_values, source_counts, source_bounds, after_values, after_counts, after_bounds,
-):  # fmt: skip
-    """Fill ``values`` with surrogates permuted within the strata."""
-    n = len(source)
-    fine, coarse = _room(n, sources, afters), _room(n, sources, afters)
-    rows, used, shuffled = np.zeros(sources, np.int64), np.zeros(2, np.int64), source.copy()
-    left = np.empty(afters, np.int64)
-    for i in range(len(values)):
-        total = fixed
-        for k in range(len(contexts)):
-            s0, s1, n0, n1 = source_bounds[k], source_bounds[k + 1], after_bounds[k], after_bounds[k + 1]
-            start, stop = bounds[k], bounds[k + 1]
-            if s1 - s0 > 1 and n1 - n0 > 1 and stop - start < 6 * (s1 - s0 - 1) * (n1 - n0 - 1):
-                _shuffle(shuffled[start:stop], rng)
-                for t in range(start, stop):
-                    used[0] = _add(fine[0], fine[1], used[0], shuffled[t] * afters + after[t], 1)
-            else:
-                left[: n1 - n0] = after_counts[n0:n1]
-                remain = stop - start
-                for s in range(s0, s1):
-                    drawn, others = source_counts[s], remain
-                    for j in range(n1 - n0):
-                        others -= left[j]
-                        count = left[j]
-                        if s + 1 < s1:
-                            count = _hypergeometric(left[j], others, drawn, tables[1], rng.random())
-                        cell = source_values[s] * afters + after_values[n0 + j]
-                        used[0] = _add(fine[0], fine[1], used[0], cell, count)
-                        left[j] -= count
-                        drawn -= count
-                        if drawn == 0:
-                            break
-                    remain -= source_counts[s]
-            total += _close(fine, coarse, used, contexts, k, with_less, rows, afters, tables[0])
-        values[i] = total / n
-
-
-@njit(cache=True)
-def _plain(
-    values, rng, source, after, sources, afters, bounds, contexts, fixed, with_less, tables, groups, group_bounds
-):
-    """Fill ``values`` with surrogates permuted within the groups, whatever their contexts."""
-    n = len(source)
-    fine, coarse = _room(n, sources, afters), _room(n, sources, afters)
-    rows, used = np.zeros(sources, np.int64), np.zeros(2, np.int64)
-    shuffled, grouped = source.copy(), source[groups]
-    for i in range(len(values)):
-        total = fixed
-        for g in range(len(group_bounds) - 1):
-            _shuffle(grouped[group_bounds[g] : group_bounds[g + 1]], rng)
-        for t in range(n):
-            shuffled[groups[t]] = grouped[t]
-        for k in range(len(contexts)):
-            for t in range(bounds[k], bounds[k + 1]):
-                used[0] = _add(fine[0], fine[1], used[0], shuffled[t] * afters + after[t], 1)
-            total += _close(fine, coarse, used, contexts, k, with_less, rows, afters, tables[0])
-        values[i] = total / n
