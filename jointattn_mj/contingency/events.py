@@ -1,0 +1,73 @@
+"""What may be contingent on what: variables with finitely many values, and the events made of them (section 5.2.1)."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from jointattn_mj.errors import ConfigError
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable that takes one of finitely many values; in series a value is its position in ``values``."""
+
+    name: str
+    values: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        if not self.values or len(set(self.values)) != len(self.values):
+            raise ConfigError(f"variable {self.name!r} needs values that differ, at least one; got {self.values}")
+
+
+class Event(NamedTuple):
+    """An action under a sensation, and its result: (S_i, A_j, R_k), as positions in ``Variables``, counted from 0."""
+
+    sensor: int
+    action: int
+    result: int
+
+
+@dataclass(frozen=True)
+class Variables:
+    """All that a mind senses and does (Table 4.1, Table 5.1).
+
+    The joints come first among ``actions``, and what is sensed of the world first among ``sensors``; each module adds
+    one of each (S_Pi, A_Pi): whether it drove its joint in the turn before, and whether it drives it in this one.
+    """
+
+    sensors: tuple[Variable, ...]
+    actions: tuple[Variable, ...]
+    results: tuple[Variable, ...]
+    modules: int = 0
+    """How many of the last sensors and actions belong to modules."""
+
+    def __post_init__(self) -> None:
+        if not (self.sensors and self.actions and self.results):
+            raise ConfigError("at least one sensor, one action and one result are needed")
+
+    @property
+    def joints(self) -> tuple[Variable, ...]:
+        """The actions that are motor commands."""
+        return self.actions[: len(self.actions) - self.modules]
+
+    def with_module(self, name: str) -> "Variables":
+        """These variables, and the two of a further module (section 5.2.1)."""
+        used = ("not used", "used")
+        return replace(
+            self,
+            sensors=(*self.sensors, Variable(f"{name} before", used)),
+            actions=(*self.actions, Variable(f"{name} now", used)),
+            modules=self.modules + 1,
+        )
+
+    def events(self) -> Iterator[Event]:
+        """Every (sensor, action, result), results innermost."""
+        for sensor in range(len(self.sensors)):
+            for action in range(len(self.actions)):
+                for result in range(len(self.results)):
+                    yield Event(sensor, action, result)
+
+    def describe(self, event: Event) -> str:
+        """An event in words, such as ``caregiver's face, shift gaze -> object``."""
+        sensor, action = self.sensors[event.sensor], self.actions[event.action]
+        return f"{sensor.name}, {action.name} -> {self.results[event.result].name}"

@@ -1,0 +1,182 @@
+"""The module selector: which module drives which joint (section 5.2.4, eq. 5.6); compiled, on flat arrays."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from jointattn_mj.contingency.events import Variables
+from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
+from jointattn_mj.contingency.reactive import ReactiveModule
+from jointattn_mj.errors import ConfigError
+
+NOBODY = -1
+
+
+@dataclass(frozen=True)
+class SelectorConfig:
+    """How modules compete for a joint."""
+
+    habituation: float = 0.5
+    """beta, eq. 5.6: how fast a module loses reliability that goes on under the same observables; 0 turns it off."""
+    habituates: str = "driven"
+    """What t' of eq. 5.6 counts: ``driven``, turns on end in which the module itself drove the joint under these very
+    observables ("producing the same behavior continuously"), or ``observed``, in which they were the same. Only
+    ``driven`` gives the behaviour of Fig. 5.5: with ``observed``, a module that has not acted yet tires of waiting."""
+
+    def __post_init__(self) -> None:
+        if self.habituates not in ("driven", "observed"):
+            raise ConfigError(f"habituates must be driven or observed; got {self.habituates!r}")
+        if not self.habituation >= 0:
+            raise ConfigError(f"habituation must be 0 or more; got {self.habituation}")
+
+
+class Maps(NamedTuple):
+    """All modules in flat arrays: those that reproduce a contingency (CM), as they were made, then the reactive ones."""
+
+    sensor: np.ndarray
+    """(M,) the sensor that a module looks at."""
+    result: np.ndarray
+    """(M,) and the result; NOBODY for a reactive module, which looks at none."""
+    joint: np.ndarray
+    """(M,) the joint it drives."""
+    uses: np.ndarray
+    """(M,) the module whose command it gives on, or NOBODY for a module with commands of its own."""
+    size: np.ndarray
+    """(M,) how many values its sensor has."""
+    offset: np.ndarray
+    """(M,) where its map begins in ``command`` and ``reliability``, for a reactive one in ``odds``."""
+    command: np.ndarray
+    reliability: np.ndarray
+    """Maps (R, S) of all CMs, one after the other."""
+    odds: np.ndarray
+    """Cumulative odds (S, commands) of all reactive modules, one after the other."""
+    trust: np.ndarray
+    """(M,) alpha of a reactive module."""
+    commands: np.ndarray
+    """(joints,) how many commands a joint knows."""
+    repeats: np.ndarray
+    """(M,) t' of eq. 5.6, and under which observables it was counted: (M,) each, changed from turn to turn."""
+    under: np.ndarray
+    made: int
+    """How many of the modules are CMs."""
+    habituation: float
+    by_driver: bool
+
+
+def flat_maps(
+    variables: Variables, modules: Sequence[Module], reactive: Sequence[ReactiveModule], config: SelectorConfig
+) -> Maps:
+    """The modules as arrays, without habituation."""
+    joints = [joint.name for joint in variables.joints]
+    sensors = [sensor.name for sensor in variables.sensors]
+    drives: list[int] = []
+    uses: list[int] = []
+    for module in modules:
+        used = module.event.action - len(joints)
+        drives.append(module.event.action if used < 0 else drives[used])
+        uses.append(NOBODY if used < 0 else used)
+    tables = [table.table(variables) for table in reactive]
+    looks = [m.event.sensor for m in modules] + [sensors.index(table.sensor) for table in tables]
+    maps = [m.command.size for m in modules]
+    odds = [table.odds.size for table in tables]
+    return Maps(
+        sensor=np.array(looks, np.int64),
+        result=np.array([m.event.result for m in modules] + [NOBODY] * len(tables), np.int64),
+        joint=np.array(drives + [joints.index(table.joint) for table in tables], np.int64),
+        uses=np.array(uses + [NOBODY] * len(tables), np.int64),
+        size=np.array([len(variables.sensors[number].values) for number in looks], np.int64),
+        offset=np.concatenate([np.cumsum([0, *maps])[:-1], np.cumsum([0, *odds])[:-1]]).astype(np.int64),
+        command=np.concatenate([np.zeros(0, np.int64), *(m.command.ravel() for m in modules)]).astype(np.int64),
+        reliability=np.concatenate([np.zeros(0), *(m.reliability.ravel() for m in modules)]),
+        odds=np.concatenate([np.cumsum(table.odds, axis=1).ravel() for table in tables]),
+        trust=np.array([0.0] * len(modules) + [table.trust for table in tables]),
+        commands=np.array([len(joint.values) for joint in variables.joints], np.int64),
+        repeats=np.zeros(len(looks), np.int64),
+        under=np.full(len(looks), NOBODY, np.int64),
+        made=len(modules),
+        habituation=float(config.habituation),
+        by_driver=config.habituates == "driven",
+    )
+
+
+@njit(cache=True, forceinline=True)
+def _offer(maps, m, s, r):
+    """Command of a module under these observables, or OFFERS_NOTHING; one that uses another offers what that does."""
+    while True:
+        place = maps.offset[m] + r[maps.result[m]] * maps.size[m] + s[maps.sensor[m]]
+        command = maps.command[place]
+        if maps.uses[m] == NOBODY or command == OFFERS_NOTHING:
+            return command
+        if command == 0:  # it is better not to use that one: nothing to offer
+            return OFFERS_NOTHING
+        m = maps.uses[m]
+
+
+@njit(cache=True, forceinline=True)
+def select(maps, s, r, random, strength, a, driver):
+    """Choose a module for each joint, and carry out what it offers.
+
+    Args:
+        maps: The modules; their habituation goes on.
+        s: Values (sensors,) observed now, modules' S_Pi included.
+        r: Values (results,) observed now.
+        random: Generator of the mind.
+        strength: Working space (M,).
+        a: Values (actions,) are written here: the joints' commands, then 1 for each CM in use (A_Pi).
+        driver: (joints,) the modules that drive are written here.
+    """
+    joints, modules = len(maps.commands), len(maps.sensor)
+    made = maps.made
+    a[joints:] = 0
+    for joint in range(joints):
+        crowd = 1
+        for m in range(made):
+            crowd += maps.joint[m] == joint
+        total = 0.0
+        for m in range(modules):
+            strength[m] = 0.0
+            if maps.joint[m] != joint:
+                continue
+            if m >= made:
+                strength[m] = np.exp(maps.trust[m] * crowd)
+            elif _offer(maps, m, s, r) != OFFERS_NOTHING:
+                pair = r[maps.result[m]] * maps.size[m] + s[maps.sensor[m]]
+                if pair != maps.under[m]:
+                    maps.repeats[m] = 0
+                tired = np.exp(-maps.habituation * maps.repeats[m])
+                strength[m] = np.exp(maps.reliability[maps.offset[m] + pair] * tired * crowd)
+            total += strength[m]
+        left = random.random() * total
+        chosen = modules - 1
+        while strength[chosen] == 0.0:
+            chosen -= 1
+        for m in range(chosen):
+            left -= strength[m]
+            if left < 0.0:
+                chosen = m
+                break
+        driver[joint] = chosen
+        if chosen < made:
+            a[joint] = _offer(maps, chosen, s, r)
+            m = chosen
+            while m != NOBODY:
+                a[joints + m] = 1
+                m = maps.uses[m]
+        else:
+            begin = maps.offset[chosen] + s[maps.sensor[chosen]] * maps.commands[joint]
+            drawn, command = random.random(), 0
+            while command < maps.commands[joint] - 1 and maps.odds[begin + command] <= drawn:
+                command += 1
+            a[joint] = command
+    for m in range(made):
+        pair = r[maps.result[m]] * maps.size[m] + s[maps.sensor[m]]
+        if pair != maps.under[m]:
+            maps.repeats[m] = 0
+            maps.under[m] = pair
+        if not maps.by_driver or driver[maps.joint[m]] == m:
+            maps.repeats[m] += 1
+        else:
+            maps.repeats[m] = 0
