@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from experiments import statistics
-from experiments.statistics import mean_interval
+from jointattn_mj.laboratory import statistics
+from jointattn_mj.laboratory.statistics import mean_interval
 
 
 @pytest.fixture(autouse=True)

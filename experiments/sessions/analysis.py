@@ -14,7 +14,7 @@ import tyro
 from matplotlib.figure import Figure
 
 from experiments.sessions.sweep import SETTINGS
-from experiments.statistics import mean_interval
+from jointattn_mj.laboratory.statistics import mean_interval
 from jointattn_mj.recording.figures import save
 from jointattn_mj.recording.summary import rate_of_success
 

@@ -13,9 +13,9 @@ import numpy as np
 import tyro
 from matplotlib.figure import Figure
 
-from experiments.statistics import mean_interval
 from experiments.synchronised.sweep import SETTINGS
 from jointattn_mj.gaze import GazeConfig, gate_probability
+from jointattn_mj.laboratory.statistics import mean_interval
 from jointattn_mj.recording.figures import save
 from jointattn_mj.recording.files import write_whole
 

@@ -14,8 +14,8 @@ import tyro
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments.statistics import mean_interval
 from experiments.turn_taking.sweep import SETTINGS, Setting
+from jointattn_mj.laboratory.statistics import mean_interval
 from jointattn_mj.recording.figures import save
 from jointattn_mj.recording.files import write_whole
 

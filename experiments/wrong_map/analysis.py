@@ -9,8 +9,8 @@ import numpy as np
 import tyro
 from matplotlib.figure import Figure
 
-from experiments.statistics import mean_interval
 from experiments.wrong_map.sweep import SETTINGS
+from jointattn_mj.laboratory.statistics import mean_interval
 from jointattn_mj.recording.figures import save
 
 

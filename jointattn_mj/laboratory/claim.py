@@ -1,0 +1,94 @@
+"""What an experiment is: settings, one pure function for a cell, and an analysis that reads stored cells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any
+
+from jointattn_mj.errors import ConfigError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from jointattn_mj.laboratory.statistics import Estimate
+
+
+class Verdict(StrEnum):
+    """How a sentence of the dissertation fared here."""
+
+    REPRODUCED = "reproduced"
+    PARTLY = "partly"
+    NOT = "not reproduced"
+    EXTENSION = "extension"
+    """The dissertation has no counterpart."""
+    UNDECIDED = "undecided"
+    """Too few runs to say."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One condition of an experiment."""
+
+    config: Any
+    """A dataclass or a plain dict: all that a cell needs but its seed."""
+    runs: int
+    """Seeds by default."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A finished cell, as read from its file."""
+
+    setting: str
+    seed: int
+    result: dict[str, Any]
+
+
+Cells = Mapping[str, Sequence[Cell]]
+"""By setting id, ordered by seed; only what is stored: a setting without a cell is missing."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One row of the table of claims."""
+
+    what: str
+    """What is compared, such as "FG, SCf, SC are the first three modules, in this order"."""
+    dissertation: str
+    """What stands there, such as "90% of ten runs"."""
+    ours: Estimate | None
+    """Our value with 95% interval and n; None where a sentence must do."""
+    verdict: Verdict
+    note: str = ""
+    """Why, in a sentence."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim of the dissertation, how it is tried, and how what came out is read."""
+
+    id: str
+    """Such as "5.2"."""
+    title: str
+    source: str
+    """Where it stands, such as "section 5.3.2, Fig. 5.3"."""
+    says: str
+    """What the dissertation claims, in one or two sentences."""
+    settings: Mapping[str, Setting]
+    cell: Callable[[Any, int], dict[str, Any]]
+    """(config, seed) -> numbers, strings, lists and dicts, None for what is missing. Pure: the same for ever."""
+    analyse: Callable[[Cells], list[Finding]]
+    draw: Callable[[Cells], Mapping[str, Figure]]
+    """Figures by file stem; copes with missing settings and few runs."""
+    first_seed: int = 0
+    version: int = 1
+    """Raised when the meaning of a cell changes: stored files of another version are not used."""
+
+    def __post_init__(self) -> None:
+        if not self.settings:
+            raise ConfigError(f"claim {self.id} needs at least one setting")
+        for name, setting in self.settings.items():
+            if setting.runs < 0:
+                raise ConfigError(f"claim {self.id}, setting {name}: runs must be 0 or more; got {setting.runs}")

@@ -1,0 +1,150 @@
+"""Intervals, differences, and how many runs a comparison needs: what every experiment reports with."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import optimize, stats
+
+RESAMPLES = 9999
+CONFIDENCE = 0.95
+POWER = 0.8
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A mean, share or median over independent runs with its 95% interval."""
+
+    mean: float
+    """The value itself, whatever it is of."""
+    low: float
+    high: float
+    sd: float
+    """Standard deviation of single runs."""
+    n: int
+
+    def __str__(self) -> str:
+        digits = 1 if abs(self.mean) >= 10 else 2
+        return f"{self.mean:.{digits}f} [{self.low:.{digits}f}, {self.high:.{digits}f}]"
+
+    def percent(self) -> str:
+        """The same for shares: ``90% [60%, 98%]``."""
+        return f"{self.mean:.0%} [{self.low:.0%}, {self.high:.0%}]"
+
+
+NOTHING = Estimate(np.nan, np.nan, np.nan, np.nan, 0)
+
+
+def mean_interval(values: Sequence[float] | np.ndarray) -> Estimate:
+    """Mean of ``values`` (n,) with a BCa bootstrap interval; NaN are left out.
+
+    With fewer than two values, or none that differ, the interval is the mean itself.
+    """
+    values = _known(values)
+    if len(values) == 0:
+        return NOTHING
+    mean = float(values.mean())
+    if len(values) < 2 or np.ptp(values) == 0:
+        return Estimate(mean, mean, mean, 0.0, len(values))
+    interval = stats.bootstrap(
+        (values,), np.mean, n_resamples=RESAMPLES, method="BCa", rng=np.random.default_rng(0)
+    ).confidence_interval
+    return Estimate(mean, float(interval.low), float(interval.high), float(values.std(ddof=1)), len(values))
+
+
+def proportion(successes: int, n: int) -> Estimate:
+    """Share of ``successes`` among ``n`` with Wilson's interval.
+
+    Raises:
+        ValueError: Not 0 <= successes <= n.
+    """
+    if not 0 <= successes <= n:
+        raise ValueError(f"proportion needs 0 <= successes <= n; got {successes} of {n}")
+    if n == 0:
+        return NOTHING
+    share = successes / n
+    interval = stats.binomtest(int(successes), int(n)).proportion_ci(CONFIDENCE, method="wilson")
+    sd = float(np.sqrt(share * (1 - share) * n / (n - 1))) if n > 1 else 0.0
+    return Estimate(share, float(interval.low), float(interval.high), sd, int(n))
+
+
+def median_interval(values: Sequence[float] | np.ndarray) -> Estimate:
+    """Median of ``values`` (n,) with the narrowest symmetric pair of order statistics that holds it 95% of the time.
+
+    Infinite values are welcome (what never happened); NaN are left out. Up to five values bound no median at this
+    level: the interval then is everything.
+    """
+    values = np.sort(_known(values))
+    n = len(values)
+    if n == 0:
+        return NOTHING
+    middle = values[(n - 1) // 2], values[n // 2]
+    median = float(middle[0]) if middle[0] == middle[1] else float(middle[0] + middle[1]) / 2
+    sd = float(values.std(ddof=1)) if n > 1 and np.isfinite(values).all() else np.nan
+    outside = int(stats.binom.ppf((1 - CONFIDENCE) / 2, n, 0.5))  # fewer than this many on one side: below 2.5%
+    if outside == 0:
+        return Estimate(median, -np.inf, np.inf, sd, n)
+    return Estimate(median, float(values[outside - 1]), float(values[n - outside]), sd, n)
+
+
+def paired_difference(a: Sequence[float] | np.ndarray, b: Sequence[float] | np.ndarray) -> Estimate:
+    """Mean of ``a - b``, both (n,) with the same run at the same place; pairs with a NaN are left out.
+
+    Raises:
+        ValueError: Unequal lengths.
+    """
+    a, b = np.asarray(a, float), np.asarray(b, float)
+    if a.shape != b.shape:
+        raise ValueError(f"paired_difference needs the same runs on either side; got {a.shape} and {b.shape}")
+    return mean_interval(a - b)
+
+
+def runs_needed(one: float, other: float, sd: float | None = None, power: float = POWER) -> float:
+    """Runs on each side that tell ``one`` from ``other`` (two-sided, 5%) with this probability; not rounded.
+
+    Shares by default, compared by the normal approximation; means of values that scatter by ``sd``, by t, where given.
+    Infinite where the two are the same.
+    """
+    if one == other:
+        return np.inf
+    if sd is None:
+        pooled = (one + other) / 2
+        wide = stats.norm.ppf((1 + CONFIDENCE) / 2) * np.sqrt(2 * pooled * (1 - pooled))
+        return float(((wide + stats.norm.ppf(power) * _binomial_sd(one, other)) / (one - other)) ** 2)
+    if sd == 0:
+        return 2.0
+
+    def lack(n: float) -> float:
+        freedom, shift = 2 * (n - 1), np.sqrt(n / 2) * abs(one - other) / sd
+        critical = stats.t.ppf((1 + CONFIDENCE) / 2, freedom)
+        return float(stats.nct.sf(critical, freedom, shift)) - power
+
+    if lack(2.0) >= 0:
+        return 2.0
+    normal = 2 * ((stats.norm.ppf((1 + CONFIDENCE) / 2) + stats.norm.ppf(power)) * sd / (one - other)) ** 2
+    return float(optimize.brentq(lack, 2.0, normal + 10))
+
+
+def enough(n: int, one: float, other: float, sd: float | None = None) -> bool:
+    """Whether ``n`` runs on each side tell ``one`` from ``other`` four times in five; see :func:`runs_needed`."""
+    return n >= runs_needed(one, other, sd)
+
+
+def too_few(n: int, one: float, other: float, sd: float | None = None) -> str:
+    """The sentence that a finding needs where ``n`` runs cannot carry the difference; empty where they can."""
+    needed = runs_needed(one, other, sd)
+    if n >= needed:
+        return ""
+    a, b = (f"{one:.0%}", f"{other:.0%}") if sd is None else (f"{one:.3g}", f"{other:.3g}")
+    if needed == np.inf:
+        return f"no number of runs tells {a} from {b}"
+    return f"{n} run{'s' * (n != 1)} a side cannot tell {a} from {b}; {int(np.ceil(needed))} would"
+
+
+def _binomial_sd(one: float, other: float) -> float:
+    return float(np.sqrt(one * (1 - one) + other * (1 - other)))
+
+
+def _known(values: Sequence[float] | np.ndarray) -> np.ndarray:
+    values = np.asarray(values, float)
+    return values[~np.isnan(values)]
