@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jointattn_mj.errors import ConfigError, OutputError
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.recording import checkpoint, figures
-from jointattn_mj.recording.files import forget_partial, write_whole
+from jointattn_mj.recording.files import claim, forget_partial, write_whole
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.provenance import write_config
 from jointattn_mj.recording.tables import shift_table, write_parquet
@@ -62,7 +62,7 @@ def run_session(
         spent, session = checkpoint.load(frozen, config)
         forget_partial(out)
     else:
-        _claim(out)
+        claim(out)
         spent, session = 0.0, Session(config)
 
     def freeze() -> None:
@@ -88,16 +88,6 @@ def run_session(
         return _leave_results(session, out, spent + time.perf_counter() - started)
     finally:
         session.close()
-
-
-def _claim(out: Path) -> None:
-    """Make the folder, and refuse one that holds a run."""
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another --out") from error
-    if any((out / name).exists() for name in ("config.yaml", "checkpoint.bin")):
-        raise OutputError(f"{out} already holds a run; choose another --out, or --resume to go on with that one")
 
 
 def _check_ffmpeg() -> None:

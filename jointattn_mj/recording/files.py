@@ -8,6 +8,20 @@ from pathlib import Path
 from jointattn_mj.errors import OutputError
 
 
+def claim(out: Path) -> None:
+    """Make the folder of a run.
+
+    Raises:
+        OutputError: It holds a run already, or cannot be made.
+    """
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another --out") from error
+    if any((out / name).exists() for name in ("config.yaml", "checkpoint.bin")):
+        raise OutputError(f"{out} already holds a run; choose another --out, or --resume to go on with that one")
+
+
 def forget_partial(folder: Path) -> None:
     """Delete what processes that were killed while they wrote have left in ``folder``."""
     for path in folder.glob(".*"):

@@ -6,6 +6,7 @@ table it shifts to the caregiver, stays, or shifts to another spot. Each turn is
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -90,7 +91,7 @@ def phases(found: np.ndarray, made: Sequence[int], window: int = WINDOW) -> list
     """
     bounds = [0, *(turn for turn in made if turn < len(found)), len(found)]
     parts = []
-    for first, last in zip(bounds[:-1], bounds[1:], strict=True):
+    for first, last in pairwise(bounds):
         if last > first:
             counts = np.bincount(found[max(first, last - window) : last], minlength=len(BEHAVIOURS))
             parts.append(Phase(first, last, tuple((counts / counts.sum()).tolist())))

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -71,8 +72,7 @@ class Life:
             if found != NOTHING:
                 self.found.append(Found(self.lived, self.mind.events[found], module))
             if module is not None:
-                used = len(samples) - (self.turns // self.sample_every - self.lived // self.sample_every)
-                self._samples[-1] = samples[:used]
+                self._samples[-1] = samples[: self._sampled()].copy()  # without the rows that it will not fill
                 self._samples.append(self._blank_samples())
         return self.found[known:]
 
@@ -97,7 +97,25 @@ class Life:
 
     def _blank_samples(self) -> np.ndarray:
         left = self.turns // self.sample_every - self.lived // self.sample_every
-        return np.full((left, len(self.mind.events)), np.nan)
+        return np.empty((left, len(self.mind.events)))
+
+    def _sampled(self) -> int:
+        """How many rows of the last samples are filled."""
+        return len(self._samples[-1]) - (self.turns // self.sample_every - self.lived // self.sample_every)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Only the rows that are filled."""
+        samples = [*self._samples[:-1], self._samples[-1][: self._sampled()]]
+        return {**self.__dict__, "_log": self._log[: self.lived], "_samples": samples}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        log, filled = self._log, self._samples[-1]
+        self._log = np.zeros((self.turns, len(self.columns)), np.int8)
+        self._log[: self.lived] = log
+        left = self.turns // self.sample_every - self.lived // self.sample_every
+        self._samples[-1] = np.empty((len(filled) + left, filled.shape[1]))
+        self._samples[-1][: len(filled)] = filled
 
 
 @njit(cache=True)

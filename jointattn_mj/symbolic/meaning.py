@@ -70,10 +70,10 @@ def in_words(variables: Variables, module: Module, most: int = 2) -> str:
         sensed = offers.setdefault((int(module.command[r, s]), int(module.expected[r, s])), {})
         sensed[int(s)] = max(sensed.get(int(s), 0.0), float(module.reliability[r, s]))
     ranked = sorted(offers.items(), key=lambda item: -max(item[1].values()))
-    said = [
-        f"{names.command(command)} {' or '.join(names.sensed(s) for s in sorted(sensed))}, expecting {names.outcome(expected)}"
-        for (command, expected), sensed in ranked[:most]
-    ]
+    said = []
+    for (command, expected), sensed in ranked[:most]:
+        when = " or ".join(names.sensed(s) for s in sorted(sensed))
+        said.append(f"{names.command(command)} {when}, expecting {names.outcome(expected)}")
     if len(ranked) > most:
         said.append(f"{len(ranked) - most} more")
     return "; ".join(said) or "offers nothing under any observables"
