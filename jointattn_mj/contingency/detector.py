@@ -15,6 +15,7 @@ CHOICES = {
     "correction": ("none", "miller_madow"),
     "rule": ("still", "certain"),
     "of": ("all", "gap"),
+    "claimed": ("block", "drop"),
 }
 
 
@@ -40,6 +41,9 @@ class DetectorConfig:
     """Of the logarithm; the text does not say. With 2, theta of rule ``still`` gives the dissertation's times."""
     rule: str = "still"
     """``still`` or ``certain``, see above."""
+    claimed: str = "block"
+    """What becomes of an event that has its module: it stays in the ranking and can ``block`` others, or they ``drop``
+    out, and the mind then makes modules of whatever is left, one after the other."""
     warm_up: int = 100
     """Transitions before anything can be found: of next to nothing, nothing changes either."""
     threshold: float = 5e-5
@@ -90,6 +94,7 @@ class Rule(NamedTuple):
     precision: float
     tolerance: float
     look_again: float
+    drops: bool
 
 
 class Watch(NamedTuple):
@@ -99,8 +104,7 @@ class Watch(NamedTuple):
     values: np.ndarray
     """(E,) the measure of each event now, in the config's base."""
     claimed: np.ndarray
-    """(E,) whether an event has its module. Such events stay in the ranking: while one of them is the first, nothing
-    new is found."""
+    """(E,) whether an event has its module."""
     first: np.ndarray
     """(2,) the event with the highest value, and for how many steps on end all has been still with it as the first."""
     gap: np.ndarray
@@ -125,6 +129,7 @@ def new_watch(config: DetectorConfig, events: int) -> Watch:
             precision=float(config.precision),
             tolerance=float(config.tolerance),
             look_again=float(config.look_again),
+            drops=config.claimed == "drop",
         ),
         values=np.zeros(events),
         claimed=np.zeros(events, np.bool_),
@@ -164,7 +169,8 @@ def _is_certain(watch, counts):
         return False
     for e in range(len(values)):
         ahead = values[first] * (1.0 + rule.tolerance) - values[e]
-        if e != first and ahead < scale * np.sqrt(spread + _squared_error(counts, e, rule.single)):
+        rival = e != first and not (rule.drops and watch.claimed[e])
+        if rival and ahead < scale * np.sqrt(spread + _squared_error(counts, e, rule.single)):
             return False
     return True
 
@@ -187,11 +193,13 @@ def look(watch: Watch, counts: Counts) -> int:
             value = total / n[own] * per_nat
         change = max(change, abs(value - values[e]))
         values[e] = value
+        if rule.drops and watch.claimed[e]:
+            continue
         if value > highest:
             first, highest, second = e, value, highest
         elif value > second:
             second = value
-    gap = highest - max(second, 0.0)
+    gap = highest - second if len(values) > 1 else highest
     if rule.gap:
         change = abs(gap - watch.gap[0])
     watch.gap[0] = gap

@@ -67,6 +67,14 @@ class Variables:
                 for result in range(len(self.results)):
                     yield Event(sensor, action, result)
 
+    def symbol(self, event: Event) -> str:
+        """An event as the dissertation writes it: ``(S1, A1, R3)``, with ``Π1`` for the variables of module 1."""
+        letters = []
+        for letter, number, count in (("S", event.sensor, len(self.sensors)), ("A", event.action, len(self.actions))):
+            module = number - (count - self.modules)
+            letters.append(f"{letter}{number + 1}" if module < 0 else f"Π{module + 1}")
+        return f"({letters[0]}, {letters[1]}, R{event.result + 1})"
+
     def describe(self, event: Event) -> str:
         """An event in words, such as ``caregiver's face, shift gaze -> object``."""
         sensor, action = self.sensors[event.sensor], self.actions[event.action]

@@ -34,7 +34,7 @@ class SelectorConfig:
 
 
 class Maps(NamedTuple):
-    """All modules in flat arrays: those that reproduce a contingency (CM), as they were made, then the reactive ones."""
+    """All modules in flat arrays: those that reproduce a contingency (CM), in their order, then the reactive ones."""
 
     sensor: np.ndarray
     """(M,) the sensor that a module looks at."""
