@@ -15,6 +15,9 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.robots.developer import Developer, DeveloperConfig, think
 from jointattn_mj.symbolic.table import CAREGIVER, OPTION, TableConfig, new_table, table_variables, turn
 
+LOOKS_AT, OPTION_TAKEN = "caregiver looks at", "caregiver's option"
+"""Columns of the log that the robot does not know."""
+
 
 @dataclass(frozen=True)
 class Found:
@@ -51,11 +54,15 @@ class Life:
         self.lived = 0
         self.found: list[Found] = []
         variables = self.mind.variables
+        sizes = [len(one.values) for one in (*variables.sensors, *variables.actions, *variables.results)]
+        most = max(*sizes, mind.most_modules + len(self.mind.reactive))
+        if most > np.iinfo(np.int8).max:
+            raise ConfigError(f"a variable can have 127 values, and a mind 127 modules, at most; got {most}")
         self._s = np.zeros(len(variables.sensors), np.int64)
         self._r = np.zeros(len(variables.results), np.int64)
         names = [variable.name for variable in (*variables.sensors, *variables.results, *variables.joints)]
         drivers = [f"driver of {joint.name}" for joint in variables.joints]
-        self.columns = (*names, *drivers, "caregiver looks at", "caregiver's option")
+        self.columns = (*names, *drivers, LOOKS_AT, OPTION_TAKEN)
         self._log = np.zeros((turns, len(self.columns)), np.int8)
         self._samples: list[np.ndarray] = [self._blank_samples()]
 
