@@ -26,8 +26,17 @@ from numba import njit
 from jointattn_mj.contingency.events import Event, Variables
 
 NONE = -1
+CONTEXT = np.dtype(
+    [(name, np.int32) for name in ("sensor", "action", "result", "per_sensor", "per_action", "per_result", "width")]
+    + [("offset", np.int64), ("sum", float), ("n", float), ("occupied", np.int64)],
+    align=True,
+)
+"""A context in ``Counts.contexts``: which variables it looks at, how far apart in ``Counts.cells`` the counts under
+neighbouring values of each lie (0 for one that is no part of V), the width 1 + R' of a row, and where its counts begin;
+then P in nats, how many transitions were counted, or the sum of their weights, and how many (r, v, r') have been seen,
+less how many (r, v)."""
 OWN, OF_ACTION, OF_SENSOR, ALONE = range(4)
-"""Columns of ``Counts.contexts``: (S, A), (A), (S) and nothing."""
+"""Columns of ``Counts.of_event``: (S, A), (A), (S) and nothing."""
 LISTED = 1 << 18
 """Counts below this find (c+1) ln(c+1) - c ln c in a list: a third of the time of a logarithm."""
 
@@ -41,23 +50,13 @@ def _gains() -> np.ndarray:
 class Counts(NamedTuple):
     """The tables of E events, that is of their C contexts, in flat arrays."""
 
-    contexts: np.ndarray
+    of_event: np.ndarray
     """(E, 4) the contexts of an event."""
-    of: np.ndarray
-    """(C, 3) sensor or NONE, action or NONE, and result of a context."""
-    size: np.ndarray
-    """(C, 3) values of the context, of its action (1 without), and of the result."""
-    offset: np.ndarray
-    """(C,) where its counts begin in ``cells``."""
+    contexts: np.ndarray
+    """(C,) of CONTEXT."""
     cells: np.ndarray
     """All counts, for each context (R, V, 1 + R'): of (r, v), and beside it of each (r, v, r'). Weights where old
     transitions fade."""
-    sums: np.ndarray
-    """(C,) P in nats."""
-    occupied: np.ndarray
-    """(C,) how many (r, v, r') have been seen, less how many (r, v)."""
-    n: np.ndarray
-    """(C,) transitions counted, or the sum of their weights."""
     gains: np.ndarray
     """(c+1) ln(c+1) - c ln c of whole counts c; the same list for all."""
 
@@ -65,7 +64,7 @@ class Counts(NamedTuple):
 def empty_counts(variables: Variables, events: Sequence[Event]) -> Counts:
     """Tables without a transition."""
     numbers: dict[tuple[int, int, int], int] = {}
-    contexts = [
+    of_event = [
         [
             numbers.setdefault(context, len(numbers))
             for context in ((event.sensor, event.action, event.result), (NONE, event.action, event.result),
@@ -78,62 +77,68 @@ def empty_counts(variables: Variables, events: Sequence[Event]) -> Counts:
         np.array([len(variable.values) for variable in group] + [1])  # NONE, the last, has one value
         for group in (variables.sensors, variables.actions, variables.results)
     )
-    values = sensors[of[:, 0]] * actions[of[:, 1]]
-    size = np.column_stack([values, actions[of[:, 1]], results[of[:, 2]]])
-    lengths = values * size[:, 2] * (1 + size[:, 2])
+    sensor, action, result = of.T
+    contexts = np.zeros(len(of), CONTEXT)
+    contexts["sensor"], contexts["action"], contexts["result"] = np.maximum(of.T, 0)
+    contexts["width"] = 1 + results[result]
+    contexts["per_action"] = np.where(action == NONE, 0, contexts["width"])
+    contexts["per_sensor"] = np.where(sensor == NONE, 0, actions[action] * contexts["width"])
+    contexts["per_result"] = sensors[sensor] * actions[action] * contexts["width"]
+    lengths = results[result] * contexts["per_result"]
+    contexts["offset"] = np.cumsum(lengths) - lengths
     return Counts(
-        contexts=np.array(contexts, np.int64).reshape(-1, 4),
-        of=of,
-        size=size,
-        offset=np.cumsum(lengths) - lengths,
+        of_event=np.array(of_event, np.int64).reshape(-1, 4),
+        contexts=contexts,
         cells=np.zeros(int(lengths.sum())),
-        sums=np.zeros(len(of)),
-        occupied=np.zeros(len(of), np.int64),
-        n=np.zeros(len(of)),
         gains=_gains(),
     )
 
 
 def joined(first: Counts, second: Counts) -> Counts:
     """The events of both, with their counts."""
-    pairs = {name: (getattr(first, name), getattr(second, name)) for name in Counts._fields if name != "gains"}
-    pairs["contexts"] = (first.contexts, second.contexts + len(first.of))
-    pairs["offset"] = (first.offset, second.offset + len(first.cells))
-    return Counts(**{name: np.concatenate(pair) for name, pair in pairs.items()}, gains=_gains())
+    later = second.contexts.copy()
+    later["offset"] += len(first.cells)
+    return Counts(
+        of_event=np.concatenate([first.of_event, second.of_event + len(first.contexts)]),
+        contexts=np.concatenate([first.contexts, later]),
+        cells=np.concatenate([first.cells, second.cells]),
+        gains=first.gains,
+    )
 
 
 def joint_table(counts: Counts, event: int) -> np.ndarray:
     """Counts (R, S, A, R') of an event: r, s, a and the result r' that followed."""
-    context = counts.contexts[event, OWN]
-    values, actions, results = counts.size[context]
-    return _cells(counts, context)[..., 1:].reshape(results, values // actions, actions, results)
+    context = counts.contexts[counts.of_event[event, OWN]]
+    actions, results = context["per_sensor"] // context["width"], context["width"] - 1
+    return _cells(counts, context)[..., 1:].reshape(results, -1, actions, results)
 
 
-def _cells(counts: Counts, context: int) -> np.ndarray:
+def _cells(counts: Counts, context: np.void) -> np.ndarray:
     """The counts (R, V, 1 + R') of a context, to be read or changed."""
-    values, _, results = counts.size[context]
-    begin = counts.offset[context]
-    return counts.cells[begin : begin + results * values * (1 + results)].reshape(results, values, 1 + results)
+    width, begin = context["width"], context["offset"]
+    results = width - 1
+    return counts.cells[begin : begin + results * context["per_result"]].reshape(results, -1, width)
 
 
 def set_joint_table(counts: Counts, event: int, table: np.ndarray) -> None:
     """Give an event the counts (R, S, A, R'), and work out all that follows from them anew."""
     by_context = (table, table.sum(1), table.sum(2), table.sum((1, 2)))
-    for context, followed in zip(counts.contexts[event], by_context, strict=True):
+    for number, followed in zip(counts.of_event[event], by_context, strict=True):
+        context = counts.contexts[number]
         cells = _cells(counts, context)
         cells[..., 1:] = followed.reshape(cells[..., 1:].shape)
         cells[..., 0] = cells[..., 1:].sum(-1)
         both, seen = (part[part > 0] for part in (cells[..., 1:], cells[..., 0]))
-        counts.sums[context] = (both * np.log(both)).sum() - (seen * np.log(seen)).sum()
-        counts.occupied[context] = len(both) - len(seen)
-        counts.n[context] = seen.sum()
+        context["sum"] = (both * np.log(both)).sum() - (seen * np.log(seen)).sum()
+        context["occupied"] = len(both) - len(seen)
+        context["n"] = seen.sum()
 
 
 @njit(cache=True, forceinline=True)
 def _one_more(count, gains):
     """(c+1) ln(c+1) - c ln c of a whole count c; beyond the list the series is exact to the last digits."""
     if count < LISTED:
-        return gains[np.uint64(count)]
+        return gains[np.uint64(np.int64(count))]  # unsigned numbers are looked up, signed ones converted, faster
     return np.log(count) + 1.0 + (0.5 - (1.0 / 6.0 - 1.0 / (12.0 * count)) / count) / count
 
 
@@ -155,6 +160,12 @@ def _change(cells, place, weight, gains):
 
 
 @njit(cache=True, forceinline=True)
+def _place(context, r, s, a):
+    """Where in ``cells`` the row of (r, v) begins."""
+    return context.offset + r * context.per_result + s * context.per_sensor + a * context.per_action
+
+
+@njit(cache=True, forceinline=True)
 def add(counts, s, a, r, r_next, weight, contexts):
     """Count a transition in the first ``contexts`` contexts.
 
@@ -167,20 +178,15 @@ def add(counts, s, a, r, r_next, weight, contexts):
         weight: Int 1 for a transition, -1 to take one out again; a float where old ones fade.
         contexts: How many take part: those that came later do not know older transitions.
     """
-    of, size, offset, cells, gains = counts.of, counts.size, counts.offset, counts.cells, counts.gains
-    sums, occupied, n = counts.sums, counts.occupied, counts.n
-    for c in range(contexts):
-        v = 0
-        if of[c, 0] >= 0:
-            v = s[of[c, 0]] * size[c, 1]
-        if of[c, 1] >= 0:
-            v += a[of[c, 1]]
-        place = offset[c] + (r[of[c, 2]] * size[c, 0] + v) * (1 + size[c, 2])
-        gain, more = _change(cells, place + 1 + r_next[of[c, 2]], weight, gains)
+    cells, gains = counts.cells, counts.gains
+    for number in range(contexts):
+        c = counts.contexts[number]
+        place = _place(c, r[c.result], s[c.sensor], a[c.action])
+        gain, more = _change(cells, place + 1 + r_next[c.result], weight, gains)
         less_gain, less = _change(cells, place, weight, gains)
-        sums[c] += gain - less_gain
-        occupied[c] += more - less
-        n[c] += weight
+        c.sum += gain - less_gain
+        c.occupied += more - less
+        c.n += weight
 
 
 @njit(cache=True)
@@ -188,9 +194,9 @@ def divide(counts, weight):
     """Make all weights smaller; the measures stay, since the logarithms of ``weight`` cancel in each difference."""
     for place in range(len(counts.cells)):
         counts.cells[place] /= weight
-    for c in range(len(counts.n)):
-        counts.sums[c] /= weight
-        counts.n[c] /= weight
+    for number in range(len(counts.contexts)):
+        counts.contexts[number].sum /= weight
+        counts.contexts[number].n /= weight
 
 
 @njit(cache=True)
@@ -202,35 +208,35 @@ def local_variance(counts, event, single):
         event: Which event.
         single: 1 for SAC; 0 for T^C, which leaves T_S out.
     """
-    own, of_action, of_sensor, alone = counts.contexts[event]
-    values, actions, results = counts.size[own]
-    sensors = values // actions
+    own, of_action = counts.contexts[counts.of_event[event, OWN]], counts.contexts[counts.of_event[event, OF_ACTION]]
+    of_sensor, alone = (
+        counts.contexts[counts.of_event[event, OF_SENSOR]],
+        counts.contexts[counts.of_event[event, ALONE]],
+    )
+    results, actions, sensors = own.width - 1, own.per_sensor // own.width, own.per_result // own.per_sensor
     mean = square = 0.0
     for k in range(results):
         for k_next in range(results):
-            chance = _share(counts, alone, k, 0, k_next)
+            chance = _share(counts.cells, alone, k, 0, 0, k_next)
             for i in range(sensors):
-                of_s = _share(counts, of_sensor, k, i, k_next)
+                of_s = _share(counts.cells, of_sensor, k, i, 0, k_next)
                 if of_s == 0.0:
                     continue
                 for j in range(actions):
-                    both = _share(counts, own, k, i * actions + j, k_next)
+                    both = _share(counts.cells, own, k, i, j, k_next)
                     if both == 0.0:
                         continue
-                    local = np.log(both / _share(counts, of_action, k, j, k_next))
+                    local = np.log(both / _share(counts.cells, of_action, k, 0, j, k_next))
                     if single:
                         local -= np.log(of_s / chance)
-                    place = counts.offset[own] + (k * values + i * actions + j) * (1 + results)
-                    count = counts.cells[place + 1 + k_next]
+                    count = counts.cells[_place(own, k, i, j) + 1 + k_next]
                     mean += count * local
                     square += count * local * local
-    n = counts.n[own]
-    return square / n - (mean / n) ** 2
+    return square / own.n - (mean / own.n) ** 2
 
 
 @njit(cache=True, forceinline=True)
-def _share(counts, context, r, v, r_next):
+def _share(cells, context, r, s, a, r_next):
     """p(r' | r, v); 0 where it was never seen."""
-    place = counts.offset[context] + (r * counts.size[context, 0] + v) * (1 + counts.size[context, 2])
-    seen = counts.cells[place]
-    return counts.cells[place + 1 + r_next] / seen if seen > 0.0 else 0.0
+    place = _place(context, r, s, a)
+    return cells[place + 1 + r_next] / cells[place] if cells[place] > 0.0 else 0.0

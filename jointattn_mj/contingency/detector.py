@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from jointattn_mj.contingency.counts import Counts, local_variance
+from jointattn_mj.contingency.counts import ALONE, OF_ACTION, OF_SENSOR, OWN, Counts, local_variance
 from jointattn_mj.errors import ConfigError
 
 NOTHING = -1
@@ -155,7 +155,7 @@ def grown(watch: Watch, events: int, claimed: int, anew: bool) -> Watch:
 @njit(cache=True)
 def _squared_error(counts, event, single):
     """Squared standard error of an event's estimate, nats squared; 0 without a transition."""
-    n = counts.n[counts.contexts[event, 0]]
+    n = counts.contexts[counts.of_event[event, OWN]].n
     return local_variance(counts, event, single) / n if n > 0.0 else 0.0
 
 
@@ -179,19 +179,22 @@ def _is_certain(watch, counts):
 def look(watch: Watch, counts: Counts) -> int:
     """Work out all measures after a transition; the number of an event that has just been found, or NOTHING."""
     rule, values = watch.rule, watch.values
-    contexts, sums, occupied, n = counts.contexts, counts.sums, counts.occupied, counts.n
+    of_event, contexts = counts.of_event, counts.contexts
     single, half, per_nat = rule.single, 0.5 * rule.corrected, rule.per_nat
     first, highest, second, change = NOTHING, -np.inf, -np.inf, 0.0
     for e in range(len(values)):
-        own, of_action, of_sensor, alone = contexts[e, 0], contexts[e, 1], contexts[e, 2], contexts[e, 3]
+        own, of_action = contexts[of_event[e, OWN]], contexts[of_event[e, OF_ACTION]]
+        of_sensor, alone = contexts[of_event[e, OF_SENSOR]], contexts[of_event[e, ALONE]]
         value = 0.0
-        if n[own] > 0.0:
-            total = sums[own] - sums[of_action] - single * (sums[of_sensor] - sums[alone])
+        if own.n > 0.0:
+            total = own.sum - of_action.sum - single * (of_sensor.sum - alone.sum)
             if half > 0.0:
-                cells = occupied[own] - occupied[of_action] - single * (occupied[of_sensor] - occupied[alone])
+                cells = own.occupied - of_action.occupied - single * (of_sensor.occupied - alone.occupied)
                 total -= half * cells
-            value = total / n[own] * per_nat
-        change = max(change, abs(value - values[e]))
+            value = total / own.n * per_nat
+        moved = abs(value - values[e])
+        if moved > change:
+            change = moved
         values[e] = value
         if rule.drops and watch.claimed[e]:
             continue

@@ -130,7 +130,8 @@ def select(maps, s, r, random, strength, a, driver):
     """
     joints, modules = len(maps.commands), len(maps.sensor)
     made = maps.made
-    a[joints:] = 0
+    for m in range(made):
+        a[joints + m] = 0
     for joint in range(joints):
         crowd = 1
         for m in range(made):

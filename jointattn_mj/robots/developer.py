@@ -99,11 +99,18 @@ FADED = 1e9
 """A weight that has grown so large is made 1 again, and all counts with it."""
 
 
+@njit(cache=True, forceinline=True)
+def _copy(values, to):
+    """As slices, numba would compile them together with messages about every shape that does not fit."""
+    for place in range(len(values)):
+        to[place] = values[place]
+
+
 @njit(cache=True)
 def _remember_for_a_while(mind, r_next):
     """Count the transition from the turn before to this one, and let older ones fade or take the oldest out."""
     counts, past = mind.counts, mind.past
-    contexts = len(counts.n)
+    contexts = len(counts.contexts)
     if past.weight[1] != 1.0:
         past.weight[0] *= past.weight[1]
         add(counts, mind.s, mind.a, mind.r, r_next, past.weight[0], contexts)
@@ -115,10 +122,10 @@ def _remember_for_a_while(mind, r_next):
     if past.contexts[place] > 0:
         add(counts, past.s[place], past.a[place], past.r[place], past.r_next[place], -1, past.contexts[place])
     add(counts, mind.s, mind.a, mind.r, r_next, 1, contexts)
-    past.s[place, : len(mind.s)] = mind.s
-    past.a[place, : len(mind.a)] = mind.a
-    past.r[place] = mind.r
-    past.r_next[place] = r_next
+    _copy(mind.s, past.s[place])
+    _copy(mind.a, past.a[place])
+    _copy(mind.r, past.r[place])
+    _copy(r_next, past.r_next[place])
     past.contexts[place] = contexts
 
 
@@ -139,12 +146,12 @@ def think(mind, s, r):
         if mind.forgets:
             _remember_for_a_while(mind, r)
         else:
-            add(mind.counts, mind.s, mind.a, mind.r, r, 1, len(mind.counts.n))
+            add(mind.counts, mind.s, mind.a, mind.r, r, 1, len(mind.counts.contexts))
         found = look(mind.watch, mind.counts)
     mind.turns[0] += 1
-    mind.s[: len(s)] = s
-    mind.s[len(s) :] = mind.a[len(mind.driver) :]
-    mind.r[:] = r
+    _copy(s, mind.s)
+    _copy(mind.a[len(mind.driver) :], mind.s[len(s) :])
+    _copy(r, mind.r)
     select(mind.maps, mind.s, mind.r, mind.random, mind.strength, mind.a, mind.driver)
     return found
 

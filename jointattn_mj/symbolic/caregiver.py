@@ -68,11 +68,17 @@ def rules(config: CaregiverConfig) -> Rules:
 
 
 @njit(cache=True, forceinline=True)
+def _count(spots):
+    count = 0
+    for spot in range(len(spots)):
+        count += spots[spot]
+    return count
+
+
+@njit(cache=True, forceinline=True)
 def _some(allowed, random):
     """One of the spots that are allowed, or NOWHERE."""
-    count = 0
-    for spot in range(len(allowed)):
-        count += allowed[spot]
+    count = _count(allowed)
     if count == 0:
         return NOWHERE
     left = int(random.random() * count)
@@ -103,14 +109,16 @@ def shift_gaze(rules, full, robot, gaze, returns_to, random, allowed):
     """
     face = len(full)
     if rules.at_objects < 1.0 and random.random() >= rules.at_objects:
-        empty = face - full.sum()
+        empty = face - _count(full)
         if random.random() * (empty + 1) < 1.0:
             return face, NOWHERE, CARELESS
-        allowed[:] = ~full
+        for spot in range(face):
+            allowed[spot] = not full[spot]
         return _some(allowed, random), NOWHERE, CARELESS
     if gaze != face and gaze == robot and full[gaze] and random.random() < rules.answer:
         return face, NOWHERE, AFTER_JOINT_ATTENTION
-    allowed[:] = full
+    for spot in range(face):
+        allowed[spot] = full[spot]
     if gaze == face:
         if returns_to != NOWHERE and full[returns_to]:
             return returns_to, NOWHERE, IJA_BACK
@@ -119,7 +127,7 @@ def shift_gaze(rules, full, robot, gaze, returns_to, random, allowed):
                 return robot, NOWHERE, RJA
             return _some(allowed, random), NOWHERE, RJA
         if robot == face:
-            if rules.stays or (rules.may_stay and random.random() * (full.sum() + 1) < 1.0):
+            if rules.stays or (rules.may_stay and random.random() * (_count(full) + 1) < 1.0):
                 return face, NOWHERE, NEUTRAL
         elif not rules.neutral_follows:
             allowed[robot] = False  # that would be following

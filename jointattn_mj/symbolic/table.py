@@ -129,7 +129,8 @@ def place_objects(table):
     _shuffle_first(table.order, objects, table.world_random)
     if kinds > 1:
         _shuffle_first(table.kinds, objects, table.world_random)
-    table.full[:] = False
+    for spot in range(len(table.full)):
+        table.full[spot] = False
     for number in range(objects):
         table.full[table.order[number]] = True
         table.kind[table.order[number]] = table.kinds[number] if kinds > 1 else 0
