@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from jointattn_mj.contingency.events import Variable
+from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
 from jointattn_mj.recording.figures import save
 from jointattn_mj.symbolic.behaviour import BEHAVIOURS, SC, SHORT, WINDOW, Phase, moving_rates
@@ -59,7 +59,7 @@ def draw_contingency(
     axes = figure.subplots()
     shown = _ever_two_highest(values)
     claimed = {one.event: number for number, one in enumerate(made)}
-    few = np.unique(np.linspace(0, len(turns) - 1, MOST_POINTS).round().astype(int)) if len(turns) else []
+    few = np.unique(np.linspace(0, len(turns) - 1, min(len(turns), MOST_POINTS)).round().astype(int))
     for event in [*(event for event in shown if event not in claimed), *claimed]:
         number = claimed.get(event)
         curve = np.where(values[few, event] > 0, values[few, event], np.nan)
@@ -141,9 +141,7 @@ class MapPicture:
 
     title: str
     module: Module
-    sensor: Variable
-    action: Variable
-    result: Variable
+    variables: Variables
 
 
 def draw_maps(path: Path, maps: Sequence[MapPicture]) -> None:
@@ -171,20 +169,30 @@ def draw_maps(path: Path, maps: Sequence[MapPicture]) -> None:
 
 def _draw_map(axes: Axes, one: MapPicture) -> None:
     results, sensors = one.module.command.shape
-    sensor = one.sensor.name.removesuffix(" before")
-    height, width = results * sensors, len(one.action.values)
+    event = one.module.event
+    sensor, action = one.variables.sensors[event.sensor], one.variables.actions[event.action]
+    result, sensed = one.variables.results[event.result], sensor.name.removesuffix(" before")
+    height, width = results * sensors, len(action.values)
     command, reliability = one.module.command.ravel(), one.module.reliability.ravel()
     strength = np.full((height, width), np.nan)
     offered = command != OFFERS_NOTHING
     strength[np.arange(height)[offered], command[offered]] = reliability[offered]
     axes.imshow(strength, cmap="Reds", vmin=0, vmax=max(2 * reliability.max(), 1e-9), aspect="auto")
     for row in np.flatnonzero(offered):
-        axes.text(command[row], row, f"{reliability[row]:.2f}", ha="center", va="center", fontsize=9, weight="bold")
-    axes.set_xticks(range(width), one.action.values, fontsize=8, rotation=0 if width <= 5 else 60)
+        axes.text(
+            float(command[row]),
+            float(row),
+            f"{reliability[row]:.2f}",
+            ha="center",
+            va="center",
+            fontsize=9,
+            weight="bold",
+        )
+    axes.set_xticks(range(width), action.values, fontsize=8, rotation=0 if width <= 5 else 60)
     axes.xaxis.tick_top()
     axes.set_yticks(
         range(height),
-        [f"{one.result.name}: {r}, {sensor}: {s}" for r in one.result.values for s in one.sensor.values],
+        [f"{result.name}: {r}, {sensed}: {s}" for r in result.values for s in sensor.values],
         fontsize=8,
     )
     axes.set_xticks(np.arange(width + 1) - 0.5, minor=True)
@@ -194,8 +202,7 @@ def _draw_map(axes: Axes, one: MapPicture) -> None:
     axes.axhline(sensors - 0.5, color="#2c3e50", lw=1)
     axes.set_box_aspect(height * ROW / MAP_WIDTH)
     axes.set_anchor("N")
-    event = f"{one.sensor.name}, {one.action.name} -> {one.result.name}"
-    axes.set_title(f"{textwrap.fill(one.title, 48)}\n{event}", fontsize=9)
+    axes.set_title(f"{textwrap.fill(one.title, 48)}\n{one.variables.describe(event)}", fontsize=9)
 
 
 def _ever_two_highest(values: np.ndarray) -> list[int]:

@@ -40,15 +40,6 @@ class Meaning:
         return f"{self.words} ({self.short})" if self.short.endswith("-m") else self.words
 
 
-def notation(variables: Variables, module: Module) -> str:
-    """The dissertation's way to write it, such as ``CM(Pi1, 1, 3)``: variables count from 1, those of modules as Pi."""
-    worlds, joints = len(variables.sensors) - variables.modules, len(variables.joints)
-    sensor, action, result = module.event
-    s = f"{sensor + 1}" if sensor < worlds else f"Pi{sensor - worlds + 1}"
-    a = f"{action + 1}" if action < joints else f"Pi{action - joints + 1}"
-    return f"CM({s}, {a}, {result + 1})"
-
-
 def meanings(variables: Variables, modules: Sequence[Module]) -> list[Meaning]:
     """What each of the modules means, in the order in which they were made; later ones may build on earlier ones."""
     known: list[Meaning] = []

@@ -1,0 +1,55 @@
+"""``jointattn develop`` with its bar, which names each module as it is found."""
+
+import sys
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from tqdm import tqdm
+
+from jointattn_mj.development import DevelopConfig, DevelopOptions, run_development
+from jointattn_mj.symbolic.life import Found, Life
+from jointattn_mj.symbolic.meaning import Meaning
+
+
+def run_with_bar(config: DevelopConfig, options: DevelopOptions) -> None:
+    """Live a life with a bar on stderr, and say on stdout what came of it."""
+    started = time.perf_counter()
+    bar = tqdm(total=config.steps, desc="life", unit=" turns", unit_scale=True, disable=None)
+
+    def progress(life: Life, found: Sequence[tuple[Found, Meaning | None]]) -> None:
+        bar.set_description_str("life", refresh=False)
+        for one, meaning in found:
+            if meaning is not None and not bar.disable:
+                event = life.mind.variables.describe(one.event)
+                bar.write(f"turn {one.turn:,}: {meaning.label}  [{event}]", file=sys.stderr)
+        modules = len(life.mind.modules)
+        bar.set_postfix_str(f"{modules} module{'s' * (modules != 1)}", refresh=False)
+        bar.update(life.lived - bar.n)
+
+    def compiling() -> None:
+        bar.set_description_str("compiling, once on this machine, up to 20 s")
+
+    try:
+        with bar:
+            summary = run_development(config, options, progress, compiling)
+    except KeyboardInterrupt:
+        if (options.out / "checkpoint.bin").exists():
+            print(f"jointattn: stopped; the same command with --resume goes on from {options.out}", file=sys.stderr)
+        else:
+            print("jointattn: stopped before the life began; nothing was written", file=sys.stderr)
+        raise
+    print(text(summary))
+    print(f"In {time.perf_counter() - started:.1f} s. Results: {options.out}")
+
+
+def text(summary: dict[str, Any]) -> str:
+    """The modules in their order, to read."""
+    lines = [f"{'step':>10}  {'event':48}  what it means"] if summary["modules"] else ["No module was made."]
+    for one in summary["modules"]:
+        name = f" ({one['name']})" if one["name"].endswith("-m") else ""
+        lines.append(f"{one['step']:>10,}  {one['event']:48}  {one['means']}{name}")
+    lines += [
+        f"{one['step']:>10,}  {one['event']:48}  found, no module made" for one in summary["found_without_a_module"]
+    ]
+    return "\n".join(lines)

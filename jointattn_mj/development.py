@@ -1,0 +1,228 @@
+"""``jointattn develop``: a mind and its table through a whole life, in a folder: progress, checkpoints, results."""
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from jointattn_mj.contingency.reactive import AvoidingModule, RandomModule, ReactiveModule
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.recording import checkpoint
+from jointattn_mj.recording.files import claim, forget_partial, write_whole
+from jointattn_mj.recording.interrupts import deferred
+from jointattn_mj.recording.memory import available_bytes
+from jointattn_mj.recording.provenance import write_config
+from jointattn_mj.robots.developer import DeveloperConfig
+from jointattn_mj.symbolic.behaviour import behaviours, phases
+from jointattn_mj.symbolic.life import Found, Life
+from jointattn_mj.symbolic.meaning import CAREGIVER, FACE, GAZE, Meaning, meanings
+from jointattn_mj.symbolic.presets import PRESETS
+from jointattn_mj.symbolic.summary import summarise
+from jointattn_mj.symbolic.table import TableConfig
+
+AT_A_TIME = 20_000
+"""Turns between two looks at the bar and at Ctrl-C."""
+LIKELY_MODULES = 8
+"""For an estimate of the memory that will be needed: few lives find more."""
+
+
+@dataclass(frozen=True)
+class DevelopConfig:
+    """What makes a life: the same config, the same life."""
+
+    world: Literal["table"] = "table"
+    """Where the robot lives: at a table with spots, objects and a caregiver, in turns (chapters 4 and 5)."""
+    preset: Annotated[str, tyro.conf.arg(metavar="{" + ",".join(PRESETS) + "}")] = "thesis"
+    """A reading of the text that gives --table.* and --mind.* their defaults; each can still be set by itself. thesis:
+    chapter 5 as it is written. thesis_robot_first: the robot acts first in a turn. fast: finds the same in a fraction
+    of the turns, by standard errors. chapter4: finds, and makes no modules."""
+    steps: int = 100_000
+    """Turns to live."""
+    seed: int = 0
+    """Random seed of table, caregiver and robot."""
+    reactive: Literal["random", "face_avoiding"] = "random"
+    """What the robot is born with: random movements, or with few looks at the caregiver (a model of autism, section
+    5.4)."""
+    sample_every: int = 100
+    """Turns between two notes of every event's contingency."""
+    table: TableConfig = field(default_factory=TableConfig)
+    mind: DeveloperConfig = field(default_factory=DeveloperConfig)
+
+    def __post_init__(self) -> None:
+        if self.preset not in PRESETS:
+            raise ConfigError(f"preset must be one of {', '.join(PRESETS)}; got {self.preset!r}")
+        for name, least in (("steps", 1), ("seed", 0), ("sample_every", 1)):
+            if getattr(self, name) < least:
+                raise ConfigError(f"{name} must be {least} or more; got {getattr(self, name)}")
+
+    @classmethod
+    def of(cls, preset: str) -> "DevelopConfig":
+        """The config that a preset stands for.
+
+        Raises:
+            ConfigError: There is no such preset.
+        """
+        if preset not in PRESETS:
+            return cls(preset=preset)  # which says so
+        return cls(preset=preset, table=PRESETS[preset].world, mind=PRESETS[preset].mind)
+
+    def born_with(self) -> tuple[ReactiveModule, ...]:
+        """The reactive module of the gaze; the gesture moves at random in any case."""
+        return (RandomModule(GAZE) if self.reactive == "random" else AvoidingModule(GAZE, CAREGIVER),)
+
+    def new_life(self) -> Life:
+        """A life before its first turn."""
+        return Life(self.table, self.mind, self.seed, self.steps, self.born_with(), self.sample_every)
+
+
+@dataclass(frozen=True)
+class DevelopOptions:
+    """Where a life leaves its results."""
+
+    out: Path
+    """Folder for the results; made when missing, refused when it holds another run."""
+    resume: bool = False
+    """Go on from the checkpoint in the folder, to the same final result."""
+    checkpoint_every: int = 2_000_000
+    """Turns between checkpoints: at most so much is lost by a kill."""
+
+    def __post_init__(self) -> None:
+        if self.checkpoint_every < 1:
+            raise ConfigError(f"checkpoint_every must be 1 turn or more; got {self.checkpoint_every}")
+
+
+def preset_in(arguments: Sequence[str]) -> str:
+    """The preset that a command line names, since all other defaults follow from it; ``thesis`` where it names none."""
+    for before, argument in zip(["", *arguments], arguments, strict=False):
+        name = argument.removeprefix("--preset=") if argument.startswith("--preset=") else argument
+        if (before == "--preset" or name != argument) and name in PRESETS:
+            return name
+    return "thesis"
+
+
+def run_development(
+    config: DevelopConfig,
+    options: DevelopOptions,
+    progress: Callable[[Life, Sequence[tuple[Found, Meaning | None]]], object] = lambda life, found: None,
+    compiling: Callable[[], object] = lambda: None,
+) -> dict[str, Any]:
+    """Live a life and leave its results in ``options.out``; returns the summary.
+
+    ``progress`` is called every AT_A_TIME turns with what was found in them and what it means; ``compiling`` once,
+    if the loop is being compiled, as on its first use. On Ctrl-C or SIGTERM a checkpoint is written before
+    KeyboardInterrupt goes on.
+
+    Raises:
+        ConfigError: The life would not fit into memory, or its options do not go together.
+        OutputError: The folder holds another run, or cannot be written.
+        CheckpointError: ``resume`` without a fitting checkpoint.
+    """
+    out, frozen = options.out, options.out / "checkpoint.bin"
+    check_memory(config)
+    if options.resume:
+        life: Life = checkpoint.load(frozen, config)
+        forget_partial(out)
+    else:
+        life = config.new_life()
+        claim(out)
+        checkpoint.save(frozen, life, config)
+    if not (out / "config.yaml").exists():
+        write_config(out / "config.yaml", config)
+    with deferred() as interrupts, _told_of_compiling(compiling):
+        while life.lived < life.turns:
+            pause = min(life.turns, (life.lived // options.checkpoint_every + 1) * options.checkpoint_every)
+            found = life.live(min(AT_A_TIME, pause - life.lived))
+            progress(life, _with_meanings(life, found))
+            if life.lived == pause or interrupts.requested:
+                checkpoint.save(frozen, life, config)
+            if interrupts.requested:
+                raise KeyboardInterrupt
+    return _leave_results(config, life, out)
+
+
+def check_memory(config: DevelopConfig) -> None:
+    """Refuse a life that would not fit.
+
+    Raises:
+        ConfigError: It would not.
+    """
+    log = 4 * 16 * config.steps  # a checkpoint copies it three times
+    modules = min(LIKELY_MODULES, config.mind.most_modules)
+    samples = 3 * 8 * 3 * (2 + modules) ** 2 * (config.steps // config.sample_every)
+    available = available_bytes()
+    if available is not None and log + samples > available:
+        raise ConfigError(
+            f"{config.steps} steps need about {(log + samples) / 1e9:.1f} GB of memory, and {available / 1e9:.1f} GB "
+            f"are free; ask for fewer --steps{', or a larger --sample-every' if samples > log else ''}"
+        )
+
+
+@contextmanager
+def _told_of_compiling(tell: Callable[[], object]) -> Iterator[None]:
+    """Calls ``tell`` if numba compiles anything in the block; what it finds in its cache is not compiled."""
+    from numba.core import event
+
+    class Listener(event.Listener):
+        told = False
+
+        def on_start(self, event: event.Event) -> None:
+            if not self.told:
+                self.told = True
+                tell()
+
+        def on_end(self, event: event.Event) -> None:
+            pass
+
+    with event.install_listener("numba:compile", Listener()):
+        yield
+
+
+def _with_meanings(life: Life, found: Sequence[Found]) -> list[tuple[Found, Meaning | None]]:
+    if not found:
+        return []
+    known = dict(zip((id(module) for module in life.mind.modules), _meanings(life), strict=True))
+    return [(one, known.get(id(one.module))) for one in found]
+
+
+def _meanings(life: Life) -> list[Meaning]:
+    return meanings(life.mind.variables, life.mind.modules)
+
+
+def _leave_results(config: DevelopConfig, life: Life, out: Path) -> dict[str, Any]:
+    from jointattn_mj.symbolic import figures, logbook  # bring matplotlib and pyarrow, which take a second to import
+
+    mind = life.mind
+    found = behaviours(life.log(FACE), life.log(GAZE), life.world.spots)
+    made = [one for one in life.found if one.module is not None]
+    parts = phases(found, [one.turn for one in made])
+    known = _meanings(life)
+    marks = [
+        figures.Made(one.turn, mind.events.index(one.event), meaning.label)
+        for one, meaning in zip(made, known, strict=True)
+    ]
+    turns, values = life.contingency()
+    names = [mind.variables.describe(event) for event in mind.events]
+    detector = mind.config.detector
+    unit = "bits" if detector.base == 2 else f"units of base {detector.base:g}"
+    measure = f"{'SAC' if detector.measure == 'sac' else 'T^C'} ({unit})"
+    figures.draw_contingency(out / "sac.png", turns, values, names, marks, measure)
+    figures.draw_behaviour(out / "behaviour.png", found, parts, marks)
+    figures.draw_maps(
+        out / "maps.png",
+        [
+            figures.MapPicture(f"{number}: {mark.label}", module, mind.variables)
+            for number, (mark, module) in enumerate(zip(marks, mind.modules, strict=True), 1)
+        ],
+    )
+    logbook.write_turns(out / "turns.parquet", life, found)
+    logbook.write_contingency(out / "contingency.parquet", life)
+    for number, module in enumerate(mind.modules, 1):
+        logbook.write_map(out / f"module_{number}.csv", mind.variables, module)
+    summary = {"world": config.world, "preset": config.preset, "seed": config.seed, **summarise(life, known, parts)}
+    text = json.dumps(summary, indent=1, ensure_ascii=False) + "\n"
+    write_whole(out / "summary.json", lambda path: path.write_text(text, "utf-8"))
+    return summary

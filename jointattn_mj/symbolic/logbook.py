@@ -1,0 +1,113 @@
+"""A life as files: what happened turn by turn, contingency over time, and the learned maps, all in words."""
+
+import csv
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from jointattn_mj.contingency.events import Variables
+from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
+from jointattn_mj.recording.columns import described
+from jointattn_mj.recording.files import write_whole
+from jointattn_mj.symbolic.behaviour import SHORT
+from jointattn_mj.symbolic.caregiver import OPTIONS
+from jointattn_mj.symbolic.life import LOOKS_AT, OPTION_TAKEN, Life
+
+ROWS = 1 << 20
+"""Turns that are put into words at a time."""
+
+
+def write_turns(path: Path, life: Life, found: np.ndarray) -> None:
+    """Write the log as Parquet, a row a turn; ``found`` (turns,) is what ``behaviours`` says."""
+
+    def write(temporary: Path) -> None:
+        parts = _turns(life, found)
+        first = next(parts)
+        with pq.ParquetWriter(temporary, first.schema, compression="zstd") as writer:
+            writer.write_table(first)
+            for part in parts:
+                writer.write_table(part)
+
+    write_whole(path, write)
+
+
+def write_contingency(path: Path, life: Life) -> None:
+    """Write the measure of every event as Parquet, a row each time it was noted; null before the event existed."""
+    turns, values = life.contingency()
+    unit = f"{life.mind.config.detector.measure} in units of base {life.mind.config.detector.base:g}"
+    columns, meanings = {"turn": pa.array(turns)}, {"turn": "turns lived"}
+    for number, event in enumerate(life.mind.events):
+        name = life.mind.variables.describe(event)
+        columns[name], meanings[name] = pa.array(values[:, number], from_pandas=True), unit
+    table = described(pa.table(columns), meanings)
+    write_whole(path, lambda temporary: pq.write_table(table, temporary, compression="zstd"))
+
+
+def write_map(path: Path, variables: Variables, module: Module) -> None:
+    """Write a module's map as CSV, a row for each pair of observables; blank where it offers nothing."""
+    sensor, action = variables.sensors[module.event.sensor], variables.actions[module.event.action]
+    result = variables.results[module.event.result]
+    rows = [[result.name, sensor.name, action.name, "reliability", f"expected {result.name}"]]
+    for r, before in enumerate(result.values):
+        for s, sensed in enumerate(sensor.values):
+            offer = ["", "", ""]
+            if module.command[r, s] != OFFERS_NOTHING:
+                command, expected = action.values[module.command[r, s]], result.values[module.expected[r, s]]
+                offer = [command, f"{module.reliability[r, s]:.6f}", expected]
+            rows.append([before, sensed, *offer])
+
+    def write(temporary: Path) -> None:
+        with temporary.open("w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(rows)
+
+    write_whole(path, write)
+
+
+def _turns(life: Life, found: np.ndarray) -> Iterator[pa.Table]:
+    """The log in parts of ROWS turns; at least one, which may be empty."""
+    variables, meanings = life.mind.variables, {"turn": "counted from 1"}
+    worlds = variables.sensors[: len(variables.sensors) - variables.modules]
+    words: dict[str, tuple[str, ...]] = {}
+    for group, meaning in ((worlds, "sensed before the robot acts"), (variables.results, "result seen with it")):
+        for variable in group:
+            words[variable.name], meanings[variable.name] = variable.values, meaning
+    for joint in variables.joints:
+        words[joint.name], meanings[joint.name] = joint.values, "command that the robot then gives"
+    spots = tuple(f"spot {number}" for number in range(1, life.world.spots + 1))
+    words[LOOKS_AT], meanings[LOOKS_AT] = (*spots, "robot"), "truth, seen or not"
+    words[OPTION_TAKEN], meanings[OPTION_TAKEN] = OPTIONS, "rule by which she looks there (section 5.3.1)"
+    behaviour = "what the robot does, by the names of Fig. 5.5"
+    drivers = {f"driver of {joint.name}": "module that gave the command" for joint in variables.joints}
+    meanings |= {**drivers, "behaviour": behaviour}
+    names, codes = _drivers(life)
+    for first in range(0, max(life.lived, 1), ROWS):
+        part = slice(first, min(first + ROWS, life.lived))
+        columns = {"turn": pa.array(np.arange(part.start, part.stop) + 1)}
+        columns |= {name: _in_words(life.log(name)[part], values) for name, values in words.items()}
+        made = np.searchsorted(_made(life), np.arange(part.start, part.stop), side="right")
+        for name in drivers:
+            columns[name] = _in_words(codes[made, life.log(name)[part]], names)
+        columns["behaviour"] = _in_words(found[part], SHORT)
+        yield described(pa.table(columns), meanings)
+
+
+def _made(life: Life) -> list[int]:
+    return [one.turn for one in life.found if one.module is not None]
+
+
+def _drivers(life: Life) -> tuple[tuple[str, ...], np.ndarray]:
+    """Names of modules, and which of them a number in the log means, (modules made by then + 1, numbers)."""
+    drivers, made = life.mind.drivers(), len(life.mind.modules)
+    names = tuple(dict.fromkeys(drivers))
+    codes = np.zeros((made + 1, len(drivers)), np.int8)
+    for known in range(made + 1):
+        then = drivers[:known] + drivers[made:]
+        codes[known, : len(then)] = [names.index(name) for name in then]
+    return names, codes
+
+
+def _in_words(codes: np.ndarray, words: tuple[str, ...]) -> pa.Array:
+    return pa.DictionaryArray.from_arrays(pa.array(np.ascontiguousarray(codes, np.int8)), pa.array(words))
