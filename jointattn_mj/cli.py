@@ -1,33 +1,24 @@
-"""The command line, ``jointattn``."""
+"""The command line, ``jointattn``. What a command needs is imported when it is asked for."""
 
 import io
 import json
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import redirect_stderr
 from typing import Annotated, Any, NoReturn
 
-import cv2
 import tyro
-from tqdm import tqdm
 
-from jointattn_mj.benchmark import BenchmarkOptions, run_benchmark
-from jointattn_mj.discover_command import DiscoverOptions, run_discover
 from jointattn_mj.errors import CheckpointError, ConfigError, JointAttnError, OutputError, SeriesError
-from jointattn_mj.measure_command import MeasureOptions, run_measure
-from jointattn_mj.recording.files import write_whole
-from jointattn_mj.runner import RunOptions, run_session
-from jointattn_mj.session import FRAMES_PER_MINUTE, Session, SessionConfig
 
 BAD_USAGE, FAILED, INTERRUPTED = 2, 1, 130
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run a sub-command. Exits with 2 where what was asked for cannot be done, 130 when interrupted."""
-    cv2.setNumThreads(1)  # pictures are small: handing them round threads costs more than it gains
     try:
-        _parse(arguments)()
+        _parse(sys.argv[1:] if arguments is None else arguments)()
     except (ConfigError, OutputError, CheckpointError, SeriesError) as error:
         _leave(str(error), BAD_USAGE)
     except JointAttnError as error:
@@ -38,13 +29,14 @@ def main(arguments: list[str] | None = None) -> None:
         sys.exit(INTERRUPTED)
 
 
-def _parse(arguments: list[str] | None) -> Callable[[], None]:
+def _parse(arguments: list[str]) -> Callable[[], None]:
     """The command that the arguments ask for; bad usage ends in one line instead of tyro's boxes."""
     said = io.StringIO()
+    asked = [arguments[0]] if arguments and arguments[0] in COMMANDS else list(COMMANDS)
     try:
         with redirect_stderr(said):
             return tyro.extras.subcommand_cli_from_dict(
-                _commands(),
+                {name: COMMANDS[name](arguments) for name in asked},
                 prog="jointattn",
                 description="A robot that learns to look where somebody else is looking, in a 3D world without humans.",
                 args=arguments,
@@ -62,7 +54,11 @@ def _leave(message: str, code: int) -> NoReturn:
     sys.exit(code)
 
 
-def _commands() -> dict[str, Callable[..., Any]]:
+def _session(arguments: Sequence[str] = ()) -> Callable[..., Any]:
+    from jointattn_mj.runner import RunOptions
+    from jointattn_mj.session import SessionConfig
+    from jointattn_mj.session_command import run_with_bar
+
     def session(
         config: Annotated[SessionConfig, tyro.conf.arg(name="")],
         options: Annotated[RunOptions, tyro.conf.arg(name="")],
@@ -72,68 +68,109 @@ def _commands() -> dict[str, Callable[..., Any]]:
         Leaves in --out: config.yaml, summary.json, gaze_shifts.parquet (a row a shift), frames.parquet (a row a frame),
         som.png, success.png (eq. 6.9), weights.npz, checkpoint.bin, and with --video a video.
         """
-        return lambda: _run_with_bar(config, options)
+        return lambda: _with_one_thread(run_with_bar, config, options)
+
+    return session
+
+
+def _develop(arguments: Sequence[str] = ()) -> Callable[..., Any]:
+    from jointattn_mj.develop_command import run_with_bar
+    from jointattn_mj.development import DevelopConfig, DevelopOptions, preset_in
+
+    def develop(
+        options: Annotated[DevelopOptions, tyro.conf.arg(name="")],
+        config: Annotated[DevelopConfig, tyro.conf.arg(name="")] = DevelopConfig.of(preset_in(arguments)),  # noqa: B008
+    ) -> Callable[[], None]:
+        """Let a robot find what is contingent, make modules of it, and so develop joint attention (chapters 4 and 5).
+
+        Leaves in --out: config.yaml, summary.json (modules in their order, what they mean, behaviour by phases),
+        sac.png (Fig. 5.3), behaviour.png (Fig. 5.5), maps.png, module_1.csv and so on (the learned maps),
+        turns.parquet (a row a turn), contingency.parquet, checkpoint.bin. The defaults below are those of --preset.
+        """
+        return lambda: run_with_bar(config, options)
+
+    return develop
+
+
+def _benchmark(arguments: Sequence[str] = ()) -> Callable[..., Any]:
+    from jointattn_mj.benchmark import BenchmarkOptions, run_benchmark
+    from jointattn_mj.recording.files import write_whole
+
+    def run(options: BenchmarkOptions) -> None:
+        result = run_benchmark(options)
+        print(result.text())
+        if options.out is not None:
+            text = json.dumps(result.rows(), indent=1) + "\n"
+            write_whole(options.out, lambda path: path.write_text(text))
 
     def benchmark(options: Annotated[BenchmarkOptions, tyro.conf.arg(name="")]) -> Callable[[], None]:
         """Measure the closed loop beside rendering alone, the truth path, and dm_control's cartpole, in one run."""
-        return lambda: _benchmark(options)
+        return lambda: _with_one_thread(run, options)
+
+    return benchmark
+
+
+def _measure(arguments: Sequence[str] = ()) -> Callable[..., Any]:
+    from jointattn_mj.measure_command import MeasureOptions, run_measure
 
     def measure(options: Annotated[MeasureOptions, tyro.conf.arg(name="")]) -> Callable[[], None]:
         """Measure how much a recorded variable says about what another does next: transfer entropy, T^C, SAC."""
         return lambda: _print_with_bar(run_measure, options)
 
+    return measure
+
+
+def _discover(arguments: Sequence[str] = ()) -> Callable[..., Any]:
+    from jointattn_mj.discover_command import DiscoverOptions, run_discover
+
     def discover(options: Annotated[DiscoverOptions, tyro.conf.arg(name="")]) -> Callable[[], None]:
         """Find which events (sensor, action) -> result in a recording are contingent, and which values carry them."""
         return lambda: _print_with_bar(run_discover, options)
 
-    return {"session": session, "benchmark": benchmark, "measure": measure, "discover": discover}
+    return discover
 
 
-def _run_with_bar(config: SessionConfig, options: RunOptions) -> None:
-    bar = tqdm(
-        total=config.minutes,
-        desc="getting to know the face",
-        bar_format="{l_bar}{bar}| {n:.1f}/{total:g} simulated min [{elapsed}<{remaining}{postfix}]",
-        disable=None,
-    )
+def _experiment(arguments: Sequence[str] = ()) -> Callable[..., Any]:
+    from jointattn_mj.laboratory.command import ListOptions, ReportOptions, RunOptions, do
 
-    def progress(session: Session) -> None:
-        recent = [row.success for row in session.shifts if row.face_to_object]
-        last = recent[-20:]
-        rate = f"success {sum(map(bool, last)) / len(last):.0%} of the last {len(last)}" if last else "no success yet"
-        bar.set_description_str("session", refresh=False)
-        bar.set_postfix_str(f"{len(recent)} gaze shifts, {rate}", refresh=False)
-        bar.update(session.frame / FRAMES_PER_MINUTE - bar.n)
+    def experiment(
+        command: Annotated[
+            Annotated[ListOptions, tyro.conf.subcommand("list")]
+            | Annotated[RunOptions, tyro.conf.subcommand("run")]
+            | Annotated[ReportOptions, tyro.conf.subcommand("report")],
+            tyro.conf.arg(name=""),
+        ],
+    ) -> Callable[[], None]:
+        """Try what the dissertation claims: list the claims, run them or run them on, report what came out."""
+        return lambda: do(command)
 
-    try:
-        with bar:
-            summary = run_session(config, options, progress)
-    except KeyboardInterrupt:
-        if (options.out / "checkpoint.bin").exists():
-            print(f"jointattn: stopped; the same command with --resume goes on from {options.out}", file=sys.stderr)
-        else:
-            print("jointattn: stopped before the session began; nothing was written", file=sys.stderr)
-        raise
-    late = summary["late_rate"]
-    print(
-        f"{summary['gaze_shifts']} gaze shifts from the face to an object, {summary['successes']} to where "
-        f"the caregiver looked ({'-' if late is None else format(late, '.0%')} over the last 6 minutes), "
-        f"in {summary['wall_seconds']:.0f} s. Results: {options.out}"
-    )
+    return experiment
+
+
+COMMANDS = {
+    "session": _session,
+    "develop": _develop,
+    "benchmark": _benchmark,
+    "measure": _measure,
+    "discover": _discover,
+    "experiment": _experiment,
+}
+"""What makes each command; none is imported before it is asked for."""
+
+
+def _with_one_thread(run: Callable[..., None], *arguments: Any) -> None:
+    import cv2
+
+    cv2.setNumThreads(1)  # pictures are small: handing them round threads costs more than it gains
+    run(*arguments)
 
 
 def _print_with_bar(run: Callable[..., Any], options: Any) -> None:
+    from tqdm import tqdm
+
     with tqdm(total=options.draws, desc="surrogates", leave=False, disable=None) as bar:
         result = run(options, bar.update)
     print(result.text())
-
-
-def _benchmark(options: BenchmarkOptions) -> None:
-    result = run_benchmark(options)
-    print(result.text())
-    if options.out is not None:
-        text = json.dumps(result.rows(), indent=1) + "\n"
-        write_whole(options.out, lambda path: path.write_text(text))
 
 
 if __name__ == "__main__":

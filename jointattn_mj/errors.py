@@ -27,3 +27,11 @@ class VideoError(JointAttnError, RuntimeError):
 
 class SeriesError(JointAttnError, ValueError):
     """Observations cannot be measured as they are: unequal lengths, missing values, what is no code."""
+
+
+class CellError(JointAttnError, ValueError):
+    """A cell of an experiment has a config or a result that cannot be stored."""
+
+
+class LaboratoryError(JointAttnError, RuntimeError):
+    """Experiments cannot be found, or the workers that were asked for cannot be reached."""

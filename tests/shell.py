@@ -58,8 +58,10 @@ def _run(main, request: dict) -> int:
 
 
 def _serve() -> None:
-    from jointattn_mj.cli import main
+    from jointattn_mj.cli import COMMANDS, main
 
+    for load in COMMANDS.values():
+        load()
     for line in sys.stdin:
         with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
             child = os.fork()

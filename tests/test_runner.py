@@ -24,8 +24,8 @@ needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="
 
 PROGRAM = """
 import os, signal, sys
-from jointattn_mj import cli
-run, how, at = cli.run_session, sys.argv[1], int(sys.argv[2])
+from jointattn_mj import cli, session_command
+run, how, at = session_command.run_session, sys.argv[1], int(sys.argv[2])
 def interrupted(config, options, progress):
     def watch(session):
         if session.frame == at:
@@ -38,7 +38,7 @@ def killing_replace(source, target, replace=os.replace, written=[]):
         os.kill(os.getpid(), signal.SIGKILL)
     replace(source, target)
 if how == "interrupt":
-    cli.run_session = interrupted
+    session_command.run_session = interrupted
 if how == "kill":
     os.replace = killing_replace
 cli.main(sys.argv[3:])

@@ -1,0 +1,42 @@
+"""``jointattn session``: a session with a bar that shows how it goes."""
+
+import sys
+
+from tqdm import tqdm
+
+from jointattn_mj.runner import RunOptions, run_session
+from jointattn_mj.session import FRAMES_PER_MINUTE, Session, SessionConfig
+
+
+def run_with_bar(config: SessionConfig, options: RunOptions) -> None:
+    """Run the session, and say in a line what came of it; errors are :func:`runner.run_session`'s."""
+    bar = tqdm(
+        total=config.minutes,
+        desc="getting to know the face",
+        bar_format="{l_bar}{bar}| {n:.1f}/{total:g} simulated min [{elapsed}<{remaining}{postfix}]",
+        disable=None,
+    )
+
+    def progress(session: Session) -> None:
+        recent = [row.success for row in session.shifts if row.face_to_object]
+        last = recent[-20:]
+        rate = f"success {sum(map(bool, last)) / len(last):.0%} of the last {len(last)}" if last else "no success yet"
+        bar.set_description_str("session", refresh=False)
+        bar.set_postfix_str(f"{len(recent)} gaze shifts, {rate}", refresh=False)
+        bar.update(session.frame / FRAMES_PER_MINUTE - bar.n)
+
+    try:
+        with bar:
+            summary = run_session(config, options, progress)
+    except KeyboardInterrupt:
+        if (options.out / "checkpoint.bin").exists():
+            print(f"jointattn: stopped; the same command with --resume goes on from {options.out}", file=sys.stderr)
+        else:
+            print("jointattn: stopped before the session began; nothing was written", file=sys.stderr)
+        raise
+    late = summary["late_rate"]
+    print(
+        f"{summary['gaze_shifts']} gaze shifts from the face to an object, {summary['successes']} to where "
+        f"the caregiver looked ({'-' if late is None else format(late, '.0%')} over the last 6 minutes), "
+        f"in {summary['wall_seconds']:.0f} s. Results: {options.out}"
+    )
