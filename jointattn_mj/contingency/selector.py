@@ -9,7 +9,7 @@ from numba import njit
 
 from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
-from jointattn_mj.contingency.reactive import ReactiveModule
+from jointattn_mj.contingency.reactive import ReactiveModule, ReactiveTable
 from jointattn_mj.errors import ConfigError
 
 NOBODY = -1
@@ -69,7 +69,11 @@ class Maps(NamedTuple):
 def flat_maps(
     variables: Variables, modules: Sequence[Module], reactive: Sequence[ReactiveModule], config: SelectorConfig
 ) -> Maps:
-    """The modules as arrays, without habituation."""
+    """The modules as arrays, without habituation.
+
+    Raises:
+        ConfigError: A reactive module's table does not fit the variables, or a joint has no reactive module.
+    """
     joints = [joint.name for joint in variables.joints]
     sensors = [sensor.name for sensor in variables.sensors]
     drives: list[int] = []
@@ -78,10 +82,13 @@ def flat_maps(
         used = module.event.action - len(joints)
         drives.append(module.event.action if used < 0 else drives[used])
         uses.append(NOBODY if used < 0 else used)
-    tables = [table.table(variables) for table in reactive]
+    tables = [_fitting(module.table(variables), variables) for module in reactive]
+    unserved = set(joints) - {table.joint for table in tables}
+    if unserved:
+        raise ConfigError(f"each joint needs a reactive module; {', '.join(sorted(unserved))} got none")
     looks = [m.event.sensor for m in modules] + [sensors.index(table.sensor) for table in tables]
     maps = [m.command.size for m in modules]
-    odds = [table.odds.size for table in tables]
+    odds = [np.size(table.odds) for table in tables]
     return Maps(
         sensor=np.array(looks, np.int64),
         result=np.array([m.event.result for m in modules] + [NOBODY] * len(tables), np.int64),
@@ -100,6 +107,21 @@ def flat_maps(
         habituation=float(config.habituation),
         by_driver=config.habituates == "driven",
     )
+
+
+def _fitting(table: ReactiveTable, variables: Variables) -> ReactiveTable:
+    """The table, if compiled code can use it with these variables."""
+    shape = []
+    for kind, name, group in (("sensor", table.sensor, variables.sensors), ("joint", table.joint, variables.joints)):
+        sizes = {one.name: len(one.values) for one in group}
+        if name not in sizes:
+            raise ConfigError(f"a reactive module names the {kind} {name!r}; there are {list(sizes)}")
+        shape.append(sizes[name])
+    if np.shape(table.odds) != tuple(shape):
+        raise ConfigError(
+            f"odds of {table.joint!r} under {table.sensor!r} need shape {tuple(shape)}; got {np.shape(table.odds)}"
+        )
+    return table
 
 
 @njit(cache=True, forceinline=True)
@@ -136,19 +158,24 @@ def select(maps, s, r, random, strength, a, driver):
         crowd = 1
         for m in range(made):
             crowd += maps.joint[m] == joint
-        total = 0.0
+        highest = -np.inf
         for m in range(modules):
-            strength[m] = 0.0
+            strength[m] = -np.inf
             if maps.joint[m] != joint:
                 continue
             if m >= made:
-                strength[m] = np.exp(maps.trust[m] * crowd)
+                strength[m] = maps.trust[m] * crowd
             elif _offer(maps, m, s, r) != OFFERS_NOTHING:
                 pair = r[maps.result[m]] * maps.size[m] + s[maps.sensor[m]]
                 if pair != maps.under[m]:
                     maps.repeats[m] = 0
                 tired = np.exp(-maps.habituation * maps.repeats[m])
-                strength[m] = np.exp(maps.reliability[maps.offset[m] + pair] * tired * crowd)
+                strength[m] = maps.reliability[maps.offset[m] + pair] * tired * crowd
+            if strength[m] > highest:
+                highest = strength[m]
+        total = 0.0
+        for m in range(modules):
+            strength[m] = np.exp(strength[m] - highest)  # the odds stay, and nothing overflows
             total += strength[m]
         left = random.random() * total
         chosen = modules - 1

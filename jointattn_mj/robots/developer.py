@@ -13,11 +13,11 @@ from numba import njit
 
 from jointattn_mj.contingency.counts import Counts, add, divide, empty_counts, joined, joint_table, set_joint_table
 from jointattn_mj.contingency.detector import NOTHING, DetectorConfig, Watch, grown, look, new_watch
-from jointattn_mj.contingency.events import Event, Variables
+from jointattn_mj.contingency.events import Event, Variable, Variables
 from jointattn_mj.contingency.modules import Module, ReproductionConfig, make_module
 from jointattn_mj.contingency.reactive import RandomModule, ReactiveModule
 from jointattn_mj.contingency.selector import NOBODY, Maps, SelectorConfig, flat_maps, select
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import ConfigError, SeriesError
 
 
 @dataclass(frozen=True)
@@ -191,9 +191,15 @@ class Developer:
         )
 
     def act(self, s: np.ndarray, r: np.ndarray) -> np.ndarray:
-        """Observe ``s`` (sensors,) and ``r`` (results,), and choose commands (joints,)."""
-        self.take_in(think(self.mind, s, r))
-        return self.mind.a[: len(self.mind.driver)]
+        """Observe ``s`` (sensors,) and ``r`` (results,), and choose commands (joints,).
+
+        Raises:
+            SeriesError: An observation is no position among the values of its variable, or one is missing.
+        """
+        variables = self.variables
+        sensors = variables.sensors[: len(variables.sensors) - variables.modules]
+        self.take_in(think(self.mind, _observed(s, sensors), _observed(r, variables.results)))
+        return self.mind.a[: len(self.mind.driver)].copy()
 
     def take_in(self, found: int) -> Module | None:
         """What follows a turn: a module for the event of number ``found``, unless that is NOTHING; maps made anew."""
@@ -276,3 +282,12 @@ class Developer:
         """The ring with room for one more sensor and one more action."""
         blank = np.zeros((len(past.contexts), 1), np.int64)
         return past._replace(s=np.hstack([past.s, blank]), a=np.hstack([past.a, blank]))
+
+
+def _observed(values: np.ndarray, variables: Sequence[Variable]) -> np.ndarray:
+    """The observations for compiled code, which would look them up anywhere."""
+    codes, sizes = np.asarray(values), np.array([len(variable.values) for variable in variables])
+    if codes.shape != sizes.shape or codes.dtype.kind not in "biu" or (codes < 0).any() or (codes >= sizes).any():
+        wanted = ", ".join(f"{variable.name} 0 to {len(variable.values) - 1}" for variable in variables)
+        raise SeriesError(f"a turn needs whole numbers for {wanted}; got {codes.tolist()}")
+    return codes.astype(np.int64)

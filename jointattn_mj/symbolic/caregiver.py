@@ -100,7 +100,8 @@ def shift_gaze(rules, full, robot, gaze, returns_to, random, allowed):
         full: (N,) whether an object lies on a spot.
         robot: Where the robot looks, 0 to N.
         gaze: Where she looks, 0 to N.
-        returns_to: Spot to which she will lead the robot in the second step of IJA, or NOWHERE.
+        returns_to: Spot to which she will lead the robot in the second step of IJA, or NOWHERE. Where its object has
+            gone she chooses as if there had been none.
         random: Her generator.
         allowed: Working space (N,) bool.
 
