@@ -29,6 +29,9 @@ MOST_POINTS = 2000
 ROW, MAP_WIDTH = 0.27, 3.4
 """Inches: height of a map's row, width of a map."""
 
+AFTER = 2
+"""A picture goes on for so many times the turns that the last module took."""
+
 
 @dataclass(frozen=True)
 class Made:
@@ -55,11 +58,14 @@ def draw_contingency(
         made: Modules in their order; triangles mark where they were made.
         measure: Name and unit for the axis.
     """
-    figure = Figure(figsize=(9, 5.4), layout="constrained")
-    axes = figure.subplots()
     shown = _ever_two_highest(values)
+    figure = Figure(figsize=(9, 4 + 0.18 * -(-len(shown) // 2)), layout="constrained")
+    axes = figure.subplots()
     claimed = {one.event: number for number, one in enumerate(made)}
-    few = np.unique(np.linspace(0, len(turns) - 1, min(len(turns), MOST_POINTS)).round().astype(int))
+    last = int(turns[-1]) if len(turns) else 1
+    end = _end(made, last)
+    few = np.unique(np.linspace(0, np.searchsorted(turns, end), MOST_POINTS).astype(int))
+    few = few[few < len(turns)]
     for event in [*(event for event in shown if event not in claimed), *claimed]:
         number = claimed.get(event)
         curve = np.where(values[few, event] > 0, values[few, event], np.nan)
@@ -82,8 +88,7 @@ def draw_contingency(
     if highest > 0:
         axes.set_yscale("log")
         axes.set_ylim(highest * LEAST_SHARE, highest * 1.6)
-    last = int(turns[-1]) if len(turns) else 1
-    axes.set(xlabel="turns", ylabel=measure, xlim=(0, last))
+    axes.set(xlabel=_turns(end, last), ylabel=measure, xlim=(0, end))
     _thousands(axes)
     axes.grid(alpha=0.3)
     handles, labels = axes.get_legend_handles_labels()
@@ -108,21 +113,22 @@ def draw_behaviour(path: Path, found: np.ndarray, parts: Sequence[Phase], made: 
     figure = Figure(figsize=(9, 5.2), layout="constrained")
     axes = figure.subplots()
     lived = len(found)
-    turns = np.unique(np.linspace(min(WINDOW, lived), lived, MOST_POINTS // 4).round().astype(int))
-    rates = moving_rates(found, turns[turns > 0])
+    end = _end(made, lived)
+    turns = np.unique(np.linspace(min(WINDOW, end), end, MOST_POINTS // 4).astype(int))
+    rates = moving_rates(found, turns)
     for number, (short, words) in enumerate(zip(SHORT, BEHAVIOURS, strict=True)):
         axes.plot(turns, rates[:, number], color=BEHAVIOUR_INKS[number], lw=1.6, label=f"{short}  {words}")
     for one in made:
         axes.axvline(one.turn, color="#2c3e50", lw=1, ls="--")
-    least = lived * 0.03
     for number, part in enumerate(parts):
-        if part.last - part.first > least:
+        first, last = part.first, min(part.last, end)
+        if last - first > 0.03 * end:
             axes.text(
-                (part.first + part.last) / 2, 1.01, f"P{number + 1}", transform=axes.get_xaxis_transform(),
+                (first + last) / 2, 1.01, f"P{number + 1}", transform=axes.get_xaxis_transform(),
                 ha="center", va="bottom", weight="bold", color="#2c3e50",
             )  # fmt: skip
     top = max(0.1, float(rates.max(initial=0)) * 1.08)
-    axes.set(xlabel="turns", ylabel=f"rate over the last {WINDOW:,} turns", xlim=(0, max(lived, 1)), ylim=(0, top))
+    axes.set(xlabel=_turns(end, lived), ylabel=f"rate over the last {WINDOW:,} turns", xlim=(0, end), ylim=(0, top))
     _thousands(axes)
     axes.grid(alpha=0.3)
     handles, labels = axes.get_legend_handles_labels()
@@ -212,6 +218,15 @@ def _ever_two_highest(values: np.ndarray) -> list[int]:
         return []
     two = np.unique(np.argsort(-filled, axis=1, kind="stable")[:, :2])
     return sorted((int(event) for event in two), key=lambda event: -filled[-1, event])
+
+
+def _end(made: Sequence[Made], lived: int) -> int:
+    """Where a picture ends: what comes long after the last module is more of the same."""
+    return min(lived, AFTER * made[-1].turn) if made else lived
+
+
+def _turns(end: int, lived: int) -> str:
+    return "turns" if end == lived else f"turns (the first of {lived:,}; no module was made later)"
 
 
 def _thousands(axes: Axes) -> None:
