@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jointattn_mj.errors import ConfigError
@@ -25,6 +26,17 @@ class Verdict(StrEnum):
     """The dissertation has no counterpart."""
     UNDECIDED = "undecided"
     """Too few runs to say."""
+
+    @classmethod
+    def of_all(cls, verdicts: Iterable[Verdict]) -> Verdict:
+        """What several come to: the one that all share of those that decide something, partly where they differ."""
+        given = set(verdicts)
+        decided = given - {cls.EXTENSION, cls.UNDECIDED}
+        if len(decided) == 1:
+            return decided.pop()
+        if decided:
+            return cls.PARTLY
+        return cls.EXTENSION if given == {cls.EXTENSION} else cls.UNDECIDED
 
 
 @dataclass(frozen=True)
@@ -85,6 +97,8 @@ class Claim:
     first_seed: int = 0
     version: int = 1
     """Raised when the meaning of a cell changes: stored files of another version are not used."""
+    film: Path | None = None
+    """A short video (MP4) to show beside the figures."""
 
     def __post_init__(self) -> None:
         if not self.settings:

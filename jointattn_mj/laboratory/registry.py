@@ -46,6 +46,7 @@ class Registry(Mapping[str, Claim]):
             draw=analysis.draw,
             first_seed=getattr(sweep, "FIRST_SEED", 0),
             version=getattr(sweep, "VERSION", 1),
+            film=getattr(analysis, "FILM", None),
         )
 
     def __iter__(self) -> Iterator[str]:

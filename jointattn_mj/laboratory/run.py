@@ -1,5 +1,6 @@
 """Computes what is missing of some claims, and gets over what goes wrong on the way."""
 
+import shlex
 import traceback
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -239,4 +240,4 @@ def command(claims: Sequence[str], folder: Path, **options: object) -> str:
     """The command line that runs these claims."""
     given: Mapping[str, object] = {**options, "out": folder}
     words = [word for name, value in given.items() if value is not None for word in (f"--{name}", str(value))]
-    return " ".join(["jointattn experiment run", *claims, *words])
+    return f"jointattn experiment run {shlex.join([*claims, *words])}"

@@ -22,14 +22,24 @@ class Estimate:
     sd: float
     """Standard deviation of single runs."""
     n: int
+    share: bool = False
+    """Whether it is one of a whole, to be read in per cent."""
 
     def __str__(self) -> str:
-        digits = 1 if abs(self.mean) >= 10 else 2
-        return f"{self.mean:.{digits}f} [{self.low:.{digits}f}, {self.high:.{digits}f}]"
+        if self.share:
+            return f"{self.mean:.0%} [{self.low:.0%}, {self.high:.0%}]"
+        if 0 < abs(self.mean) < 0.1:
+            digits = 2 - int(np.floor(np.log10(abs(self.mean))))
+        else:
+            digits = 1 if abs(self.mean) >= 10 else 2
+        low, high = _number(self.low, digits), _number(self.high, digits)
+        return f"{_number(self.mean, digits)} [{low}, {high}]"
 
-    def percent(self) -> str:
-        """The same for shares: ``90% [60%, 98%]``."""
-        return f"{self.mean:.0%} [{self.low:.0%}, {self.high:.0%}]"
+
+def _number(value: float, digits: int) -> str:
+    if np.isinf(value):
+        return "∞" if value > 0 else "-∞"
+    return f"{value:,.{0 if abs(value) >= 10_000 else digits}f}"
 
 
 NOTHING = Estimate(np.nan, np.nan, np.nan, np.nan, 0)
@@ -65,7 +75,7 @@ def proportion(successes: int, n: int) -> Estimate:
     share = successes / n
     interval = stats.binomtest(int(successes), int(n)).proportion_ci(CONFIDENCE, method="wilson")
     sd = float(np.sqrt(share * (1 - share) * n / (n - 1))) if n > 1 else 0.0
-    return Estimate(share, float(interval.low), float(interval.high), sd, int(n))
+    return Estimate(share, float(interval.low), float(interval.high), sd, int(n), share=True)
 
 
 def median_interval(values: Sequence[float] | np.ndarray) -> Estimate:

@@ -194,7 +194,8 @@ class Store:
             for name in names:
                 cells[name].append(Cell(name, seed, result))
             if names:
-                versions.add(tuple(stored.get("versions", {}).items()))
+                made_with = {**stored.get("versions", {}), "python": stored.get("python", "unknown")}
+                versions.add(tuple(made_with.items()))
         found = {name: sorted(part, key=lambda cell: cell.seed) for name, part in cells.items() if part}
         return Stored(found, tuple(dict(one) for one in sorted(versions)), others, tuple(sorted(damaged)))
 

@@ -47,7 +47,7 @@ def write_results(paths: tuple[Path, Path], rows: Sequence[dict[str, Any]], conf
             writer.writerows(rows)
 
     write_whole(table, write_rows)
-    text = json.dumps(_without_nan(contents), indent=1) + "\n"
+    text = json.dumps(without_nan(contents), indent=1) + "\n"
     write_whole(document, lambda path: path.write_text(text))
 
 
@@ -70,12 +70,12 @@ def bracket(interval: tuple[float, float]) -> str:
     return "-" if interval[0] != interval[0] else f"[{number(interval[0])}, {number(interval[1])}]"
 
 
-def _without_nan(value: Any) -> Any:
+def without_nan(value: Any) -> Any:
     """JSON knows neither NaN nor infinity: null stands for the one, text for the other."""
     if isinstance(value, dict):
-        return {key: _without_nan(item) for key, item in value.items()}
+        return {key: without_nan(item) for key, item in value.items()}
     if isinstance(value, list):
-        return [_without_nan(item) for item in value]
+        return [without_nan(item) for item in value]
     if isinstance(value, float) and value != value:
         return None
     return str(value) if isinstance(value, float) and value in (float("inf"), float("-inf")) else value

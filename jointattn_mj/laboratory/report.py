@@ -1,0 +1,261 @@
+"""What is stored, as one page to read, and as tables for programs. The same cells give the same bytes."""
+
+import base64
+import csv
+import io
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import yaml
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from matplotlib.figure import Figure
+
+from jointattn_mj.errors import LaboratoryError, OutputError
+from jointattn_mj.laboratory.claim import Claim, Finding, Verdict
+from jointattn_mj.laboratory.registry import Entry, Registry
+from jointattn_mj.laboratory.run import command
+from jointattn_mj.laboratory.store import Store, Stored
+from jointattn_mj.recording.files import write_whole
+from jointattn_mj.recording.provenance import plain
+from jointattn_mj.recording.results import without_nan
+
+FOLDER = Path("out/experiments")
+"""Stands for the folder of results in the commands that are shown, wherever it really is."""
+LARGEST_SVG = 300_000
+"""Bytes; a larger drawing is shown as PNG."""
+DPI = 150
+UNCHANGING: dict[Any, Any] = {"svg.hashsalt": "jointattn", "svg.fonttype": "path"}
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """One claim on the page."""
+
+    entry: Entry
+    findings: Sequence[Finding] = ()
+    figures: Mapping[str, Figure] = field(default_factory=dict)
+    seeds: Mapping[str, Sequence[int]] = field(default_factory=dict)
+    """Stored seeds of every setting, an empty list where there is none."""
+    configs: Mapping[str, Any] = field(default_factory=dict)
+    commands: Sequence[str] = ()
+    versions: Sequence[Mapping[str, str]] = ()
+    film: Path | None = None
+    notes: Sequence[str] = ()
+    """What a reader should know of the cells: some failed, some are of other settings."""
+    trouble: Sequence[str] = ()
+    """Errors of the analysis itself."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """Of all findings together."""
+        return Verdict.of_all(finding.verdict for finding in self.findings)
+
+    @property
+    def runs(self) -> int:
+        """Stored cells."""
+        return sum(map(len, self.seeds.values()))
+
+
+def write_report(registry: Registry, ids: Sequence[str], folder: Path) -> Path:
+    """Write report.html, claims.json, claims.csv, claims.md and figures/ into ``folder``; returns the page.
+
+    Raises:
+        OutputError: No such folder, no cells in it, or it cannot be written.
+        LaboratoryError: An analysis failed; everything else has been written.
+    """
+    chapters = [chapter(registry, claim, Store(folder)) for claim in ids]
+    if not any(one.runs for one in chapters):
+        raise OutputError(f"{folder} holds no cells of {', '.join(ids)}; run some with `{command(['ID'], folder)}`")
+    pictures = {one.entry.id: _save(one, folder / "figures") for one in chapters}
+    tables = {
+        "claims.json": json.dumps(without_nan([_facts(one) for one in chapters]), indent=1, ensure_ascii=False) + "\n",
+        "claims.csv": _csv(chapters),
+        "claims.md": _markdown(chapters),
+        "report.html": _page(chapters, pictures),
+    }
+    for name, text in tables.items():
+        _write(folder / name, text.encode())
+    trouble = [f"{one.entry.id}: {error}" for one in chapters for error in one.trouble]
+    if trouble:
+        raise LaboratoryError(f"{folder / 'report.html'} is written, but not all of it: {'; '.join(trouble)}")
+    return folder / "report.html"
+
+
+def chapter(registry: Registry, claim_id: str, store: Store) -> Chapter:
+    """All that is to be said about one claim; nothing is imported for one without cells."""
+    entry = registry.entries[claim_id]
+    if not store.known(claim_id):
+        return Chapter(entry)
+    claim = registry[claim_id]
+    stored, trouble = store.read(claim), []
+    findings: Sequence[Finding] = ()
+    figures: Mapping[str, Figure] = {}
+    try:
+        findings = claim.analyse(stored.cells)
+    except Exception as error:
+        trouble.append(f"analyse: {type(error).__name__}: {error}")
+    try:
+        figures = claim.draw(stored.cells)
+    except Exception as error:
+        trouble.append(f"draw: {type(error).__name__}: {error}")
+    seeds = {name: [cell.seed for cell in stored.cells.get(name, ())] for name in claim.settings}
+    return Chapter(
+        entry=entry,
+        findings=findings,
+        figures=figures,
+        seeds=seeds,
+        configs={name: plain(setting.config) for name, setting in claim.settings.items()},
+        commands=commands(claim, seeds),
+        versions=stored.versions,
+        film=claim.film if claim.film is not None and claim.film.exists() else None,
+        notes=_notes(stored, len(store.failures(claim_id))),
+        trouble=trouble,
+    )
+
+
+def commands(claim: Claim, seeds: Mapping[str, Sequence[int]]) -> list[str]:
+    """Command lines that compute exactly the cells with these seeds."""
+    wanted = {name: _ranges(found) for name, found in seeds.items() if found}
+    usual = {name: [range(claim.first_seed, claim.first_seed + one.runs)] for name, one in claim.settings.items()}
+    if wanted == {name: ranges for name, ranges in usual.items() if ranges[0]}:
+        return [command([claim.id], FOLDER)]
+    groups: dict[tuple[int, int], list[str]] = {}
+    for name, ranges in wanted.items():
+        for one in ranges:
+            groups.setdefault((one.start, len(one)), []).append(name)
+    lines = []
+    for (first, runs), names in groups.items():
+        every = names == list(claim.settings)
+        seed = None if first == claim.first_seed else first
+        meant: Sequence[str | None] = [None] if every else names
+        lines += [command([claim.id], FOLDER, setting=name, seed=seed, runs=runs) for name in meant]
+    return lines
+
+
+def _ranges(seeds: Sequence[int]) -> list[range]:
+    found: list[range] = []
+    for seed in seeds:
+        if found and seed == found[-1].stop:
+            found[-1] = range(found[-1].start, seed + 1)
+        else:
+            found.append(range(seed, seed + 1))
+    return found
+
+
+def _notes(stored: Stored, failed: int) -> list[str]:
+    notes = []
+    if failed:
+        notes.append(f"Cells that failed: {failed}; the same command tries them again")
+    if stored.others:
+        notes.append(f"Cells of other settings, or of another version, that are not used: {stored.others}")
+    if stored.damaged:
+        names = ", ".join(path.name for path in stored.damaged[:3])
+        notes.append(f"Files that hold no cell: {len(stored.damaged)} ({names}); delete them and run again")
+    return notes
+
+
+def _save(one: Chapter, folder: Path) -> dict[str, str]:
+    """Write the figures as PNG files; returns each as a data URI."""
+    uris = {}
+    with matplotlib.rc_context(UNCHANGING):
+        for stem, figure in one.figures.items():
+            drawing, picture = io.BytesIO(), io.BytesIO()
+            figure.savefig(picture, format="png", dpi=DPI, metadata={"Software": None})
+            figure.savefig(drawing, format="svg", metadata={"Date": None, "Creator": None})
+            folder.mkdir(parents=True, exist_ok=True)
+            _write(folder / f"{one.entry.id}-{stem}.png", picture.getvalue())
+            small = len(drawing.getvalue()) <= LARGEST_SVG
+            uris[stem] = _uri("image/svg+xml", drawing.getvalue()) if small else _uri("image/png", picture.getvalue())
+    return uris
+
+
+def _uri(kind: str, content: bytes) -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def _facts(one: Chapter) -> dict[str, Any]:
+    return {
+        "id": one.entry.id,
+        "title": one.entry.title,
+        "source": one.entry.source,
+        "says": one.entry.says,
+        "verdict": str(one.verdict) if one.findings else None,
+        "findings": [_row(finding) for finding in one.findings],
+        "commands": list(one.commands),
+        "settings": {
+            name: {"config": one.configs[name], "n": len(seeds), "seeds": _seeds_in_words(seeds)}
+            for name, seeds in one.seeds.items()
+        },
+        "versions": [dict(versions) for versions in one.versions],
+        "notes": [*one.notes, *one.trouble],
+        "figures": [f"figures/{one.entry.id}-{stem}.png" for stem in one.figures],
+    }
+
+
+def _row(finding: Finding) -> dict[str, Any]:
+    ours = finding.ours
+    return {
+        "what": finding.what,
+        "dissertation": finding.dissertation,
+        "value": None if ours is None else float(ours.mean),
+        "low": None if ours is None else float(ours.low),
+        "high": None if ours is None else float(ours.high),
+        "sd": None if ours is None else float(ours.sd),
+        "n": None if ours is None else int(ours.n),
+        "verdict": str(finding.verdict),
+        "note": finding.note,
+    }
+
+
+def _csv(chapters: Sequence[Chapter]) -> str:
+    columns = ("claim", "title", "source", "what", "dissertation", "value", "low", "high", "sd", "n", "verdict", "note")
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    for one in chapters:
+        about = {"claim": one.entry.id, "title": one.entry.title, "source": one.entry.source}
+        writer.writerows({**about, **_row(finding)} for finding in one.findings)
+    return text.getvalue()
+
+
+def _markdown(chapters: Sequence[Chapter]) -> str:
+    lines = ["| claim | what | dissertation | here, 95% interval | n | verdict |", "|---|---|---|---|---|---|"]
+    for one in chapters:
+        for finding in one.findings:
+            ours, n = ("", "") if finding.ours is None else (str(finding.ours), str(finding.ours.n))
+            verdict = f"{finding.verdict}: {finding.note}" if finding.note else str(finding.verdict)
+            cells = (one.entry.id, finding.what, finding.dissertation, ours, n, verdict)
+            lines.append(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def _page(chapters: Sequence[Chapter], pictures: Mapping[str, Mapping[str, str]]) -> str:
+    environment = Environment(
+        loader=PackageLoader("jointattn_mj.laboratory"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["seeds"] = _seeds_in_words
+    environment.filters["yaml"] = lambda config: yaml.safe_dump(config, sort_keys=False, default_flow_style=None)
+    films = {
+        one.entry.id: _uri("video/mp4", one.film.read_bytes()) for one in chapters if one.film is not None
+    }  # fmt: skip
+    return environment.get_template("report.html").render(
+        chapters=chapters, pictures=pictures, films=films, folder=FOLDER, verdicts=list(Verdict)
+    )
+
+
+def _seeds_in_words(seeds: Sequence[int]) -> str:
+    """``0-19, 30``."""
+    parts = _ranges(seeds)
+    return ", ".join(str(one[0]) if len(one) == 1 else f"{one[0]}-{one[-1]}" for one in parts) or "none"
+
+
+def _write(path: Path, content: bytes) -> None:
+    write_whole(path, lambda temporary: temporary.write_bytes(content))
