@@ -1,0 +1,1 @@
+"""What hangs on each open place of chapter 5, one at a time."""

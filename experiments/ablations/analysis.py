@@ -1,0 +1,61 @@
+"""Order, number of modules, behaviour: what remains of the result without each choice."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.ablations.sweep import CHANGES
+from experiments.tables import in_order, time_of
+from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
+from jointattn_mj.laboratory.statistics import mean_interval, proportion
+from jointattn_mj.symbolic.behaviour import KEC
+
+
+def _results(cells: Cells, setting: str) -> list[dict[str, Any]]:
+    return [cell.result for cell in cells.get(setting, ())]
+
+
+def analyse(cells: Cells) -> list[Finding]:
+    """Order kept, with modules a run, the median turn of the third, and eye contact after it."""
+    findings = []
+    for setting in CHANGES:
+        results = _results(cells, setting)
+        if not results:
+            continue
+        order = proportion(sum(map(in_order, results)), len(results))
+        count = mean_interval([len(result["modules"]) for result in results])
+        notes = [f"modules a run {count}"]
+        developed = [result for result in results if in_order(result)]
+        if developed:
+            notes.append(f"third after {np.median([time_of(result, 2) for result in developed]):.0f} turns (median)")
+            contact = [result["phases"][3][KEC] for result in developed if len(result["phases"]) > 3]
+            notes.append(f"eye contact then {np.mean(contact):.2f}" if contact else "no time left after it")
+        if "avoids" in setting:
+            first = [time_of(result, 0) for result in results]
+            notes.append(f"first module after {np.median(first):.0f} turns (median)")
+        findings.append(Finding(f"order kept: {setting}", "", order, Verdict.EXTENSION, "; ".join(notes)))
+    return findings
+
+
+def draw(cells: Cells) -> Mapping[str, Figure]:
+    """Share of runs with the order, and modules a run, for each change."""
+    settings = [setting for setting in CHANGES if _results(cells, setting)]
+    if not settings:
+        return {}
+    figure = Figure(figsize=(8, 0.27 * len(settings) + 1.2), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    rows = np.arange(len(settings))
+    groups = [_results(cells, setting) for setting in settings]
+    shares = [proportion(sum(map(in_order, results)), len(results)) for results in groups]
+    numbers = [mean_interval([len(result["modules"]) for result in results]) for results in groups]
+    for axes, values, words in ((left, shares, "FG, SCf, SC in order"), (right, numbers, "modules a run")):
+        errors = [[e.mean - e.low for e in values], [e.high - e.mean for e in values]]
+        axes.errorbar([e.mean for e in values], rows, xerr=errors, fmt="o", ms=4, capsize=2)
+        axes.axvline(values[0].mean, color="k", ls=":", lw=0.8)
+        axes.set_xlabel(words)
+        axes.grid(alpha=0.3)
+    left.set_yticks(rows, settings, fontsize=8)
+    left.set(xlim=(-0.03, 1.03), ylim=(len(settings) - 0.4, -0.6))
+    return {"ablations": figure}

@@ -1,0 +1,36 @@
+"""The default reading of chapter 5 with one choice changed."""
+
+import numpy as np
+
+from experiments.tables import develop, run
+from jointattn_mj.laboratory.claim import Setting
+
+CHANGES = {
+    "default": {},
+    "log base e": {"detector.base": float(np.e)},
+    "log base 10": {"detector.base": 10.0},
+    "still: gap of the two highest": {"detector.of": "gap"},
+    "no warm-up": {"detector.warm_up": 0},
+    "measure T^C": {"detector.measure": "tc"},
+    "Miller-Madow": {"detector.correction": "miller_madow"},
+    "claimed events drop out": {"detector.claimed": "drop"},
+    "history since birth": {"mind.history": "ever"},
+    "memory reset": {"mind.memory": "reset"},
+    "memory window 20,000": {"mind.memory": "window"},
+    "memory fading 20,000": {"mind.memory": "fading"},
+    "maps follow the counts": {"mind.refresh_every": 1000},
+    "habituation as observed": {"selector.habituates": "observed"},
+    "no habituation": {"selector.habituation": 0.0},
+    "rule 1 over all not negative": {"reproduction.mean_over": "not_negative"},
+    "Z_theta 0": {"reproduction.reliability_gap": 0.0},
+    "eye contact: leave": {"caregiver.eye_contact": "leave"},
+    "eye contact: any": {"caregiver.eye_contact": "any"},
+    "RJA in eye contact": {"caregiver.follows_eye_contact": True},
+    "neutral may follow": {"caregiver.neutral_follows": True},
+    "robot first": {"world.order": "robot_first"},
+    "avoids faces, a tenth": {"avoids_faces": 0.1},
+    "avoids faces, a third": {"avoids_faces": 0.33},
+}
+FIRST_SEED = 30_000
+SETTINGS = {name: Setting(run("thesis", **changes), runs=50) for name, changes in CHANGES.items()}
+cell = develop

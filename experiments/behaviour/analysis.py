@@ -1,0 +1,64 @@
+"""Whether FG-m and SCf-m change behaviour little, and SC-m drastically."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.tables import in_order
+from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
+from jointattn_mj.laboratory.statistics import mean_interval
+from jointattn_mj.symbolic.behaviour import BEHAVIOURS, FG, KEC
+
+PHASES = 4
+
+
+def _rates(cells: Cells, setting: str) -> np.ndarray:
+    """(runs, phases, behaviours) of the runs with FG, SCf, SC in order."""
+    results = [cell.result for cell in cells.get(setting, ()) if in_order(cell.result)]
+    return np.array([result["phases"][:PHASES] for result in results]).reshape(-1, PHASES, len(BEHAVIOURS))
+
+
+def analyse(cells: Cells) -> list[Finding]:
+    """Total change of behaviour with each module, and what rises with the third."""
+    findings = []
+    for setting in ("caregiver first", "robot first"):
+        rates = _rates(cells, setting)
+        if not len(rates):
+            continue
+        changes = np.abs(np.diff(rates, axis=1)).sum(axis=2) / 2
+        per_module = [mean_interval(changes[:, module]) for module in range(PHASES - 1)]
+        drastic = per_module[2].low > max(per_module[0].high, per_module[1].high)
+        for module, (name, said) in enumerate((("FG-m", "little"), ("SCf-m", "little"), ("SC-m", "drastic"))):
+            findings.append(Finding(
+                f"share of turns that become another behaviour with {name}; {setting}", said, per_module[module],
+                Verdict.REPRODUCED if drastic else Verdict.NOT,
+            ))  # fmt: skip
+        for behaviour, name in ((FG, "gaze following"), (KEC, "eye contact")):
+            rise = mean_interval(rates[:, 3, behaviour] - rates[:, 2, behaviour])
+            findings.append(Finding(
+                f"rise of the rate of {name} with SC-m; {setting}", "rises", rise,
+                Verdict.REPRODUCED if rise.low > 0 else Verdict.NOT,
+            ))  # fmt: skip
+    return findings
+
+
+def draw(cells: Cells) -> Mapping[str, Figure]:
+    """Rates of the six behaviours in each phase."""
+    settings = [setting for setting in ("caregiver first", "robot first") if len(_rates(cells, setting))]
+    if not settings:
+        return {}
+    figure = Figure(figsize=(8, 3.6), layout="constrained")
+    panels = figure.subplots(1, len(settings), sharey=True, squeeze=False)[0]
+    for axes, setting in zip(panels, settings, strict=True):
+        rates = _rates(cells, setting)
+        for number, name in enumerate(BEHAVIOURS):
+            line = [mean_interval(rates[:, phase, number]) for phase in range(PHASES)]
+            errors = [[e.mean - e.low for e in line], [e.high - e.mean for e in line]]
+            axes.errorbar(range(PHASES), [e.mean for e in line], errors, marker="o", ms=4, capsize=3, label=name)
+        axes.set_xticks(range(PHASES), ["P1\nborn", "P2\nFG-m", "P3\nSCf-m", "P4\nSC-m"])
+        axes.set(title=f"{setting}, {len(rates)} runs", xlabel="phase, and the module it begins with")
+        axes.grid(alpha=0.3)
+    panels[0].set_ylabel("rate over the phase's last 1000 turns")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8)
+    return {"behaviour": figure}

@@ -1,0 +1,11 @@
+"""Rates of six behaviours in the last 1000 turns of each phase between modules (Fig. 5.5)."""
+
+from experiments.tables import develop, run
+from jointattn_mj.laboratory.claim import Setting
+
+FIRST_SEED = 30_000
+SETTINGS = {
+    "caregiver first": Setting(run("thesis"), runs=100),
+    "robot first": Setting(run("thesis_robot_first"), runs=100),
+}
+cell = develop

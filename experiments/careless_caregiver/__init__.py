@@ -1,0 +1,1 @@
+"""Figure 4.6: a caregiver who does not always look at objects."""

@@ -1,0 +1,21 @@
+"""Lead of the right event after 30,000 turns; she behaves as described only with probability p_c (section 4.5.3)."""
+
+from typing import Any
+
+from experiments.tables import Run, live, run, target_lead
+from jointattn_mj.contingency.events import Event
+from jointattn_mj.laboratory.claim import Setting
+
+CARE = tuple(round(0.1 * step, 1) for step in range(11))
+TARGET = Event(0, 0, 1)
+
+FIRST_SEED = 30_000
+SETTINGS = {
+    f"at objects {care}": Setting(run("chapter4", turns=30_000, **{"caregiver.at_objects": care}), runs=20)
+    for care in CARE
+}
+
+
+def cell(config: Run, seed: int) -> dict[str, Any]:
+    """Difference of T^C in bits between (S1, A1, R2) and the highest other event."""
+    return {"lead": target_lead(live(config, seed), TARGET)}

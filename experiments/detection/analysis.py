@@ -1,0 +1,65 @@
+"""What the time courses of T^C say."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.detection.sweep import TARGET
+from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
+from jointattn_mj.laboratory.statistics import mean_interval, median_interval, proportion
+
+
+def analyse(cells: Cells) -> list[Finding]:
+    """The stop, the event that is found, and what remains of the others in the long run."""
+    findings = []
+    for setting, words in (("chapter4", "in bits"), ("chapter4_nats", "in nats")):
+        results = [cell.result for cell in cells.get(setting, ())]
+        if not results:
+            continue
+        stopped = [result for result in results if result["stop"] is not None]
+        stop = mean_interval([result["stop"] for result in stopped])
+        right = proportion(sum(result["first_at_stop"] == TARGET for result in stopped), len(results))
+        if setting == "chapter4":
+            findings.append(Finding(
+                "(S1, A1, R2) has the highest T^C when the robot stops", "so in the run shown", right,
+                Verdict.REPRODUCED if right.mean == 1 else Verdict.PARTLY,
+            ))  # fmt: skip
+            since = median_interval([np.inf if r["right_since"] is None else r["right_since"] for r in results])
+            findings.append(Finding("turn since which it has had it (median)", "not given", since, Verdict.EXTENSION))
+        close = 25_000 <= stop.mean <= 35_000
+        findings.append(Finding(
+            f"turn at which no T^C changes by theta any more, {words}", "about 30,000", stop,
+            Verdict.REPRODUCED if close else Verdict.PARTLY,
+            "the text does not say in which unit theta is",
+        ))  # fmt: skip
+    long = [cell.result["values"] for cell in cells.get("long", ())]
+    if long:
+        target = mean_interval([1e3 * values[TARGET][-1] for values in long])
+        others = mean_interval([1e3 * max(v[-1] for name, v in values.items() if name != TARGET) for values in long])
+        findings.append(
+            Finding("T^C of (S1, A1, R2) after 3 million turns, millibits", "not given", target, Verdict.EXTENSION)
+        )
+        findings.append(Finding("the highest of all others then, millibits", "not given", others, Verdict.EXTENSION))
+    return findings
+
+
+def draw(cells: Cells) -> Mapping[str, Figure]:
+    """Fig. 4.4 with the range of all runs around the median."""
+    results = [cell.result for cell in cells.get("chapter4", ())]
+    if not results:
+        return {}
+    figure = Figure(figsize=(7, 4), layout="constrained")
+    axes = figure.subplots()
+    for number, symbol in enumerate(sorted(results[0]["values"], key=lambda name: name != TARGET)):
+        courses = np.array([result["values"][symbol] for result in results])
+        middle, low, high = np.median(courses, axis=0), courses.min(axis=0), courses.max(axis=0)
+        colour = f"C{number}"
+        axes.plot(results[0]["turns"], middle, color=colour, lw=2.5 if symbol == TARGET else 1.2, label=symbol)
+        axes.fill_between(results[0]["turns"], low, high, color=colour, alpha=0.15, lw=0)
+    stops = [result["stop"] for result in results if result["stop"] is not None]
+    axes.plot(stops, np.full(len(stops), axes.get_ylim()[1]), "kv", ms=4, clip_on=False, label="the robot stops")
+    axes.set(xscale="log", yscale="log", xlabel="turns", ylabel="$T^C$ (bits)")
+    axes.legend(fontsize=8, ncols=2, loc="lower left")
+    axes.grid(alpha=0.3)
+    return {"detection": figure}

@@ -1,0 +1,28 @@
+"""How often an object was found by looking where, after seeing the caregiver look where (section 4.5.4)."""
+
+from typing import Any
+
+import numpy as np
+
+from experiments.tables import Run, live, run
+from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.symbolic.life import Life
+
+FIRST_SEED = 30_000
+SETTINGS = {"chapter4": Setting(run("chapter4", turns=30_000), runs=20)}
+
+
+def found_objects(life: Life) -> tuple[np.ndarray, np.ndarray]:
+    """Caregiver's face (S1) and gaze shift (A1) of every turn after which the robot saw an object."""
+    found = life.log("object")[1:] == 1
+    return life.log("caregiver's face")[:-1][found], life.log("shift gaze")[:-1][found]
+
+
+def cell(config: Run, seed: int) -> dict[str, Any]:
+    """Counts (spots, spots): she looked at spot i, the robot looked at spot j and found an object."""
+    spots = config.world.spots
+    face, gaze = found_objects(live(config, seed))
+    counts = np.zeros((spots, spots), int)
+    both = (face < spots) & (gaze < spots)
+    np.add.at(counts, (face[both], gaze[both]), 1)
+    return {"counts": counts.tolist()}

@@ -1,0 +1,94 @@
+"""Turns until gaze alternation, whether the order holds, and whether the same preset serves other worlds."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.fast.sweep import CHANCES, SETTINGS, SPOTS
+from experiments.tables import in_order, time_of
+from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
+from jointattn_mj.laboratory.statistics import median_interval, proportion
+
+
+def _results(cells: Cells, setting: str) -> list[dict[str, Any]]:
+    return [cell.result for cell in cells.get(setting, ())]
+
+
+def _grid(cells: Cells, preset: str, spots: int) -> list[dict[str, Any]]:
+    return [r for f in CHANCES for p in CHANCES for r in _results(cells, f"{preset} spots {spots} follow {f} lead {p}")]
+
+
+def _third(results: list[dict[str, Any]]) -> list[float]:
+    return [time_of(result, 2) if in_order(result) else np.inf for result in results]
+
+
+def analyse(cells: Cells) -> list[Finding]:
+    """The two presets in chapter 5's world, then in 45 others, then what each option of the rule does."""
+    findings = []
+    for preset in ("fast", "thesis"):
+        results = _results(cells, preset)
+        if results:
+            third, order = median_interval(_third(results)), proportion(sum(map(in_order, results)), len(results))
+            findings.append(Finding(
+                f"turn of gaze alternation (median), preset {preset}",
+                "more than 45,000 in the example", third, Verdict.EXTENSION,
+            ))  # fmt: skip
+            findings.append(Finding(f"order kept, preset {preset}", "90% of ten runs", order, Verdict.EXTENSION))
+    for spots in SPOTS:
+        for preset in ("fast", "thesis"):
+            results = _grid(cells, preset, spots)
+            if not results:
+                continue
+            order = proportion(sum(map(in_order, results)), len(results))
+            right = sum(r["directions_right"] == spots for r in results)
+            third = np.median(_third(results))
+            note = f"gaze following first and right for all spots in {right / len(results):.0%}"
+            note += f"; gaze alternation after {third:.0f} turns (median)" if np.isfinite(third) else ""
+            findings.append(Finding(
+                f"order kept with {spots} spots, nine pairs of p_r, p_i, preset {preset}",
+                "not tried", order, Verdict.EXTENSION, note,
+            ))  # fmt: skip
+    for setting in SETTINGS:
+        results = _results(cells, setting)
+        if results and setting.startswith("fast ") and "spots" not in setting:
+            order = proportion(sum(map(in_order, results)), len(results))
+            note = f"gaze alternation after {np.median(_third(results)):.0f} turns (median)"
+            findings.append(Finding(f"order kept, {setting}", "not tried", order, Verdict.EXTENSION, note))
+    return findings
+
+
+def draw(cells: Cells) -> Mapping[str, Figure]:
+    """Times of the third module in chapter 5's world; order kept in the others."""
+    if not _results(cells, "fast"):
+        return {}
+    figure = Figure(figsize=(9, 3.8), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    for number, preset in enumerate(("fast", "thesis")):
+        times = np.sort(_third(_results(cells, preset)))
+        if len(times):
+            left.step(times, (np.arange(len(times)) + 1) / len(times), where="post", color=f"C{number}", label=preset)
+    left.axvline(10_000, color="k", ls=":", label="asked of the fast preset")
+    left.set(xscale="log", xlabel="turn at which gaze alternation is found", ylabel="share of runs", ylim=(0, 1.02))
+    left.legend(fontsize=8, loc="upper left")
+    left.grid(alpha=0.3)
+    for number, preset in enumerate(("fast", "thesis")):
+        shares = [
+            (spots, proportion(sum(map(in_order, r)), len(r))) for spots in SPOTS if (r := _grid(cells, preset, spots))
+        ]
+        if shares:
+            right.errorbar(
+                [spots + 0.08 * number for spots, _ in shares], [e.mean for _, e in shares],
+                [[e.mean - e.low for _, e in shares], [e.high - e.mean for _, e in shares]],
+                marker="o", ms=4, capsize=3, color=f"C{number}", label=preset,
+            )  # fmt: skip
+    right.set(
+        xlabel="spots on the table, 1 or 2 objects",
+        ylabel="FG, SCf, SC first and in order",
+        ylim=(0, 1.02),
+        xticks=SPOTS,
+    )
+    right.legend(fontsize=8, title="nine pairs of $p_r$, $p_i$ each", loc="lower left")
+    right.grid(alpha=0.3)
+    return {"fast": figure}

@@ -1,0 +1,40 @@
+"""The preset ``fast`` beside ``thesis``: in the world of chapter 5, and in others that nobody chose anything for."""
+
+from experiments.tables import develop, run
+from jointattn_mj.laboratory.claim import Setting
+
+SPOTS = (2, 3, 4, 5, 6)
+CHANCES = (0.25, 0.5, 0.75)
+
+
+def _other_world(preset: str, spots: int, follow: float, lead: float, turns: int) -> Setting:
+    changes = {
+        "world.spots": spots, "world.objects": min(2, spots - 1), "caregiver.follow": follow, "caregiver.lead": lead,
+        "turns": turns, "stop_after": 3,
+    }  # fmt: skip
+    return Setting(run(preset, **changes), runs=20)
+
+
+FIRST_SEED = 30_000
+SETTINGS = {
+    "fast": Setting(run("fast"), runs=100),
+    "thesis": Setting(run("thesis"), runs=100),
+    **{
+        f"{preset} spots {spots} follow {follow} lead {lead}": _other_world(preset, spots, follow, lead, turns)
+        for preset, turns in (("fast", 60_000), ("thesis", 100_000))
+        for spots in SPOTS
+        for follow in CHANCES
+        for lead in CHANCES
+    },
+    **{
+        f"fast {option} {value}": Setting(run("fast", **{f"detector.{option}": value, "stop_after": 3}), runs=50)
+        for option, values in (
+            ("deviations", (1.5, 2.0, 4.0)),
+            ("precision", (0.25, 0.7, 1.0)),
+            ("tolerance", (0.0, 0.5)),
+            ("correction", ("none",)),
+        )
+        for value in values
+    },
+}
+cell = develop

@@ -1,0 +1,74 @@
+"""Up to how many objects the right event leads, and whether the caregiver's responses matter."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.many_objects.sweep import CHANCES, OBJECTS
+from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
+from jointattn_mj.laboratory.statistics import mean_interval
+
+
+def _leads(cells: Cells, objects: int, follow: float | None = None, lead: float | None = None) -> np.ndarray:
+    """Leads of all runs with so many objects, and where given with this p_r or p_i."""
+    return np.array([
+        cell.result["lead"]
+        for f in CHANCES if follow in (None, f)
+        for p in CHANCES if lead in (None, p)
+        for cell in cells.get(f"follow {f} lead {p} objects {objects}", ())
+    ])  # fmt: skip
+
+
+def _difference(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    count = min(len(one), len(other))
+    return one[:count] - other[:count]
+
+
+def analyse(cells: Cells) -> list[Finding]:
+    """Signs of the lead, and its change with p_r and p_i."""
+    findings = []
+    for objects in OBJECTS:
+        leads = _leads(cells, objects)
+        if not len(leads):
+            continue
+        ours = mean_interval(leads * 1e3)
+        expected = objects <= 7
+        same = ours.low > 0 if expected else ours.high < 0
+        verdict = Verdict.REPRODUCED if same else Verdict.UNDECIDED if ours.low <= 0 <= ours.high else Verdict.NOT
+        findings.append(Finding(
+            f"lead of (S1, A1, R2) with {objects} of 9 spots full, millibits",
+            "above 0" if expected else "not above 0", ours, verdict,
+        ))  # fmt: skip
+    for name, words in (("follow", "p_r"), ("lead", "p_i")):
+        high, low = (_leads(cells, 3, **{name: chance}) for chance in (0.75, 0.25))
+        if len(high) and len(low):
+            ours = mean_interval(_difference(high, low) * 1e3)
+            findings.append(Finding(
+                f"change of the lead with 3 objects from {words} = .25 to .75, millibits",
+                "none beyond the error bars", ours,
+                Verdict.REPRODUCED if ours.low <= 0 <= ours.high else Verdict.NOT,
+            ))  # fmt: skip
+    return findings
+
+
+def draw(cells: Cells) -> Mapping[str, Figure]:
+    """Fig. 4.5: the lead over the number of objects, a line for each pair of p_r and p_i."""
+    figure = Figure(figsize=(7, 4), layout="constrained")
+    axes = figure.subplots()
+    for row, follow in enumerate(CHANCES):
+        for column, lead in enumerate(CHANCES):
+            runs = [(objects, _leads(cells, objects, follow, lead)) for objects in OBJECTS]
+            runs = [(objects, leads * 1e3) for objects, leads in runs if len(leads)]
+            if runs:
+                axes.errorbar(
+                    [objects + 0.05 * (3 * row + column - 4) for objects, _ in runs],
+                    [leads.mean() for _, leads in runs], [leads.std(ddof=min(1, len(leads) - 1)) for _, leads in runs],
+                    color=f"C{row}", ls=("-", "--", ":")[column], marker="osd"[column], ms=3, lw=1, capsize=2,
+                    label=f"$p_r$ {follow}, $p_i$ {lead}",
+                )  # fmt: skip
+    axes.axhline(0, color="k", lw=0.8)
+    axes.set(xlabel="objects on 9 spots", ylabel="lead of $(S_1, A_1, R_2)$ in $T^C$ (millibits)")
+    axes.legend(fontsize=8, ncols=3, title="mean and standard deviation")
+    axes.grid(alpha=0.3)
+    return {"many_objects": figure}

@@ -1,0 +1,27 @@
+"""Lead of the right event after 30,000 turns, for 1 to 9 objects and three values of p_r and p_i (section 4.5.2)."""
+
+from typing import Any
+
+from experiments.tables import Run, live, run, target_lead
+from jointattn_mj.contingency.events import Event
+from jointattn_mj.laboratory.claim import Setting
+
+CHANCES = (0.25, 0.5, 0.75)
+OBJECTS = range(1, 10)
+TARGET = Event(0, 0, 1)
+
+FIRST_SEED = 30_000
+SETTINGS = {
+    f"follow {follow} lead {lead} objects {objects}": Setting(
+        run("chapter4", turns=30_000, **{"caregiver.follow": follow, "caregiver.lead": lead, "world.objects": objects}),
+        runs=20,
+    )
+    for follow in CHANCES
+    for lead in CHANCES
+    for objects in OBJECTS
+}
+
+
+def cell(config: Run, seed: int) -> dict[str, Any]:
+    """Difference of T^C in bits between (S1, A1, R2) and the highest other event."""
+    return {"lead": target_lead(live(config, seed), TARGET)}

@@ -1,0 +1,54 @@
+"""Turns after which each measure ranks the right event first, and keeps it there."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.measures.sweep import MEASURES, OF_EVENTS
+from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
+from jointattn_mj.laboratory.statistics import median_interval, proportion
+
+
+def right_since(result: dict[str, Any], measure: str) -> float:
+    """Length from which on the measure is right at every greater length too; infinite where it is wrong at the last."""
+    right = np.array(result["right"][measure])
+    wrong = np.flatnonzero(~right)
+    since = wrong[-1] + 1 if len(wrong) else 0
+    return float(result["lengths"][since]) if since < len(right) else np.inf
+
+
+def analyse(cells: Cells) -> list[Finding]:
+    """The median over runs, and how many are right at the end."""
+    results = [cell.result for cell in cells.get("chapter4", ())]
+    findings = []
+    for measure in MEASURES if results else ():
+        since = median_interval([right_since(result, measure) for result in results])
+        end = proportion(sum(result["right"][measure][-1] for result in results), len(results))
+        findings.append(Finding(
+            f"turns after which {measure} keeps the right event first (median)", "T^C does; others not tried", since,
+            Verdict.EXTENSION, f"right after {results[0]['lengths'][-1]} turns in {end}",
+        ))  # fmt: skip
+    return findings
+
+
+def draw(cells: Cells) -> Mapping[str, Figure]:
+    """Share of runs in which each measure is right, over the length of the life."""
+    results = [cell.result for cell in cells.get("chapter4", ())]
+    if not results:
+        return {}
+    figure = Figure(figsize=(8, 4.2), layout="constrained")
+    axes = figure.subplots()
+    for number, measure in enumerate(MEASURES):
+        share = np.mean([result["right"][measure] for result in results], axis=0)
+        axes.plot(
+            results[0]["lengths"], share + 0.004 * (number % 5), ls="-" if measure in OF_EVENTS else ":",
+            color=f"C{number % 10}", marker="osd^v"[number % 5], ms=3, label=measure,
+        )  # fmt: skip
+    axes.set(
+        xscale="log", ylim=(-0.03, 1.05), xlabel="turns", ylabel=f"runs (of {len(results)}) with the right event first"
+    )
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1, 0.5))
+    return {"measures": figure}

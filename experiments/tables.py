@@ -1,0 +1,91 @@
+"""What the experiments of chapters 4 and 5 have in common: a mind lives at a table, and what is kept of that."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from jointattn_mj.contingency.events import Event
+from jointattn_mj.contingency.reactive import AvoidingModule
+from jointattn_mj.robots.developer import DeveloperConfig
+from jointattn_mj.symbolic.behaviour import behaviours, phases
+from jointattn_mj.symbolic.life import Life
+from jointattn_mj.symbolic.presets import PRESETS
+from jointattn_mj.symbolic.table import TableConfig
+
+STAGES = ("(S1, A1, R3)", "(Π1, A1, R1)", "(Π1, A1, R2)")
+"""FG-m, SCf-m and SC-m of section 5.3.2: following a gaze, looking back after it, alternating."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A mind at a table for some turns."""
+
+    world: TableConfig
+    mind: DeveloperConfig
+    turns: int = 100_000
+    stop_after: int = 100
+    """Modules after which it may stop."""
+    avoids_faces: float | None = field(default=None)
+    """Share of gaze shifts to the face that an avoiding reactive module leaves; None: the random module."""
+
+
+def run(preset: str, **changes: Any) -> Run:
+    """A preset with changes such as ``world.spots``, ``caregiver.lead``, ``detector.base`` or ``turns``."""
+    chosen = Run(PRESETS[preset].world, PRESETS[preset].mind)
+    for name, value in changes.items():
+        part, _, last = name.partition(".")
+        if not last:
+            chosen = replace(chosen, **{name: value})
+        elif part == "world":
+            chosen = replace(chosen, world=replace(chosen.world, **{last: value}))
+        elif part == "caregiver":
+            caregiver = replace(chosen.world.caregiver, **{last: value})
+            chosen = replace(chosen, world=replace(chosen.world, caregiver=caregiver))
+        elif part == "mind":
+            chosen = replace(chosen, mind=replace(chosen.mind, **{last: value}))
+        else:
+            inner = replace(getattr(chosen.mind, part), **{last: value})
+            chosen = replace(chosen, mind=replace(chosen.mind, **{part: inner}))
+    return chosen
+
+
+def live(run: Run, seed: int, sample_every: int = 0) -> Life:
+    """The life of a run; contingency is noted every ``sample_every`` turns, or never."""
+    avoiding = () if run.avoids_faces is None else (AvoidingModule("shift gaze", "caregiver", run.avoids_faces),)
+    life = Life(run.world, run.mind, seed, run.turns, avoiding, sample_every or run.turns)
+    while life.lived < run.turns and len(life.found) < run.stop_after:
+        life.live(1000)
+    return life
+
+
+def develop(run: Run, seed: int) -> dict[str, Any]:
+    """Cell: which modules were made when, whether gaze following is right, and what the robot did in each phase."""
+    life = live(run, seed)
+    variables, spots = life.mind.variables, run.world.spots
+    made = [found for found in life.found if found.module is not None]
+    following = [found.module.command[0] for found in made[:1] if variables.symbol(found.event) == STAGES[0]]
+    done = behaviours(life.log("caregiver's face"), life.log("shift gaze"), spots)
+    return {
+        "modules": [variables.symbol(found.event) for found in made],
+        "turns": [found.turn for found in made],
+        "directions_right": int((following[0][:spots] == np.arange(spots)).sum()) if following else None,
+        "phases": [list(phase.rates) for phase in phases(done, [found.turn for found in made])],
+    }
+
+
+def in_order(result: dict[str, Any]) -> bool:
+    """Whether the first three modules are gaze following, looking back, alternating."""
+    return tuple(result["modules"][:3]) == STAGES
+
+
+def time_of(result: dict[str, Any], stage: int) -> float:
+    """Turn at which the module number ``stage`` (from 0) was made, infinite where it never was."""
+    return result["turns"][stage] if len(result["turns"]) > stage else np.inf
+
+
+def target_lead(life: Life, event: Event) -> float:
+    """How much higher the measure of an event is than that of any other; below 0 where another is higher."""
+    values = life.mind.mind.watch.values
+    number = life.mind.events.index(event)
+    return float(values[number] - np.delete(values, number).max())

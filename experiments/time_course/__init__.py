@@ -1,0 +1,1 @@
+"""Figure 5.3: the contingency of events over time, in one run."""

@@ -1,0 +1,65 @@
+"""Whether what was found sinks, and lets the next event rise, as Fig. 5.3 shows."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.tables import STAGES
+from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
+from jointattn_mj.laboratory.statistics import proportion
+
+
+def _course(result: dict, symbol: str) -> np.ndarray:
+    """Values over time, NaN where there are none."""
+    return np.array([np.nan if value is None else value for value in result["values"].get(symbol, [])], float)
+
+
+def analyse(cells: Cells) -> list[Finding]:
+    """FG sinks after FG-m is made; SC rises after SCf-m is made."""
+    results = [cell.result for cell in cells.get("caregiver first", ()) if tuple(cell.result["modules"][:3]) == STAGES]
+    runs = len(cells.get("caregiver first", ()))
+    if not results:
+        return []
+    sinks = rises = 0
+    for result in results:
+        at = [np.searchsorted(result["turns"], turn) for turn in result["made"][:3]]
+        following, alternating = _course(result, STAGES[0]), _course(result, STAGES[2])
+        sinks += bool(following[at[1] - 1] < following[at[0]])
+        rises += bool(alternating[at[2] - 1] > alternating[at[1] - 1])
+    return [
+        Finding(
+            "SAC of gaze following is lower when SCf-m is made than when FG-m was", "it gradually decreased",
+            proportion(sinks, runs), Verdict.REPRODUCED if sinks > 0.8 * runs else Verdict.PARTLY,
+        ),
+        Finding(
+            "SAC of alternation is higher when SC-m is made than when SCf-m was", "promoted increase of it",
+            proportion(rises, runs), Verdict.REPRODUCED if rises > 0.8 * runs else Verdict.PARTLY,
+        ),
+    ]  # fmt: skip
+
+
+def draw(cells: Cells) -> Mapping[str, Figure]:
+    """Fig. 5.3 for the first seed."""
+    if not cells.get("caregiver first"):
+        return {}
+    cell = cells["caregiver first"][0]
+    result = cell.result
+    figure = Figure(figsize=(8, 4.5), layout="constrained")
+    axes = figure.subplots()
+    for symbol in sorted(result["values"], key=lambda name: (name not in STAGES, name)):
+        found = symbol in STAGES
+        axes.plot(
+            result["turns"], np.maximum(_course(result, symbol), 1e-5), label=symbol, lw=2 if found else 0.8,
+            alpha=1 if found else 0.6, color=f"C{STAGES.index(symbol)}" if found else None,
+        )  # fmt: skip
+    top = axes.get_ylim()[1]
+    for turn, symbol in zip(result["made"], result["modules"], strict=True):
+        axes.plot(turn, top, "kv", clip_on=False)
+        axes.annotate(
+            symbol, (turn, top), xytext=(0, 6), textcoords="offset points", ha="left", fontsize=7, rotation=20
+        )
+    axes.set(yscale="log", ylim=(1e-4, top), xlabel="turns", ylabel="state-action contingency (bits)")
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize=7, ncols=2, loc="upper left", bbox_to_anchor=(1, 1), title=f"seed {cell.seed}")
+    return {"time_course": figure}

@@ -1,0 +1,29 @@
+"""State-action contingency of all events every 200 turns (Fig. 5.3)."""
+
+from typing import Any
+
+import numpy as np
+
+from experiments.tables import Run, live, run
+from jointattn_mj.laboratory.claim import Setting
+
+FIRST_SEED = 30_000
+SETTINGS = {"caregiver first": Setting(run("thesis", turns=80_000), runs=20)}
+
+
+def cell(config: Run, seed: int) -> dict[str, Any]:
+    """Time courses of the events that were ever among the two highest, and when modules were made."""
+    life = live(config, seed, sample_every=200)
+    turns, values = life.contingency()
+    known = np.nan_to_num(values, nan=-np.inf)
+    ever = sorted(set(np.argsort(known, axis=1)[:, -2:].ravel()))
+    symbol = life.mind.variables.symbol
+    return {
+        "turns": turns.tolist(),
+        "values": {
+            symbol(life.mind.events[number]): [None if np.isnan(v) else float(v) for v in values[:, number]]
+            for number in ever
+        },
+        "modules": [symbol(found.event) for found in life.found],
+        "made": [found.turn for found in life.found],
+    }
