@@ -216,8 +216,11 @@ def _ever_two_highest(values: np.ndarray) -> list[int]:
     filled = np.where(np.isnan(values), -np.inf, values)
     if not filled.size:
         return []
-    two = np.unique(np.argsort(-filled, axis=1, kind="stable")[:, :2])
-    return sorted((int(event) for event in two), key=lambda event: -filled[-1, event])
+    last = filled[-1].copy()
+    first = filled.argmax(axis=1)
+    filled[np.arange(len(filled)), first] = -np.inf
+    two = np.union1d(first, filled.argmax(axis=1))
+    return sorted((int(event) for event in two), key=lambda event: -last[event])
 
 
 def _end(made: Sequence[Made], lived: int) -> int:
