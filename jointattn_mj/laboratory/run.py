@@ -14,6 +14,8 @@ from jointattn_mj.laboratory.claim import Claim
 from jointattn_mj.laboratory.store import Keys, Store, Task
 from jointattn_mj.laboratory.worker import Outcome, compute, pack
 
+GOLDEN = 0.618
+"""Runs that share a folder begin this part of the way apart, so that any number of them spreads."""
 WAIT_S = 1.0
 """So often progress is told even where nothing has ended."""
 
@@ -138,7 +140,9 @@ def run(
     tally.left.update((task.claim.id, task.name) for task in queue)
     watcher.begin(tally, backend.slots())
     try:
-        _Run(store, backend, watcher, tally, always).through(queue)
+        with store.berth() as place:
+            queue.rotate(-int(place * GOLDEN % 1 * len(queue)))
+            _Run(store, backend, watcher, tally, always).through(queue)
     finally:
         backend.close()
         tally.running = 0

@@ -6,12 +6,14 @@
 Several runs may use one folder at once: they can only write the same file twice.
 """
 
+import fcntl
 import hashlib
 import json
 import math
 import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -132,6 +134,22 @@ class Store:
             for path in folder.glob(".*"):
                 if time.time() - path.stat().st_mtime > ABANDONED_S:
                     path.unlink(missing_ok=True)
+
+    @contextmanager
+    def berth(self) -> Iterator[int]:
+        """While the block runs: how many other runs use the folder that began before this one, or a number that one of
+        them has left free. It is given up by a killed process too; 0 where the file system knows no locks."""
+        place = 0
+        with ExitStack() as files:
+            with suppress(OSError):
+                while True:
+                    file = files.enter_context((self.folder / f".run{place}.lock").open("w"))
+                    try:
+                        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                        break
+                    except BlockingIOError:
+                        place += 1
+            yield place
 
     def path(self, task: Task) -> Path:
         """Where the cell is, or will be."""
