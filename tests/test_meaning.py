@@ -102,10 +102,10 @@ def test_modules_that_use_others(table):
 def test_long_maps(table):
     """The most reliable first; the same command under several sensations is one."""
     variables, _ = table
-    map_of = module(variables, (0, 1, OBJECT), {(0, 0): 2, (0, 1): 2, (0, 2): 1, (1, 2): 0})
+    map_of = module(variables, (1, 1, OBJECT), {(0, 0): 2, (0, 1): 2, (1, 0): 1, (1, 1): 0})
     assert in_words(variables, map_of) == (
-        "gesture: gesture 3 when caregiver's face is at spot 1 or when caregiver's face is at spot 2, expecting object; "
-        "gesture: gesture 2 when caregiver's face is at spot 3, expecting object; 1 more"
+        "gesture: gesture 3 when object looked at is object or when object looked at is none, expecting object; "
+        "gesture: gesture 2 when object looked at is object, expecting object; 1 more"
     )
 
 

@@ -1,0 +1,99 @@
+"""The log in words: nothing lost, and told by the names of the time."""
+
+import csv
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from jointattn_mj.symbolic import logbook
+from jointattn_mj.symbolic.behaviour import SHORT, behaviours
+from jointattn_mj.symbolic.life import Life
+from jointattn_mj.symbolic.logbook import write_contingency, write_map, write_turns
+from jointattn_mj.symbolic.presets import PRESETS
+
+TURNS = 12_000
+
+
+@pytest.fixture(scope="module")
+def life():
+    preset = PRESETS["fast"]
+    life = Life(preset.world, preset.mind, seed=1, turns=TURNS)
+    life.live(TURNS)
+    assert len(life.mind.modules) >= 3
+    return life
+
+
+@pytest.fixture(scope="module")
+def found(life):
+    return behaviours(life.log("caregiver's face"), life.log("shift gaze"), 3)
+
+
+def test_turns(life, found, tmp_path):
+    write_turns(tmp_path / "turns.parquet", life, found)
+    table = pq.read_table(tmp_path / "turns.parquet")
+    assert table.num_rows == TURNS
+    assert table.column("turn").to_pylist()[::5999] == [1, 6000, 11999]
+    variables = life.mind.variables
+    for one in (*variables.sensors[:2], *variables.results, *variables.joints):
+        expected = np.array(one.values)[life.log(one.name)]
+        assert table.column(one.name).to_pylist() == expected.tolist(), one.name
+    assert table.column("behaviour").to_pylist() == np.array(SHORT)[found].tolist()
+    assert set(table.column("caregiver looks at").to_pylist()) == {"spot 1", "spot 2", "spot 3", "robot"}
+    assert "RJA" in table.column("caregiver's option").to_pylist()
+    for field in table.schema:
+        assert field.metadata[b"description"], field.name
+
+
+def test_drivers(life, found, tmp_path):
+    """Numbers below that of the modules made by then are modules; those made later make no difference."""
+    write_turns(tmp_path / "turns.parquet", life, found)
+    drivers = pq.read_table(tmp_path / "turns.parquet").column("driver of shift gaze").to_pylist()
+    numbers = life.log("driver of shift gaze").tolist()
+    for turn, (name, number) in enumerate(zip(drivers, numbers, strict=True)):
+        made = sum(one.turn <= turn for one in life.found)
+        assert name == (f"module {number + 1}" if number < made else "RandomModule"), turn
+    assert {"module 1", "module 2", "module 3", "RandomModule"} <= set(drivers)
+
+
+def test_what_drives_is_what_the_map_says(life, found, tmp_path):
+    write_turns(tmp_path / "turns.parquet", life, found)
+    drivers = pq.read_table(tmp_path / "turns.parquet").column("driver of shift gaze")
+    drives = np.flatnonzero(np.array(drivers.to_pylist()) == "module 1")
+    module, face, before = life.mind.modules[0], life.log("caregiver's face"), life.log("object")
+    assert (module.command[before[drives], face[drives]] == life.log("shift gaze")[drives]).all()
+
+
+def test_parts_do_not_show(life, found, tmp_path, monkeypatch):
+    write_turns(tmp_path / "whole.parquet", life, found)
+    monkeypatch.setattr(logbook, "ROWS", 1001)
+    write_turns(tmp_path / "parts.parquet", life, found)
+    assert (
+        pq.read_table(tmp_path / "whole.parquet").to_pydict() == pq.read_table(tmp_path / "parts.parquet").to_pydict()
+    )
+
+
+def test_contingency(life, tmp_path):
+    write_contingency(tmp_path / "contingency.parquet", life)
+    table = pq.read_table(tmp_path / "contingency.parquet")
+    turns, values = life.contingency()
+    assert table.column("turn").to_pylist() == turns.tolist()
+    assert table.num_columns == 1 + len(life.mind.events)
+    late = table.column("module 1 before, shift gaze -> profile")
+    assert late.null_count == np.count_nonzero(turns <= life.found[0].turn)
+    first = table.column("caregiver's face, shift gaze -> object")
+    assert np.array_equal(first.to_numpy(), values[:, 2])
+
+
+def test_map(life, tmp_path):
+    write_map(tmp_path / "map.csv", life.mind.variables, life.mind.modules[0])
+    rows = list(csv.DictReader((tmp_path / "map.csv").open()))
+    assert list(rows[0]) == ["object", "caregiver's face", "shift gaze", "reliability", "expected object"]
+    assert len(rows) == 10
+    first = rows[0]
+    assert [first[name] for name in ("object", "caregiver's face", "shift gaze", "expected object")] == [
+        "no", "at spot 1", "spot 1", "yes",
+    ]  # fmt: skip
+    assert float(first["reliability"]) == pytest.approx(life.mind.modules[0].reliability[0, 0], abs=1e-6)
+    assert rows[4]["caregiver's face"] == "not seen"
+    assert rows[4]["shift gaze"] == rows[4]["reliability"] == ""
