@@ -23,7 +23,7 @@ class DiscoverOptions:
     """Which events are compared, and how they are tested."""
 
     file: tyro.conf.Positional[Path]
-    """CSV file with a header and a row for every step; the row after answers the row before."""
+    """CSV file with a header, or Parquet file, with a row for every step; the row after answers the row before."""
     sensors: tuple[str, ...]
     """Columns of what is sensed, S."""
     actions: tuple[str, ...]

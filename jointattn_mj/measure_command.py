@@ -32,7 +32,7 @@ class MeasureOptions:
     """What is measured, and how it is tested."""
 
     file: tyro.conf.Positional[Path]
-    """CSV file with a header and a row for every step; the row after answers the row before."""
+    """CSV file with a header, or Parquet file, with a row for every step; the row after answers the row before."""
     source: tuple[str, ...]
     """Column whose influence is asked for, such as a sensor; several are taken jointly."""
     target: tuple[str, ...]

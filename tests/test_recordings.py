@@ -3,7 +3,7 @@
 import numpy as np
 import pyarrow as pa
 import pytest
-from pyarrow import csv
+from pyarrow import csv, parquet
 
 import jointattn_mj.contingency as c
 from jointattn_mj.contingency import read_recordings
@@ -52,6 +52,36 @@ def test_ways_to_write_the_same(write, case):
     assert codes(data, "a") == [[0, 1, 0]]
     assert codes(data, "b") == [[1, 0, 1]]
     assert data.labels == {"a": ("x", "y"), "b": ("0", "1")}
+
+
+class TestParquet:
+    def test_the_same(self, tmp_path):
+        """Text, words behind numbers, numbers, truth values; columns as asked for."""
+        words = pa.DictionaryArray.from_arrays(pa.array([1, 0, 1], pa.int8()), ["y", "x"])
+        table = pa.table({"z": [0.5, 1, 2], "b": [1, 0, 1], "a": words, "c": [1.0, 2.0, 1.0], "d": [True, False, True]})
+        parquet.write_table(table, tmp_path / "seen.parquet")
+        data = read_recordings(tmp_path / "seen.parquet", ["a", "b", "c", "d"])
+        assert [codes(data, name) for name in "abcd"] == [[[0, 1, 0]], [[1, 0, 1]], [[0, 1, 0]], [[1, 0, 1]]]
+        assert data.labels == {"a": ("x", "y"), "b": ("0", "1"), "c": ("1", "2"), "d": ("false", "true")}
+
+    def test_missing_values(self, tmp_path):
+        parquet.write_table(pa.table({"a": ["x", None, "y", "x"]}), tmp_path / "seen.parquet")
+        with pytest.raises(SeriesError, match="1 missing"):
+            read_recordings(tmp_path / "seen.parquet", ["a"])
+        assert codes(read_recordings(tmp_path / "seen.parquet", ["a"], missing="break"), "a") == [[1, 0]]
+
+    def test_none(self, write, tmp_path):
+        with pytest.raises(SeriesError, match="no Parquet file"):
+            read_recordings(write("a,b\n1,2\n", "seen.parquet"), ["a"])
+        with pytest.raises(SeriesError, match="No such file"):
+            read_recordings(tmp_path / "nothing.parquet", ["a"])
+
+    def test_what_cannot_be_a_label(self, tmp_path):
+        parquet.write_table(pa.table({"a": [[1], [2]]}), tmp_path / "seen.parquet")
+        with pytest.raises(SeriesError, match="no Parquet file that can be read"):
+            read_recordings(tmp_path / "seen.parquet", ["a"])
+        with pytest.raises(SeriesError, match="no column 'b'"):
+            read_recordings(tmp_path / "seen.parquet", ["b"])
 
 
 def test_labels_that_look_like_numbers(write):

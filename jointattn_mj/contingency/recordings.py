@@ -1,4 +1,4 @@
-"""Reads observations from a CSV file: a row a step, a column a variable, labels of any kind."""
+"""Reads observations from a CSV or Parquet file: a row a step, a column a variable, labels of any kind."""
 
 import re
 from collections.abc import Sequence
@@ -67,7 +67,8 @@ class Recordings:
 def read_recordings(
     path: Path | str, columns: Sequence[str], recording: str | None = None, missing: Missing = "error"
 ) -> Recordings:
-    """Read ``columns`` of a CSV file with a header; separated by commas, semicolons or tabs, as the header is.
+    """Read ``columns`` of a CSV file with a header, separated by commas, semicolons or tabs, as the header is; or of a
+    Parquet file, whose name ends with .parquet.
 
     Rows with the same value of the column ``recording`` are one recording, in their order in the file. Labels lose
     blanks around them; 1.0 is the same as 1. What pyarrow takes as missing is missing: nothing, NA, NaN, null and such.
@@ -110,6 +111,8 @@ def _read(path: Path, wanted: list[str]) -> Any:
     import pyarrow as pa  # here, so that measures of arrays do without it
     from pyarrow import csv
 
+    if path.suffix == ".parquet":
+        return _read_parquet(path, wanted)
     try:
         parse = csv.ParseOptions(delimiter=_delimiter(path), ignore_empty_lines=False, newlines_in_values=True)
         try:
@@ -133,6 +136,23 @@ def _read(path: Path, wanted: list[str]) -> Any:
     except OSError as error:
         raise SeriesError(f"cannot read {path}: {error.strerror or error}") from error
     return table.slice(0, table.num_rows - min(_blank_lines_at_the_end(path), table.num_rows))
+
+
+def _read_parquet(path: Path, wanted: list[str]) -> Any:
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    try:
+        with path.open("rb") as file:
+            found = _found(parquet.read_schema(file).names, wanted, path)
+            columns = [
+                column.cast(pa.string()) for column in parquet.read_table(file, columns=found).select(found).columns
+            ]
+    except (pa.ArrowInvalid, pa.ArrowNotImplementedError) as error:
+        raise SeriesError(f"{path} is no Parquet file that can be read: {' '.join(str(error).split())}") from error
+    except OSError as error:
+        raise SeriesError(f"cannot read {path}: {error.strerror or error}") from error
+    return pa.table([column.dictionary_encode() for column in columns], names=found)
 
 
 def _lenient(csv: Any, parse: Any) -> Any:
