@@ -55,6 +55,12 @@ class Chapter:
         return Verdict.of_all(finding.verdict for finding in self.findings)
 
     @property
+    def tally(self) -> str:
+        """How many findings have which verdict, such as ``3 reproduced, 1 undecided``."""
+        given = [finding.verdict for finding in self.findings]
+        return ", ".join(f"{given.count(verdict)} {verdict}" for verdict in Verdict if verdict in given)
+
+    @property
     def runs(self) -> int:
         """Stored cells."""
         return sum(map(len, self.seeds.values()))
@@ -243,11 +249,9 @@ def _page(chapters: Sequence[Chapter], pictures: Mapping[str, Mapping[str, str]]
     )
     environment.filters["seeds"] = _seeds_in_words
     environment.filters["yaml"] = lambda config: yaml.safe_dump(config, sort_keys=False, default_flow_style=None)
-    films = {
-        one.entry.id: _uri("video/mp4", one.film.read_bytes()) for one in chapters if one.film is not None
-    }  # fmt: skip
+    films = {one.entry.id: _uri("video/mp4", one.film.read_bytes()) for one in chapters if one.film is not None}
     return environment.get_template("report.html").render(
-        chapters=chapters, pictures=pictures, films=films, folder=FOLDER, verdicts=list(Verdict)
+        chapters=chapters, pictures=pictures, films=films, folder=FOLDER
     )
 
 

@@ -31,7 +31,7 @@ class Estimate:
         if 0 < abs(self.mean) < 0.1:
             digits = 2 - int(np.floor(np.log10(abs(self.mean))))
         else:
-            digits = 1 if abs(self.mean) >= 10 else 2
+            digits = 2 - sum(abs(self.mean) >= limit for limit in (10, 1000))
         low, high = _number(self.low, digits), _number(self.high, digits)
         return f"{_number(self.mean, digits)} [{low}, {high}]"
 
@@ -39,7 +39,7 @@ class Estimate:
 def _number(value: float, digits: int) -> str:
     if np.isinf(value):
         return "∞" if value > 0 else "-∞"
-    return f"{value:,.{0 if abs(value) >= 10_000 else digits}f}"
+    return f"{value:,.{digits}f}"
 
 
 NOTHING = Estimate(np.nan, np.nan, np.nan, np.nan, 0)
