@@ -302,6 +302,16 @@ def test_help(jointattn):
     assert "(default: certain)" in outcome.out
 
 
+def test_needs_no_3d_world():
+    """Neither MuJoCo nor OpenCV is imported for a life at a table."""
+    program = (
+        "import sys; from jointattn_mj import develop_command; from jointattn_mj.symbolic import figures, logbook; "
+        "print({'mujoco', 'cv2', 'torch', 'dm_control'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout == "set()\n", done.stderr
+
+
 def test_too_little_memory(tmp_path, monkeypatch):
     """Refused before anything is written."""
     monkeypatch.setattr(development, "available_bytes", lambda: 1_000_000)

@@ -2,23 +2,16 @@
 
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
 from jointattn_mj.perception.som import SOM
 from jointattn_mj.perception.truth import TruthPerception
-from jointattn_mj.recording.files import write_whole
+from jointattn_mj.recording.pictures import save
 from jointattn_mj.recording.summary import moving_average
 from jointattn_mj.recording.tables import ShiftRow
 
-matplotlib.rcParams["svg.hashsalt"] = "jointattn"
 FOUR_OBJECTS = 0.25
-
-
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG, without anything in it that changes from run to run."""
-    write_whole(path, lambda temporary: figure.savefig(temporary, dpi=110, metadata={"Software": None}))
 
 
 def draw_success(path: Path, shifts: list[ShiftRow], minutes: float) -> None:

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
-from jointattn_mj.recording.figures import save
+from jointattn_mj.recording.pictures import save
 from jointattn_mj.symbolic.behaviour import BEHAVIOURS, SC, SHORT, WINDOW, Phase, moving_rates
 
 INKS = ("#c0392b", "#2471a3", "#1e8449", "#b9770e", "#7d3c98", "#148f77", "#5d6d7e", "#d35400", "#2e4053", "#af7ac5")
