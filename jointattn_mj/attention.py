@@ -98,6 +98,7 @@ class AttentionSelector:
         self.saliency = self._preference.copy()  # S_i, eq. 6.5
         self.motion = np.zeros(objects + 1)  # m_i
         self.interest = self._preference.copy()  # I_i
+        self._dwelt = 0  # frames since the last shift
         self._gain = config.motion_gain if config.motion_cues else 0.0
 
     def advance(self, attended: int | None, moves: np.ndarray) -> None:
@@ -108,6 +109,15 @@ class AttentionSelector:
             self._preference, self._decay, self._growth, config.recovery == "min",
             self._gain, config.motion_delay, config.motion_width,
         )  # fmt: skip
+
+    def settle(self) -> None:
+        """A shift has ended: the time to the next draw begins."""
+        self._dwelt = 0
+
+    def consider(self, seen: np.ndarray) -> int | None:
+        """One more frame of dwell; every ``selection_period`` of them a draw among candidates ``seen``, else None."""
+        self._dwelt += 1
+        return self.draw(seen) if self._dwelt % self.config.selection_period == 0 else None
 
     def draw(self, seen: np.ndarray) -> int | None:
         """The next candidate to look at, drawn by eq. 6.7 among those in view; None when none is of any interest."""

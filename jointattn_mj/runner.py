@@ -91,7 +91,7 @@ def run_session(
 
 
 def _check_ffmpeg() -> None:
-    from jointattn_mj.recording.video import find_ffmpeg  # imports ffmpeg's wrapper, which most sessions do not need
+    from jointattn_mj.recording.reel import find_ffmpeg  # imports ffmpeg's wrapper, which most sessions do not need
 
     find_ffmpeg()
 

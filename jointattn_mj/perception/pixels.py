@@ -66,13 +66,14 @@ class PixelPerception:
 
     pattern_size = PATCH_SIDE**2
 
-    def __init__(self, config: PixelConfig, rgb: np.ndarray):
-        """``rgb`` (n, 3): the objects' nominal colours, 0..1."""
+    def __init__(self, config: PixelConfig, rgb: np.ndarray, memory_rate: float = MEMORY_RATE):
+        """``rgb`` (n, 3): the objects' nominal colours, 0..1; ``memory_rate``: how fast it follows a face's place."""
         self.faces = FaceDetector(config.faces)
         self.colours = ColourAreas(rgb, config.colours)
         self._motion = MotionDetector(config.motion)
         self._face_direction = np.zeros(2)
         self._knows_face = False
+        self._memory_rate = memory_rate
         self._gray = np.zeros((0, 0), np.uint8)
         self._looks: deque[tuple[np.ndarray, Areas]] = deque()  # grey pictures and areas, written by turns
         self.motion: Motion | None = None
@@ -90,7 +91,7 @@ class PixelPerception:
         self.fix = fix = self.faces.detect(gray, expected, lambda: fill_gray(picture, gray, 0, 0, *gray.shape[::-1]))
         box = None
         if fix.found:
-            _remember(self._face_direction, fix.x, fix.y, head, MEMORY_RATE if self._knows_face else 1.0)
+            _remember(self._face_direction, fix.x, fix.y, head, self._memory_rate if self._knows_face else 1.0)
             self._knows_face = True
             box = self.faces.box(fix, gray.shape)
         if landed:

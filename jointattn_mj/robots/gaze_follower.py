@@ -90,7 +90,6 @@ class GazeFollower:
         self._movement: HeadShift | None = None
         self._held = np.zeros(2)  # reference of the head's servos, deg
         self._command = np.zeros(2)  # the same in rad
-        self._dwell = 0
 
     def familiarise(self, observation: Mapping[str, np.ndarray], frame: int) -> np.ndarray:
         """One frame of the minutes before the session: keep the face at the centre of view and learn its patterns."""
@@ -114,11 +113,9 @@ class GazeFollower:
             self.attention.advance(self.attended, percept.moves)
         else:
             self._land(shift, percept, np.degrees(observation["head_angles"]))
-        self._dwell += 1
-        if self._dwell % self.config.attention.selection_period == 0:
-            chosen = self.attention.draw(percept.seen)
-            if chosen is not None and chosen != self.attended:
-                self._launch(chosen, percept, np.degrees(observation["head_angles"]))
+        chosen = self.attention.consider(percept.seen)
+        if chosen is not None and chosen != self.attended:
+            self._launch(chosen, percept, np.degrees(observation["head_angles"]))
         return self._command
 
     def _hold(self, direction: np.ndarray) -> None:
@@ -171,7 +168,7 @@ class GazeFollower:
         self.attended = nearest if centred or self.config.gaze.attends == "nearest" else None
         self._learn(shift, percept, head)
         self.landed, self.shift, self._movement = shift, None, None
-        self._dwell = 0
+        self.attention.settle()
 
     @staticmethod
     def _nearest(percept: Percept, head: np.ndarray) -> tuple[int | None, float]:

@@ -1,0 +1,101 @@
+"""A video file that grows picture by picture: H.264 in a fragmented mp4 that plays even when it was cut short."""
+
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import TracebackType
+
+import imageio_ffmpeg
+import mediapy
+import numpy as np
+
+from jointattn_mj.errors import VideoError
+
+QUALITY = 26
+"""x264's constant rate factor; less is better and bigger. 24 adds a sixth to the size, 28 takes a seventh off."""
+INSTALL = "Install ffmpeg (`apt-get install ffmpeg`, or `pip install imageio-ffmpeg`), or run without the video."
+
+
+class Reel:
+    """Writes RGB pictures to an mp4: ``with Reel(path, height, width, rate) as reel: reel.add(picture)``.
+
+    What was written more than a second or two ago plays, whatever becomes of the process.
+    """
+
+    def __init__(self, path: Path, height: int, width: int, rate: float):
+        """``rate``: pictures a second."""
+        arguments = (
+            f"-preset veryfast -g {max(1, round(rate))} -movflags frag_keyframe+empty_moov+default_base_moof "
+            "-flush_packets 1"
+        )
+        self._writer = mediapy.VideoWriter(path, (height, width), fps=rate, crf=QUALITY, ffmpeg_args=arguments)
+
+    def __enter__(self) -> "Reel":
+        """Start ffmpeg.
+
+        Raises:
+            VideoError: There is no ffmpeg program, or it does not start.
+        """
+        find_ffmpeg()
+        try:
+            with _deaf_children():
+                self._writer.__enter__()
+        except (OSError, RuntimeError) as error:
+            raise VideoError(f"the video cannot be written to {self._writer.path} ({error}). {INSTALL}") from error
+        return self
+
+    def add(self, picture: np.ndarray) -> None:
+        """Write one picture, uint8 (height, width, 3).
+
+        Raises:
+            VideoError: ffmpeg has given up.
+        """
+        try:
+            self._writer.add_image(picture)
+        except (OSError, RuntimeError) as error:
+            raise VideoError(self._failure(error)) from error
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Finish the file; an error that is already under way comes first."""
+        try:
+            self._writer.close()
+        except (OSError, RuntimeError) as trouble:
+            if error is None:
+                raise VideoError(self._failure(trouble)) from trouble
+
+    def _failure(self, error: Exception) -> str:
+        return (
+            f"ffmpeg stopped writing {self._writer.path} ({error}); is the disk full? If this ffmpeg lacks H.264, "
+            f"take another one. {INSTALL}"
+        )
+
+
+@contextmanager
+def _deaf_children() -> Iterator[None]:
+    """Programs started in the block do not hear Ctrl-C: a terminal sends it to all, and the last pictures would go."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    kept = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, kept)
+
+
+def find_ffmpeg() -> None:
+    """Let mediapy use the system's ffmpeg, or where there is none the one that comes with imageio-ffmpeg.
+
+    Raises:
+        VideoError: There is neither.
+    """
+    if mediapy.video_is_available():
+        return
+    with suppress(RuntimeError):
+        mediapy.set_ffmpeg(os.fspath(imageio_ffmpeg.get_ffmpeg_exe()))
+    if not mediapy.video_is_available():
+        raise VideoError(f"a video needs the program ffmpeg, and none was found. {INSTALL}")
