@@ -93,18 +93,24 @@ def _develop(arguments: Sequence[str] = ()) -> Callable[..., Any]:
 
 
 def _benchmark(arguments: Sequence[str] = ()) -> Callable[..., Any]:
-    from jointattn_mj.benchmark import BenchmarkOptions, run_benchmark
+    from jointattn_mj.benchmark import BenchmarkOptions, as_text, run_benchmark
+    from jointattn_mj.contingency_benchmark import run_contingency_benchmark
     from jointattn_mj.recording.files import write_whole
 
     def run(options: BenchmarkOptions) -> None:
-        result = run_benchmark(options)
-        print(result.text())
+        rows: dict[str, Any] = {}
+        if options.what != "contingency":
+            rows |= run_benchmark(options).rows()
+        if options.what != "scene":
+            rows |= run_contingency_benchmark(options.blocks).rows()
+        print(as_text(rows))
         if options.out is not None:
-            text = json.dumps(result.rows(), indent=1) + "\n"
+            text = json.dumps(rows, indent=1) + "\n"
             write_whole(options.out, lambda path: path.write_text(text))
 
     def benchmark(options: Annotated[BenchmarkOptions, tyro.conf.arg(name="")]) -> Callable[[], None]:
-        """Measure the closed loop beside rendering alone, the truth path, and dm_control's cartpole, in one run."""
+        """Measure, in one run: the closed loop beside rendering alone, the truth path, and dm_control's cartpole; the
+        search for contingency beside recomputation in numpy, and beside pyinform."""
         return lambda: _with_one_thread(run, options)
 
     return benchmark

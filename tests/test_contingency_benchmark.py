@@ -1,0 +1,65 @@
+"""The benchmark of contingency measures what it says; how fast is not for tests to judge."""
+
+import json
+import math
+import sys
+
+import numpy as np
+import pytest
+
+from jointattn_mj import contingency_benchmark as benchmark
+from jointattn_mj.benchmark import as_text
+from jointattn_mj.cli import main
+from jointattn_mj.contingency_benchmark import ContingencyBenchmark, Recomputing, run_contingency_benchmark
+
+
+@pytest.fixture(autouse=True)
+def small(monkeypatch):
+    for name, value in (("STEPS", 400), ("RECOMPUTED", 5), ("TURNS", 200), ("SAMPLES", 1000)):
+        monkeypatch.setattr(benchmark, name, value)
+    monkeypatch.setattr(benchmark, "compile_seconds", lambda: (2.5, 3.5))
+
+
+def test_figures(tmp_path, capsys):
+    pytest.importorskip("pyinform")
+    main(["benchmark", "--what", "contingency", "--blocks", "1", "--out", str(tmp_path / "figures.json")])
+    figures = json.loads((tmp_path / "figures.json").read_text())
+    shown = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert list(figures) == list(shown) == list(ContingencyBenchmark.__annotations__)
+    for name, value in figures.items():
+        assert math.isfinite(value), name
+        assert value > 0, name
+    assert figures["ns_per_triple_12"] == pytest.approx(1e9 / figures["detector_steps_per_s_12"] / 12)
+    assert figures["ns_per_triple_300"] == pytest.approx(1e9 / figures["detector_steps_per_s_300"] / 300)
+    assert figures["transfer_entropy_to_pyinform"] == pytest.approx(
+        figures["transfer_entropy_ms"] / figures["pyinform_ms"]
+    )
+    assert (figures["compile_s"], figures["compile_wall_s"]) == (2.5, 3.5)
+
+
+def test_without_pyinform(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyinform", None)
+    rows = run_contingency_benchmark(1).rows()
+    assert rows["pyinform_ms"] is rows["transfer_entropy_to_pyinform"] is None
+    assert as_text(rows).count("not installed") == 2
+    assert json.dumps(rows)
+
+
+@pytest.mark.parametrize("modules", benchmark.MODULES.values())
+@pytest.mark.parametrize("padded", [False, True])
+def test_both_ways_measure_the_same(modules, padded):
+    """As many triples as it says, and the same contingency of each."""
+    detecting = benchmark._Detecting(modules)
+    detecting.run()
+    recomputing = Recomputing(detecting.variables, padded)
+    recomputing.run(*detecting.series)
+    assert recomputing.values / np.log(2) == pytest.approx(detecting.watch.values, abs=1e-12)
+    assert benchmark.MODULES[len(recomputing.values)] == modules
+
+
+@pytest.mark.slow
+def test_compiling_is_measured(monkeypatch):
+    monkeypatch.undo()
+    cpu, wall = benchmark.compile_seconds()
+    assert cpu > 1
+    assert wall > 1
