@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.ablations.sweep import CHANGES
+from experiments.ablations.sweep import SETTINGS
 from experiments.tables import in_order, time_of
 from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
 from jointattn_mj.laboratory.statistics import mean_interval, proportion
@@ -20,7 +20,7 @@ def _results(cells: Cells, setting: str) -> list[dict[str, Any]]:
 def analyse(cells: Cells) -> list[Finding]:
     """Order kept, with modules a run, the median turn of the third, and eye contact after it."""
     findings = []
-    for setting in CHANGES:
+    for setting in SETTINGS:
         results = _results(cells, setting)
         if not results:
             continue
@@ -41,7 +41,7 @@ def analyse(cells: Cells) -> list[Finding]:
 
 def draw(cells: Cells) -> Mapping[str, Figure]:
     """Share of runs with the order, and modules a run, for each change."""
-    settings = [setting for setting in CHANGES if _results(cells, setting)]
+    settings = [setting for setting in SETTINGS if _results(cells, setting)]
     if not settings:
         return {}
     figure = Figure(figsize=(8, 0.27 * len(settings) + 1.2), layout="constrained")

@@ -71,7 +71,10 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
             left.step(times, (np.arange(len(times)) + 1) / len(times), where="post", color=f"C{number}", label=preset)
     left.axvline(10_000, color="k", ls=":", label="asked of the fast preset")
     left.set(xscale="log", xlabel="turn at which gaze alternation is found", ylabel="share of runs", ylim=(0, 1.02))
-    left.legend(fontsize=8, loc="upper left")
+    ticks = (4_000, 7_000, 10_000, 20_000, 40_000)
+    left.set_xticks(ticks, [f"{tick // 1000}k" for tick in ticks], minor=False)
+    left.set_xticks([], minor=True)
+    left.legend(fontsize=8, loc="lower right")
     left.grid(alpha=0.3)
     for number, preset in enumerate(("fast", "thesis")):
         shares = [
@@ -89,6 +92,6 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
         ylim=(0, 1.02),
         xticks=SPOTS,
     )
-    right.legend(fontsize=8, title="nine pairs of $p_r$, $p_i$ each", loc="lower left")
+    right.legend(fontsize=8, title="nine pairs of $p_r$, $p_i$ each", loc="lower center")
     right.grid(alpha=0.3)
     return {"fast": figure}

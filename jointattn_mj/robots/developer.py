@@ -37,7 +37,8 @@ class DeveloperConfig:
     """Where the counts of a new module's variables start: ``made``, empty, when the module is made; ``ever``, with all
     turns before as turns in which it was not used."""
     refresh_every: int = 0
-    """Turns after which all maps are read off the counts anew; 0: a module's map stays as it was made. """
+    """Turns after which all maps are read off the counts anew; 0: a module's map stays as it was made. What a module
+    does sinks in the counts while it is used, so that maps which follow them undo themselves."""
     most_modules: int = 20
     """Events grow with the square of this; no further ones are made."""
 
