@@ -1,8 +1,9 @@
-"""Claims by id, each imported when it is asked for."""
+"""Claims by id. What runs one is imported when it is asked for, what reads it when it is read."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib import import_module
+from typing import Any
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.laboratory.claim import Claim
@@ -34,7 +35,10 @@ class Registry(Mapping[str, Claim]):
     def __getitem__(self, claim: str) -> Claim:
         entry = self.entries[claim]
         sweep = import_module(f"{self._package}.{entry.folder}.sweep")
-        analysis = import_module(f"{self._package}.{entry.folder}.analysis")
+
+        def analysis() -> Any:
+            return import_module(f"{self._package}.{entry.folder}.analysis")
+
         return Claim(
             id=entry.id,
             title=entry.title,
@@ -42,11 +46,11 @@ class Registry(Mapping[str, Claim]):
             says=entry.says,
             settings=sweep.SETTINGS,
             cell=sweep.cell,
-            analyse=analysis.analyse,
-            draw=analysis.draw,
+            analyse=lambda cells: analysis().analyse(cells),
+            draw=lambda cells: analysis().draw(cells),
             first_seed=getattr(sweep, "FIRST_SEED", 0),
             version=getattr(sweep, "VERSION", 1),
-            film=getattr(analysis, "FILM", None),
+            film=getattr(sweep, "FILM", None),
         )
 
     def __iter__(self) -> Iterator[str]:

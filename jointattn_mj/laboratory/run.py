@@ -126,16 +126,12 @@ def run(
         LaboratoryError: The workers are gone for good.
     """
     store, watcher = Store(folder), watcher or Watcher()
+    meant = list(plan(claims, selection))
     for claim in claims:
         store.prepare(claim.id)
     known = {claim.id: store.known(claim.id) for claim in claims}
-    tally = Tally()
-    queue: deque[Task] = deque()
-    for task in plan(claims, selection):
-        if task.key in known[task.claim.id]:
-            tally.stored += 1
-        else:
-            queue.append(task)
+    queue = deque(task for task in meant if task.key not in known[task.claim.id])
+    tally = Tally(stored=len(meant) - len(queue))
     tally.todo = len(queue)
     tally.left.update((task.claim.id, task.name) for task in queue)
     watcher.begin(tally, backend.slots())

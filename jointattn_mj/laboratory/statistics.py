@@ -28,10 +28,9 @@ class Estimate:
     def __str__(self) -> str:
         if self.share:
             return f"{self.mean:.0%} [{self.low:.0%}, {self.high:.0%}]"
-        if 0 < abs(self.mean) < 0.1:
-            digits = 2 - int(np.floor(np.log10(abs(self.mean))))
-        else:
-            digits = 2 - sum(abs(self.mean) >= limit for limit in (10, 1000))
+        size = next((abs(value) for value in (self.mean, self.low, self.high) if np.isfinite(value)), 0.0)
+        tiny = 0 < size < 0.1
+        digits = 2 - (int(np.floor(np.log10(size))) if tiny else sum(size >= limit for limit in (10, 1000)))
         low, high = _number(self.low, digits), _number(self.high, digits)
         return f"{_number(self.mean, digits)} [{low}, {high}]"
 

@@ -1,0 +1,12 @@
+"""One plain setting."""
+
+from jointattn_mj.laboratory.claim import Setting
+
+SETTINGS = {"only": Setting({"x": 1}, 2)}
+FIRST_SEED = 5
+VERSION = 3
+
+
+def cell(config, seed):
+    """Nothing much."""
+    return {"sum": config["x"] + seed}

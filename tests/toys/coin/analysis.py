@@ -1,0 +1,25 @@
+"""Share of heads over coins."""
+
+from matplotlib.figure import Figure
+
+from jointattn_mj.laboratory.claim import Finding, Verdict
+from jointattn_mj.laboratory.statistics import mean_interval
+
+
+def analyse(cells):
+    """A row a coin."""
+    findings = [
+        Finding(f"heads of the {name} one", "0.5", mean_interval([cell.result["heads"] for cell in part]), verdict)
+        for name, verdict in (("fair", Verdict.REPRODUCED), ("loaded", Verdict.NOT))
+        if (part := cells.get(name))
+    ]
+    return [*findings, Finding("a sentence", "so | so", None, Verdict.EXTENSION, "no <number> there")]
+
+
+def draw(cells):
+    """Every throw."""
+    figure = Figure(figsize=(3, 2))
+    axes = figure.subplots()
+    for name, part in cells.items():
+        axes.plot([cell.seed for cell in part], [cell.result["heads"] for cell in part], ".", label=name)
+    return {"heads": figure}
