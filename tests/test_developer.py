@@ -5,6 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numba import typeof
+from numba.core.typing.typeof import Purpose, _TypeofContext
+from numba.extending import typeof_impl
 from worlds import contingency, joint_counts, variables
 
 from jointattn_mj.contingency.counts import ALONE, OF_ACTION, OF_SENSOR, OWN, joint_table
@@ -111,6 +114,17 @@ def test_memory_fading(turns):
     diary.check(lambda t, born: np.where(t >= born, np.exp((t - t[-1]) / 40), 0.0))
     assert (np.exp(turns / 40) > FADED > diary.mind.mind.past.weight[0]) == (turns == 1000)
     assert turns < 1000 or diary.mind.modules
+
+
+@pytest.mark.parametrize("options", [{}, *({"memory": kind} for kind in ("reset", "window", "fading"))], ids=str)
+def test_all_minds_are_of_one_type(options):
+    """Else compiled code would take what it is given for something else."""
+    diary = Diary(replace(HASTY, refresh_every=50, **options), 300)
+    other = Developer(variables([2], [2], [2]), DeveloperConfig(detector=DetectorConfig(rule="certain")), 0)
+    stored = pickle.loads(pickle.dumps(diary.mind))
+    known = typeof(other.mind)
+    for mind in (diary.mind.mind, other.mind, stored.mind):
+        assert typeof_impl.dispatch(tuple)(mind, _TypeofContext(Purpose.argument)) == known
 
 
 def test_xor_is_found():

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import njit, types
+from numba.extending import typeof_impl
 
 from jointattn_mj.contingency.counts import Counts, add, divide, empty_counts, joined, joint_table, set_joint_table
 from jointattn_mj.contingency.detector import NOTHING, DetectorConfig, Watch, grown, look, new_watch
@@ -94,6 +95,17 @@ class Mind(NamedTuple):
     turns: np.ndarray
     """(1,) turns so far."""
     random: np.random.Generator
+
+
+_known: list[types.Type] = []
+
+
+@typeof_impl.register(Mind)
+def _type_of_mind(mind, context):
+    """All minds are of one type; numba would work it out field by field, in sixty times the time of a turn."""
+    if not _known:
+        _known.append(typeof_impl.dispatch(tuple)(mind, context))
+    return _known[0]
 
 
 FADED = 1e9
