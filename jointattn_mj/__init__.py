@@ -5,7 +5,7 @@ from typing import Any
 from jointattn_mj import compiled as _compiled
 from jointattn_mj.scene import gl as _gl
 
-_gl.choose_backend()
+_gl.choose_when_needed()
 _compiled.choose_folder()
 
 __version__ = "0.1.0"

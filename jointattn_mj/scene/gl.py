@@ -1,4 +1,4 @@
-"""Which OpenGL backend MuJoCo renders with: chosen once, before anything imports mujoco.
+"""Which OpenGL backend MuJoCo renders with: chosen once, when something first imports mujoco.
 
 A backend is software (EGL or OSMesa, both through Mesa) or a GPU driver's EGL. MuJoCo reads ``MUJOCO_GL`` when it is
 imported and fails there with a traceback when a library or a driver is missing; this file asks both first. Where no
@@ -8,11 +8,16 @@ picture can be rendered everything else works, and the first look says why there
 import ctypes
 import os
 import sys
+from collections.abc import Sequence
+from importlib.abc import MetaPathFinder
+from types import ModuleType
 
 DISABLED = ("disable", "disabled", "off", "false", "0")
 CHOICES = ("", "egl", "osmesa", "glfw", "glx", "enable", "enabled", "on", "true", "1", *DISABLED)
 """What MuJoCo takes for ``MUJOCO_GL`` on Linux."""
 EGL_PLATFORM_DEVICE = 0x313F
+READERS = ("mujoco", "dm_control")
+"""Packages that read ``MUJOCO_GL`` when they are imported."""
 LIBRARIES = {"egl": ("libEGL.so.1", "libOpenGL.so.0"), "osmesa": ("libOSMesa.so.8", "libOSMesa.so")}
 
 INSTALL = (
@@ -62,6 +67,25 @@ def available(backend: str) -> bool:
     if backend == "egl":
         return all(_loads(name) for name in LIBRARIES["egl"]) and _egl_opens()
     return any(_loads(name) for name in LIBRARIES["osmesa"])
+
+
+class _Chooser(MetaPathFinder):
+    """Asked for every module before it is imported; finds none, but chooses a backend before the first reader."""
+
+    chosen = False
+
+    def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> None:
+        if name in READERS and not self.chosen:
+            self.chosen = True
+            choose_backend()
+
+
+def choose_when_needed() -> None:
+    """Let a backend be chosen before mujoco or dm_control is imported; until then no OpenGL library is touched."""
+    if any(name in sys.modules for name in READERS):
+        choose_backend()
+    else:
+        sys.meta_path.insert(0, _Chooser())
 
 
 def choose_backend() -> None:

@@ -1,0 +1,45 @@
+"""What importing the package brings with it: little, and nothing of OpenGL; what is optional asks for itself."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+HEAVY = ("numpy", "mujoco", "dm_control", "OpenGL", "torch", "cv2", "numba", "scipy", "matplotlib", "pyarrow", "tyro")
+IMPORT = """
+import sys
+import jointattn_mj
+print(*sorted(name for name in {modules} if name in sys.modules))
+print(*sorted({{line.split("/")[-1].strip() for line in open("/proc/self/maps") if "GL" in line or "OSMesa" in line}}))
+"""
+
+
+def python(code: str, **environment: str) -> subprocess.CompletedProcess:
+    """Run in a fresh interpreter in which no backend was chosen."""
+    kept = {name: value for name, value in os.environ.items() if name not in ("MUJOCO_GL", "PYOPENGL_PLATFORM")}
+    return subprocess.run(
+        [sys.executable, "-c", code], env=kept | environment, capture_output=True, text=True, timeout=120
+    )
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads the process's memory map")
+def test_importing_the_package_is_light():
+    done = python(IMPORT.format(modules=HEAVY))
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == "\n\n"
+
+
+@pytest.mark.parametrize("reader", ["mujoco", "dm_control.mujoco"])
+def test_a_backend_is_chosen_before_mujoco_reads_it(reader):
+    code = f"import os, jointattn_mj; before = 'MUJOCO_GL' in os.environ\nimport {reader}\n"
+    done = python(code + "print(before, os.environ['MUJOCO_GL'])")
+    assert done.returncode == 0, done.stderr
+    before, backend = done.stdout.split()
+    assert before == "False"
+    assert backend in ("egl", "osmesa", "disable")
+
+
+def test_a_backend_that_was_asked_for_stays():
+    done = python("import jointattn_mj, mujoco, os; print(os.environ['MUJOCO_GL'])", MUJOCO_GL="off")
+    assert (done.stdout.strip(), done.returncode) == ("off", 0), done.stderr
