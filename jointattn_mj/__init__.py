@@ -10,11 +10,11 @@ _compiled.choose_folder()
 
 __version__ = "0.1.0"
 
-_SUITE = ("load", "ALL_TASKS")
+_SUITE = ("load", "ALL_TASKS", "BENCHMARKING", "EASY", "HARD", "TASKS_BY_DOMAIN")
 
 
 def __getattr__(name: str) -> Any:
-    """``load`` and ``ALL_TASKS`` of ``jointattn_mj.tasks``, which imports mujoco when one of them is asked for."""
+    """What ``jointattn_mj.tasks`` offers, which imports mujoco when it is asked for."""
     if name in _SUITE:
         from jointattn_mj import tasks
 

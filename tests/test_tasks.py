@@ -1,4 +1,4 @@
-"""Every task of the suite: dm_env's own conformance tests, determinism, memory, rewards; and this domain's geometry."""
+"""Every task of the suite: dm_env's own conformance tests, determinism, memory, rewards, and dm_control's wrappers."""
 
 import subprocess
 import sys
@@ -6,57 +6,73 @@ import sys
 import numpy as np
 import pytest
 from absl.testing import absltest
-from dm_control.mujoco.engine import MovableCamera
+from dm_control.suite.wrappers import action_noise, action_scale, pixels
 from dm_env import StepType, test_utils
 
 import jointattn_mj
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.scene.camera import directions_to
-from jointattn_mj.scene.caregiver import Phase
-from jointattn_mj.scene.model import SceneConfig
-from jointattn_mj.scene.world import World, WorldConfig
-from jointattn_mj.tasks import ALL_TASKS, joint_attention, load, tagged
+from jointattn_mj.tasks import ALL_TASKS, BENCHMARKING, EASY, HARD, TASKS_BY_DOMAIN, load, tagged
 
-DOMAIN = ("joint_attention", "object_transfer")
-BLIND = {"camera": False}
-every_task = pytest.mark.parametrize(("domain", "task"), ALL_TASKS)
+every_task = pytest.mark.parametrize(("domain", "task"), ALL_TASKS, ids=lambda name: name)
+STEPS = 40
 
 
-def blind(seed: int = 0, **environment_kwargs):
-    """The task without pictures."""
-    return load(*DOMAIN, task_kwargs=BLIND | {"random": seed}, environment_kwargs=environment_kwargs)
+@pytest.fixture(scope="module")
+def blind():
+    """Gives each task without pictures, made once and begun anew with a seed."""
+    made = {}
+
+    def give(domain, task, seed=0):
+        if task not in made:
+            made[task] = load(domain, task, task_kwargs={"camera": False, "truth": True})
+        made[task].task.seed(seed)
+        return made[task]
+
+    yield give
+    for environment in made.values():
+        environment.close()
 
 
 def random_actions(environment, count: int, seed: int = 0) -> np.ndarray:
     spec = environment.action_spec()
-    return np.random.default_rng(seed).uniform(spec.minimum, spec.maximum, (count, *spec.shape))
+    chosen = np.random.default_rng(seed).uniform(spec.minimum, spec.maximum + (spec.dtype == int), (count, *spec.shape))
+    return chosen.astype(spec.dtype)
 
 
-def look_at(environment, target: int) -> None:
-    """Turn the robot's head towards a target at once, the caregiver standing still."""
-    physics = environment.physics
-    points = np.vstack([physics.object_positions(), physics.face_position()])
-    physics.named.data.qpos[["robot/pan", "robot/tilt"]] = np.radians(directions_to(points)[target])
-    physics.forward()
+def conformance(task: str):
+    """dm_env's own tests of a task, over the end of an episode."""
+
+    class Conformance(test_utils.EnvironmentTestMixin, absltest.TestCase):
+        def make_object_under_test(self):
+            time_limit = 4.0 if "turn" in task else 0.4
+            return load("joint_attention", task, environment_kwargs={"time_limit": time_limit, **self.more})
+
+        more = {}  # noqa: RUF012
+
+    return Conformance
 
 
-class ObjectTransferTest(test_utils.EnvironmentTestMixin, absltest.TestCase):
-    """dm_env's own tests, over the end of an episode."""
-
-    def make_object_under_test(self):
-        return load(*DOMAIN, task_kwargs={"random": 0}, environment_kwargs={"time_limit": 0.4})
+class ObjectTransferTest(conformance("object_transfer")):
+    """Of the task that lasts longest."""
 
 
-class FlatObservationTest(test_utils.EnvironmentTestMixin, absltest.TestCase):
-    """The same with all observations in one array."""
+class FollowHardTest(conformance("follow_hard")):
+    """Of the one in which physics changes from episode to episode."""
 
-    def make_object_under_test(self):
-        return load(*DOMAIN, task_kwargs=BLIND, environment_kwargs={"time_limit": 0.4, "flat_observation": True})
+
+class TurnTakingTest(conformance("turn_taking")):
+    """Of the one whose actions are whole numbers."""
+
+
+class FlatObservationTest(conformance("turn_taking")):
+    """With all observations in one array."""
+
+    more = {"flat_observation": True}  # noqa: RUF012
 
 
 @every_task
 def test_specs_and_observations(domain, task):
-    environment = load(domain, task, task_kwargs={"random": 1})
+    environment = load(domain, task, task_kwargs={"random": 1, "truth": True})
     spec = environment.observation_spec()
     step = environment.reset()
     assert list(step.observation) == list(spec)
@@ -66,49 +82,83 @@ def test_specs_and_observations(domain, task):
         for name, value in step.observation.items():
             spec[name].validate(value)
             assert np.isfinite(value).all()
-    assert environment.control_timestep() == pytest.approx(1 / 30)
     environment.close()
 
 
 @every_task
+def test_truth_only_where_asked_for(domain, task):
+    environment = load(domain, task, task_kwargs={"random": 1})
+    asked = load(domain, task, task_kwargs={"random": 1, "truth": True, "camera": False})
+    known = set(environment.reset().observation)
+    assert known <= {"camera", "head_angles", "head_moves"}
+    assert set(asked.reset().observation) - known
+    environment.close(), asked.close()
+
+
+@every_task
 def test_same_seed_same_episode(domain, task):
-    first, second = (load(domain, task, task_kwargs={"random": 7}) for _ in range(2))
-    first.reset(), second.reset()
-    for action in random_actions(first, 40):
-        one, two = first.step(action), second.step(action)
-        assert one.reward == two.reward
-        for name in one.observation:
-            np.testing.assert_array_equal(one.observation[name], two.observation[name])
+    first, second = (load(domain, task, task_kwargs={"random": 7, "truth": True}) for _ in range(2))
+    for _ in range(2):
+        one, two = first.reset(), second.reset()
+        for action in random_actions(first, 10):
+            for name in one.observation:
+                np.testing.assert_array_equal(one.observation[name], two.observation[name])
+            one, two = first.step(action), second.step(action)
+            assert one.reward == two.reward
     np.testing.assert_array_equal(first.physics.get_state(), second.physics.get_state())
     first.close(), second.close()
 
 
 @every_task
+def test_another_seed_another_episode(blind, domain, task):
+    states = []
+    for seed in (1, 2, 1):
+        environment = blind(domain, task, seed)
+        environment.reset()
+        for action in random_actions(environment, 5):
+            environment.step(action)
+        states.append(np.append(environment.physics.data.mocap_pos.ravel(), environment.physics.data.qpos))
+    assert not np.array_equal(states[0], states[1])
+    np.testing.assert_array_equal(states[0], states[2])
+
+
+@every_task
 def test_observations_share_no_memory(domain, task):
-    environment = load(domain, task)
+    environment = load(domain, task, task_kwargs={"truth": True})
     steps = [environment.reset(), *(environment.step(action) for action in random_actions(environment, 2))]
     for name in steps[0].observation:
         arrays = [step.observation[name] for step in steps]
         assert not any(np.shares_memory(a, b) for i, a in enumerate(arrays) for b in arrays[:i])
-    before = steps[-1].observation["camera"].copy()
-    steps[-1].observation["camera"][:] = 0
-    np.testing.assert_array_equal(environment.task.get_observation(environment.physics)["camera"], before)
+        before = arrays[-1].copy()
+        arrays[-1][...] = 1 - before
+        np.testing.assert_array_equal(environment.task.get_observation(environment.physics)[name], before)
     environment.close()
 
 
 @every_task
-def test_every_episode_begins_differently(domain, task):
-    environment = load(domain, task, task_kwargs={"camera": False, "random": 3})
-    states = []
-    for _ in range(3):
+def test_every_episode_begins_differently(blind, domain, task):
+    environment = blind(domain, task, seed=3)
+    places = []
+    for _ in range(12):
         environment.reset()
-        states.append(environment.physics.data.mocap_pos.copy())
-    assert not any(np.array_equal(a, b) for i, a in enumerate(states) for b in states[:i])
+        places.append(environment.physics.object_positions().ravel().copy())
+    assert len(np.unique(np.round(places, 6), axis=0)) >= 3  # objects of turn_taking lie in one of three ways
 
 
 @every_task
-def test_everything_has_a_name(domain, task):
-    model = load(domain, task, task_kwargs={"camera": False}).physics.model
+def test_people_take_turns_in_the_hard_form_alone(blind, domain, task):
+    environment = blind(domain, task)
+    people = set()
+    for _ in range(12):
+        environment.reset()
+        people.add(environment.task.world.config.scene.caregiver)
+        assert environment.physics is environment.task.world.physics
+    assert len(people) > 2 if (domain, task) in HARD else people == {"robin"}
+
+
+@every_task
+def test_everything_has_a_name(blind, domain, task):
+    model = blind(domain, task).physics.model
     counts = {"body": model.nbody, "joint": model.njnt, "geom": model.ngeom, "site": model.nsite, "camera": model.ncam}
     counts |= {"actuator": model.nu, "mesh": model.nmesh, "material": model.nmat}
     for kind, count in counts.items():
@@ -117,211 +167,96 @@ def test_everything_has_a_name(domain, task):
 
 
 @every_task
-def test_rewards_are_numbers_from_0_to_1(domain, task):
-    environment = load(domain, task, task_kwargs={"camera": False})
+def test_rewards_are_numbers_from_0_to_1(blind, domain, task):
+    environment = blind(domain, task)
     environment.reset()
-    for action in random_actions(environment, 300):
-        reward = environment.step(action).reward
-        assert np.isscalar(reward)
-        assert 0 <= reward <= 1
+    for action in random_actions(environment, 200):
+        step = environment.step(action)
+        if not step.first():
+            assert isinstance(step.reward, float)
+            assert 0 <= step.reward <= 1
+
+
+@every_task
+def test_who_knows_everything_earns_more_than_chance(blind, domain, task):
+    """And no more than there is; chance is the better one of random actions and none."""
+
+    def earned(act):
+        environment = blind(domain, task, seed=4)
+        rewards = []
+        for _ in range(3):
+            step = environment.reset()
+            while not step.last() and len(rewards) < 400:
+                step = environment.step(act(environment))
+                rewards.append(step.reward)
+        return np.mean(rewards)
+
+    actions = iter(random_actions(blind(domain, task), 3000))
+    chance = max(earned(lambda _: next(actions)), earned(lambda _: np.zeros(2)))
+    assert 1.5 * chance + 0.1 < earned(lambda environment: environment.task.best_action(environment.physics)) <= 1
 
 
 @every_task
 def test_an_episode_ends_at_its_time_limit(domain, task):
-    environment = load(domain, task, task_kwargs={"camera": False, "time_limit": 2.0})
+    environment = load(domain, task, task_kwargs={"camera": False, "time_limit": 3.0})
+    steps = round(3.0 / environment.control_timestep())
     environment.reset()
-    kinds = [environment.step(np.zeros(2)).step_type for _ in range(61)]
-    assert kinds[:59] == [StepType.MID] * 59
-    assert kinds[59] == StepType.LAST  # 60 steps of 1/30 s
-    assert kinds[60] == StepType.FIRST
-
-
-def test_the_usual_episode_lasts_a_minute():
-    environment = blind()
-    environment.reset()
-    steps = 1
-    while not environment.step(np.zeros(2)).last():
-        steps += 1
-    assert steps == 1800
-
-
-def test_one_task_is_one_world():
-    """The environment's physics does the very steps that ``World.step`` does."""
-    environment = load(*DOMAIN, task_kwargs={"random": 7})
-    environment.reset()
-    (seed,) = np.random.SeedSequence(7).spawn(1)
-    world = World.build(WorldConfig(), seed)
-    for i, action in enumerate(random_actions(environment, 600)):
-        step = environment.step(action)
-        world.step(action)
-        for name in ("qpos", "qvel", "mocap_pos", "xpos", "site_xpos"):
-            np.testing.assert_array_equal(getattr(environment.physics.data, name), getattr(world.data, name), name)
-        np.testing.assert_array_equal(step.observation["head_angles"], world.head_angles())
-        assert step.observation["head_moves"] == world.head_moves()
-        if i % 100 == 0:
-            np.testing.assert_array_equal(step.observation["camera"], world.picture())
-    environment.close()
-    world.close()
-
-
-def test_without_camera_nothing_is_rendered():
-    environment = blind()
-    step = environment.reset()
-    environment.step(np.zeros(2))
-    assert list(step.observation) == list(environment.observation_spec()) == ["head_angles", "head_moves"]
-    assert environment.task.world.rendered_frames == 0
-
-
-def test_one_picture_a_step():
-    environment = load(*DOMAIN)
-    environment.reset()
-    for _ in range(5):
-        environment.step(np.zeros(2))
-    assert environment.task.world.rendered_frames == 6
+    idle = np.zeros(2, environment.action_spec().dtype)
+    taken = [environment.step(idle) for _ in range(steps + 1)]
+    assert [step.step_type for step in taken[:-2]] == [StepType.MID] * (steps - 1)
+    assert taken[-2].last()
+    assert taken[-2].discount == 1.0  # time is up, nothing more: no terminal state
+    assert taken[-1].first()
     environment.close()
 
 
-def test_physics_renders_for_others_too():
-    environment = load(*DOMAIN)
-    camera = environment.reset().observation["camera"]
-    third = environment.physics.render(camera_id="third_person")
-    assert third.shape == (240, 320, 3)
-    assert third.std() > 10
-    np.testing.assert_array_equal(environment.physics.render(camera_id="robot/eye"), camera)
-    assert MovableCamera(environment.physics, 120, 160).render().shape == (120, 160, 3)
-    np.testing.assert_array_equal(environment.task.get_observation(environment.physics)["camera"], camera)
+@every_task
+def test_pixels_wrapper(domain, task):
+    environment = pixels.Wrapper(load(domain, task, task_kwargs={"camera": False, "people": ("noa", "kai")}))
+    for _ in range(3):
+        shown = environment.reset().observation["pixels"]
+        environment.observation_spec()["pixels"].validate(shown)
+        assert shown.std() > 10
     environment.close()
 
 
-def episode_return(environment, policy) -> float:
-    step, total = environment.reset(), 0.0
-    while not step.last():
-        step = environment.step(policy(environment))
-        total += step.reward or 0.0
-    return total / 1800
+@every_task
+def test_action_wrappers(blind, domain, task):
+    """The noise comes from the task's seed; whole numbers stay whole."""
+    noisy = []
+    for scale in (0.0, 0.3, 0.3):
+        plain = blind(domain, task, seed=5)
+        environment = action_scale.Wrapper(action_noise.Wrapper(plain, scale=scale), minimum=-1.0, maximum=1.0)
+        environment.reset()
+        for _ in range(6):
+            step = environment.step(np.full(2, 0.2))
+        noisy.append(np.concatenate([np.ravel(part) for part in step.observation.values()]))
+    assert not np.array_equal(noisy[0], noisy[1])
+    np.testing.assert_array_equal(noisy[1], noisy[2])
 
 
-def test_an_oracle_earns_more_than_chance():
-    def oracle(environment):
-        target = environment.task.world.caregiver.target
-        points = environment.physics.object_positions()
-        return np.zeros(2) if target is None else np.radians(directions_to(points)[target])
-
-    rng = np.random.default_rng(0)
-
-    def at_random(environment):
-        spec = environment.action_spec()
-        return rng.uniform(spec.minimum, spec.maximum)
-
-    environment = blind()
-    best = episode_return(environment, oracle)
-    assert best > 0.7  # the rest is greeting and turning
-    assert episode_return(environment, lambda _: np.zeros(2)) < 0.1
-    assert episode_return(environment, at_random) < 0.1
-    assert best <= 1
+@every_task
+@pytest.mark.parametrize("wrong", [{"control_timestep": 0.02}, {"n_sub_steps": 1}])
+def test_the_control_timestep_is_fixed(domain, task, wrong):
+    with pytest.raises(ConfigError, match="/30 s"):
+        load(domain, task, environment_kwargs=wrong)
 
 
-@pytest.mark.parametrize("target", range(5))
-def test_the_robot_fixates_what_it_is_turned_to(target):
-    environment = blind()
-    environment.reset()
-    look_at(environment, target)
-    physics = environment.physics
-    assert physics.robot_fixates() == target
-    assert physics.robot_to_targets()[target] < 1e-6
-    assert physics.in_view()[target]
-    assert not physics.joint_attention()  # she still greets
-
-
-def test_nothing_within_the_radius_is_nothing_fixated():
-    environment = blind()
-    environment.reset()
-    physics = environment.physics
-    physics.named.data.qpos[["robot/pan", "robot/tilt"]] = np.radians([100.0, 10.0])
-    physics.forward()
-    assert physics.robot_fixates() is None
-    assert physics.robot_fixates(radius=np.pi) is not None
-    assert not physics.in_view().any()
-    assert not physics.joint_attention()
-
-
-def test_the_caregiver_fixates_her_target():
-    environment = blind(seed=5)
-    environment.reset()
-    physics, caregiver = environment.physics, environment.task.world.caregiver
-    assert physics.caregiver_fixates() == len(physics.object_names)  # she greets: it is the robot
-    right = wrong = 0
-    for _ in range(900):
-        environment.step(np.zeros(2))
-        if caregiver.phase not in (Phase.GREET, Phase.TURN):
-            right += physics.caregiver_fixates() == caregiver.target
-            wrong += physics.caregiver_fixates() != caregiver.target
-    assert right > 500
-    assert wrong < 0.01 * right
-
-
-def test_both_at_the_same_object_is_rewarded():
-    environment = blind(seed=2)
-    environment.reset()
-    while environment.task.world.caregiver.phase != Phase.REACH:
-        environment.step(np.zeros(2))
-    look_at(environment, environment.task.world.caregiver.target)
-    assert environment.task.get_reward(environment.physics) == 1.0
-    other = (environment.task.world.caregiver.target + 1) % 4
-    look_at(environment, other)
-    assert environment.task.get_reward(environment.physics) == 0.0
-
-
-def test_a_copy_of_the_physics_answers_too():
-    environment = blind()
-    environment.reset()
-    copy = environment.physics.copy()
-    assert copy.object_names == ("red", "yellow", "blue", "green")
-    np.testing.assert_array_equal(copy.robot_to_targets(), environment.physics.robot_to_targets())
-    np.testing.assert_array_equal(copy.caregiver_to_targets(), environment.physics.caregiver_to_targets())
-
-
-def test_the_table_is_within_reach_of_the_action():
-    environment = blind()
-    low, high = np.degrees(environment.action_spec().minimum), np.degrees(environment.action_spec().maximum)
-    corners = np.array([(x, y, 0.741) for x in (0.90, 1.12) for y in (-0.36, 0.36)] + [(1.5, 0, 1.08)])
-    directions = directions_to(corners)
-    assert np.all((directions > low + 5) & (directions < high - 5))
-
-
-def test_reward_can_be_seen_from_outside_and_not_by_the_robot():
-    lit, plain = (load(*DOMAIN, task_kwargs={"random": 2}, visualize_reward=shown) for shown in (True, False))
-    lit.reset(), plain.reset()
-    rewarded = colours = 0
-    for _ in range(120):
-        target = lit.task.world.caregiver.target
-        action = np.zeros(2) if target is None else np.radians(directions_to(lit.physics.object_positions())[target])
-        one, two = lit.step(action), plain.step(action)
-        green = np.allclose(lit.physics.named.model.geom_rgba["robot/lens_left"], joint_attention.LENS_LIT)
-        assert green == bool(one.reward)
-        rewarded, colours = rewarded + bool(one.reward), colours + green
-        np.testing.assert_array_equal(one.observation["camera"], two.observation["camera"])
-    assert rewarded > 10
-    assert np.allclose(plain.physics.named.model.geom_rgba["robot/lens_left"], joint_attention.LENS_RGBA)
-    lit.close(), plain.close()
+@pytest.mark.parametrize("seconds", [0.0, -1.0, float("nan")])
+def test_an_episode_takes_time(seconds):
+    with pytest.raises(ConfigError, match="time_limit"):
+        load("joint_attention", "follow", task_kwargs={"time_limit": seconds})
 
 
 def test_a_random_state_may_give_the_seed():
     states = []
     for seed in (4, 4, 5):
-        environment = load(*DOMAIN, task_kwargs=BLIND | {"random": np.random.RandomState(seed)})
+        random = np.random.RandomState(seed)
+        environment = load("joint_attention", "follow", task_kwargs={"camera": False, "random": random})
         environment.reset()
         states.append(environment.physics.data.mocap_pos.copy())
     np.testing.assert_array_equal(states[0], states[1])
     assert not np.array_equal(states[0], states[2])
-
-
-def test_another_world():
-    world = WorldConfig(scene=SceneConfig(objects=SceneConfig().objects[:2]))
-    environment = load(*DOMAIN, task_kwargs=BLIND | {"world": world})
-    environment.reset()
-    assert environment.physics.object_names == ("red", "yellow")
-    assert environment.physics.robot_to_targets().shape == (3,)
 
 
 def test_unknown_names_are_errors_that_tell_the_known_ones():
@@ -329,24 +264,23 @@ def test_unknown_names_are_errors_that_tell_the_known_ones():
         load("joint_intention", "object_transfer")
     with pytest.raises(ValueError, match="object_transfer"):
         load("joint_attention", "peekaboo")
-
-
-@pytest.mark.parametrize("wrong", [{"control_timestep": 0.02}, {"n_sub_steps": 1}])
-def test_the_control_timestep_is_fixed(wrong):
-    with pytest.raises(ConfigError, match="1/30 s"):
-        load(*DOMAIN, environment_kwargs=wrong)
+    with pytest.raises(ConfigError, match="robin"):
+        load("joint_attention", "follow", task_kwargs={"people": ("nobody",)})
 
 
 def test_tasks_bear_tags():
-    assert DOMAIN in tagged("benchmarking")
+    names = [task for _, task in ALL_TASKS]
+    assert {"joint_attention": tuple(names)} == TASKS_BY_DOMAIN
+    assert set(BENCHMARKING) == set(EASY) | set(HARD) == set(ALL_TASKS)
+    assert {(domain, f"{task}_hard") for domain, task in EASY} == set(HARD)
     assert tagged("no such tag") == ()
 
 
-def test_the_package_offers_load_and_imports_mujoco_only_then():
+def test_the_package_offers_the_suite_and_imports_mujoco_only_then():
     assert jointattn_mj.load is load
     assert jointattn_mj.ALL_TASKS is ALL_TASKS
-    assert {"load", "ALL_TASKS"} <= set(dir(jointattn_mj))
+    assert {"load", "ALL_TASKS", "BENCHMARKING"} <= set(dir(jointattn_mj))
     with pytest.raises(AttributeError, match="peekaboo"):
         _ = jointattn_mj.peekaboo
-    check = "import sys, jointattn_mj; assert not {'mujoco', 'dm_control', 'cv2', 'numba'} & set(sys.modules)"
+    check = "import sys, jointattn_mj; assert not {'mujoco', 'dm_control', 'cv2', 'numba', 'numpy'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", check], check=True)

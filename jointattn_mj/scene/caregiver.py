@@ -7,6 +7,7 @@ per frame) and then played; nothing she does depends on the robot.
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import ClassVar
 
 import numpy as np
 
@@ -114,6 +115,9 @@ class ObjectTransfer:
         objects: (n, 3) centres of the objects, world frame, m.
     """
 
+    following: ClassVar[dict[Phase, Phase]] = FOLLOWING
+    """What she does after each phase."""
+
     def __init__(
         self,
         config: CaregiverConfig,
@@ -149,7 +153,7 @@ class ObjectTransfer:
     def advance(self) -> None:
         """Live through one frame."""
         if self._frame + 1 == len(self._plan.joints):
-            self._begin(FOLLOWING[self.phase])
+            self._begin(self.following[self.phase])
             self._play(0)
         else:
             self._play(self._frame + 1)

@@ -52,7 +52,10 @@ def build_physics(config: WorldConfig) -> Physics:
 
 
 class World:
-    """Body and script over a physics; one ``step`` is one camera frame of 1/30 s."""
+    """Body and script over a physics; one ``step`` is one camera frame of 1/30 s, or ``frames`` of them."""
+
+    frames: int = 1
+    """Camera frames in a step, in which whatever moves does so steadily; more are for worlds that derive from this."""
 
     def __init__(self, config: WorldConfig, physics: Physics, seed: np.random.SeedSequence):
         self._bind(config, physics)
@@ -71,7 +74,7 @@ class World:
         objects = _span([model.body(f"object/{item.name}").mocapid[0] for item in config.scene.objects])
         self._object_places = self.data.mocap_pos[objects]
         self._controls = self.data.ctrl
-        self._steps = steps_per_frame(model)
+        self._steps = self.frames * steps_per_frame(model)
         self._picture: np.ndarray | None = None
 
     @classmethod
@@ -81,18 +84,11 @@ class World:
 
     def reset(self, seed: np.random.SeedSequence) -> None:
         """Begin anew: another table, the caregiver about to greet, the robot's head straight ahead."""
-        config = self.config
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_forward(self.model, self.data)
-        self.caregiver = ObjectTransfer(
-            config.behaviour,
-            config.layout,
-            len(config.scene.objects),
-            rest_height=rest_height(config.scene),
-            head=self.data.site("caregiver/face").xpos.copy(),
-            arm=Arm.from_model(self.model, np.radians(config.behaviour.hand_pitch_deg)),
-            rng=np.random.default_rng(seed),
-        )
+        head = self.data.site("caregiver/face").xpos.copy()
+        arm = Arm.from_model(self.model, np.radians(self.config.behaviour.hand_pitch_deg))
+        self.caregiver = self.new_caregiver(head, arm, np.random.default_rng(seed))
         self._script_angles[:] = self.caregiver.joints
         self._object_places[:] = self.caregiver.objects
         mujoco.mj_forward(self.model, self.data)
@@ -100,6 +96,12 @@ class World:
         self._points = np.vstack([self.caregiver.objects, self.data.site("caregiver/face").xpos])
         self.rendered_frames = 0
         self._picture = None
+
+    def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> ObjectTransfer:
+        """Who sits at the table, for an episode; ``head`` (3,) is the head's centre, world frame, metres."""
+        config = self.config
+        objects, height = len(config.scene.objects), rest_height(config.scene)
+        return ObjectTransfer(config.behaviour, config.layout, objects, height, head, arm, rng)
 
     def step(self, command: np.ndarray) -> None:
         """One frame: the caregiver moves on, the head's servos follow ``command`` (pan, tilt; rad)."""
@@ -117,9 +119,13 @@ class World:
         """
         caregiver = self.caregiver
         self._objects_before[:] = caregiver.objects
-        caregiver.advance()
+        for _ in range(self.frames):
+            caregiver.advance()
         self._controls[:] = command
-        _set_out(caregiver.joints, self._script_angles, self._script_speeds, caregiver.objects, self._object_places)
+        _set_out(
+            caregiver.joints, self._script_angles, self._script_speeds, caregiver.objects, self._object_places,
+            self.frames * FRAME_S,
+        )  # fmt: skip
         self._picture = None
 
     def picture(self) -> np.ndarray:
@@ -184,9 +190,9 @@ class World:
 
 
 @njit(cache=True)
-def _set_out(joints, angles, speeds, objects, places):
-    """Speeds that bring ``angles`` to ``joints`` within a frame, and objects to where they are: one call, not four."""
-    speeds[:] = (joints - angles) / FRAME_S
+def _set_out(joints, angles, speeds, objects, places, seconds):
+    """Speeds that bring ``angles`` to ``joints`` in time, and objects to where they are: one call, not four."""
+    speeds[:] = (joints - angles) / seconds
     places[:] = objects
 
 

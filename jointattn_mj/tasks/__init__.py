@@ -6,10 +6,9 @@ Physics answers geometry, Task decides episodes, Environment steps.
 
 from typing import Any
 
-from dm_control.rl import control
-
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.tasks import joint_attention
+from jointattn_mj.tasks.environment import Environment
 
 _DOMAINS = {"joint_attention": joint_attention}
 
@@ -24,13 +23,19 @@ def tagged(tag: str) -> tuple[tuple[str, str], ...]:
     return tuple((domain, task) for domain, task in ALL_TASKS if task in _DOMAINS[domain].SUITE.tagged(tag))
 
 
+BENCHMARKING, EASY, HARD = tagged("benchmarking"), tagged("easy"), tagged("hard")
+"""Pairs that bear a tag, as in dm_control's suite."""
+TASKS_BY_DOMAIN = {name: tuple(module.SUITE) for name, module in sorted(_DOMAINS.items())}
+"""Names of a domain's tasks."""
+
+
 def load(
     domain_name: str,
     task_name: str,
     task_kwargs: dict[str, Any] | None = None,
     environment_kwargs: dict[str, Any] | None = None,
     visualize_reward: bool = False,
-) -> control.Environment:
+) -> Environment:
     """An environment of the suite, as ``dm_control.suite.load`` gives it.
 
     Args:
@@ -48,6 +53,9 @@ def load(
     suite = _DOMAINS[domain_name].SUITE
     if task_name not in suite:
         raise ConfigError(f"no task {task_name!r} in domain {domain_name!r}; there are: {', '.join(suite)}")
-    environment = suite[task_name](**(task_kwargs or {}), environment_kwargs=environment_kwargs)
+    settings = dict(task_kwargs or {})
+    if environment_kwargs is not None:
+        settings["environment_kwargs"] = environment_kwargs
+    environment = suite[task_name](**settings)
     environment.task.visualize_reward = visualize_reward
     return environment

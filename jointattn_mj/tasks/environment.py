@@ -1,0 +1,173 @@
+"""What all tasks share: episodes with a seed each, people who take turns, pictures, and the interface of dm_control."""
+
+from abc import abstractmethod
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, ClassVar
+
+import numpy as np
+from dm_control.mujoco.wrapper import MjModel
+from dm_control.rl import control
+from dm_env import specs
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.scene.caregiver import FRAME_S
+from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH, build_model
+from jointattn_mj.scene.world import World, WorldConfig
+from jointattn_mj.tasks.physics import Physics
+
+LOWEST = np.radians([-45.0, -35.0])
+HIGHEST = np.radians([45.0, 15.0])
+"""Bounds of the head's (pan, tilt), rad: wherever objects lie, and her face, with room to spare."""
+LENSES = ("robot/lens_left", "robot/lens_right")
+LENS_RGBA, LENS_LIT = (0.55, 0.80, 0.88, 1.0), (0.25, 0.95, 0.35, 1.0)
+"""The robot's eyes, seen from outside: as in assets/robot.xml, and while reward is given (``visualize_reward``)."""
+
+Random = np.random.RandomState | int | None
+
+
+class Task(control.Task):
+    """An episode with the caregiver, whose k-th seed is the k-th child of the task's.
+
+    Attributes:
+        world: Body and script of the episode; there from the first on.
+        visualize_reward: Whether the robot's eyes light up while reward is given.
+    """
+
+    kind: ClassVar[type[World]] = World
+    """What the world does by itself."""
+    world: World
+
+    def __init__(
+        self, config: WorldConfig, random: Random = None, camera: bool = True, truth: bool = False,
+        people: Sequence[str] = (),
+    ):  # fmt: skip
+        """``people``: names of caregivers of whom each episode has one; nobody: the one of ``config``."""
+        self._configs = [replace(config, scene=replace(config.scene, caregiver=name, face=None)) for name in people]
+        self._configs = self._configs or [config]
+        self._worlds: dict[int, World] = {}
+        self._camera, self._truth = camera, truth
+        self.visualize_reward = False
+        self.seed(random)
+
+    def seed(self, random: Random) -> None:
+        """Begin anew with the episodes of another seed, or of one that a state draws; None draws one."""
+        entropy = random.randint(2**31, size=4).tolist() if isinstance(random, np.random.RandomState) else random
+        self._seeds = np.random.SeedSequence(entropy)
+        self._casting = np.random.default_rng(self._seeds)
+        self.random = np.random.RandomState(np.random.MT19937(self._seeds))
+        """For wrappers of dm_control, which take their noise from it; no task does."""
+
+    def cast(self) -> World:
+        """The world of the next episode: one of the people, drawn at random."""
+        chosen = int(self._casting.integers(len(self._configs)))
+        if chosen not in self._worlds:
+            config = self._configs[chosen]
+            physics = Physics.from_model(MjModel(build_model(config.scene)))
+            self._worlds[chosen] = self.kind(config, physics, np.random.SeedSequence(0))
+        return self._worlds[chosen]
+
+    def initialize_episode(self, physics: Physics) -> None:
+        """Another table, and everything that the episode's seed decides."""
+        (seed,) = self._seeds.spawn(1)
+        self.world = next(world for world in self._worlds.values() if world.physics is physics)
+        self.world.reset(seed)
+        self.begin(seed)
+        self.after_step(physics)
+
+    def begin(self, seed: np.random.SeedSequence) -> None:
+        """What else an episode begins with."""
+
+    def before_step(self, action: np.ndarray, physics: Physics) -> None:
+        """The caregiver's script for this step; ``action`` (2,) is the desired pan and tilt, rad."""
+        self.world.before_step(np.asarray(action))
+
+    def after_step(self, physics: Physics) -> None:
+        """Light the robot's eyes, where that was asked for."""
+        if self.visualize_reward:
+            lit = self.get_reward(physics) > 0
+            for geom in LENSES:
+                physics.named.model.geom_rgba[geom] = LENS_LIT if lit else LENS_RGBA
+
+    def action_spec(self, physics: Physics) -> specs.BoundedArray:
+        """Desired pan and tilt of the head, (2,), rad; pan positive to the robot's left, tilt upwards."""
+        return specs.BoundedArray((2,), float, LOWEST, HIGHEST, name="desired pan\tdesired tilt")
+
+    def observation_spec(self, physics: Physics) -> OrderedDict[str, specs.Array]:
+        """What ``get_observation`` returns."""
+        spec: OrderedDict[str, specs.Array] = OrderedDict()
+        if self._camera:
+            spec["camera"] = specs.BoundedArray((PICTURE_HEIGHT, PICTURE_WIDTH, 3), np.uint8, 0, 255, name="camera")
+        spec["head_angles"] = specs.BoundedArray((2,), float, -np.pi, np.pi, name="head_angles")
+        return spec | (self.truth_spec() if self._truth else {})
+
+    def get_observation(self, physics: Physics) -> OrderedDict[str, np.ndarray]:
+        """The picture and the head's pan and tilt (rad), where asked for the truth; arrays of the caller's own."""
+        observation: OrderedDict[str, np.ndarray] = OrderedDict()
+        if self._camera:
+            observation["camera"] = self.world.picture().copy()
+        observation["head_angles"] = self.world.head_angles()
+        return observation | (self.truth() if self._truth else {})
+
+    def truth_spec(self) -> dict[str, specs.Array]:
+        """What ``truth`` returns."""
+        return {"truth": specs.BoundedArray((2,), float, -np.pi, np.pi, name="truth")}
+
+    def truth(self) -> dict[str, np.ndarray]:
+        """What perfect perception would make of the picture: yaw and pitch of the caregiver's head, (2,), rad."""
+        return {"truth": self.world.face_angles().copy()}
+
+    @abstractmethod
+    def best_action(self, physics: Physics) -> np.ndarray:
+        """What somebody does who knows everything."""
+
+    def close(self) -> None:
+        """Free all models, data and rendering contexts."""
+        for world in self._worlds.values():
+            world.close()
+
+
+class Environment(control.Environment):
+    """dm_control's environment, in which every episode may have a physics of its own."""
+
+    _task: Task
+    _physics: Physics
+
+    def __init__(self, task: Task, time_limit: float, **settings: Any):
+        """``settings``: those of ``control.Environment``.
+
+        Raises:
+            ConfigError: The control timestep was to be changed, or the time is none.
+        """
+        kind = task.kind
+        if {"control_timestep", "n_sub_steps"} & settings.keys():
+            raise ConfigError(f"the control timestep of this task is {kind.frames}/30 s; leave it out")
+        if not time_limit > 0:
+            raise ConfigError(f"time_limit must be a positive number of seconds; got {time_limit}")
+        control_timestep = kind.frames * FRAME_S
+        super().__init__(
+            task.cast().physics, task, time_limit=time_limit, control_timestep=control_timestep, **settings
+        )  # fmt: skip
+        self._step_limit = np.ceil(time_limit / control_timestep - 1e-6)  # 3 s of 0.1 s are 30 steps, not 31
+
+    def reset(self) -> Any:
+        """Begin an episode with one of the people."""
+        legacy_step = self._physics.legacy_step
+        self._physics = self._task.cast().physics
+        self._physics.legacy_step = legacy_step
+        return super().reset()
+
+    def observation_spec(self) -> OrderedDict[str, specs.Array]:
+        """The task's, or one array if observations are flattened."""
+        spec = super().observation_spec()
+        if self._flat_observation:
+            size = sum(int(np.prod(part.shape)) for part in spec.values())
+            key = control.FLAT_OBSERVATION_KEY
+            return OrderedDict({key: specs.Array((size,), float, name=key)})
+        return spec
+
+    def close(self) -> None:
+        """Free models, data and rendering contexts."""
+        self._task.close()
+        super().close()

@@ -1,0 +1,99 @@
+"""Who looks where, in any of the worlds: geometry only, nothing random, nothing rewarded."""
+
+from functools import cached_property
+
+import numpy as np
+from dm_control import mujoco
+
+from jointattn_mj.scene.camera import PIVOT, in_picture, pixels_of_points
+from jointattn_mj.scene.world import HEAD_JOINTS
+
+ROBOT_RADIUS = np.radians(3.5)
+"""The robot looks at what is so near to its line of sight ("around the center of the view", 6.3.1)."""
+CAREGIVER_RADIUS = np.radians(5.0)
+"""The same for the caregiver, whose eyes sit before the centre about which her head turns: her line of sight passes an
+object at up to two degrees."""
+
+
+class Physics(mujoco.Physics):
+    """Targets are numbered as a robot numbers its candidates: the objects, then the partner's face.
+
+    Points in the world frame, metres; angles in radians.
+    """
+
+    @cached_property
+    def object_names(self) -> tuple[str, ...]:
+        """Names of the objects, without their prefix."""
+        bodies = (self.model.id2name(i, "body") for i in range(self.model.nbody))
+        return tuple(name.removeprefix("object/") for name in bodies if name.startswith("object/"))
+
+    @cached_property
+    def _object_ids(self) -> np.ndarray:
+        return np.array([self.model.name2id(f"object/{name}", "body") for name in self.object_names])
+
+    @cached_property
+    def _ids(self) -> dict[str, int]:
+        kinds = {"robot/eye": "camera", "caregiver/face": "site"}
+        kinds |= {"caregiver/eye_left": "body", "caregiver/eye_right": "body"}
+        return {name: self.model.name2id(name, kind) for name, kind in kinds.items()}
+
+    def object_positions(self) -> np.ndarray:
+        """Centres of the objects, (n, 3)."""
+        return self.data.xpos[self._object_ids]
+
+    def face_position(self) -> np.ndarray:
+        """Centre of the caregiver's head, (3,)."""
+        return self.data.site_xpos[self._ids["caregiver/face"]].copy()
+
+    def head_angles(self) -> np.ndarray:
+        """Pan and tilt of the robot's head, (2,)."""
+        return np.array([self.named.data.qpos[name][0] for name in HEAD_JOINTS])
+
+    def robot_sight(self) -> tuple[np.ndarray, np.ndarray]:
+        """Where the robot's line of sight begins, (3,), and its direction, a unit vector (3,)."""
+        eye = self._ids["robot/eye"]
+        return self.data.cam_xpos[eye].copy(), -self.data.cam_xmat[eye].reshape(3, 3)[:, 2]
+
+    def caregiver_sight(self) -> tuple[np.ndarray, np.ndarray]:
+        """The same for the caregiver: from midway between her eyes, along the mean of their directions."""
+        eyes = [self._ids["caregiver/eye_left"], self._ids["caregiver/eye_right"]]
+        ahead = self.data.xmat[eyes].reshape(2, 3, 3)[:, :, 0].sum(axis=0)
+        return self.data.xpos[eyes].mean(axis=0), ahead / np.linalg.norm(ahead)
+
+    def robot_to_targets(self) -> np.ndarray:
+        """Angles (n + 1,) from the robot's line of sight to the objects and to the caregiver's face."""
+        return _angles(*self.robot_sight(), np.vstack([self.object_positions(), self.face_position()]))
+
+    def caregiver_to_targets(self) -> np.ndarray:
+        """Angles (n + 1,) from the caregiver's line of sight to the objects and to the robot's face."""
+        return _angles(*self.caregiver_sight(), np.vstack([self.object_positions(), PIVOT]))
+
+    def robot_fixates(self, radius: float = ROBOT_RADIUS) -> int | None:
+        """Index of the target nearest to the robot's line of sight, n for her face; None beyond ``radius``."""
+        return _nearest(self.robot_to_targets(), radius)
+
+    def caregiver_fixates(self, radius: float = CAREGIVER_RADIUS) -> int | None:
+        """The same for the caregiver; n if she looks at the robot."""
+        return _nearest(self.caregiver_to_targets(), radius)
+
+    def joint_attention(self) -> bool:
+        """Whether both look at the same object."""
+        fixated = self.robot_fixates()
+        return fixated is not None and fixated < len(self.object_names) and fixated == self.caregiver_fixates()
+
+    def in_view(self) -> np.ndarray:
+        """Which targets' centres lie inside the robot's picture, hidden or not: (n + 1,) bool."""
+        targets = np.vstack([self.object_positions(), self.face_position()])
+        pixels = pixels_of_points(targets, np.degrees(self.head_angles()))
+        return in_picture(pixels) & (self.robot_to_targets() < np.pi / 2)
+
+
+def _angles(origin: np.ndarray, direction: np.ndarray, points: np.ndarray) -> np.ndarray:
+    along = points - origin
+    across = np.linalg.norm(np.cross(along, direction), axis=1)
+    return np.arctan2(across, along @ direction)
+
+
+def _nearest(angles: np.ndarray, radius: float) -> int | None:
+    nearest = int(np.argmin(angles))
+    return nearest if angles[nearest] <= radius else None
