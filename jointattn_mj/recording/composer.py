@@ -8,7 +8,7 @@ import numpy as np
 
 from jointattn_mj.recording.interest import InterestPanel
 from jointattn_mj.recording.onlooker import Onlooker
-from jointattn_mj.recording.overlay import SCALE, RobotsView
+from jointattn_mj.recording.overlay import RobotsView
 from jointattn_mj.recording.paint import (
     GREEN,
     GREY,
@@ -26,6 +26,7 @@ from jointattn_mj.recording.paint import (
     write,
 )
 from jointattn_mj.recording.panels import GatePanel, MapPanel, SuccessPanel
+from jointattn_mj.recording.percepts import SCALE
 from jointattn_mj.recording.tables import ShiftRow
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
 from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH
@@ -66,9 +67,9 @@ class Composer:
         write(blank, _OUTSIDE.x, 50, "The same moment from outside", WHITE, 16, True)
         write(blank, _OUTSIDE.x + _OUTSIDE.width, 53, "truth, not known to the robot", GREY, 13, align="right")
         self._eye = RobotsView(self._names, self._inks, _EYE)
+        self._interest = InterestPanel(blank, _INTEREST, self._names, self._inks, config.robot.attention)
         self._parts = (
             self._eye,
-            InterestPanel(blank, _INTEREST, self._names, self._inks, session),
             MapPanel(blank, _MAP),
             GatePanel(blank, _GATE, self._names, self._inks),
             SuccessPanel(blank, _SUCCESS, config.minutes, len(config.world.scene.objects)),
@@ -85,6 +86,7 @@ class Composer:
         write(canvas, WIDTH - 16, 14, now, WHITE, 16, align="right")
         for part in self._parts:
             part.draw(canvas, session)
+        self._interest.draw(canvas, session.frames)
         self._draw_outside(canvas, session)
         verdict = recent(session)
         if verdict is not None:

@@ -8,8 +8,8 @@ from pathlib import Path
 from jointattn_mj.errors import OutputError
 
 
-def claim(out: Path) -> None:
-    """Make the folder of a run.
+def claim(out: Path, resumable: bool = True) -> None:
+    """Make the folder of a run; ``resumable``: whether a run that is there could be gone on with.
 
     Raises:
         OutputError: It holds a run already, or cannot be made.
@@ -19,7 +19,8 @@ def claim(out: Path) -> None:
     except OSError as error:
         raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another --out") from error
     if any((out / name).exists() for name in ("config.yaml", "checkpoint.bin")):
-        raise OutputError(f"{out} already holds a run; choose another --out, or --resume to go on with that one")
+        resume = ", or --resume to go on with that one" if resumable else ""
+        raise OutputError(f"{out} already holds a run; choose another --out{resume}")
 
 
 def forget_partial(folder: Path) -> None:

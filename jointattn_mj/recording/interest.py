@@ -4,12 +4,14 @@ The two stripes below the curves have the colour of what the robot and the perso
 the other is joint attention.
 """
 
+from typing import Protocol
+
 import cv2
 import numpy as np
 
+from jointattn_mj.attention import AttentionConfig
 from jointattn_mj.recording.paint import FAINT, GREY, PANEL, PERSON, ROBOT, WHITE, Box, Colour, lines, width_of, write
 from jointattn_mj.scene.caregiver import FRAME_S
-from jointattn_mj.session import Session
 
 SECONDS = 10
 _SPAN = 50  # the most over the least interest that is drawn
@@ -22,18 +24,29 @@ def _legend_width(names: tuple[str, ...], size: int, gap: int) -> int:
     return sum(size + 4 + width_of(name, size) + gap for name in names) - gap
 
 
+class Columns(Protocol):
+    """A table with a row a frame, whose last rows are up to now."""
+
+    def column(self, name: str, candidate: int | None = None) -> np.ndarray:
+        """Values of a column; per-candidate columns need the candidate's number."""
+
+
 class InterestPanel:
     """Curves of I_i (eq. 6.1), on a logarithmic scale, and two stripes."""
 
-    def __init__(self, canvas: np.ndarray, box: Box, names: tuple[str, ...], inks: list[Colour], session: Session):
+    def __init__(
+        self, canvas: np.ndarray, box: Box, names: tuple[str, ...], inks: list[Colour], attention: AttentionConfig,
+        person: bool = True,
+    ):  # fmt: skip
+        """``person``: whether it is known where she looks, for the second stripe."""
         box.of(canvas)[:] = PANEL
+        self._knows_person = person
         self._inks = inks
         self._frames = round(SECONDS / FRAME_S)
-        attention = session.config.robot.attention
         gain = 1 + attention.motion_gain if attention.motion_cues else 1.0
         self._most = max(attention.face_preference, attention.object_preference) * gain
         left, width = box.x + _MARGIN, box.width - _MARGIN - 12
-        self._plot = Box(left, box.y + 32, width, box.height - 32 - 2 * _STRIPE - 18)
+        self._plot = Box(left, box.y + 32, width, box.height - 32 - (1 + person) * (_STRIPE + 3) - 12)
         below = self._plot.y + self._plot.height
         self._robot = Box(left, below + 7, width, _STRIPE)
         self._person = Box(left, below + 7 + _STRIPE + 3, width, _STRIPE)
@@ -55,12 +68,13 @@ class InterestPanel:
         write(canvas, x, y + 32, "what it looks at", GREY, 12)
         write(canvas, x, y + 47, "grows boring", GREY, 12)
         write(canvas, x, self._robot.y - 1, "robot looks at", ROBOT, 12)
-        write(canvas, x, self._person.y - 1, "person (truth)", PERSON, 12)
+        if self._knows_person:
+            write(canvas, x, self._person.y - 1, "person (truth)", PERSON, 12)
         self._plot.of(canvas)[-1] = FAINT
 
-    def draw(self, canvas: np.ndarray, session: Session) -> None:
+    def draw(self, canvas: np.ndarray, table: Columns) -> None:
         """The last seconds up to now; now is at the right."""
-        table, frames = session.frames, self._frames
+        frames = self._frames
         turning = table.column("head_moves")[-frames:] > 0
         shown = len(turning)
         plot = self._plot.of(canvas)
@@ -78,7 +92,8 @@ class InterestPanel:
         candidates = len(self._inks)
         robot = np.where(turning, candidates, table.column("attended")[-frames:])
         self._draw_stripe(canvas, self._robot, robot, shown)
-        self._draw_stripe(canvas, self._person, table.column("target")[-frames:], shown)
+        if self._knows_person:
+            self._draw_stripe(canvas, self._person, table.column("target")[-frames:], shown)
 
     def _draw_stripe(self, canvas: np.ndarray, box: Box, values: np.ndarray, shown: int) -> None:
         nothing = len(self._stripes) - 1
