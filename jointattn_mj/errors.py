@@ -25,6 +25,10 @@ class VideoError(JointAttnError, RuntimeError):
     """The video cannot be written: no ffmpeg program, or it gave up."""
 
 
+class FootageError(JointAttnError, RuntimeError):
+    """A file is no video that can be read, or one that cannot be perceived as asked."""
+
+
 class SeriesError(JointAttnError, ValueError):
     """Observations cannot be measured as they are: unequal lengths, missing values, what is no code."""
 
@@ -35,3 +39,7 @@ class CellError(JointAttnError, ValueError):
 
 class LaboratoryError(JointAttnError, RuntimeError):
     """Experiments cannot be found, or the workers that were asked for cannot be reached."""
+
+
+class ExtraError(JointAttnError, ImportError):
+    """What was asked for needs an optional package that is not installed."""

@@ -1,0 +1,69 @@
+"""From a video's pictures to the robot's own, 320x240 pixels, and back.
+
+The whole picture goes in, its sides in proportion as they are seen (pixels need not be square), and black bars fill the
+rest; or its middle fills all, and what lies beyond is cut off. The robot's eye for faces and its sense of motion were
+made for a face about 32 pixels wide (section 6.4.1), so a picture with larger faces is made smaller still.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import cv2
+import numpy as np
+
+PICTURE_WIDTH, PICTURE_HEIGHT = 320, 240  # section 6.4.1
+Fit = Literal["whole", "fill"]
+
+
+@dataclass(frozen=True)
+class FrameMap:
+    """Place (u, v) of the video, pixels, is at x = (u + .5) scale_x - .5 + left, y = (v + .5) scale_y - .5 + top."""
+
+    width: int  # of the video, pixels
+    height: int
+    scale_x: float
+    scale_y: float
+    left: int
+    top: int
+
+    @classmethod
+    def fitted(
+        cls, width: int, height: int, aspect: float = 1.0, fit: Fit = "whole", most: float = np.inf
+    ) -> "FrameMap":
+        """The map that puts a video's picture into the middle of the robot's.
+
+        Args:
+            width: Of the video, pixels.
+            height: Of the video, pixels.
+            aspect: Width of its pixels over their height.
+            fit: Whether all of it is to be seen, or nothing else.
+            most: Largest ``scale_y``, up to a pixel's rounding.
+        """
+        ratios = PICTURE_WIDTH / (width * aspect), PICTURE_HEIGHT / height
+        scale_y = min(min(ratios) if fit == "whole" else max(ratios), most)
+        wide, high = max(1, round(width * aspect * scale_y)), max(1, round(height * scale_y))
+        left, top = (PICTURE_WIDTH - wide) // 2, (PICTURE_HEIGHT - high) // 2
+        return cls(width, height, wide / width, high / height, left, top)
+
+    def picture(self, video: np.ndarray, times: int = 1) -> np.ndarray:
+        """The robot's picture, (240, 320, 3) RGB of a video's, (height, width, 3) BGR, uint8; ``times`` as large."""
+        size = round(self.width * self.scale_x) * times, round(self.height * self.scale_y) * times
+        left, top, wide, high = (times * side for side in (self.left, self.top, PICTURE_WIDTH, PICTURE_HEIGHT))
+        cut_x, cut_y = max(0, -left), max(0, -top)
+        smaller = size[0] < self.width or size[1] < self.height
+        whole = cv2.resize(video, size, interpolation=cv2.INTER_AREA if smaller else cv2.INTER_LINEAR)
+        part = whole[cut_y : cut_y + high, cut_x : cut_x + wide]
+        canvas = np.zeros((high, wide, 3), np.uint8)
+        x, y = max(0, left), max(0, top)
+        canvas[y : y + part.shape[0], x : x + part.shape[1]] = part[..., ::-1]
+        return canvas
+
+    def to_video(self, px: np.ndarray) -> np.ndarray:
+        """Where places (..., 2) of the robot's picture are in the video, pixels; NaN stays NaN."""
+        scale, offset = np.array([self.scale_x, self.scale_y]), np.array([self.left, self.top])
+        return (np.asarray(px, float) + 0.5 - offset) / scale - 0.5
+
+    def to_picture(self, px: np.ndarray) -> np.ndarray:
+        """Where places (..., 2) of the video are in the robot's picture, pixels."""
+        scale, offset = np.array([self.scale_x, self.scale_y]), np.array([self.left, self.top])
+        return (np.asarray(px, float) + 0.5) * scale - 0.5 + offset

@@ -1,0 +1,180 @@
+"""A video file as pictures 30 times a second, whatever it holds: by its timestamps, and by its rate where it has none.
+
+Each thirtieth of a second shows the newest picture taken by then. Faster videos lose pictures, slower ones show some
+for longer; repetitions are marked, since whoever looks for motion must not take them for stillness.
+"""
+
+import math
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from jointattn_mj.errors import FootageError
+
+RATE = 30
+"""Frames a second, section 6.4.1."""
+EARLY_S = 1 / (3 * RATE)
+"""So much before its picture a frame may already show it: containers round timestamps."""
+LONGEST_HOLD_S = 10.0
+"""Longest time between two pictures that is believed; a longer one is a jump of the timestamps, and left out."""
+DECODERS = 2
+"""Threads that decode. Each holds pictures of its own, and one of the largest has 100 MB."""
+TEXT = int.from_bytes(b"ansi", "little")  # ffmpeg plays text files, as an old terminal would show them
+FASTEST = 1000.0
+"""Declared rates above this (pictures a second) are units of a container's clock."""
+
+
+@dataclass(frozen=True)
+class Still:
+    """What a frame shows."""
+
+    picture: np.ndarray  # (h, w, 3) uint8, BGR, the video's own pixels
+    number: int  # of the picture in the video, from 0
+    fresh: bool  # another one than in the frame before
+    cut: bool  # no motion can be seen from the frame before to this one: the first, or first after a jump
+
+
+class Footage:
+    """A video file; iterating reads it from its beginning.
+
+    Attributes:
+        path: The file.
+        fps: Pictures a second, as given or declared; 0 if neither.
+        aspect: Width of a pixel over its height.
+        declared_s: How long the file says that it is, or None.
+        pictures: How many the last iteration has read so far.
+        seconds: When the last of them was taken.
+        jumps: Jumps in the timestamps that it met.
+        timed: Whether it went by timestamps.
+    """
+
+    def __init__(self, path: Path, fps: float | None = None):
+        """``fps``: a rate to go by in place of timestamps.
+
+        Raises:
+            FootageError: There is no such file, or it is no video.
+        """
+        self.path, self._given = path, fps
+        capture = self._open()
+        declared = capture.get(cv2.CAP_PROP_FPS)
+        self.fps = fps or (declared if 0 < declared <= FASTEST else 0.0)
+        count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
+        self.declared_s = count / self.fps if self.fps and 0 < count < 1e9 else None
+        self.aspect = _pixel_aspect(capture)
+        capture.release()
+        self.pictures, self.seconds, self.jumps, self.timed = 0, 0.0, 0, fps is None
+
+    def __iter__(self) -> Iterator[Still]:
+        """What there is to see at 0 s, 1/30 s, 2/30 s and so on.
+
+        Raises:
+            FootageError: No picture can be decoded, or there are neither timestamps nor a rate.
+        """
+        capture = self._open()
+        try:
+            yield from self._stills(capture)
+        finally:
+            capture.release()
+
+    def _stills(self, capture: cv2.VideoCapture) -> Iterator[Still]:
+        frame, held, shown, cut = 0, None, -1, True
+        for picture, jumped in self._pictures(capture):
+            while held is not None and frame / RATE + EARLY_S < self.seconds:
+                yield Still(held, self.pictures - 2, shown != self.pictures - 2, cut)
+                frame, shown, cut = frame + 1, self.pictures - 2, False
+            held, cut = picture, cut or jumped
+        if held is None:
+            raise FootageError(
+                f"{self.path} holds no picture that can be decoded; is it damaged, or its codec unknown here? "
+                f"A copy may do: ffmpeg -i {self.path.name} -c:v libx264 copy.mp4"
+            )
+        last, end = self.pictures - 1, self.seconds + (1 / self.fps if self.fps else 1 / RATE)
+        while frame == 0 or frame / RATE + EARLY_S < end:
+            yield Still(held, last, shown != last, cut)
+            frame, shown, cut = frame + 1, last, False
+
+    def _pictures(self, capture: cv2.VideoCapture) -> Iterator[tuple[np.ndarray, bool]]:
+        """Every picture, and whether the timestamps jumped before it; keeps the attributes up to date."""
+        self.pictures, self.seconds, self.jumps, self.timed = 0, 0.0, 0, self._given is None
+        start = last = 0.0
+        while capture.grab():
+            there, picture = capture.retrieve()
+            if not there or picture is None or not picture.size:
+                continue
+            stamp, jumped = capture.get(cv2.CAP_PROP_POS_MSEC) / 1000, False
+            if self.pictures == 0:
+                start = last = stamp
+            elif self.pictures == 1 and stamp == start:
+                self.timed = False
+            if not self.timed or not math.isfinite(stamp):
+                self.seconds += self._interval() if self.pictures else 0.0
+            else:
+                if abs(stamp - last) > LONGEST_HOLD_S:
+                    start += stamp - last - (1 / self.fps if self.fps else 1 / RATE)
+                    jumped = True
+                    self.jumps += 1
+                last, self.seconds = stamp, max(self.seconds, stamp - start)
+            self.pictures += 1
+            yield picture, jumped
+
+    def _interval(self) -> float:
+        if not self.fps:
+            raise FootageError(
+                f"{self.path} says neither when its pictures were taken nor how many a second; say it with --fps"
+            )
+        return 1 / self.fps
+
+    def _open(self) -> cv2.VideoCapture:
+        if not self.path.is_file():
+            what = "is a folder" if self.path.is_dir() else "is no file" if self.path.exists() else "does not exist"
+            raise FootageError(f"{self.path} {what}; give a video file")
+        try:
+            with self.path.open("rb") as file:
+                empty = not file.read(1)
+        except OSError as error:
+            raise FootageError(f"cannot read {self.path}: {error.strerror}") from error
+        if empty:
+            raise FootageError(f"{self.path} is empty; give a video file")
+        with _quiet_and_local():
+            capture = cv2.VideoCapture(str(self.path), cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, DECODERS])
+        if not capture.isOpened() or int(capture.get(cv2.CAP_PROP_FOURCC)) == TEXT:
+            capture.release()
+            raise FootageError(
+                f"{self.path} is no video that can be read here: another kind of file, sound alone, or a recording "
+                "that was cut off before its index was written"
+            )
+        return capture
+
+
+@contextmanager
+def _quiet_and_local() -> Iterator[None]:
+    """Lets OpenCV and its ffmpeg say nothing on stderr, and open nothing but files (a playlist can name others)."""
+    kept = {name: os.environ.get(name) for name in ("OPENCV_FFMPEG_LOGLEVEL", "OPENCV_FFMPEG_CAPTURE_OPTIONS")}
+    level = cv2.utils.logging.getLogLevel()
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+    os.environ["OPENCV_FFMPEG_CAPTURE_OPTIONS"] = "protocol_whitelist;file"
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    try:
+        yield
+    finally:
+        cv2.utils.logging.setLogLevel(level)
+        for name, value in kept.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+def _pixel_aspect(capture: cv2.VideoCapture) -> float:
+    """Width over height of a pixel as shown; 1 where the file says nothing sensible."""
+    wide, high = capture.get(cv2.CAP_PROP_SAR_NUM), capture.get(cv2.CAP_PROP_SAR_DEN)
+    aspect = wide / high if wide > 0 and high > 0 else 1.0
+    if not 0.1 < aspect < 10:
+        return 1.0
+    lying = round(capture.get(cv2.CAP_PROP_ORIENTATION_META)) % 180 == 90  # pictures come upright, the ratio does not
+    return 1 / aspect if lying else aspect

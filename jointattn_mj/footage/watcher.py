@@ -1,0 +1,68 @@
+"""Who watches a video: the robot's perception and attention (boxes of Fig. 6.2), before a camera that never turns.
+
+A fixation is attention to a place of the picture, and a gaze shift moves attention alone. It takes as long as the
+robot's head would turn, and as then (Fig. 6.3b) no interest changes meanwhile. Perception goes on: the camera is still.
+"""
+
+import numpy as np
+
+from jointattn_mj.attention import AttentionConfig, AttentionSelector
+from jointattn_mj.perception.percept import Percept
+from jointattn_mj.perception.pixels import PixelPerception
+
+AHEAD = np.zeros(2)
+
+
+class Watcher:
+    """Attends to one candidate after another; candidates are numbered as in ``Percept``.
+
+    Attributes:
+        percept: The last percept.
+        attended: Candidate that is fixated, or was last while a shift is under way; None at first.
+        goal: Candidate that a shift under way leads to, else None.
+        attention: The attention selector.
+        perceiver: The robot's perception.
+    """
+
+    def __init__(
+        self, perceiver: PixelPerception, config: AttentionConfig, objects: int, shift_frames: int,
+        rng: np.random.Generator,
+    ):  # fmt: skip
+        """``shift_frames``: how long a shift takes; 0 for at once."""
+        self.perceiver = perceiver
+        self.attention = AttentionSelector(config, objects, rng)
+        self.face = objects
+        self.attended: int | None = None
+        self.goal: int | None = None
+        self.percept: Percept | None = None
+        self._shift_frames = shift_frames
+        self._left = 0
+
+    def see(self, picture: np.ndarray, fresh: bool, cut: bool) -> Percept:
+        """One frame of life.
+
+        Args:
+            picture: (240, 320, 3) uint8 RGB, contiguous.
+            fresh: Whether it is another picture than in the frame before; a repetition is not looked at again.
+            cut: Whether no motion can be seen from the picture before to this one.
+        """
+        percept = self.percept
+        if percept is None or fresh:
+            self.percept = percept = self.perceiver.look({"camera": picture, "head_angles": AHEAD}, landed=cut)
+        if self.goal is not None:
+            self._shift(self.goal)
+            return percept
+        self.attention.advance(self.attended, percept.moves)
+        chosen = self.attention.consider(percept.seen)
+        if chosen is not None and chosen != self.attended:
+            self.goal, self._left = chosen, self._shift_frames
+            if self._left == 0:
+                self._shift(chosen)
+        return percept
+
+    def _shift(self, goal: int) -> None:
+        """One frame of a shift."""
+        self._left -= 1
+        if self._left <= 0:
+            self.attended, self.goal = goal, None
+            self.attention.settle()
