@@ -5,7 +5,7 @@ saliency that grows while it moves. Candidates are the n objects and, last, the 
 """
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Protocol
 
 import numba
 import numpy as np
@@ -75,6 +75,24 @@ def _advance(
         else:
             saliency[i] = max(preference[i], growth[i] * saliency[i])
         interest[i] = saliency[i] * motion_saliency(motion[i], gain, delay, width)  # eq. 6.1
+
+
+class Attention(Protocol):
+    """What any attention model must offer; candidates are the n objects and, last, the face."""
+
+    saliency: np.ndarray
+    """(n + 1,) for the log, as are the next two."""
+    motion: np.ndarray
+    interest: np.ndarray
+
+    def advance(self, attended: int | None, moves: np.ndarray) -> None:
+        """One frame of fixation: ``attended`` is fixated, and of the candidates some move, (n + 1,) bool."""
+
+    def settle(self) -> None:
+        """A gaze shift has ended."""
+
+    def consider(self, seen: np.ndarray) -> int | None:
+        """After each frame: which candidate to look at next among those ``seen``, (n + 1,) bool; None to stay."""
 
 
 class AttentionSelector:

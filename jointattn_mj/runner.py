@@ -41,12 +41,16 @@ class RunOptions:
 
 
 def run_session(
-    config: SessionConfig, options: RunOptions, progress: Callable[[Session], None] = lambda session: None
+    config: SessionConfig,
+    options: RunOptions,
+    progress: Callable[[Session], None] = lambda session: None,
+    kind: type[Session] = Session,
 ) -> dict[str, Any]:
     """Run a session and leave its results in ``options.out``; returns the summary.
 
-    ``progress`` is called after every simulated second. On Ctrl-C or SIGTERM the frame is finished and a checkpoint
-    written before KeyboardInterrupt goes on.
+    ``progress`` is called after every simulated second; ``kind`` is for sessions with parts of your own, whose classes
+    a checkpoint may then hold if they are in the same module. On Ctrl-C or SIGTERM the frame is finished and a
+    checkpoint written before KeyboardInterrupt goes on.
 
     Raises:
         OutputError: The folder holds another run, or cannot be written.
@@ -59,11 +63,11 @@ def run_session(
     if options.video:
         _check_ffmpeg()
     if options.resume:
-        spent, session = checkpoint.load(frozen, config)
+        spent, session = checkpoint.load(frozen, config, kind.__module__)
         forget_partial(out)
     else:
         claim(out)
-        spent, session = 0.0, Session(config)
+        spent, session = 0.0, kind(config)
 
     def freeze() -> None:
         checkpoint.save(frozen, (spent + time.perf_counter() - started, session), config)

@@ -57,15 +57,18 @@ class SessionConfig:
 
 
 class Session:
-    """The life of robot and caregiver, one frame at a time."""
+    """The life of robot and caregiver, one frame at a time.
+
+    What it is made of can be exchanged: override ``new_world``, ``new_perceiver`` or ``new_robot``.
+    """
 
     def __init__(self, config: SessionConfig):
         self.config = config
         world, perceiver, robot = np.random.SeedSequence(config.seed).spawn(3)
         objects = config.world.scene.objects
         self.names = (*(item.name for item in objects), "face")
-        self.world = World.build(config.world, world)
-        self.robot = GazeFollower(config.robot, self._perceiver(np.random.default_rng(perceiver)), len(objects), robot)
+        self.world = self.new_world(world)
+        self.robot = self.new_robot(self.new_perceiver(np.random.default_rng(perceiver)), robot)
         self.total = max(1, round(config.minutes * FRAMES_PER_MINUTE))
         self.frame = 0
         self.shifts: list[ShiftRow] = []
@@ -75,7 +78,16 @@ class Session:
         self._launch: Moment | None = None
         self._observation = Observation(self.world)
 
-    def _perceiver(self, rng: np.random.Generator) -> Perceiver:
+    def new_world(self, seed: np.random.SeedSequence) -> World:
+        """Scene, caregiver and the robot's body."""
+        return World.build(self.config.world, seed)
+
+    def new_robot(self, perceiver: Perceiver, seed: np.random.SeedSequence) -> GazeFollower:
+        """The robot's mind."""
+        return GazeFollower(self.config.robot, perceiver, len(self.config.world.scene.objects), seed)
+
+    def new_perceiver(self, rng: np.random.Generator) -> Perceiver:
+        """How the robot perceives; ``self.world`` is there already."""
         if self.config.perception == "truth":
             return TruthPerception(self.config.truth, self.world, rng)
         return PixelPerception(self.config.pixels, np.array([item.rgb for item in self.config.world.scene.objects]))

@@ -13,7 +13,7 @@ where the robot expects the face is taken for a pose not seen before; else no fa
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import cv2
 import numpy as np
@@ -81,6 +81,25 @@ class FaceFix(NamedTuple):
     y: float
     score: float  # normalised cross-correlation of the best view, -1..1
     found: bool
+
+
+class FaceFinder(Protocol):
+    """What any face detector must offer; pictures are grey, (h, w) uint8, pixels x to the right and y down."""
+
+    @property
+    def reach_px(self) -> int:
+        """How far from the expected place it reads the picture, unless it calls ``complete``."""
+
+    def detect(
+        self, gray: np.ndarray, expected_px: tuple[float, float] | None, complete: Callable[[], None]
+    ) -> FaceFix:
+        """Where the face is; see ``FaceDetector.detect``."""
+
+    def patch(self, gray: np.ndarray, fix: FaceFix) -> np.ndarray:
+        """The face pattern f_v: (32, 32) float32 grey values 0..255 around ``fix``."""
+
+    def box(self, fix: FaceFix, shape: tuple[int, int]) -> tuple[int, int, int, int]:
+        """Its region x0, y0, x1, y1 (the last two exclusive) inside a picture (h, w); motion is looked for there."""
 
 
 @cache

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numba import njit
 
-from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig
+from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig, FaceFinder
 from jointattn_mj.perception.gray import fill_gray
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
 from jointattn_mj.perception.objects import Areas, ColourAreas, ColourConfig
@@ -66,9 +66,12 @@ class PixelPerception:
 
     pattern_size = PATCH_SIDE**2
 
-    def __init__(self, config: PixelConfig, rgb: np.ndarray, memory_rate: float = MEMORY_RATE):
-        """``rgb`` (n, 3): the objects' nominal colours, 0..1; ``memory_rate``: how fast it follows a face's place."""
-        self.faces = FaceDetector(config.faces)
+    def __init__(
+        self, config: PixelConfig, rgb: np.ndarray, memory_rate: float = MEMORY_RATE, faces: FaceFinder | None = None
+    ):
+        """``rgb`` (n, 3): the objects' nominal colours, 0..1; ``memory_rate``: how fast it follows a face's place;
+        ``faces``: who finds faces, instead of template matching."""
+        self.faces: FaceFinder = faces or FaceDetector(config.faces)
         self.colours = ColourAreas(rgb, config.colours)
         self._motion = MotionDetector(config.motion)
         self._face_direction = np.zeros(2)

@@ -1,7 +1,8 @@
 """Checkpoints: a whole session in one file, safe against half-written bytes and against other runs' files.
 
 A file is a line of magic, the SHA-256 of the rest, the fingerprint of the config, and a pickle. Loading unpickles only
-classes of this package, arrays and generators of numpy, and the standard containers; nothing else is ever called.
+classes of this package and of a module that the caller names, arrays and generators of numpy, and the standard
+containers; nothing else is ever called.
 """
 
 import hashlib
@@ -39,9 +40,13 @@ def fingerprint(config: Any) -> str:
 
 
 class _Unpickler(pickle.Unpickler):
+    def __init__(self, file: io.BytesIO, own: str):
+        super().__init__(file)
+        self._own = own
+
     def find_class(self, module: str, name: str) -> Any:
         package = module.split(".")[0]
-        if package == __package__.split(".")[0]:
+        if package == __package__.split(".")[0] or module == self._own:
             found = super().find_class(module, name)
             if isinstance(found, type) and found.__module__ == module:  # not what a module has imported from elsewhere
                 return found
@@ -61,8 +66,8 @@ def save(path: Path, state: Any, config: Any) -> None:
     write_whole(path, lambda temporary: temporary.write_bytes(MAGIC + digest + body))
 
 
-def load(path: Path, config: Any) -> Any:
-    """Read what ``save`` wrote for the same ``config``.
+def load(path: Path, config: Any, own: str = "") -> Any:
+    """Read what ``save`` wrote for the same ``config``; ``own``: name of a module whose classes may be in it too.
 
     Raises:
         CheckpointError: No such file, damaged, or of another config.
@@ -82,6 +87,6 @@ def load(path: Path, config: Any) -> Any:
             "or choose another --out"
         )
     try:
-        return _Unpickler(io.BytesIO(body[64:])).load()
+        return _Unpickler(io.BytesIO(body[64:]), own).load()
     except Exception as error:  # what classes that have changed since make of an old state can be anything
         raise CheckpointError(f"{path} was written by another version of this package ({error})") from error

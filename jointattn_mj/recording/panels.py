@@ -49,6 +49,8 @@ class MapPanel:
         """Redraws only when the robot turns away from another face."""
         shift, som = session.robot.shift, session.robot.som
         activations = None if shift is None else shift.activations
+        if activations is not None and activations.size != len(som.weights):
+            activations = None  # a robot whose learner reads something else than the map
         if self._cells is None or (activations is not None and activations is not self._shown):
             if self._cells is None:
                 self._cells = face_cells(som, self._box.width)

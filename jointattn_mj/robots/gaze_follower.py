@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from jointattn_mj.attention import AttentionConfig, AttentionSelector
+from jointattn_mj.attention import Attention, AttentionConfig, AttentionSelector
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze import GazeConfig, HeadShift, gate_probability
 from jointattn_mj.learning import LearnerConfig, make_learner
@@ -54,7 +54,7 @@ class GazeShift:
     start: np.ndarray  # (2,) head at launch
     command: np.ndarray  # (2,) direction commanded
     suggestion: np.ndarray | None  # (2,) direction that the learner would command; only from the face
-    activations: np.ndarray | None  # SOM activations for the last face pattern before the shift; only from the face
+    activations: np.ndarray | None  # face_input() of the last look before the shift; only from the face
     source_direction: np.ndarray | None  # (2,) where the source was last seen
     reached: int | None = None  # candidate at the centre of view after landing
     learned: bool = False
@@ -78,7 +78,7 @@ class GazeFollower:
         attention, gate, som, learner = (np.random.default_rng(child) for child in seed.spawn(4))
         self.config, self.perceiver = config, perceiver
         self.face = objects
-        self.attention = AttentionSelector(config.attention, objects, attention)
+        self.attention: Attention = AttentionSelector(config.attention, objects, attention)
         self.som = SOM(perceiver.pattern_size, config.som, som)
         self.learner = make_learner(config.learner, len(self.som.weights), learner)
         self.iterations = 0
@@ -118,6 +118,10 @@ class GazeFollower:
             self._launch(chosen, percept, np.degrees(observation["head_angles"]))
         return self._command
 
+    def face_input(self) -> np.ndarray:
+        """What the learner is given of the face of the last look: the SOM's activations (k,) for its pattern."""
+        return self.som.activations(self.perceiver.face_pattern())
+
     def _hold(self, direction: np.ndarray) -> None:
         """Let the head's servos follow ``direction`` (2,), deg, from now on."""
         self._held, self._command = direction, np.radians(direction)
@@ -129,7 +133,7 @@ class GazeFollower:
         suggestion = activations = None
         by_learner = False
         if source == self.face and percept.seen[self.face]:
-            activations = self.som.activations(self.perceiver.face_pattern())
+            activations = self.face_input()
             suggestion = head + self.learner.predict(activations)
             by_learner = bool(self._gate.random() < gate_probability(self.config.gaze, self.iterations))
             if by_learner:
@@ -196,7 +200,7 @@ class GazeFollower:
             and shift.source_direction is not None
             and shift.source != self.face
         ):
-            activations = self.som.activations(self.perceiver.face_pattern())
+            activations = self.face_input()
             start = shift.source_direction if config.reference == "object" else shift.start
             self._pair(shift, activations, start - head)
             self.iterations += config.counts == "both"
