@@ -28,10 +28,10 @@ def hidden_layer(config: LearnerConfig, inputs: int, rng: np.random.Generator) -
 
 
 class NetworkLearner:
-    """Online gradient descent on the squared error of the population's activity."""
+    """Online gradient descent on the squared error of the population's activity, with any network."""
 
     def __init__(self, config: LearnerConfig, network: torch.nn.Module):
-        self._config, self._code = config, PopulationCode(config)
+        self.config, self._code = config, PopulationCode(config)
         self._network = network
         self._descent = torch.optim.SGD(network.parameters(), lr=config.network_rate)
 
@@ -44,7 +44,7 @@ class NetworkLearner:
         with torch.no_grad():
             activity = self._network(torch.from_numpy(activations).float())
         if not torch.isfinite(activity).all():
-            raise ConfigError(f"the network diverged; choose a learner.network_rate below {self._config.network_rate}")
+            raise ConfigError(f"the network diverged; choose a learner.network_rate below {self.config.network_rate}")
         return self._code.decode(activity.double().numpy().reshape(self._code.shape))
 
     def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
@@ -76,11 +76,11 @@ class NetworkLearner:
         if not isinstance(self._network, HiddenLayer):
             raise ConfigError("a learner with a network of your own needs its own __getstate__ and __setstate__")
         inputs = next(self._network.parameters()).shape[1]
-        return {"config": self._config, "inputs": inputs, "weights": self.weights()}
+        return {"config": self.config, "inputs": inputs, "weights": self.weights()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         config = state["config"]
-        self._config, self._code = config, PopulationCode(config)
+        self.config, self._code = config, PopulationCode(config)
         self._network = hidden_layer(config, state["inputs"], np.random.default_rng(0))
         self._descent = torch.optim.SGD(self._network.parameters(), lr=config.network_rate)
         self.load(state["weights"])

@@ -60,18 +60,16 @@ class PixelPerception:
     """Looks at the picture; knows nothing of the world but the colours of the objects that interest it.
 
     Attributes:
+        faces: Who finds the face; can be exchanged before the first look.
         fix: The last answer of the face detector.
         motion: The last answer of the motion detector, with its flow vectors.
     """
 
     pattern_size = PATCH_SIDE**2
 
-    def __init__(
-        self, config: PixelConfig, rgb: np.ndarray, memory_rate: float = MEMORY_RATE, faces: FaceFinder | None = None
-    ):
-        """``rgb`` (n, 3): the objects' nominal colours, 0..1; ``memory_rate``: how fast it follows a face's place;
-        ``faces``: who finds faces, instead of template matching."""
-        self.faces: FaceFinder = faces or FaceDetector(config.faces)
+    def __init__(self, config: PixelConfig, rgb: np.ndarray, memory_rate: float = MEMORY_RATE):
+        """``rgb`` (n, 3): the objects' nominal colours, 0..1; ``memory_rate``: how fast it follows a face's place."""
+        self.faces: FaceFinder = FaceDetector(config.faces)
         self.colours = ColourAreas(rgb, config.colours)
         self._motion = MotionDetector(config.motion)
         self._face_direction = np.zeros(2)

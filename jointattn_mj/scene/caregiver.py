@@ -158,6 +158,11 @@ class ObjectTransfer:
         else:
             self._play(self._frame + 1)
 
+    def next_target(self, rng: np.random.Generator) -> int:
+        """Index of the object that she turns to next: any other ("picks an object at random", 6.4.2)."""
+        others = [i for i in range(len(self.objects)) if i != self.target or len(self.objects) == 1]
+        return int(rng.choice(others))
+
     def _play(self, frame: int) -> None:
         self._frame = frame
         plan = self._plan
@@ -174,8 +179,7 @@ class ObjectTransfer:
             case Phase.GREET:
                 self._plan = self._planned(np.zeros((frames, 2)), hand[None])
             case Phase.TURN:
-                others = [i for i in range(len(self.objects)) if i != self.target or len(self.objects) == 1]
-                self.target = int(self._rng.choice(others))
+                self.target = self.next_target(self._rng)
                 aim = self._sight(self.objects[self.target])
                 self._plan = self._planned(path_between(self._gaze, aim, frames), hand[None])
             case Phase.REACH:
