@@ -32,10 +32,11 @@ def watched(config, lived, of=WORLD, watch=None):
     return watch, counts, values, found
 
 
-def xor_life(length, seed=0, noise=0.0):
-    """The result is s0 xor a, but for some noise."""
+def xor_life(length, seed=0, noise=0.0, other=0.5):
+    """The result is s0 xor a, but for some noise; s1 differs from s0 with probability ``other``."""
     rng = np.random.default_rng(seed)
     s, a = rng.integers(0, 2, (length, 2)), rng.integers(0, 2, (length, 1))
+    s[:, 1] = s[:, 0] ^ (rng.random(length) < other)
     r = np.zeros((length, 1), np.int64)
     r[1:] = (s[:-1, :1] ^ a[:-1]) ^ (rng.random((length - 1, 1)) < noise)
     return s, a, r
@@ -137,6 +138,16 @@ def test_rule_certain(measure, options):
     _, _, values, found = watched(config, lived, XOR)
     assert found.tolist() == slow_certain(values, config, lived, XOR)
     assert set(found) == {NOTHING, 0}
+
+
+@pytest.mark.parametrize(("tolerance", "found"), [(0.0, False), (0.25, False), (0.5, True)])
+def test_a_rival_that_is_nearly_as_contingent(tolerance, found):
+    """It may come second within the tolerance; two that cannot be told apart otherwise leave all open."""
+    config = DetectorConfig(rule="certain", tolerance=tolerance)
+    lived = xor_life(300, noise=0.1, other=0.02)
+    _, _, values, what = watched(config, lived, XOR)
+    assert what.tolist() == slow_certain(values, config, lived, XOR)
+    assert (0 in what) == found
 
 
 def test_certainty_has_no_unit():

@@ -88,7 +88,7 @@ def test_probabilities(s, r, reliabilities):
 
 def test_temperature_falls_with_the_modules_of_the_joint_only():
     alone = Choosing([FIRST, OTHER])
-    close(alone.frequencies((0, 0), (0, 0)), expected([1.0, None, 1.0, None], 1))
+    close(alone.frequencies((2, 0), (0, 0)), expected([2.0, None, 1.0, None], 1))
 
 
 def test_several_reactive_modules_and_their_trust():
