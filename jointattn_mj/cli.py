@@ -10,7 +10,15 @@ from typing import Annotated, Any, NoReturn
 
 import tyro
 
-from jointattn_mj.errors import CheckpointError, ConfigError, JointAttnError, OutputError, SeriesError
+from jointattn_mj.errors import (
+    CheckpointError,
+    ConfigError,
+    ExtraError,
+    FootageError,
+    JointAttnError,
+    OutputError,
+    SeriesError,
+)
 
 BAD_USAGE, FAILED, INTERRUPTED = 2, 1, 130
 
@@ -19,7 +27,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Run a sub-command. Exits with 2 where what was asked for cannot be done, 130 when interrupted."""
     try:
         _parse(sys.argv[1:] if arguments is None else arguments)()
-    except (ConfigError, OutputError, CheckpointError, SeriesError) as error:
+    except (ConfigError, OutputError, CheckpointError, SeriesError, FootageError, ExtraError) as error:
         _leave(str(error), BAD_USAGE)
     except JointAttnError as error:
         _leave(str(error), FAILED)
@@ -92,6 +100,25 @@ def _develop(arguments: Sequence[str] = ()) -> Callable[..., Any]:
     return develop
 
 
+def _perceive(arguments: Sequence[str] = ()) -> Callable[..., Any]:
+    from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
+    from jointattn_mj.perceive_command import run_with_bar
+
+    def perceive(
+        config: Annotated[PerceiveConfig, tyro.conf.arg(name="")],
+        options: Annotated[PerceiveOptions, tyro.conf.arg(name="")],
+    ) -> Callable[[], None]:
+        """Watch a video of a person at a table: what the robot would perceive, and where it would look (6.3.2).
+
+        The camera stands still, so a fixation is attention to a place in the picture, and nothing turns.
+        Leaves in --out: config.yaml, summary.json (with the mapping from the video to the robot's picture),
+        percepts.parquet (a row a frame), fixations.parquet, fixations.png, som.png, faces.parquet, overlay.mp4.
+        """
+        return lambda: _with_one_thread(run_with_bar, config, options)
+
+    return perceive
+
+
 def _benchmark(arguments: Sequence[str] = ()) -> Callable[..., Any]:
     from jointattn_mj.benchmark import BenchmarkOptions, as_text, run_benchmark
     from jointattn_mj.contingency_benchmark import run_contingency_benchmark
@@ -156,6 +183,7 @@ def _experiment(arguments: Sequence[str] = ()) -> Callable[..., Any]:
 COMMANDS = {
     "session": _session,
     "develop": _develop,
+    "perceive": _perceive,
     "benchmark": _benchmark,
     "measure": _measure,
     "discover": _discover,

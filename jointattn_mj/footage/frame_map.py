@@ -27,23 +27,25 @@ class FrameMap:
     top: int
 
     @classmethod
-    def fitted(
-        cls, width: int, height: int, aspect: float = 1.0, fit: Fit = "whole", most: float = np.inf
-    ) -> "FrameMap":
-        """The map that puts a video's picture into the middle of the robot's.
+    def fitted(cls, width: int, height: int, aspect: float = 1.0, fit: Fit = "whole") -> "FrameMap":
+        """The map after which a video's picture just fits into the robot's, or just fills it.
 
         Args:
             width: Of the video, pixels.
             height: Of the video, pixels.
             aspect: Width of its pixels over their height.
             fit: Whether all of it is to be seen, or nothing else.
-            most: Largest ``scale_y``, up to a pixel's rounding.
         """
         ratios = PICTURE_WIDTH / (width * aspect), PICTURE_HEIGHT / height
-        scale_y = min(min(ratios) if fit == "whole" else max(ratios), most)
-        wide, high = max(1, round(width * aspect * scale_y)), max(1, round(height * scale_y))
-        left, top = (PICTURE_WIDTH - wide) // 2, (PICTURE_HEIGHT - high) // 2
-        return cls(width, height, wide / width, high / height, left, top)
+        return cls.scaled(width, height, aspect, min(ratios) if fit == "whole" else max(ratios))
+
+    @classmethod
+    def scaled(cls, width: int, height: int, aspect: float, scale: float) -> "FrameMap":
+        """The map with ``scale`` pixels of the robot's picture for the height of one of the video, to the middle."""
+        wide, high = max(1, round(width * aspect * scale)), max(1, round(height * scale))
+        return cls(
+            width, height, wide / width, high / height, (PICTURE_WIDTH - wide) // 2, (PICTURE_HEIGHT - high) // 2
+        )
 
     def picture(self, video: np.ndarray, times: int = 1) -> np.ndarray:
         """The robot's picture, (240, 320, 3) RGB of a video's, (height, width, 3) BGR, uint8; ``times`` as large."""

@@ -1,0 +1,80 @@
+"""The figure of a video's fixations: where in the picture, when, and out of what interest."""
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+from jointattn_mj.footage.fixations import Fixation
+from jointattn_mj.footage.reader import RATE
+from jointattn_mj.recording.figures import save
+
+POINTS = 600
+"""Most points of a curve."""
+FACE = "#8a5a3c"
+
+
+def draw_fixations(
+    path: Path, picture: np.ndarray, fixations: list[Fixation], percepts: Path, names: tuple[str, ...], rgb: np.ndarray
+) -> None:
+    """Draw them.
+
+    Args:
+        path: Where to write the PNG.
+        picture: What the robot saw, (240, 320, 3) uint8 RGB.
+        fixations: All of them.
+        percepts: The file of percepts, for what interested it meanwhile.
+        names: Of the candidates.
+        rgb: (n, 3) colours of the objects, 0..1.
+    """
+    inks = [*(tuple(0.85 * np.asarray(colour)) for colour in rgb), FACE]
+    figure = Figure(figsize=(11, 5.2), layout="constrained")
+    parts = figure.subplot_mosaic([["where", "when"], ["where", "why"]], width_ratios=[1.25, 1], height_ratios=[1, 1.3])
+    _where(parts["where"], picture, fixations, inks)
+    _when(parts["when"], fixations, names, inks)
+    _why(parts["why"], percepts, names, inks)
+    parts["why"].sharex(parts["when"])
+    save(figure, path)
+
+
+def _where(axes: Axes, picture: np.ndarray, fixations: list[Fixation], inks: list) -> None:
+    axes.imshow(picture // 2 + 127)
+    seen = [one for one in fixations if one.seen]
+    places = np.array([one.place / one.seen for one in seen]).reshape(-1, 2)
+    axes.plot(*places.T, color="#34495e", lw=0.6, alpha=0.5)
+    sizes, colours = [160 * one.seconds for one in seen], [inks[one.candidate] for one in seen]
+    axes.scatter(places[:, 0], places[:, 1], sizes, colours, alpha=0.55, edgecolors="white", linewidths=0.8)
+    axes.set(title=f"{len(fixations)} fixations; area: how long", xticks=[], yticks=[])
+    axes.set(xlim=(-0.5, picture.shape[1] - 0.5), ylim=(picture.shape[0] - 0.5, -0.5))
+
+
+def _when(axes: Axes, fixations: list[Fixation], names: tuple[str, ...], inks: list) -> None:
+    for number in range(len(names)):
+        bars = [(one.start / RATE, one.seconds) for one in fixations if one.candidate == number]
+        axes.broken_barh(bars, (len(names) - 1 - number - 0.4, 0.8), facecolors=inks[number])
+    axes.set(yticks=range(len(names)), yticklabels=names[::-1], ylim=(-0.6, len(names) - 0.4), title="what it looks at")
+    axes.tick_params(labelbottom=False)
+    axes.grid(axis="x", alpha=0.3)
+
+
+def _why(axes: Axes, percepts: Path, names: tuple[str, ...], inks: list) -> None:
+    columns = [f"{name}_interest" for name in names]
+    file = pq.ParquetFile(percepts)
+    every = max(1, file.metadata.num_rows // POINTS)
+    kept: list[np.ndarray] = []
+    first = 0
+    for batch in file.iter_batches(columns=["time_s", *columns]):
+        values = np.column_stack([np.asarray(column) for column in batch.columns])
+        kept.append(values[-first % every :: every])
+        first += len(values)
+    table = np.concatenate(kept)
+    for number, ink in enumerate(inks):
+        axes.plot(table[:, 0], table[:, 1 + number], color=ink, lw=1.2, label=names[number])
+    axes.set(xlabel="time (s)", ylabel="interest (eq. 6.1)", yscale="log", xlim=(0, max(float(table[-1, 0]), 1.0)))
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.grid(alpha=0.3)

@@ -1,0 +1,83 @@
+"""One picture of the overlay video: what the robot makes of the video, what it attends to, and why."""
+
+import numpy as np
+
+from jointattn_mj.attention import AttentionConfig
+from jointattn_mj.footage.frame_map import PICTURE_HEIGHT, PICTURE_WIDTH, FrameMap
+from jointattn_mj.footage.log import PerceptLog
+from jointattn_mj.footage.reader import RATE
+from jointattn_mj.footage.watcher import Watcher
+from jointattn_mj.recording.interest import InterestPanel
+from jointattn_mj.recording.paint import GREY, GROUND, PERSON, WHITE, Box, Colour, disc, ink_of, lines, shade, write
+from jointattn_mj.recording.percepts import SCALE, PerceptInk, place
+
+WIDTH, HEIGHT = 672, 688
+_EYE = Box(16, 44, PICTURE_WIDTH * SCALE, PICTURE_HEIGHT * SCALE)
+_INTEREST = Box(16, 532, 640, 148)
+_BAR = 34  # height of the line of text below the picture's contents
+
+
+class FootageOverlay:
+    """Draws pictures, uint8 (688, 672, 3)."""
+
+    def __init__(self, names: tuple[str, ...], rgb: np.ndarray, attention: AttentionConfig):
+        """``names`` of the objects and, last, the face; ``rgb`` (n, 3), 0..1, of the objects."""
+        self._names = names
+        self._inks: list[Colour] = [*map(ink_of, rgb), PERSON]
+        self._percept = PerceptInk(self._inks)
+        self._blank = blank = np.full((HEIGHT, WIDTH, 3), GROUND, np.uint8)
+        write(blank, _EYE.x, 14, "What the robot would look at", WHITE, 18, True)
+        self._interest = InterestPanel(blank, _INTEREST, names, self._inks, attention, person=False)
+        self._canvas = blank.copy()
+
+    def compose(self, video: np.ndarray, mapped: FrameMap, watcher: Watcher, log: PerceptLog) -> np.ndarray:
+        """The picture of this frame; it holds until the next one.
+
+        Args:
+            video: The video's picture, (h, w, 3) uint8 BGR.
+            mapped: How the robot's comes from it.
+            watcher: Who has just seen it.
+            log: Where that is written down.
+        """
+        canvas = self._canvas
+        np.copyto(canvas, self._blank)
+        seconds = max(0, log.frames - 1) / RATE
+        write(canvas, WIDTH - 16, 17, f"{int(seconds // 60):02d}:{seconds % 60:04.1f}", WHITE, 15, align="right")
+        area = _EYE.of(canvas)
+        area[:] = mapped.picture(video, SCALE)
+        if watcher.percept is not None:
+            self._percept.draw(area, watcher.percept, self._fixated(watcher), watcher.perceiver.motion)
+        if watcher.goal is not None:
+            self._draw_shift(area, watcher, watcher.goal)
+        self._draw_status(area, watcher)
+        self._interest.draw(canvas, log)
+        return canvas
+
+    @staticmethod
+    def _fixated(watcher: Watcher) -> int | None:
+        return watcher.attended if watcher.goal is None else None
+
+    def _draw_shift(self, area: np.ndarray, watcher: Watcher, goal: int) -> None:
+        """A line from what was attended to what will be."""
+        percept = watcher.percept
+        if percept is None or not percept.seen[goal]:
+            return
+        end = place(percept.px[goal])
+        disc(area, end, 12, self._inks[goal], 2)
+        if watcher.attended is not None and percept.seen[watcher.attended]:
+            lines(area, [np.stack([place(percept.px[watcher.attended]), end])], self._inks[goal], 2)
+
+    def _draw_status(self, area: np.ndarray, watcher: Watcher) -> None:
+        """One line in plain words."""
+        bar = area[-_BAR:]
+        shade(bar, GROUND, 0.78)
+        if watcher.goal is not None:
+            x = write(bar, 12, 8, "shifts its attention to", WHITE, 15) + 6
+            write(bar, x, 8, self._names[watcher.goal], self._inks[watcher.goal], 15, True)
+        elif watcher.attended is None:
+            write(bar, 12, 8, "looks at nothing in particular yet", GREY, 15)
+        else:
+            x = write(bar, 12, 8, "looks at", WHITE, 15, True) + 6
+            x = write(bar, x, 8, self._names[watcher.attended], self._inks[watcher.attended], 15, True) + 6
+            if watcher.percept is not None and not watcher.percept.seen[watcher.attended]:
+                write(bar, x, 8, "(not seen now)", GREY, 15)

@@ -1,0 +1,47 @@
+"""``jointattn perceive`` with its bar."""
+
+import sys
+
+from tqdm import tqdm
+
+from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
+from jointattn_mj.footage.reader import RATE
+from jointattn_mj.footage.run import Viewing, run_perceive
+
+
+def run_with_bar(config: PerceiveConfig, options: PerceiveOptions) -> None:
+    """Watch the video, and say in a few lines what came of it; errors are :func:`footage.run.run_perceive`'s."""
+    bar = tqdm(
+        desc="looking for a face",
+        unit=" s",
+        bar_format="{l_bar}{bar}| {n:.0f}/{total_fmt} s of video [{elapsed}<{remaining}{postfix}]",
+        disable=None,
+    )
+
+    def progress(viewing: Viewing) -> None:
+        bar.total = _seconds(viewing)
+        bar.set_description_str("watching", refresh=False)
+        found = viewing.seen / viewing.frames
+        bar.set_postfix_str(f"face in {found[-1]:.0%}, {len(viewing.fixations.all)} fixations", refresh=False)
+        bar.update(viewing.frames / RATE - bar.n)
+
+    try:
+        with bar:
+            summary = run_perceive(config, options, progress)
+    except KeyboardInterrupt:
+        done = (options.out / "summary.json").exists()
+        left = f"what was watched is in {options.out}" if done else "nothing was written"
+        print(f"jointattn: stopped; {left}", file=sys.stderr)
+        raise
+    found = ", ".join(f"{name} {share:.0%}" for name, share in summary["found"].items())
+    print(f"{summary['watched_seconds']:.1f} s watched. Found: {found}. {summary['fixations']} fixations.")
+    for note in summary["notes"]:
+        print(f"Note: {note}.")
+    print(f"In {summary['wall_seconds']:.1f} s. Results: {options.out}")
+
+
+def _seconds(viewing: Viewing) -> float | None:
+    """How long the viewing will be, if anybody knows."""
+    bounds = [bound for bound in (viewing.footage.declared_s, viewing.total / RATE) if bound is not None]
+    least = min(bounds)
+    return None if least == float("inf") else max(least, viewing.frames / RATE)
