@@ -33,4 +33,16 @@ REGISTRY = Registry(
           "More than 45,000 turns are more than a person can be asked for."),
     Entry("ablations", "ablations", "What hangs on each open place of chapter 5", "sections 5.2 and 5.3",
           "The text leaves these open."),
+    Entry("6.6", "som", "The map of face patterns", "section 6.4.1, Fig. 6.6",
+          "Faces seen in three minutes are ordered on a sheet of 9 x 9 cells: similar faces have neighbouring cells."),
+    Entry("6.7", "synchronised", "The gate, and the synchronised run behind it", "section 6.4.1, Fig. 6.7",
+          "The gate was set from a run in which robot and person keep time: half open at the 150th learning step."),
+    Entry("6.8", "sessions", "Gaze following in real time", "section 6.4.3, Fig. 6.8",
+          "In 26 minutes the robot learns to look where the person looks, better with motion cues than without: "
+          "199.6 successes in 302.0 gaze shifts against 124.4 in 279.6, and a rate of 0.8 after 20 minutes."),
+    Entry("maps", "wrong_map", "Why some sessions without motion cues hold on to a wrong map", "section 6.4.3",
+          "Without motion cues learning is worse; the text does not ask by which link."),
+    Entry("baselines", "turn_taking", "Constrained turn taking with the three-layered network", "reference [19]",
+          "Success starts at chance and becomes high with 1, 3, 5 and 10 objects; three stages appear, as in infants: "
+          "any object, the right one in view, the right one outside the view."),
 )  # fmt: skip

@@ -96,25 +96,23 @@ def test_test_gazes_are_passed_by_a_learner_that_knows_geometry_and_by_no_consta
     assert 0.1 < right < 0.45 and error > 5
 
 
-def test_a_learning_curve_rises_and_says_what_it_learned_from(tmp_path, monkeypatch):
+def test_a_learning_curve_rises_and_says_what_it_learned_from(monkeypatch):
     monkeypatch.syspath_prepend(str(Path(__file__).parents[1]))
     from experiments.synchronised import analysis, sweep
+    from jointattn_mj.laboratory.claim import Cell
 
-    config = sweep.SETTINGS["synchronised/cues"]
+    config = sweep.SETTINGS["cues"].config
     robot = replace(config.robot, familiarise=replace(config.robot.familiarise, minutes=1.0))
     config = replace(config, minutes=4.0, robot=robot)
-    monkeypatch.setitem(sweep.SETTINGS, "synchronised/cues", config)
     curve = sweep.learning_curve(config, np.array([0, 10, 40, 10_000]), gazes=100)
     assert curve["accuracy"][2] > curve["accuracy"][0] + 0.1
     assert curve["error_deg"][2] < curve["error_deg"][0]
     assert np.isnan(curve["accuracy"][3]) and curve["pairs"][2] >= 60
     assert 0.25 < curve["right_pairs"][2] < 0.8
     monkeypatch.setattr(sweep, "learning_curve", lambda config: curve)
-    sweep.run_cell(tmp_path, "synchronised/cues", 0)
-    monkeypatch.setattr(sweep, "learning_curve", None)
-    sweep.run_cell(tmp_path, "synchronised/cues", 0)
-    runs = analysis.read_runs(tmp_path, "synchronised/cues")
-    assert runs["accuracy"].shape == (1, 4)
+    cell = Cell("cues", 0, sweep.cell(config, 0))
+    assert analysis.columns([cell, cell])["accuracy"].shape == (2, 4)
+    assert "half open" in analysis.analyse({"cues": [cell]})[0].dissertation
 
 
 def test_when_a_run_is_good_enough(monkeypatch):
@@ -123,3 +121,4 @@ def test_when_a_run_is_good_enough(monkeypatch):
 
     accuracy = np.array([[0.2, 0.3, 0.5, 0.7, 0.8, 0.8, 0.8, 0.8, 0.8], [0.8] * 9])
     assert reaches(np.arange(0, 401, 50), accuracy, 0.8).tolist() == [150, 0]
+    assert reaches(np.array([0, 400]), np.array([[0.0, np.nan]]), 0.8).tolist() == [np.inf]

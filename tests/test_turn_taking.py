@@ -181,26 +181,28 @@ def test_ending_at_the_first_object_takes_fewer_steps():
     assert outcomes.reached.mean() > 0.99 and outcomes.movements.mean() < 3
 
 
-def test_a_cell_is_one_file_and_is_not_computed_twice(tmp_path, monkeypatch, bank, capsys):
+def test_a_life_in_counts(monkeypatch, bank):
     monkeypatch.syspath_prepend(str(Path(__file__).parents[1]))
     from experiments.turn_taking import analysis, sweep
+    from jointattn_mj.laboratory.claim import Cell
 
-    setting = sweep.Setting(TABLE_3, replace(SHORT, hidden=5), attempts=600, tables=50, tests=60)
-    monkeypatch.setitem(sweep.SETTINGS, "turn_taking/objects_3", setting)
-    monkeypatch.setattr(sweep, "face_banks", lambda out, setting: (bank, bank))
-    sweep.run_cell(tmp_path, "turn_taking/objects_3", 4)
-    files = sorted(path.name for path in (tmp_path / "turn_taking/objects_3").iterdir())
-    assert files == ["config.yaml", "seed_4.npz"]
-    lives = analysis.read_lives(tmp_path, "turn_taking/objects_3")
-    assert lives["attempts"].shape == (1, sweep.BINS) and lives["attempts"].sum() == 600
-    assert (lives["right_in_view"] + lives["right_outside"] == lives["right"]).all()
-    assert lives["test_new_attempts"].item() == 60
-    monkeypatch.setattr(sweep, "live_one", None)
-    sweep.run_cell(tmp_path, "turn_taking/objects_3", 4)
-    numbers = analysis.numbers_of("turn_taking/objects_3", lives)
-    assert numbers["right_end"]["n"] == 1 and 0 <= numbers["right_end"]["mean"] <= 1
-    monkeypatch.setitem(sweep.SETTINGS, "turn_taking/objects_5", setting)
-    for name in ("objects_5", "in_view_5"):
-        (tmp_path / "turn_taking" / name).symlink_to(tmp_path / "turn_taking/objects_3")
-    analysis.draw(tmp_path, tmp_path / "figure.png")
-    assert (tmp_path / "figure.png").stat().st_size > 10_000
+    life = sweep.Life(TABLE_3, replace(SHORT, hidden=5), attempts=600, tables=50, tests=60)
+    monkeypatch.setattr(sweep, "face_banks", lambda config: (bank, bank))
+    result = sweep.cell(life, 4)
+    assert result == sweep.cell(life, 4) != sweep.cell(life, 5)
+    assert len(result["attempts"]) == sweep.BINS and sum(result["attempts"]) == 600
+    seen, hidden = np.array(result["right_in_view"]), np.array(result["right_outside"])
+    assert (seen + hidden == result["right"]).all()
+    assert result["test_new_attempts"] == [60]
+    cells = {name: [Cell(name, 4, result)] for name in ("objects_3", "objects_5", "in_view_5")}
+    findings = analysis.analyse(cells)
+    assert any("3 objects" in finding.what and finding.ours.n == 1 for finding in findings)
+    assert list(analysis.draw(cells)) == ["turn_taking"]
+
+
+def test_when_a_stage_is_reached(monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[1]))
+    from experiments.turn_taking.analysis import reaches
+
+    rates = np.array([[0.0, 0.5, 1.0], [0.0, 0.1, 0.2], [0.8, 0.9, 1.0]])
+    assert reaches(rates, 0.75).tolist() == [2.0, np.inf, 0.5]

@@ -1,125 +1,204 @@
-"""Table and figure of chapter 6 from stored sessions (Fig. 6.8, section 6.4.3).
+"""Success of gaze following with and without motion cues (Fig. 6.8), and pan and tilt apart."""
 
-    python -m experiments.sessions.analysis out/sessions --figure experiments/figures/sessions.png
-"""
-
-import json
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
-import pyarrow.parquet as pq
-import tyro
 from matplotlib.figure import Figure
 
-from experiments.sessions.sweep import SETTINGS
-from jointattn_mj.laboratory.statistics import mean_interval
-from jointattn_mj.recording.figures import save
-from jointattn_mj.recording.summary import rate_of_success
+from jointattn_mj.laboratory.claim import Cell, Cells, Finding, Verdict
+from jointattn_mj.laboratory.statistics import Estimate, mean_interval, paired_difference, too_few
+from jointattn_mj.recording.summary import LATE_MINUTES, rate_of_success
 
-QUANTITIES = {
-    "gaze shifts": "gaze_shifts",
-    "successes": "successes",
-    "at launch": "successes_at_launch",
-    "at landing": "successes_at_landing",
-    "on nothing": "landings_on_nothing",
-    "successes within 3.5 deg": "successes_on_something",
-    "late rate": "late_rate",
-    "map error (deg)": "map_error_deg.median",
-    "pan error (deg)": "pan",
-    "tilt error (deg)": "tilt",
+PUBLISHED = {
+    "cues": {"gaze_shifts": 302.0, "successes": 199.6, "late_rate": 0.8},
+    "no_cues": {"gaze_shifts": 279.6, "successes": 124.4},
 }
-PUBLISHED = {"cues": (302.0, 199.6, 0.80), "no_cues": (279.6, 124.4, None)}
+WORDS = {"cues": "with motion cues", "no_cues": "without motion cues", "truth": "the state", "pixels": "pictures"}
+QUANTITIES = {
+    "gaze_shifts": "gaze shifts from the face to an object",
+    "successes": "successes",
+    "late_rate": "success rate over the last 6 minutes",
+}
+MORE = {
+    "successes_at_launch": "successes by her target when the robot set out",
+    "successes_at_landing": "successes by her target when it arrived",
+    "landings_on_nothing": "landings more than 3.5 deg off everything",
+    "successes_on_something": "successes within 3.5 deg",
+    "map_error_deg.median": "error of the learned map, deg",
+}
+REPRODUCED, PARTLY = 0.1, 0.2
+"""Relative distance from the published mean, for which no deviation is given."""
+WITHIN_DEG = 3.5
 COLOURS = {"cues": "#c0392b", "no_cues": "#2471a3"}
 MINUTES = np.arange(1, 26)
 
 
-@dataclass(frozen=True)
-class Options:
-    """Where the sessions are."""
-
-    folder: Annotated[Path, tyro.conf.Positional]
-    """What the sweep's --out was."""
-    figure: Path | None = None
-    """PNG to draw."""
-    table: Path | None = None
-    """JSON file for the numbers."""
-
-
-def read_cells(folder: Path, name: str) -> list[dict]:
-    """The summaries of a setting, by seed, each with its shifts under ``shifts``."""
-    cells = []
-    for path in sorted(folder.glob(f"{name}/*/summary.json"), key=lambda path: int(path.parent.name)):
-        summary = json.loads(path.read_text())
-        shifts = pq.read_table(path.parent / "gaze_shifts.parquet").to_pandas()
-        summary["shifts"] = shifts[shifts.face_to_object]
-        late = summary["shifts"][summary["shifts"].landing_s > (summary["minutes"] - 6) * 60]
-        summary["pan"], summary["tilt"] = late.pan_error_deg.abs().median(), late.tilt_error_deg.abs().median()
-        cells.append(summary)
-    return cells
-
-
-def value(summary: dict, key: str) -> float:
-    """A number of a summary by its dotted name."""
+def value(cell: Cell, key: str) -> float:
+    """A number of a session by its dotted name; NaN where there is none."""
+    found: Any = cell.result
     for part in key.split("."):
-        summary = summary[part]
-    return np.nan if summary is None else float(summary)
+        found = found[part]
+    return np.nan if found is None else float(found)
 
 
-def moving_average(cell: dict) -> np.ndarray:
+def estimate(cells: Sequence[Cell], key: str) -> Estimate:
+    """Mean over sessions."""
+    return mean_interval([value(cell, key) for cell in cells])
+
+
+def near(ours: Estimate, published: float) -> Verdict:
+    """How close the mean came."""
+    off = abs(ours.mean - published) / published
+    return Verdict.REPRODUCED if off <= REPRODUCED else Verdict.PARTLY if off <= PARTLY else Verdict.NOT
+
+
+def analyse(cells: Cells) -> list[Finding]:
+    """The published numbers first, then what has no counterpart there."""
+    findings = [
+        published(cells[f"{perception}/{condition}"], perception, condition, key)
+        for perception in ("pixels", "truth")
+        for condition in ("cues", "no_cues")
+        if f"{perception}/{condition}" in cells
+        for key in QUANTITIES
+    ]
+    for perception in ("pixels", "truth"):
+        findings += differences(cells, perception)
+    for name, part in cells.items():
+        perception, _, condition = name.partition("/")
+        if condition not in PUBLISHED:
+            findings += [extension(part, name, key, QUANTITIES[key]) for key in ("successes", "late_rate")]
+        elif perception == "truth":
+            findings += [extension(part, name, key, words) for key, words in MORE.items()]
+    return findings + [axes_apart(cells[name], name) for name in ("truth/cues", "truth/no_cues") if name in cells]
+
+
+def published(part: Sequence[Cell], perception: str, condition: str, key: str) -> Finding:
+    """A number of the dissertation beside ours."""
+    theirs, ours = PUBLISHED[condition].get(key), estimate(part, key)
+    what = f"{QUANTITIES[key]}, {WORDS[condition]}, from {WORDS[perception]}"
+    if theirs is None:
+        return Finding(what, "only drawn", ours, Verdict.EXTENSION)
+    verdict = near(ours, theirs)
+    note = f"within {REPRODUCED:.0%} of the published mean of five" if verdict is Verdict.REPRODUCED else ""
+    return Finding(what, f"{theirs:g}", ours, verdict, note)
+
+
+def differences(cells: Cells, perception: str) -> list[Finding]:
+    """With cues less without, seed by seed."""
+    both = [cells.get(f"{perception}/{condition}", ()) for condition in ("cues", "no_cues")]
+    seeds = sorted(set.intersection(*({cell.seed for cell in part} for part in both)))
+    if not seeds:
+        return []
+    findings = []
+    for key, theirs in (("successes", "75.2"), ("late_rate", "higher")):
+        with_cues, without = ({cell.seed: value(cell, key) for cell in part} for part in both)
+        a, b = [with_cues[seed] for seed in seeds], [without[seed] for seed in seeds]
+        ours = paired_difference(a, b)
+        note = too_few(len(seeds), float(np.nanmean(a)), float(np.nanmean(b)), ours.sd) if len(seeds) > 1 else ""
+        verdict = Verdict.REPRODUCED if ours.low > 0 else Verdict.NOT if ours.high < 0 else Verdict.UNDECIDED
+        if len(seeds) < 2:
+            verdict, note = Verdict.UNDECIDED, "one pair of sessions"
+        what = f"{QUANTITIES[key]}, with motion cues less without, from {WORDS[perception]}"
+        findings.append(Finding(what, theirs, ours, verdict, note))
+    return findings
+
+
+def extension(part: Sequence[Cell], name: str, key: str, words: str) -> Finding:
+    """A number that the dissertation does not give."""
+    return Finding(f"{words}, {name}", "not given", estimate(part, key), Verdict.EXTENSION)
+
+
+def axes_apart(part: Sequence[Cell], name: str) -> Finding:
+    """Whether following of horizontal displacement comes before vertical, as in infants."""
+    pan, tilt = ([half_way(cell, axis) for cell in part] for axis in ("pan", "tilt"))
+    return Finding(
+        f"minutes by which half of the gain in tilt comes after half of that in pan, {name}",
+        "in infants horizontal comes first (Silverstein et al.)",
+        paired_difference(tilt, pan),
+        Verdict.EXTENSION,
+        f"share of landings within {WITHIN_DEG} deg of her object along one axis; objects differ by up to 45 deg in "
+        "pan and by some 10 in tilt, so the axes are not equally hard",
+    )
+
+
+def within(cell: Cell, axis: str, minutes: float = 1.0) -> np.ndarray:
+    """Share of landings within 3.5 deg of her object in pan or tilt, around every minute of ``MINUTES``."""
+    shifts = cell.result["shifts"]
+    error = np.array(shifts[f"{axis}_error_deg"], float)
+    at = np.array(shifts["landing_s"], float) / 60
+    return rate_of_success(MINUTES / minutes, at / minutes, np.abs(error) <= WITHIN_DEG)
+
+
+def half_way(cell: Cell, axis: str) -> float:
+    """Minute at which the share first gets half of the way from its first to its last six minutes; NaN if it falls."""
+    share = within(cell, axis, minutes=2.0)
+    first, last = np.nanmean(share[: int(LATE_MINUTES)]), np.nanmean(share[-int(LATE_MINUTES) :])
+    if not last > first:
+        return np.nan
+    return float(MINUTES[np.argmax(share >= (first + last) / 2)])
+
+
+def curve(cell: Cell) -> np.ndarray:
     """Eq. 6.9 at every minute of ``MINUTES``."""
-    shifts = cell["shifts"]
-    return rate_of_success(MINUTES, shifts.landing_s.to_numpy() / 60, shifts.success.to_numpy(bool))
+    shifts = cell.result["shifts"]
+    return rate_of_success(MINUTES, np.array(shifts["landing_s"]) / 60, np.array(shifts["success"], bool))
 
 
-def draw(folder: Path, path: Path) -> None:
-    """Fig. 6.8 for either kind of perception: mean and standard deviation over sessions."""
+def draw(cells: Cells) -> Mapping[str, Figure]:
+    """Fig. 6.8 for either kind of perception, and the axes apart."""
+    figures = {}
+    if any(f"{perception}/{condition}" in cells for perception in ("pixels", "truth") for condition in COLOURS):
+        figures["sessions"] = draw_success(cells)
+    if any(f"truth/{condition}" in cells for condition in COLOURS):
+        figures["pan_and_tilt"] = draw_axes(cells)
+    return figures
+
+
+def draw_success(cells: Cells) -> Figure:
+    """Mean and standard deviation over sessions."""
     figure = Figure(figsize=(10, 4.4), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     for axes, perception in zip(panels, ("pixels", "truth"), strict=True):
-        for condition, label in (("cues", "with motion cues"), ("no_cues", "without")):
-            cells = read_cells(folder, f"{perception}/{condition}")
-            if not cells:
-                continue
-            curves = np.array([moving_average(cell) for cell in cells])
-            axes.errorbar(
-                MINUTES, np.nanmean(curves, axis=0), np.nanstd(curves, axis=0, ddof=1) if len(curves) > 1 else None,
-                fmt="x-" if condition == "cues" else "+-", color=COLOURS[condition], lw=1, capsize=2,
-                label=f"{label} (mean, sd)",
-            )  # fmt: skip
+        for condition, fmt in (("cues", "x-"), ("no_cues", "+-")):
+            part = cells.get(f"{perception}/{condition}", ())
+            if part:
+                curves = np.array([curve(cell) for cell in part])
+                spread = np.nanstd(curves, axis=0, ddof=1) if len(curves) > 1 else None
+                axes.errorbar(
+                    MINUTES, np.nanmean(curves, axis=0), spread, fmt=fmt, color=COLOURS[condition], lw=1, capsize=2,
+                    label=f"{WORDS[condition]} (mean, sd)",
+                )  # fmt: skip
         axes.axhline(0.8, ls="--", color="#7f8c8d", lw=0.8, label="dissertation, with cues, after 20 min")
         axes.axhline(0.25, ls=":", color="#7f8c8d", lw=0.8, label="one of four objects at random")
+        numbers = [len(cells.get(f"{perception}/{condition}", ())) for condition in COLOURS]
         title = "from rendered pictures" if perception == "pixels" else "from the simulator's state"
-        title += f" ({len(read_cells(folder, f'{perception}/cues'))} sessions each)"
-        axes.set(xlabel="time (simulated minutes)", xlim=(0, 26), ylim=(0, 1), title=title)
+        axes.set(xlabel="time (simulated minutes)", xlim=(0, 26), ylim=(0, 1))
+        axes.set_title(f"{title} ({numbers[0]} and {numbers[1]} sessions)")
         axes.grid(alpha=0.3)
     panels[0].set_ylabel("success of gaze following, eq. 6.9")
-    lines = panels[0].get_legend_handles_labels()
-    figure.legend(*lines, fontsize=8, loc="outside lower center", ncols=4, frameon=False)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    save(figure, path)
+    fullest = max(panels, key=lambda axes: len(axes.get_legend_handles_labels()[0]))
+    figure.legend(*fullest.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=4, frameon=False)
+    return figure
 
 
-def main() -> None:
-    """Print the table as Markdown; write it and the figure where asked."""
-    options = tyro.cli(Options, description=__doc__)
-    numbers: dict[str, dict] = {}
-    print(f"| setting | n | {' | '.join(QUANTITIES)} |\n|---|---|{'---|' * len(QUANTITIES)}")
-    for name in SETTINGS:
-        cells = read_cells(options.folder, name)
-        if cells:
-            columns = {label: [value(cell, key) for cell in cells] for label, key in QUANTITIES.items()}
-            estimates = {label: mean_interval(np.array(column)) for label, column in columns.items()}
-            numbers[name] = {label: vars(estimate) for label, estimate in estimates.items()}
-            print(f"| {name} | {len(cells)} | {' | '.join(map(str, estimates.values()))} |")
-    for condition, (shifts, successes, late) in PUBLISHED.items():
-        print(f"| dissertation, {condition} | 5 | {shifts} | {successes} | | | | {late or ''} | | | |")
-    if options.table is not None:
-        options.table.write_text(json.dumps(numbers, indent=1) + "\n")
-    if options.figure is not None:
-        draw(options.folder, options.figure)
-
-
-if __name__ == "__main__":
-    main()
+def draw_axes(cells: Cells) -> Figure:
+    """Landings near her object in pan and in tilt, over time."""
+    figure = Figure(figsize=(10, 3.8), layout="constrained")
+    panels = figure.subplots(1, 2, sharey=True)
+    for panel, condition in zip(panels, COLOURS, strict=True):
+        part = cells.get(f"truth/{condition}", ())
+        for axis, colour in (("pan", "#6c3483"), ("tilt", "#b7950b")) if part else ():
+            shares = np.array([within(cell, axis) for cell in part])
+            estimates = [mean_interval(column) for column in shares.T]
+            panel.fill_between(
+                MINUTES, [e.low for e in estimates], [e.high for e in estimates], color=colour, alpha=0.2, lw=0
+            )
+            panel.plot(MINUTES, [e.mean for e in estimates], color=colour, label=axis)
+        panel.set(xlabel="time (simulated minutes)", xlim=(0, 26), ylim=(0, 1))
+        panel.set_title(f"{WORDS[condition]} ({len(part)} sessions from the state)")
+        panel.grid(alpha=0.3)
+        if part:
+            panel.legend(fontsize=8, loc="lower right")
+    panels[0].set_ylabel(f"landings within {WITHIN_DEG} deg of her object")
+    return figure

@@ -1,20 +1,10 @@
-"""How the learner grows with l when robot and caregiver keep time (section 6.4.1, Fig. 6.7).
+"""How the learner grows with l when robot and caregiver keep time (section 6.4.1, Fig. 6.7)."""
 
-    python -m experiments.synchronised.sweep --out out --runs 20
-
-A cell is one file ``<out>/<setting>/seed_<seed>.npz``, there whole or not at all. Running again computes what is
-missing.
-"""
-
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
-import tyro
-from joblib import Parallel, delayed
 
-from jointattn_mj.recording.files import write_whole
-from jointattn_mj.recording.provenance import write_config
+from jointattn_mj.laboratory.claim import Setting
 from jointattn_mj.session import SessionConfig
 from jointattn_mj.synchronised import Gazes, SynchronisedSession, synchronised
 
@@ -24,7 +14,7 @@ GAZES = 400
 """Test gazes, the same all through a run."""
 
 
-def setting(cues: bool, directions: str = "both") -> SessionConfig:
+def session_config(cues: bool, directions: str = "both") -> SessionConfig:
     """A synchronised session from the simulator's state, up to an hour (it ends when the last l is reached)."""
     config = synchronised(SessionConfig(minutes=60.0, perception="truth"))
     robot = replace(
@@ -35,26 +25,17 @@ def setting(cues: bool, directions: str = "both") -> SessionConfig:
     return replace(config, robot=robot)
 
 
-SETTINGS: dict[str, SessionConfig] = {
-    "synchronised/cues": setting(True),
-    "synchronised/no_cues": setting(False),
-    "synchronised/no_cues_face_to_object_only": setting(False, "face_to_object"),
+SETTINGS = {
+    "cues": Setting(session_config(True), 20),
+    "no_cues": Setting(session_config(False), 20),
+    "no_cues_face_to_object_only": Setting(session_config(False, "face_to_object"), 20),
 }
 """By string id. With motion cues the handled object is more interesting, and so more often the one that is chosen."""
 
 
-@dataclass(frozen=True)
-class Options:
-    """What to run."""
-
-    out: Path
-    """Folder of all cells."""
-    only: str = ""
-    """Settings whose id begins with this."""
-    runs: int = 20
-    """Seeds a setting, from 0."""
-    jobs: int = 1
-    """Processes."""
+def cell(config: SessionConfig, seed: int) -> dict[str, list[float]]:
+    """The learning curve of one run."""
+    return {name: values.tolist() for name, values in learning_curve(replace(config, seed=seed)).items()}
 
 
 def learning_curve(
@@ -85,29 +66,3 @@ def learning_curve(
         session.close()
     accuracy, error, right = curve
     return {"iterations": iterations, "accuracy": accuracy, "error_deg": error, "right_pairs": right, "pairs": pairs}
-
-
-def run_cell(out: Path, name: str, seed: int) -> None:
-    """One run in its own file; nothing to do if it is there."""
-    path = out / name / f"seed_{seed}.npz"
-    if path.exists():
-        return
-    config = replace(SETTINGS[name], seed=seed)
-    curve = learning_curve(config)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_config(path.parent / "config.yaml", SETTINGS[name])
-    write_whole(path, lambda temporary: np.savez_compressed(temporary, **curve))
-    print(f"{name} {seed}: {curve['accuracy'][-1]:.2f} right, {curve['error_deg'][-1]:.1f} deg at the end", flush=True)
-
-
-def main() -> None:
-    """Run the cells."""
-    options = tyro.cli(Options, description=__doc__)
-    names = [name for name in SETTINGS if name.startswith(options.only)]
-    Parallel(n_jobs=options.jobs)(
-        delayed(run_cell)(options.out, name, seed) for name in names for seed in range(options.runs)
-    )
-
-
-if __name__ == "__main__":
-    main()

@@ -1,49 +1,27 @@
-r"""Success of turn taking over learning time: figure and numbers from stored lives.
+"""Success of turn taking over learning time, by number of objects, and the three stages (reference [19])."""
 
-    python -m experiments.turn_taking.analysis out \
-        --figure experiments/figures/turn_taking.png --summary out/turn_taking/summary.json
-"""
-
-import json
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated
+from collections.abc import Mapping, Sequence
 
 import numpy as np
-import tyro
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments.turn_taking.sweep import SETTINGS, Setting
-from jointattn_mj.laboratory.statistics import mean_interval
-from jointattn_mj.recording.figures import save
-from jointattn_mj.recording.files import write_whole
+from experiments.turn_taking.sweep import SETTINGS, Life
+from jointattn_mj.laboratory.claim import Cell, Cells, Finding, Verdict
+from jointattn_mj.laboratory.statistics import mean_interval, median_interval, proportion
 
 END = 6
 """Stretches of a life, of 60, that count as its end: 30,000 attempts."""
 LEVEL = 0.75
 """Success at which a stage counts as reached."""
 COLOURS = {1: "#7f8c8d", 3: "#2471a3", 5: "#c0392b", 10: "#b7950b"}
-ATTEMPTS = Setting().attempts
+ATTEMPTS = Life().attempts
+STAGES = {"any": "some object", "right_in_view": "hers, in the first view", "right_outside": "hers, outside it"}
 
 
-@dataclass(frozen=True)
-class Options:
-    """Where the lives are."""
-
-    folder: Annotated[Path, tyro.conf.Positional]
-    """What the sweep's --out was."""
-    figure: Path | None = None
-    """PNG to draw."""
-    summary: Path | None = None
-    """JSON file for the numbers."""
-
-
-def read_lives(folder: Path, name: str) -> dict[str, np.ndarray]:
-    """All stored lives of a setting: each count as an array (lives, stretches); empty if there are none."""
-    paths = sorted((folder / name).glob("seed_*.npz"), key=lambda path: int(path.stem.removeprefix("seed_")))
-    lives = [dict(np.load(path)) for path in paths]
-    return {key: np.stack([life[key] for life in lives]) for key in lives[0]} if lives else {}
+def columns(part: Sequence[Cell]) -> dict[str, np.ndarray]:
+    """Each count of all lives, (lives, stretches)."""
+    return {key: np.array([cell.result[key] for cell in part]) for key in part[0].result}
 
 
 def rates(lives: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -53,7 +31,7 @@ def rates(lives: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """
     outside = lives["attempts"] - lives["in_view"]
     outside = np.where(outside > lives["attempts"] / 100, outside, np.nan)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore"):
         return {
             "any": lives["reached"] / lives["attempts"],
             "right": lives["right"] / lives["attempts"],
@@ -62,25 +40,9 @@ def rates(lives: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         }
 
 
-def numbers_of(name: str, lives: dict[str, np.ndarray]) -> dict[str, dict]:
-    """What is reported of a setting, each with its interval over lives."""
-    rate = rates(lives)
-    stretch = SETTINGS[name].attempts / rate["right"].shape[1]
-    tests = {
-        f"test_{kind}": lives[f"test_{kind}_right"][:, 0] / lives[f"test_{kind}_attempts"][:, 0]
-        for kind in ("known", "new")
-    }
-    start = {f"{key}_start": values[:, 0] for key, values in rate.items()}
-    end = {f"{key}_end": values[:, -END:].mean(axis=1) for key, values in rate.items()}
-    in_view, outside = (reaches(rate[f"right_{place}"], LEVEL) * stretch for place in ("in_view", "outside"))
-    stages = {"in_view_reaches_at": in_view, "outside_reaches_at": outside, "outside_later_by": outside - in_view}
-    lowest = {"right_lowest": rate["right"].min(axis=1), "any_lowest": rate["any"].min(axis=1)}
-    return {key: vars(mean_interval(values)) for key, values in (start | end | stages | lowest | tests).items()}
-
-
 def reaches(rate: np.ndarray, level: float) -> np.ndarray:
-    """(lives,) when a rate first gets to ``level``, in stretches (interpolated); NaN for lives in which it does not."""
-    reached = np.full(len(rate), np.nan)
+    """(lives,) when a rate first gets to ``level``, in stretches (interpolated); infinite where it never does."""
+    reached = np.full(len(rate), np.inf)
     for life, values in enumerate(rate):
         above = np.flatnonzero(values >= level)
         if len(above):
@@ -90,28 +52,67 @@ def reaches(rate: np.ndarray, level: float) -> np.ndarray:
     return reached
 
 
-def band(axes: Axes, rate: np.ndarray, label: str, colour: str) -> None:
-    """A curve over learning time: mean of all lives with its 95% interval."""
-    estimates = [mean_interval(column) for column in rate.T]
-    at = _times(rate)
-    axes.fill_between(at, [e.low for e in estimates], [e.high for e in estimates], color=colour, alpha=0.2, lw=0)
-    axes.plot(at, [e.mean for e in estimates], color=colour, lw=1.5, label=label)
+def analyse(cells: Cells) -> list[Finding]:
+    """From chance to a high rate with 1, 3, 5 and 10 objects, the three stages, then other readings."""
+    findings: list[Finding] = []
+    for objects in COLOURS:
+        name = f"objects_{objects}"
+        if cells.get(name):
+            findings += rise(columns(cells[name]), objects)
+    for objects in (3, 5, 10):
+        name = f"objects_{objects}"
+        if cells.get(name):
+            findings += stages(columns(cells[name]), objects)
+    for name, part in cells.items():
+        if name in SETTINGS and not name.startswith("objects_"):
+            end = mean_interval(rates(columns(part))["right"][:, -END:].mean(axis=1))
+            findings.append(Finding(f"her object at the end, {name}", "not given", end, Verdict.EXTENSION))
+    return findings
 
 
-def _times(rate: np.ndarray) -> np.ndarray:
-    """Middle of each stretch, 10^4 attempts."""
-    return (np.arange(rate.shape[1]) + 0.5) * ATTEMPTS / rate.shape[1] / 1e4
+def rise(lives: dict[str, np.ndarray], objects: int) -> list[Finding]:
+    """Where success begins and ends."""
+    right = rates(lives)["right"]
+    start, end = mean_interval(right[:, 0]), mean_interval(right[:, -END:].mean(axis=1))
+    new = mean_interval(lives["test_new_right"][:, 0] / lives["test_new_attempts"][:, 0])
+    of = f"{objects} object{'s' * (objects > 1)}"
+    risen = Verdict.REPRODUCED if end.low > LEVEL else Verdict.PARTLY if end.low > start.high else Verdict.NOT
+    chance = Verdict.REPRODUCED if objects > 1 and abs(start.mean - 1 / objects) < 0.05 else Verdict.NOT
+    missed = "objects outside the first view are missed at first, which 1/n leaves out"
+    return [
+        Finding(f"her object at the start, {of}", f"1/{objects}", start, chance, "" if objects > 1 else missed),
+        Finding(f"her object at the end, {of}", "a high rate", end, risen, f"above {LEVEL:.0%} counts as high"),
+        Finding(f"with faces that were not seen in the life, {of}", "not given", new, Verdict.EXTENSION),
+    ]
 
 
-def draw(folder: Path, path: Path) -> None:
+def stages(lives: dict[str, np.ndarray], objects: int) -> list[Finding]:
+    """Whether any object, the right one in view and the right one outside the view are reached in this order."""
+    rate = rates(lives)
+    times = {key: reaches(rate[key], LEVEL) * ATTEMPTS / rate[key].shape[1] for key in STAGES}
+    first, second, third = times.values()
+    ordered = proportion(int(np.sum((first < second) & (second < third))), len(first))
+    verdict = Verdict.REPRODUCED if ordered.low > 0.5 else Verdict.NOT if ordered.high < 0.5 else Verdict.UNDECIDED
+    what = f"lives in which some object, hers in the first view, hers outside it come in this order, {objects} objects"
+    with np.errstate(invalid="ignore"):
+        later = median_interval(third - second)
+    return [
+        Finding(what, "three stages, as in infants", ordered, verdict, f"each when it first gets to {LEVEL:.0%}"),
+        Finding(
+            f"attempts from the second stage to the third (median), {objects} objects", "not given", later,
+            Verdict.EXTENSION,
+        ),
+    ]  # fmt: skip
+
+
+def draw(cells: Cells) -> Mapping[str, Figure]:
     """Success by number of objects; the three stages with five and with ten; where objects lie."""
     figure = Figure(figsize=(8.2, 6.0), layout="constrained")
     by_number, by_place, five, ten = figure.subplots(2, 2, sharey=True).ravel()
     for objects, colour in COLOURS.items():
-        lives = read_lives(folder, f"turn_taking/objects_{objects}")
-        if lives:
-            label = f"{objects} object{'s' * (objects > 1)} ({len(lives['right'])} lives)"
-            band(by_number, rates(lives)["right"], label, colour)
+        part = cells.get(f"objects_{objects}")
+        if part:
+            band(by_number, rates(columns(part))["right"], f"{objects} objects ({len(part)} lives)", colour)
             by_number.axhline(1 / objects, color=colour, ls=":", lw=0.8)
     places = {
         "objects_5": ("five, anywhere on the table", "#c0392b"),
@@ -119,13 +120,13 @@ def draw(folder: Path, path: Path) -> None:
         "outside_3": ("three, outside the first view", "#6c3483"),
     }
     for key, (label, colour) in places.items():
-        lives = read_lives(folder, f"turn_taking/{key}")
-        if lives:
-            band(by_place, rates(lives)["right"], label, colour)
+        if cells.get(key):
+            right = rates(columns(cells[key]))["right"]
+            band(by_place, right, label, colour)
             if key == "outside_3":
-                by_place.plot(_times(rates(lives)["right"]), rates(lives)["right"].T, color=colour, lw=0.4)
-    draw_stages(five, folder, "turn_taking/objects_5")
-    draw_stages(ten, folder, "turn_taking/objects_10")
+                by_place.plot(_times(right), right.T, color=colour, lw=0.4)
+    draw_stages(five, cells, "objects_5")
+    draw_stages(ten, cells, "objects_10")
     titles = {
         by_number: "the object she looks at is reached (dotted: chance)",
         by_place: "the same, by where objects may lie (thin: single lives)",
@@ -142,41 +143,29 @@ def draw(folder: Path, path: Path) -> None:
         axes.set_xlabel("learning time (10⁴ attempts)")
     for axes in (by_number, five):
         axes.set_ylabel("share of attempts")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    save(figure, path)
+    return {"turn_taking": figure}
 
 
-def draw_stages(axes: Axes, folder: Path, name: str) -> None:
+def band(axes: Axes, rate: np.ndarray, label: str, colour: str) -> None:
+    """A curve over learning time: mean of all lives with its 95% interval."""
+    estimates = [mean_interval(column) for column in rate.T]
+    at = _times(rate)
+    axes.fill_between(at, [e.low for e in estimates], [e.high for e in estimates], color=colour, alpha=0.2, lw=0)
+    axes.plot(at, [e.mean for e in estimates], color=colour, lw=1.5, label=label)
+
+
+def _times(rate: np.ndarray) -> np.ndarray:
+    """Middle of each stretch, 10^4 attempts."""
+    return (np.arange(rate.shape[1]) + 0.5) * ATTEMPTS / rate.shape[1] / 1e4
+
+
+def draw_stages(axes: Axes, cells: Cells, name: str) -> None:
     """Any object; hers where it was in the first view; hers where it was not; the gate."""
-    lives = read_lives(folder, name)
-    if not lives:
+    if not cells.get(name):
         return
-    rate = rates(lives)
-    band(axes, rate["any"], "some object", "#7f8c8d")
-    band(axes, rate["right_in_view"], "hers, in the first view", "#1e8449")
-    band(axes, rate["right_outside"], "hers, outside the first view", "#6c3483")
-    robot, time = SETTINGS[name].robot, np.linspace(0, ATTEMPTS, 300)
+    rate = rates(columns(cells[name]))
+    for (key, label), colour in zip(STAGES.items(), ("#7f8c8d", "#1e8449", "#6c3483"), strict=True):
+        band(axes, rate[key], label, colour)
+    robot, time = SETTINGS[name].config.robot, np.linspace(0, ATTEMPTS, 300)
     gate = 1 / (1 + np.exp((robot.gate_midpoint - time) / robot.gate_width))
     axes.plot(time / 1e4, gate, ":", color="#2c3e50", lw=1, label="gate: the network commands")
-
-
-def main() -> None:
-    """Print the table as Markdown; write figure and numbers where asked."""
-    options = tyro.cli(Options, description=__doc__)
-    numbers = {name: numbers_of(name, lives) for name in SETTINGS if (lives := read_lives(options.folder, name))}
-    columns = (
-        "right_start", "right_lowest", "right_end", "right_in_view_end", "right_outside_end", "any_end", "test_new",
-    )  # fmt: skip
-    print(f"| setting | n | {' | '.join(columns)} |\n|---|---|{'---|' * len(columns)}")
-    for name, values in numbers.items():
-        cells = [f"{values[c]['mean']:.2f} [{values[c]['low']:.2f}, {values[c]['high']:.2f}]" for c in columns]
-        print(f"| {name} | {values['right_end']['n']} | {' | '.join(cells)} |")
-    if options.summary is not None:
-        text = json.dumps(numbers, indent=1) + "\n"
-        write_whole(options.summary, lambda temporary: temporary.write_text(text))
-    if options.figure is not None:
-        draw(options.folder, options.figure)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,29 +1,23 @@
 """Why do some sessions without motion cues hold on to a wrong map? One component at a time is replaced by truth.
 
-    python -m experiments.wrong_map.sweep --out out/wrong_map --runs 20
-    python -m experiments.wrong_map.analysis out/wrong_map --figure experiments/figures/wrong_map.png
-
 Every setting is a session without cues, from the simulator's state, in which one thing is as good as it can be: one
 part of perception without errors, the time of the shifts, the pairs that are learned, or who commands. A setting that
 mends the map names the link that breaks it.
 """
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
-import tyro
-from joblib import Parallel, delayed
 
-from experiments.sessions.sweep import setting
-from jointattn_mj.recording.files import write_whole
+from experiments.sessions.sweep import session_config
+from jointattn_mj.laboratory.claim import Setting
 from jointattn_mj.robots.gaze_follower import GazeFollower, GazeShift
 from jointattn_mj.scene.camera import directions_to, off_centre
 from jointattn_mj.session import Session, SessionConfig
 
-BASE = setting("truth", cues=False)
+BASE = session_config("truth", cues=False)
 TOLERANCE_DEG = 3.5
 """A pair is right when its command leads to within this angle of what the caregiver looks at."""
 
@@ -78,53 +72,45 @@ def _face(session: Session) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Setting:
+class Condition:
     """A session's config, and what is done to the pairs before they are learned."""
 
     config: SessionConfig
-    filter: Callable | None = None
+    pairs: Literal["all", "only_right", "only_still", "wrong_scattered"] = "all"
 
 
-SETTINGS: dict[str, Setting] = {
-    "as_it_is": Setting(BASE),
-    "with_cues": Setting(setting("truth", cues=True)),
-    "exact_face_pattern": Setting(with_truth(pattern_noise_deg=0.0)),
-    "exact_places": Setting(with_truth(face_noise_px=0.0, face_miss=0.0, object_noise_px=0.0, object_miss=0.0)),
-    "feedback_commands": Setting(setting("truth", cues=False, gaze={"gate": "shut"})),
-    "only_still_pairs": Setting(BASE, only_still_pairs),
-    "wrong_pairs_scattered": Setting(BASE, wrong_pairs_scattered),
-    "only_right_pairs": Setting(BASE, only_right_pairs),
+FILTERS: dict[str, Callable[..., None]] = {
+    "only_right": only_right_pairs,
+    "only_still": only_still_pairs,
+    "wrong_scattered": wrong_pairs_scattered,
+}
+SETTINGS = {
+    "as_it_is": Setting(Condition(BASE), 10),
+    "with_cues": Setting(Condition(session_config("truth", cues=True)), 10),
+    "exact_face_pattern": Setting(Condition(with_truth(pattern_noise_deg=0.0)), 10),
+    "exact_places": Setting(
+        Condition(with_truth(face_noise_px=0.0, face_miss=0.0, object_noise_px=0.0, object_miss=0.0)), 10
+    ),
+    "feedback_commands": Setting(Condition(session_config("truth", cues=False, gaze={"gate": "shut"})), 10),
+    "only_still_pairs": Setting(Condition(BASE, "only_still"), 10),
+    "wrong_pairs_scattered": Setting(Condition(BASE, "wrong_scattered"), 10),
+    "only_right_pairs": Setting(Condition(BASE, "only_right"), 10),
 }
 
 
-@dataclass(frozen=True)
-class Options:
-    """What to run."""
-
-    out: Path
-    """Folder of all cells."""
-    runs: int = 20
-    """Seeds a setting."""
-    jobs: int = 1
-    """Processes."""
-
-
-def run_cell(out: Path, name: str, seed: int) -> None:
-    """One session; writes its summary and the share of its pairs that were right. Nothing to do if it is there."""
-    path = out / f"{name}_{seed}.json"
-    if path.exists():
-        return
-    chosen = SETTINGS[name]
-    session = Session(replace(chosen.config, seed=seed))
-    right = _watch_pairs(session, session.robot, chosen.filter)
-    session.begin()
-    while session.frame < session.total:
-        session.step()
-    result = {**session.summary(0.0), "right_pairs": float(np.mean(right)), "pairs": len(right)}
-    session.close()
-    out.mkdir(parents=True, exist_ok=True)
-    write_whole(path, lambda temporary: temporary.write_text(json.dumps(result)))
-    print(f"{name} {seed}: map error {result['map_error_deg']['median']:.1f} deg", flush=True)
+def cell(condition: Condition, seed: int) -> dict[str, Any]:
+    """A session's numbers, and the share of its pairs that were right."""
+    session = Session(replace(condition.config, seed=seed))
+    right = _watch_pairs(session, session.robot, FILTERS.get(condition.pairs))
+    try:
+        session.begin()
+        while session.frame < session.total:
+            session.step()
+        summary = session.summary(0.0)
+    finally:
+        session.close()
+    kept = {name: summary[name] for name in ("gaze_shifts", "successes", "late_rate", "map_error_deg")}
+    return {**kept, "right_pairs": float(np.mean(right)), "pairs": len(right)}
 
 
 def _watch_pairs(session: Session, robot: GazeFollower, pair_filter: Callable | None) -> list[bool]:
@@ -141,15 +127,3 @@ def _watch_pairs(session: Session, robot: GazeFollower, pair_filter: Callable | 
 
     robot._pair = pair  # type: ignore[method-assign]
     return right
-
-
-def main() -> None:
-    """Run the cells."""
-    options = tyro.cli(Options, description=__doc__)
-    Parallel(n_jobs=options.jobs)(
-        delayed(run_cell)(options.out, name, seed) for name in SETTINGS for seed in range(options.runs)
-    )
-
-
-if __name__ == "__main__":
-    main()

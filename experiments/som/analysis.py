@@ -1,0 +1,59 @@
+"""Whether similar faces have neighbouring cells, and Fig. 6.6."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.som.sweep import unpacked
+from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
+from jointattn_mj.laboratory.statistics import mean_interval, paired_difference
+from jointattn_mj.perception.som import SOMConfig
+
+TOUCHING = 0.1
+"""Share of faces beyond which the sheet does not keep neighbours together."""
+QUANTITIES = {
+    "cells_used": "cells of 81 that some face is nearest to",
+    "yaw_r2": "share of the variance of the head's yaw that the place on the sheet explains",
+    "pitch_r2": "the same for its pitch",
+}
+
+
+def analyse(cells: Cells) -> list[Finding]:
+    """Over all caregivers."""
+    every = [cell.result for part in cells.values() for cell in part]
+    if not every:
+        return []
+    error = mean_interval([result["topographic_error"] for result in every])
+    beside = paired_difference(
+        [result["shuffled_error"] for result in every], [result["topographic_error"] for result in every]
+    )
+    verdict = Verdict.REPRODUCED if error.high < TOUCHING else Verdict.NOT if error.low > TOUCHING else Verdict.PARTLY
+    return [
+        Finding(
+            "share of new faces whose two nearest cells do not touch", "similar faces have neighbouring cells", error,
+            verdict, f"sheets with less than {TOUCHING:.0%} count as ordered",
+        ),
+        Finding("how much larger it is on a shuffled sheet", "not given", beside, Verdict.EXTENSION),
+        *(
+            Finding(words, "not given", mean_interval([result[key] for result in every]), Verdict.EXTENSION)
+            for key, words in QUANTITIES.items()
+        ),
+    ]  # fmt: skip
+
+
+def draw(cells: Cells) -> Mapping[str, Figure]:
+    """The maps of the first seed of every caregiver."""
+    shown = [(name, part[0]) for name, part in cells.items() if part]
+    if not shown:
+        return {}
+    figure = Figure(figsize=(9, 3.3 * ((len(shown) + 2) // 3)), layout="constrained")
+    panels = np.atleast_1d(figure.subplots((len(shown) + 2) // 3, min(3, len(shown)))).ravel()
+    for axes in panels:
+        axes.axis("off")
+    for axes, (name, cell) in zip(panels, shown, strict=False):
+        faces = unpacked(cell.result["pictures"], SOMConfig.rows, SOMConfig.columns)
+        rows, columns, side, _ = faces.shape
+        axes.imshow(faces.transpose(0, 2, 1, 3).reshape(rows * side, columns * side), cmap="gray")
+        axes.set_title(f"{name}, seed {cell.seed}", fontsize=10)
+    return {"som": figure}
