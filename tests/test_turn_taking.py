@@ -17,7 +17,6 @@ from jointattn_mj.turn_taking.faces import (
     FaceBankConfig,
     FaceInputs,
     gaze_deg,
-    load_or_render,
     render_faces,
 )
 from jointattn_mj.turn_taking.tables import TableConfig, draw_tables
@@ -90,14 +89,6 @@ def test_faces_are_rendered_found_and_tell_where_she_looks(bank):
     guess = ones[odd] @ np.linalg.solve(ridge, ones[even].T @ bank.gaze[even])
     assert np.median(np.abs(guess - bank.gaze[odd]), axis=0)[0] < 4
     assert bank.gaze[:, 0].std() > 15
-
-
-def test_a_bank_is_rendered_once(bank, tmp_path, monkeypatch):
-    monkeypatch.setattr("jointattn_mj.turn_taking.faces.render_faces", lambda config, rng: bank)
-    first = load_or_render(tmp_path / "deep/faces.npz", FaceBankConfig(), np.random.default_rng(0))
-    monkeypatch.setattr("jointattn_mj.turn_taking.faces.render_faces", None)
-    again = load_or_render(tmp_path / "deep/faces.npz", FaceBankConfig(), np.random.default_rng(0))
-    assert (again.patches == first.patches).all() and (again.gaze == first.gaze).all()
 
 
 def test_a_face_is_taken_by_the_direction_of_gaze():

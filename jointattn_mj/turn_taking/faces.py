@@ -8,7 +8,6 @@ each place. How well this carries over to faces never seen is tested on a second
 """
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import mujoco
 import numba
@@ -17,7 +16,6 @@ import numpy as np
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.som import standardised
-from jointattn_mj.recording.files import write_whole
 from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.model import HEAD_POSITION, rest_height
 from jointattn_mj.scene.movement import gaze_angles
@@ -145,14 +143,3 @@ class _Sitter:
         mujoco.mj_forward(self._stage.model, data)
         seen = self._perception.look({"camera": self._stage.eye.look(), "head_angles": np.radians(head)}, landed=True)
         return self._perception.face_pattern() if seen.seen[-1] else None
-
-
-def load_or_render(path: Path, config: FaceBankConfig, rng: np.random.Generator) -> FaceBank:
-    """The bank stored at ``path``, or a new one that is then stored there."""
-    if path.exists():
-        with np.load(path) as arrays:
-            return FaceBank(arrays["patches"].astype(np.float32), arrays["gaze"])
-    bank = render_faces(config, rng)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, lambda temporary: np.savez_compressed(temporary, patches=bank.patches, gaze=bank.gaze))
-    return bank
