@@ -227,7 +227,7 @@ class _Run:
                 self.doubtful.append(task)
             else:
                 self.tally.left[task.claim.id, task.name] -= 1
-                self.fail(task, "the process that computed it died, and died again when it was tried alone", "")
+                self.fail(task, "its worker died every time that it was tried, the last times alone", "")
 
     def fail(self, task: Task, error: str, told: str) -> None:
         """Note a cell that failed."""
