@@ -132,8 +132,9 @@ class Store:
             except OSError as error:
                 raise OutputError(f"cannot make the folder {folder}: {error.strerror}; choose another --out") from error
             for path in folder.glob(".*"):
-                if time.time() - path.stat().st_mtime > ABANDONED_S:
-                    path.unlink(missing_ok=True)
+                with suppress(FileNotFoundError):  # another run has just put it in place
+                    if time.time() - path.stat().st_mtime > ABANDONED_S:
+                        path.unlink()
 
     @contextmanager
     def berth(self) -> Iterator[int]:
