@@ -74,7 +74,8 @@ def _session(arguments: Sequence[str] = ()) -> Callable[..., Any]:
         """Let robot and caregiver live together for some minutes, and write down everything (chapter 6).
 
         Leaves in --out: config.yaml, summary.json, gaze_shifts.parquet (a row a shift), frames.parquet (a row a frame),
-        som.png, success.png (eq. 6.9), weights.npz, checkpoint.bin, and with --video a video.
+        som.png, success.png (eq. 6.9), weights.npz, checkpoint.bin, and with --video a video. --rerun FILE.rrd leaves a
+        log that can be scrubbed in Rerun's viewer.
         """
         return lambda: _with_one_thread(run_with_bar, config, options)
 

@@ -2,13 +2,13 @@
 
 import json
 import time
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import ConfigError, OutputError
 from jointattn_mj.recording import checkpoint, figures
 from jointattn_mj.recording.files import claim, forget_partial, write_whole
 from jointattn_mj.recording.interrupts import deferred
@@ -30,6 +30,8 @@ class RunOptions:
     """Also leave a video that shows what the robot attends to and why (slower: every frame is rendered twice)."""
     video_every: int = 1
     """Frames of the session for one of the video: 1 is 30 a second, 2 is 15 and takes half the time."""
+    rerun: Path | None = None
+    """Also write a log for Rerun's viewer, FILE.rrd; needs the extra ``rerun``."""
     checkpoint_minutes: float = 2.0
     """Simulated minutes between checkpoints: at most so much is lost by a kill."""
 
@@ -38,6 +40,8 @@ class RunOptions:
             raise ConfigError(f"checkpoint_minutes must be a positive number of minutes; got {self.checkpoint_minutes}")
         if self.video_every < 1:
             raise ConfigError(f"video_every must be at least 1 frame; got {self.video_every}")
+        if self.rerun is not None and self.rerun.suffix != ".rrd":
+            raise ConfigError(f"rerun must be a file that ends in .rrd, as its viewer expects; got {self.rerun}")
 
 
 def run_session(
@@ -57,11 +61,14 @@ def run_session(
         CheckpointError: ``resume`` without a fitting checkpoint.
         GLError: Pictures are needed and cannot be rendered.
         VideoError: A video is asked for and cannot be written.
+        ExtraError: A log is asked for, and the package that writes it is missing.
     """
     out, frozen = options.out, options.out / "checkpoint.bin"
     started = time.perf_counter()
     if options.video:
         _check_ffmpeg()
+    if options.rerun is not None:
+        _check_rerun(options.rerun, options.resume)
     if options.resume:
         spent, session = checkpoint.load(frozen, config, kind.__module__)
         forget_partial(out)
@@ -78,10 +85,10 @@ def run_session(
             freeze()
         if not (out / "config.yaml").exists():
             write_config(out / "config.yaml", config)
-        with deferred() as interrupts, _film(session, options) as film:
+        with deferred() as interrupts, _watchers(session, options) as watch:
             pause = max(1, round(options.checkpoint_minutes * FRAMES_PER_MINUTE))
             while session.frame < session.total:
-                session.step(film)
+                session.step(watch)
                 if session.frame % pause == 0 or interrupts.requested:
                     freeze()
                 if interrupts.requested:
@@ -100,12 +107,36 @@ def _check_ffmpeg() -> None:
     find_ffmpeg()
 
 
-def _film(session: Session, options: RunOptions) -> AbstractContextManager[Callable[[Session], None] | None]:
-    if not options.video or session.frame == session.total:
-        return nullcontext()
-    from jointattn_mj.recording.video import Film
+def _check_rerun(path: Path, resume: bool) -> None:
+    from jointattn_mj.adapters.extras import extra
 
-    return Film(_free_name(options.out / "video.mp4"), session, options.video_every)
+    extra("rerun", "rerun")
+    if path.exists() and not resume:
+        raise OutputError(f"{path} is already there; choose another --rerun")
+    if not path.parent.is_dir():
+        raise OutputError(f"there is no folder {path.parent} for --rerun; make it, or choose another")
+
+
+@contextmanager
+def _watchers(session: Session, options: RunOptions) -> Iterator[Callable[[Session], None] | None]:
+    """What is shown every frame: a film, a log, or nothing."""
+    with ExitStack() as stack:
+        watchers: list[Callable[[Session], None]] = []
+        if options.video and session.frame < session.total:
+            from jointattn_mj.recording.video import Film
+
+            film = Film(_free_name(options.out / "video.mp4"), session, options.video_every)
+            watchers.append(stack.enter_context(film))
+        if options.rerun is not None and session.frame < session.total:
+            from jointattn_mj.adapters.rerun import SessionLog
+
+            watchers.append(stack.enter_context(SessionLog(_free_name(options.rerun), session)))
+
+        def watch(session: Session) -> None:
+            for watcher in watchers:
+                watcher(session)
+
+        yield watch if watchers else None
 
 
 def _free_name(path: Path) -> Path:

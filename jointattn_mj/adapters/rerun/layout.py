@@ -1,0 +1,52 @@
+"""What Rerun's viewer shows of a session when its log is opened, and where."""
+
+import rerun.blueprint as rrb
+
+from jointattn_mj.adapters.rerun import entities as at
+from jointattn_mj.recording.paint import GROUND
+
+SECONDS = 20
+"""Curves show so many seconds before the moment that is looked at."""
+
+
+def layout() -> rrb.Blueprint:
+    """The views of a session, and where each is."""
+    last = rrb.VisibleTimeRange(
+        "time",
+        start=rrb.TimeRangeBoundary.cursor_relative(seconds=-SECONDS),
+        end=rrb.TimeRangeBoundary.cursor_relative(),
+    )
+    eye = rrb.EyeControls3D(position=(0.5, -1.55, 1.55), look_target=(0.8, 0.0, 0.88), eye_up=(0, 0, 1))
+    scene = [f"{at.WORLD}/**", f"- {at.FLOW}/**", f"- {at.SEEN}/**", f"- {at.GOAL}/**"]
+    mind = rrb.Vertical(
+        rrb.Spatial2DView(origin=at.EYE, name="What the robot sees", background=GROUND),
+        rrb.TimeSeriesView(origin=at.INTEREST, name="What interests it (eq. 6.1)", time_ranges=[last]),
+        rrb.StateTimelineView(origin=at.DOINGS, name="Who looks at what"),
+        row_shares=[5, 3, 2],
+    )
+    words = rrb.TextLogColumns(timeline_columns=["time"], text_log_columns=["Body"])
+    learning = rrb.Horizontal(
+        rrb.Spatial2DView(origin=at.FACES, name="Faces it knows"),
+        rrb.TensorView(origin=at.ACTIVATIONS, name="SOM activations"),
+        rrb.TextLogView(origin=at.SHIFTS, name="Gaze shifts", columns=words),
+        column_shares=[2, 2, 4],
+    )
+    share = rrb.ScalarAxis(range=(-0.05, 1.05))
+    decides = rrb.TimeSeriesView(origin=at.DECIDES, name="Learner decides (eq. 6.8), success (eq. 6.9)", axis_y=share)
+    head = rrb.TimeSeriesView(origin=at.HEAD, name="Head, deg", time_ranges=[last])
+    outside = rrb.Vertical(
+        rrb.Spatial3DView(
+            origin="/", contents=scene, name="From outside", eye_controls=eye, line_grid=False, background=GROUND
+        ),
+        learning,
+        rrb.Horizontal(decides, head),
+        row_shares=[5, 3, 2],
+    )
+    return rrb.Blueprint(
+        rrb.Horizontal(mind, outside, column_shares=[4, 5]),
+        rrb.TimePanel(state="collapsed", timeline="time"),
+        rrb.SelectionPanel(state="hidden"),
+        rrb.BlueprintPanel(state="hidden"),
+        auto_views=False,
+        auto_layout=False,
+    )

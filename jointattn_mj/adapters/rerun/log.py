@@ -1,0 +1,75 @@
+"""Writes a session to a log as it goes. The session is only looked at: it goes on as without a log."""
+
+from pathlib import Path
+from types import TracebackType
+
+import rerun as rr
+
+from jointattn_mj.adapters.rerun.entities import PICTURE
+from jointattn_mj.adapters.rerun.layout import layout
+from jointattn_mj.adapters.rerun.mind import Mind
+from jointattn_mj.adapters.rerun.percepts import Percepts
+from jointattn_mj.adapters.rerun.pictures import Pictures
+from jointattn_mj.adapters.rerun.rows import Rows
+from jointattn_mj.adapters.rerun.scene import Scene
+from jointattn_mj.errors import OutputError
+from jointattn_mj.recording.checkpoint import fingerprint
+from jointattn_mj.recording.paint import PERSON, Colour, ink_of
+from jointattn_mj.session import Session
+
+
+class SessionLog:
+    """Writes a log while it is shown a session: ``with SessionLog(path, session) as log: session.step(log)``."""
+
+    def __init__(self, path: Path, session: Session):
+        """Logs of the parts of a resumed session bear the same id: opened together, they are one."""
+        self._path, self._session = path, session
+        self._log = rr.RecordingStream("jointattn session", recording_id=fingerprint(session.config))
+        self._rows = Rows(self._log)
+
+    def __enter__(self) -> "SessionLog":
+        """Open the file, and write what never changes.
+
+        Raises:
+            OutputError: The file cannot be written.
+            VideoError: ffmpeg does not start.
+        """
+        try:
+            self._log.save(self._path, default_blueprint=layout())
+        except (OSError, RuntimeError) as error:
+            raise OutputError(f"cannot write {self._path}: {error}; choose another --rerun") from error
+        session = self._session
+        inks: list[Colour] = [*(ink_of(item.rgb) for item in session.config.world.scene.objects), PERSON]
+        self._parts = (
+            Scene(self._rows, session.world),
+            Percepts(self._rows, session.names, inks),
+            Mind(self._rows, session, inks),
+        )
+        self._pictures = Pictures(self._log, PICTURE)
+        return self
+
+    def __call__(self, session: Session) -> None:
+        """Log this frame of the session.
+
+        Raises:
+            VideoError: ffmpeg has given up.
+            GLError: No picture can be rendered here.
+        """
+        self._rows.go_to(session.frame)
+        self._pictures.add(session.frame, session.world.picture())
+        for part in self._parts:
+            part.write(session)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Finish the file; an error that is already under way comes first."""
+        try:
+            self._rows.flush()
+            self._pictures.finish()
+        except Exception:
+            if error is None:
+                raise
+        finally:
+            self._log.flush()
+            self._log.disconnect()

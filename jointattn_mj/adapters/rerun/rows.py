@@ -1,0 +1,43 @@
+"""Rows of a log, many written together: one by one they take three times the space and twice the time."""
+
+from typing import Any
+
+import numpy as np
+import rerun as rr
+
+from jointattn_mj.adapters.rerun.entities import columns_of, go_to
+
+TOGETHER = 60
+"""Frames that are written together, two seconds: so much is lost by a kill."""
+
+
+class Rows:
+    """Keeps what is added in a frame until enough frames are there."""
+
+    def __init__(self, log: rr.RecordingStream):
+        self.log = log
+        self._frame = self._first = -1
+        self._kept: dict[str, tuple[type, list[int], list[dict[str, Any]]]] = {}
+
+    def go_to(self, frame: int) -> None:
+        """What is added or logged from now on belongs to this frame."""
+        if self._first < 0 or frame - self._first >= TOGETHER:
+            self.flush()
+            self._first = frame
+        self._frame = frame
+        go_to(self.log, frame)
+
+    def add(self, path: str, kind: type, **values: Any) -> None:
+        """What is at an entity from this frame on: instances of an archetype, equally many in each of ``values``."""
+        _, frames, rows = self._kept.setdefault(path, (kind, [], []))
+        frames.append(self._frame)
+        rows.append(values)
+
+    def flush(self) -> None:
+        """Write what is kept."""
+        kept, self._kept = self._kept, {}
+        for path, (kind, frames, rows) in kept.items():
+            lengths = [len(next(iter(row.values()))) for row in rows]
+            together = {name: np.concatenate([row[name] for row in rows]) for name in rows[0]}
+            columns: Any = kind.columns(**together)  # type: ignore[attr-defined]
+            self.log.send_columns(path, columns_of(frames), columns.partition(lengths))
