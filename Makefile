@@ -6,7 +6,7 @@ OUT ?= out/demo
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 RENDERS := $(BIN)/python -c "import jointattn_mj, mujoco; mujoco.GLContext(8, 8).make_current()" >/dev/null 2>&1
 
-.PHONY: demo test setup trained check
+.PHONY: demo test setup trained check docs
 .DEFAULT_GOAL := demo
 
 demo: setup
@@ -24,6 +24,11 @@ test: setup
 check: setup
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+
+# The site, in out/site; a warning is an error.
+docs: setup
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "Documentation: out/site/index.html"
 
 # What `make demo` continues from: a robot after one session of chapter 6.
 trained: setup
