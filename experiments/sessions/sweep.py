@@ -25,8 +25,8 @@ def session_config(
 SETTINGS = {
     "truth/cues": Setting(session_config("truth", True), 20),
     "truth/no_cues": Setting(session_config("truth", False), 20),
-    "pixels/cues": Setting(session_config("pixels", True), 5),
-    "pixels/no_cues": Setting(session_config("pixels", False), 5),
+    "pixels/cues": Setting(session_config("pixels", True), 10),
+    "pixels/no_cues": Setting(session_config("pixels", False), 10),
     "truth/cues_feedback_alone": Setting(session_config("truth", True, gaze={"gate": "shut"}), 8),
     "truth/no_cues_feedback_alone": Setting(session_config("truth", False, gaze={"gate": "shut"}), 8),
     "truth/cues_linear": Setting(session_config("truth", True, learner={"code": "linear", "rate": 0.1}), 8),
