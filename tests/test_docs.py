@@ -32,7 +32,7 @@ def blocks(page: Path) -> list[tuple[str, str]]:
 
 def commands(text: str) -> list[list[str]]:
     """The words of every line that is one, without comments, settings of the environment and ``taskset -c 0``."""
-    lines = [shlex.split(line, comments=True) for line in text.replace("\\\n", " ").splitlines()]
+    lines = [shlex.split(re.sub(r"(^|\s)#.*", "", line)) for line in text.replace("\\\n", " ").splitlines()]
     found = []
     for words in filter(None, lines):
         while "=" in words[0]:
