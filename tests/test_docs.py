@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "experiments" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.M | re.S)
 OPTION = re.compile(r"^--[a-z][\w.-]*")
-FREE = ("apt-get", "taskset")
+FREE = ("apt-get", "rerun", "taskset")
 """Programs of other people: only the syntax of these lines is checked."""
 QUICK_MINUTES, QUICK_STEPS = 2, 40_000
 
