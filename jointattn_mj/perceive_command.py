@@ -6,7 +6,8 @@ from tqdm import tqdm
 
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.reader import RATE
-from jointattn_mj.footage.run import Viewing, run_perceive
+from jointattn_mj.footage.run import run_perceive
+from jointattn_mj.footage.viewing import Viewing
 
 
 def run_with_bar(config: PerceiveConfig, options: PerceiveOptions) -> None:

@@ -10,6 +10,8 @@ import pyarrow as pa
 from jointattn_mj.perception.som import SOM, SOMConfig
 from jointattn_mj.recording.columns import described
 
+KEPT = 1800
+"""Face patterns kept: the three minutes of section 6.4.1 at ten looks a second."""
 EVERY = 3
 """Pictures with a face from one that is kept to the next, as where the robot gets to know a caregiver (6.4.1)."""
 MEANINGS = {

@@ -49,20 +49,22 @@ class Watcher:
         percept = self.percept
         if percept is None or fresh:
             self.percept = percept = self.perceiver.look({"camera": picture, "head_angles": AHEAD}, landed=cut)
-        if self.goal is not None:
-            self._shift(self.goal)
+        if self.goal is None:
+            self.attention.advance(self.attended, percept.moves)
+        elif not self._arrive(self.goal):
             return percept
-        self.attention.advance(self.attended, percept.moves)
         chosen = self.attention.consider(percept.seen)
         if chosen is not None and chosen != self.attended:
             self.goal, self._left = chosen, self._shift_frames
             if self._left == 0:
-                self._shift(chosen)
+                self._arrive(chosen)
         return percept
 
-    def _shift(self, goal: int) -> None:
-        """One frame of a shift."""
+    def _arrive(self, goal: int) -> bool:
+        """One frame of a shift; whether it was the last."""
         self._left -= 1
-        if self._left <= 0:
-            self.attended, self.goal = goal, None
-            self.attention.settle()
+        if self._left > 0:
+            return False
+        self.attended, self.goal = goal, None
+        self.attention.settle()
+        return True

@@ -76,11 +76,12 @@ class Reel:
 
 @contextmanager
 def _deaf_children() -> Iterator[None]:
-    """Programs started in the block do not hear Ctrl-C: a terminal sends it to all, and the last pictures would go."""
+    """Programs started in the block hear no Ctrl-C and no SIGTERM: both often go to all, and the last pictures would
+    be lost. Ours end when there is nothing more to read."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    kept = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    kept = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
         yield
     finally:

@@ -1,0 +1,78 @@
+"""A viewing in numbers, and what somebody should know who wonders about them: ``summary.json``."""
+
+from dataclasses import asdict
+from typing import Any
+
+from jointattn_mj.errors import FootageError
+from jointattn_mj.footage.faces import KEPT
+from jointattn_mj.footage.reader import RATE
+from jointattn_mj.footage.viewing import Viewing
+
+FEWEST_FPS = 15
+"""Pictures a second below which motion and its end are seen late."""
+MISSING_S = 1.0
+"""Seconds of its declared length that may be missing from a file: headers round."""
+
+
+def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: float | None) -> dict[str, Any]:
+    """The viewing in numbers: what ``summary.json`` holds."""
+    footage, mapped, frames = viewing.footage, viewing.mapped, viewing.frames
+    if mapped is None:
+        raise FootageError(f"{footage.path} has no picture")
+    watched = frames / RATE
+    return {
+        "video": {
+            "file": str(footage.path),
+            "size": [mapped.width, mapped.height],
+            "pixel_aspect": footage.aspect,
+            "fps": footage.fps or None,
+            "declared_seconds": footage.declared_s,
+            "pictures_read": footage.pictures,
+            "went_by_timestamps": footage.timed,
+            "timestamp_jumps": footage.jumps,
+        },
+        "watched_seconds": watched,
+        "frames": frames,
+        "complete": not stopped and frames < viewing.total,
+        "mapping": {
+            "rule": "x_px = (u + .5) scale_x - .5 + left, y_px = (v + .5) scale_y - .5 + top; u, v pixels of the video",
+            **{name: value for name, value in asdict(mapped).items() if name not in ("width", "height")},
+            "cascade_face_side_in_video_px": viewing.face_side,
+        },
+        "found": dict(zip(viewing.names, (viewing.seen / frames).round(4), strict=True)),
+        "moving": dict(zip(viewing.names, (viewing.moves / frames).round(4), strict=True)),
+        "fixations": len(viewing.fixations.all),
+        "by_candidate": viewing.fixations.shares(viewing.names),
+        "face_patterns": min(viewing.album.seen, KEPT),
+        "som_quantisation_error": som_error,
+        "notes": notes(viewing, stopped),
+        "wall_seconds": round(wall_seconds, 2),
+    }
+
+
+def notes(viewing: Viewing, stopped: bool) -> list[str]:
+    """What somebody should know who wonders about the results."""
+    footage, frames = viewing.footage, viewing.frames
+    said = []
+    if stopped:
+        said.append(f"stopped after {frames / RATE:.1f} s")
+    elif frames < viewing.total and footage.declared_s is not None and frames / RATE < footage.declared_s - MISSING_S:
+        said.append(
+            f"the file says that it has {footage.declared_s:.1f} s, and {frames / RATE:.1f} s could be read: it is cut "
+            "off or damaged, or says so wrongly"
+        )
+    if not footage.timed and viewing.config.fps is None:
+        said.append(f"no timestamps in the file: {footage.fps:g} pictures a second were assumed; --fps says otherwise")
+    if footage.jumps:
+        said.append(f"the timestamps jumped {footage.jumps} times; the time between is left out")
+    if frames > RATE and footage.pictures / (frames / RATE) < FEWEST_FPS:
+        said.append(f"fewer than {FEWEST_FPS} pictures a second: motion is seen late and in leaps")
+    if len(viewing.sizes) > 1:
+        said.append(f"the picture's size changes ({sorted(viewing.sizes)}): the mapping is that of the last")
+    if not viewing.coloured:
+        said.append("the video is grey: objects are found by their colour, so none can be")
+    elif not viewing.seen[:-1].any():
+        said.append("no object was found; --objects cup=#c03a2b takes a colour as picked from the picture")
+    if not viewing.seen[-1]:
+        said.append("no face was found: it must look at the camera once, and be 24 pixels wide in the robot's picture")
+    return said

@@ -1,0 +1,109 @@
+"""One viewing of a video: everything that goes on in a frame, but for files."""
+
+import math
+from collections import deque
+from itertools import islice
+
+import numpy as np
+
+from jointattn_mj.footage.colours import object_colours
+from jointattn_mj.footage.config import PerceiveConfig
+from jointattn_mj.footage.face_size import face_side, largest_scale
+from jointattn_mj.footage.faces import EVERY, KEPT, FaceAlbum
+from jointattn_mj.footage.fixations import Fixations
+from jointattn_mj.footage.frame_map import FrameMap
+from jointattn_mj.footage.reader import RATE, Footage, Still
+from jointattn_mj.footage.watcher import Watcher
+from jointattn_mj.perception.pixels import PixelPerception
+
+GREY_SPREAD = 16
+"""Grey values between the channels of a pixel, below which it has no colour; compression makes some."""
+
+
+class Viewing:
+    """One viewing of a video, frame by frame.
+
+    Attributes:
+        footage: The video.
+        watcher: Who watches.
+        mapped: How its picture comes from the video's; None before the first.
+        frames: Frames seen.
+        fixations: What it looked at.
+        album: Faces that it saw.
+        names: Of the candidates.
+        rgb: (n, 3) colours of the objects, 0..1.
+        seen: (n + 1,) frames in which each was found; ``moves``: in which it was seen to move.
+        sample: One of the robot's pictures, for the figure: the first with a face.
+        coloured: Whether any colour was met.
+        sizes: Widths and heights of the video's pictures.
+    """
+
+    def __init__(self, config: PerceiveConfig):
+        """Open the video.
+
+        Raises:
+            FootageError: There is no such file, or it is no video.
+        """
+        names, self.rgb = object_colours(config.objects)
+        attention, album = (np.random.default_rng(seed) for seed in np.random.SeedSequence(config.seed).spawn(2))
+        self.config, self.names = config, (*names, "face")
+        self.footage = Footage(config.video, config.fps)
+        perceiver = PixelPerception(config.pixels, self.rgb, config.face_follow)
+        self.watcher = Watcher(perceiver, config.attention, len(names), config.shift_frames, attention)
+        self.mapped: FrameMap | None = None
+        self.fixations = Fixations()
+        self.album = FaceAlbum(KEPT, perceiver.pattern_size, album)
+        self.frames, self.total = 0, math.inf
+        if config.max_minutes is not None:
+            self.total = max(1, round(config.max_minutes * 60 * RATE))
+        self.face_side: float | None = None
+        self.seen = np.zeros(len(self.names), int)
+        self.moves = np.zeros(len(self.names), int)
+        self.coloured = False
+        self.sizes: set[tuple[int, int]] = set()
+        self.sample = np.zeros((1, 1, 3), np.uint8)
+        self._faces = 0
+
+    def measure_face(self) -> None:
+        """See how large the face is, unless a scale is given; and whether the video can be read at all.
+
+        Raises:
+            FootageError: The video has no picture, or neither timestamps nor a rate.
+        """
+        if self.config.scale is None:
+            self.face_side = face_side(self.footage, self.config.fit, self.config.pixels.faces)
+        else:
+            deque(islice(self.footage, 2), maxlen=0)
+
+    def see(self, still: Still) -> FrameMap:
+        """One frame; how the robot's picture comes from the video's."""
+        self.mapped = mapped = self._map(still)
+        first_face = self.seen[-1] == 0
+        picture = mapped.picture(still.picture) if still.fresh or self.frames == 0 else self.sample
+        percept = self.watcher.see(picture, still.fresh, still.cut)
+        self.seen += percept.seen
+        self.moves += percept.moves
+        if still.fresh and percept.seen[-1]:
+            if self._faces % EVERY == 0:
+                self.album.add(self.watcher.perceiver.face_pattern(), self.frames / RATE)
+            self._faces += 1
+        if self.frames == 0 or (first_face and percept.seen[-1]):
+            self.sample = picture
+        if still.fresh and self.frames % RATE == 0 and not self.coloured:
+            spread = picture.max(axis=2) - picture.min(axis=2)
+            self.coloured = bool(np.percentile(spread, 99) > GREY_SPREAD)
+        self.fixations.note(self.watcher, self.frames, mapped)
+        self.frames += 1
+        return mapped
+
+    def _map(self, still: Still) -> FrameMap:
+        height, width = still.picture.shape[:2]
+        if self.mapped is not None and (self.mapped.width, self.mapped.height) == (width, height):
+            return self.mapped
+        self.sizes.add((width, height))
+        aspect, fit, scale = self.footage.aspect, self.config.fit, self.config.scale
+        if scale is not None:
+            return FrameMap.scaled(width, height, aspect, scale)
+        fitted = FrameMap.fitted(width, height, aspect, fit)
+        most = largest_scale(self.face_side, fitted.scale_y, self.config.pixels.faces)
+        return fitted if most == fitted.scale_y else FrameMap.scaled(width, height, aspect, most)

@@ -1,0 +1,59 @@
+"""For tests of footage: video files made here, of the project's own people or of plain shapes."""
+
+import subprocess
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+
+from jointattn_mj.scene.camera import pixels_of_points
+from jointattn_mj.scene.world import World, WorldConfig
+
+
+def encode(path: Path, pictures: np.ndarray, *arguments: str, rate: str = "30") -> Path:
+    """Write RGB pictures (n, h, w, 3) uint8 with ffmpeg; losslessly where no arguments say otherwise."""
+    height, width = pictures.shape[1:3]
+    source = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", rate, "-i", "-"]
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-y", *source, "-threads", "1"]
+    subprocess.run([*command, *(arguments or ("-c:v", "ffv1")), str(path)], input=pictures.tobytes(), check=True)
+    return path
+
+
+def counted(frames: int, width: int = 64, height: int = 48) -> np.ndarray:
+    """Pictures that tell their number by how many of their columns are white, (n, h, w, 3); up to ``width`` of them."""
+    pictures = np.zeros((frames, height, width, 3), np.uint8)
+    for number, picture in enumerate(pictures):
+        picture[:, :number] = 255
+    return pictures
+
+
+def number_of(picture: np.ndarray) -> int:
+    """Which of the counted pictures this is."""
+    return int((picture.mean(axis=(0, 2)) > 128).sum())
+
+
+@dataclass
+class Clip:
+    """A rendered person at a table, seen by a camera that stands still."""
+
+    pictures: np.ndarray  # (n, 240, 320, 3) uint8 RGB
+    places: np.ndarray  # (n, 5, 2) px, where the objects and the face truly are
+    moving: np.ndarray  # (n, 5) bool
+
+    @classmethod
+    def rendered(cls, caregiver: str, frames: int, seed: int) -> "Clip":
+        """One of the project's people, from the moment she looks up."""
+        config = WorldConfig()
+        config = replace(config, scene=replace(config.scene, caregiver=caregiver))
+        world, ahead = World.build(config, np.random.SeedSequence(seed)), np.radians([0.0, -8.0])
+        for _ in range(25):
+            world.step(ahead)
+        pictures, places, moving = [], [], []
+        for _ in range(frames):
+            world.step(ahead)
+            pictures.append(world.picture().copy())
+            places.append(pixels_of_points(world.candidate_points(), np.degrees(world.head_angles())))
+            moving.append(world.moving(4.0, 0.05))
+        world.close()
+        return cls(np.array(pictures), np.array(places), np.array(moving))
