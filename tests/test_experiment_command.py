@@ -110,7 +110,7 @@ def test_a_cell_that_fails(jointattn, undisturbed, tmp_path):
     assert (
         "1.1 fair seed 3: ValueError: the coin stands on its edge\n    alone: jointattn experiment run" in outcome.err
     )
-    assert outcome.err.endswith("jointattn: 2 cells failed; the same command tries them again\n")
+    assert "jointattn: 2 cells failed; the same command tries them again\n" in outcome.err
     (alone,) = [line for line in outcome.err.splitlines() if "alone:" in line and "--setting fair" in line]
     assert jointattn(*alone.split()[2:]).code == 0
     assert stored(tmp_path) == 15
