@@ -37,7 +37,12 @@ def draw_fixations(
     _when(parts["when"], fixations, names, inks)
     _why(parts["why"], percepts, names, inks)
     parts["why"].sharex(parts["when"])
+    parts["when"].set_xlim(0, max(_seconds(percepts), 1.0))
     save(figure, path)
+
+
+def _seconds(percepts: Path) -> float:
+    return pq.ParquetFile(percepts).metadata.num_rows / RATE
 
 
 def _where(axes: Axes, picture: np.ndarray, fixations: list[Fixation], inks: list) -> None:
@@ -73,7 +78,7 @@ def _why(axes: Axes, percepts: Path, names: tuple[str, ...], inks: list) -> None
     table = np.concatenate(kept)
     for number, ink in enumerate(inks):
         axes.plot(table[:, 0], table[:, 1 + number], color=ink, lw=1.2, label=names[number])
-    axes.set(xlabel="time (s)", ylabel="interest (eq. 6.1)", yscale="log", xlim=(0, max(float(table[-1, 0]), 1.0)))
+    axes.set(xlabel="time (s)", ylabel="interest (eq. 6.1)", yscale="log")
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
