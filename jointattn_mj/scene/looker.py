@@ -90,6 +90,7 @@ class TurnWorld(World):
         self._script_angles[:], self._script_speeds[:] = self.caregiver.joints, 0
         self._head_angles[:], self._head_speeds[:] = head, 0
         mujoco.mj_forward(self.model, self.data)
+        self._past.forget()
 
 
 def places(count: int, scene: SceneConfig) -> np.ndarray:

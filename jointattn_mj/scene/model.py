@@ -27,6 +27,7 @@ TABLE_Z = 0.71  # height of the table top
 HEAD_POSITION = (1.5, 0.0, 1.08)  # centre of the caregiver's head; her yaw and pitch axes meet here
 SHAPES = ("box", "cylinder", "sphere")
 QUALITIES = ("fast", "high")
+BLANK = 64  # pixels, edge of a texture to be painted on
 ROBOT_GROUP = 3  # geoms that the robot's own eye does not draw: switch the group on for other views
 
 
@@ -112,6 +113,16 @@ def _part(name: str) -> mujoco.MjSpec:
     return mujoco.MjSpec.from_file(str(assets_folder() / f"{name}.xml"))
 
 
+def object_size(shape: str, edge: float) -> tuple[mujoco.mjtGeom, tuple[float, float, float]]:
+    """Kind and size numbers of an object's geom; ``edge`` is its edge or diameter, metres."""
+    half = edge / 2
+    return {
+        "box": (mujoco.mjtGeom.mjGEOM_BOX, (half, half, half)),
+        "cylinder": (mujoco.mjtGeom.mjGEOM_CYLINDER, (half * 0.9, half, 0)),
+        "sphere": (mujoco.mjtGeom.mjGEOM_SPHERE, (half, 0, 0)),
+    }[shape]
+
+
 def _add_mesh(spec: mujoco.MjSpec, name: str, mesh: Mesh | FaceMesh, texture: np.ndarray | None = None) -> None:
     """Asset `name`: a mesh, and where given a texture and a material of the same name."""
     part = spec.add_mesh(name=name)
@@ -122,21 +133,27 @@ def _add_mesh(spec: mujoco.MjSpec, name: str, mesh: Mesh | FaceMesh, texture: np
         _add_texture(spec, name, texture)
 
 
-def _add_texture(spec: mujoco.MjSpec, name: str, texture: np.ndarray) -> None:
+def _add_texture(
+    spec: mujoco.MjSpec, name: str, texture: np.ndarray, rgb: tuple[float, ...] = (1.0, 1.0, 1.0)
+) -> None:
+    """A dull material `name` with a texture of the same name, whose colours are multiplied by rgb."""
     height, width, _ = texture.shape
     image = spec.add_texture(name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, height=height, width=width, nchannel=3)
     image.data = texture.tobytes()
     roles = [""] * int(mujoco.mjtTextureRole.mjNTEXROLE)
     roles[mujoco.mjtTextureRole.mjTEXROLE_RGB] = image.name
-    spec.add_material(name=name, textures=roles, specular=0, shininess=0)
+    spec.add_material(name=name, textures=roles, rgba=(*rgb, 1), specular=0, shininess=0)
 
 
-def _add_colour(spec: mujoco.MjSpec, name: str, rgb: tuple[float, ...]) -> None:
-    """A dull material `name`."""
-    spec.add_material(name=name, rgba=(*rgb, 1), specular=0, shininess=0)
+def _add_colour(spec: mujoco.MjSpec, name: str, rgb: tuple[float, ...], blank: bool = False) -> None:
+    """A dull material `name`; `blank`: with a white texture, to be painted on."""
+    if blank:
+        _add_texture(spec, name, np.full((BLANK, BLANK, 3), 255, np.uint8), rgb)
+    else:
+        spec.add_material(name=name, rgba=(*rgb, 1), specular=0, shininess=0)
 
 
-def _add_caregiver(spec: mujoco.MjSpec, config: SceneConfig, high: bool) -> None:
+def _add_caregiver(spec: mujoco.MjSpec, config: SceneConfig, high: bool, blank: bool) -> None:
     part = _part("caregiver")
     person = config.face or identity(config.caregiver)
     looks = build_face(person, *((3, 1024) if high else (1, 64)))
@@ -153,12 +170,12 @@ def _add_caregiver(spec: mujoco.MjSpec, config: SceneConfig, high: bool) -> None
     if high:
         _add_texture(part, "cloth", body.cloth(config.clothing, 512))
     else:
-        _add_colour(part, "cloth", config.clothing)
+        _add_colour(part, "cloth", config.clothing, blank)
     stand = spec.worldbody.add_body(name="caregiver", pos=(HEAD_POSITION[0], HEAD_POSITION[1], 0), quat=(0, 0, 0, 1))
     spec.attach(part, prefix="caregiver/", frame=stand.add_frame())
 
 
-def _add_room(spec: mujoco.MjSpec, high: bool) -> None:
+def _add_room(spec: mujoco.MjSpec, high: bool, blank: bool) -> None:
     part = _part("table")
     _add_mesh(part, "table", room.table(half_x=0.42, half_y=0.60, thickness=0.04, relief=not high))
     _add_mesh(part, "wall", room.wall(half_y=3.6, height=2.6, relief=not high))
@@ -170,7 +187,7 @@ def _add_room(spec: mujoco.MjSpec, high: bool) -> None:
         _add_texture(part, "floor", room.carpet(512))
     else:  # the same colours without textures
         for name, rgb in (("table", room.WOOD), ("wall", room.PLASTER), ("floor", room.CARPET)):
-            _add_colour(part, name, rgb)
+            _add_colour(part, name, rgb, blank)
     spec.attach(part, prefix="room/", frame=spec.worldbody.add_frame())
 
 
@@ -208,15 +225,9 @@ def _visuals(spec: mujoco.MjSpec, high: bool) -> None:
 
 
 def _add_objects(spec: mujoco.MjSpec, config: SceneConfig) -> None:
-    half = config.object_size / 2
-    shapes = {
-        "box": (mujoco.mjtGeom.mjGEOM_BOX, (half, half, half)),
-        "cylinder": (mujoco.mjtGeom.mjGEOM_CYLINDER, (half * 0.9, half, 0)),
-        "sphere": (mujoco.mjtGeom.mjGEOM_SPHERE, (half, 0, 0)),
-    }
     for thing, place in zip(config.objects, rest_positions(config), strict=True):
         body = spec.worldbody.add_body(name=f"object/{thing.name}", mocap=True, pos=place)
-        kind, size = shapes[thing.shape]
+        kind, size = object_size(thing.shape, config.object_size)
         body.add_geom(name=f"object/{thing.name}", type=kind, size=size, rgba=(*thing.rgb, 1), contype=0, conaffinity=0)
 
 
@@ -232,8 +243,12 @@ def _add_onlooker(spec: mujoco.MjSpec, place: tuple[float, float, float], at: tu
     spec.worldbody.add_camera(name="third_person", pos=place, quat=quat, fovy=48)
 
 
-def build_model(config: SceneConfig | None = None) -> mujoco.MjModel:
-    """The compiled scene. Bodies come in drawing order, near to far: people, objects, table, wall, floor."""
+def build_model(config: SceneConfig | None = None, blank: bool = False) -> mujoco.MjModel:
+    """The compiled scene. Bodies come in drawing order, near to far: people, objects, table, wall, floor.
+
+    ``blank``: surfaces that have colours alone get white textures, to be painted on (``scene.dressing``); pictures
+    then take longer.
+    """
     config = config or SceneConfig()
     high = config.quality == "high"
     spec = mujoco.MjSpec()
@@ -241,8 +256,8 @@ def build_model(config: SceneConfig | None = None) -> mujoco.MjModel:
     _options(spec)
     _visuals(spec, high)
     _add_onlooker(spec, place=(0.25, -1.75, 1.50), at=(0.80, 0.0, 0.80))
-    _add_caregiver(spec, config, high)
+    _add_caregiver(spec, config, high, blank)
     spec.attach(_part("robot"), prefix="robot/", frame=spec.worldbody.add_frame())
     _add_objects(spec, config)
-    _add_room(spec, high)
+    _add_room(spec, high, blank)
     return spec.compile()

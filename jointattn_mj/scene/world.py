@@ -16,6 +16,8 @@ from numba import njit
 
 from jointattn_mj.scene.camera import Eye
 from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer
+from jointattn_mj.scene.delay import Past
+from jointattn_mj.scene.dressing import Conditions, Wardrobe, upload
 from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.model import SceneConfig, build_model, rest_height
 from jointattn_mj.scene.movement import ARM_JOINTS, Arm
@@ -46,9 +48,13 @@ def steps_per_frame(model: mujoco.MjModel) -> int:
     return round(FRAME_S / model.opt.timestep)
 
 
-def build_physics(config: WorldConfig) -> Physics:
-    """dm_control's physics over the compiled scene."""
-    return Physics.from_model(MjModel(build_model(config.scene)))
+AS_USUAL = Conditions()
+"""The scene's own light and colours, and a camera without faults."""
+
+
+def build_physics(config: WorldConfig, conditions: Conditions = AS_USUAL) -> Physics:
+    """dm_control's physics over the compiled scene, with textures where ``conditions`` put patterns on them."""
+    return Physics.from_model(MjModel(build_model(config.scene, blank=conditions.surfaces.contrast > 0)))
 
 
 class World:
@@ -57,8 +63,11 @@ class World:
     frames: int = 1
     """Camera frames in a step, in which whatever moves does so steadily; more are for worlds that derive from this."""
 
-    def __init__(self, config: WorldConfig, physics: Physics, seed: np.random.SeedSequence):
+    def __init__(
+        self, config: WorldConfig, physics: Physics, seed: np.random.SeedSequence, conditions: Conditions = AS_USUAL
+    ):
         self._bind(config, physics)
+        self.vary(config, conditions)
         self.reset(seed)
 
     def _bind(self, config: WorldConfig, physics: Physics) -> None:
@@ -75,12 +84,25 @@ class World:
         self._object_places = self.data.mocap_pos[objects]
         self._controls = self.data.ctrl
         self._steps = self.frames * steps_per_frame(model)
+        self._wardrobe: Wardrobe | None = None
         self._picture: np.ndarray | None = None
 
     @classmethod
-    def build(cls, config: WorldConfig, seed: np.random.SeedSequence) -> "World":
+    def build(cls, config: WorldConfig, seed: np.random.SeedSequence, conditions: Conditions = AS_USUAL) -> "World":
         """A world over a physics of its own."""
-        return cls(config, build_physics(config), seed)
+        return cls(config, build_physics(config, conditions), seed, conditions)
+
+    def vary(self, config: WorldConfig, conditions: Conditions) -> None:
+        """Look otherwise from the next ``reset`` on, and behave otherwise, as ``variation.drawn`` has it.
+
+        Who she is and what objects are called stays as it was compiled.
+        """
+        if config is not self.config or conditions != AS_USUAL:
+            self._wardrobe = self._wardrobe or Wardrobe(self.model)
+        if self._wardrobe is not None:
+            upload(self.physics, self._wardrobe.dress(config.scene, conditions))
+        self.config, self.conditions = config, conditions
+        self._past = Past(conditions.sensor.delay / self.frames)
 
     def reset(self, seed: np.random.SeedSequence) -> None:
         """Begin anew: another table, the caregiver about to greet, the robot's head straight ahead."""
@@ -94,6 +116,7 @@ class World:
         mujoco.mj_forward(self.model, self.data)
         self._objects_before = self.caregiver.objects.copy()
         self._points = np.vstack([self.caregiver.objects, self.data.site("caregiver/face").xpos])
+        self._past.forget()
         self.rendered_frames = 0
         self._picture = None
 
@@ -118,6 +141,7 @@ class World:
         angles exactly when the frame ends.
         """
         caregiver = self.caregiver
+        self._past.note(self.data)
         self._objects_before[:] = caregiver.objects
         for _ in range(self.frames):
             caregiver.advance()
@@ -131,9 +155,19 @@ class World:
     def picture(self) -> np.ndarray:
         """What the robot's eye sees now, uint8 (240, 320, 3); rendered at the first call in a frame."""
         if self._picture is None:
-            self._picture = self.eye.look()
+            self._picture = self._look()
             self.rendered_frames += 1
         return self._picture
+
+    def _look(self) -> np.ndarray:
+        sensor = self.conditions.sensor
+        if sensor.delay:
+            with self._past.shown(self.model, self.data):
+                picture = self.eye.look()
+        else:
+            picture = self.eye.look()
+        sensor.expose(picture, round(self.data.time / FRAME_S))
+        return picture
 
     def head_angles(self) -> np.ndarray:
         """Pan and tilt of the robot's head, (2,), rad."""
@@ -178,12 +212,14 @@ class World:
         """Everything that the next frame depends on; the model is built anew from the config."""
         integration = np.empty(mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_INTEGRATION))
         mujoco.mj_getState(self.model, self.data, integration, mujoco.mjtState.mjSTATE_INTEGRATION)
-        kept = ("config", "caregiver", "rendered_frames", "_objects_before", "_points")
+        kept = ("config", "conditions", "caregiver", "rendered_frames", "_objects_before", "_points", "_past")
         return {"integration": integration, **{name: getattr(self, name) for name in kept}}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         integration = state.pop("integration")
-        self._bind(state["config"], build_physics(state["config"]))
+        config, conditions = state["config"], state["conditions"]
+        self._bind(config, build_physics(config, conditions))
+        self.vary(config, conditions)
         self.__dict__.update(state)
         mujoco.mj_setState(self.model, self.data, integration, mujoco.mjtState.mjSTATE_INTEGRATION)
         mujoco.mj_step1(self.model, self.data)

@@ -14,6 +14,8 @@ from dm_env import specs
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH, build_model
+from jointattn_mj.scene.people import FaceConfig
+from jointattn_mj.scene.variation import VariationConfig, drawn, variation_of
 from jointattn_mj.scene.world import World, WorldConfig
 from jointattn_mj.tasks.physics import Physics
 
@@ -41,12 +43,16 @@ class Task(control.Task):
 
     def __init__(
         self, config: WorldConfig, random: Random = None, camera: bool = True, truth: bool = False,
-        people: Sequence[str] = (),
+        people: Sequence[str] = (), variation: VariationConfig | str = "none",
     ):  # fmt: skip
-        """``people``: names of caregivers of whom each episode has one; nobody: the one of ``config``."""
+        """``people``: names of caregivers of whom each episode has one; nobody: the one of ``config``.
+
+        ``variation``: how far every episode's world may differ from ``config``, as ranges or by the name of a preset.
+        """
         self._configs = [replace(config, scene=replace(config.scene, caregiver=name, face=None)) for name in people]
         self._configs = self._configs or [config]
-        self._worlds: dict[int, World] = {}
+        self._variation = variation_of(variation)
+        self._worlds: dict[tuple[str, FaceConfig | None], World] = {}
         self._camera, self._truth = camera, truth
         self.visualize_reward = False
         self.seed(random)
@@ -60,18 +66,25 @@ class Task(control.Task):
         """For wrappers of dm_control, which take their noise from it; no task does."""
 
     def cast(self) -> World:
-        """The world of the next episode: one of the people, drawn at random."""
-        chosen = int(self._casting.integers(len(self._configs)))
-        if chosen not in self._worlds:
-            config = self._configs[chosen]
-            physics = Physics.from_model(MjModel(build_model(config.scene)))
-            self._worlds[chosen] = self.kind(config, physics, np.random.SeedSequence(0))
-        return self._worlds[chosen]
+        """The world of the next episode: one of the people, drawn at random, and what else varies."""
+        chosen = self._configs[int(self._casting.integers(len(self._configs)))]
+        config, conditions = self._drawn = drawn(chosen, self._variation, self._next_seed())
+        who = config.scene.caregiver, config.scene.face
+        if who not in self._worlds:
+            physics = Physics.from_model(MjModel(build_model(config.scene, blank=self._variation.textures > 0)))
+            self._worlds[who] = self.kind(config, physics, np.random.SeedSequence(0), conditions)
+        return self._worlds[who]
+
+    def _next_seed(self) -> np.random.SeedSequence:
+        """The seed that ``initialize_episode`` will spawn."""
+        seeds = self._seeds
+        return np.random.SeedSequence(seeds.entropy, spawn_key=(*seeds.spawn_key, seeds.n_children_spawned))
 
     def initialize_episode(self, physics: Physics) -> None:
         """Another table, and everything that the episode's seed decides."""
         (seed,) = self._seeds.spawn(1)
         self.world = next(world for world in self._worlds.values() if world.physics is physics)
+        self.world.vary(*self._drawn)
         self.world.reset(seed)
         self.begin(seed)
         self.after_step(physics)

@@ -9,6 +9,8 @@ as a measure. Arguments that all tasks have:
     truth: Whether observations hold what perfect perception would make of it; see each task's ``truth``.
     world: What things look like, how the caregiver moves, where objects lie.
     people: Names of caregivers; each episode has one of them. None: the one of ``world``.
+    variation: How far the world of every episode may differ from ``world``: a ``scene.variation.VariationConfig``, or
+        names of its presets, such as "lights+pace" or "all".
     environment_kwargs: Arguments of ``control.Environment``.
 
 A hard form has another caregiver every episode, and twice as many objects nearer to each other, or many more places.
@@ -24,6 +26,7 @@ from jointattn_mj.scene.caregiver import CaregiverConfig
 from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.model import OBJECTS, SceneConfig
 from jointattn_mj.scene.people import IDENTITIES
+from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.scene.world import WorldConfig
 from jointattn_mj.symbolic.table import CHAPTER_4, CHAPTER_5, TableConfig
 from jointattn_mj.tasks import follow as following
@@ -57,10 +60,12 @@ def object_transfer(
     truth: bool = False,
     world: WorldConfig | None = None,
     people: Sequence[str] = (),
+    variation: VariationConfig | str = "none",
     environment_kwargs: dict[str, Any] | None = None,
 ) -> Environment:
     """The caregiver takes objects up, observes them, and puts them elsewhere (section 6.4.2)."""
     settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people}
+    settings["variation"] = variation
     return _environment(transfer.ObjectTransfer, world or WorldConfig(), time_limit, environment_kwargs, **settings)
 
 
@@ -78,10 +83,12 @@ def follow(
     truth: bool = False,
     world: WorldConfig | None = None,
     people: Sequence[str] = (),
+    variation: VariationConfig | str = "none",
     environment_kwargs: dict[str, Any] | None = None,
 ) -> Environment:
     """The caregiver looks at one object, and the robot is to fixate it; ten steps a second, reward for being near."""
     settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people}
+    settings["variation"] = variation
     return _environment(following.Follow, world or WorldConfig(), time_limit, environment_kwargs, **settings)
 
 
@@ -93,11 +100,13 @@ def follow_hard(
     truth: bool = False,
     world: WorldConfig | None = None,
     people: Sequence[str] = EVERYBODY,
+    variation: VariationConfig | str = "none",
     environment_kwargs: dict[str, Any] | None = None,
 ) -> Environment:
     """``follow`` with eight objects, a caregiver who looks up and around, and reward for fixating alone."""
     world = world or replace(CROWDED, behaviour=WANDERING)
     settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people}
+    settings["variation"] = variation
     return _environment(following.FollowSparse, world, time_limit, environment_kwargs, **settings)
 
 
@@ -110,13 +119,16 @@ def turn_taking(
     world: WorldConfig | None = None,
     people: Sequence[str] = (),
     table: TableConfig = CHAPTER_5,
+    variation: VariationConfig | str = "none",
     environment_kwargs: dict[str, Any] | None = None,
 ) -> Environment:
     """Three places, two objects, gazes in turns (section 5.3.1); a step is a turn, and a second.
 
-    ``table`` decides how many places and objects there are and what the caregiver does; of ``world`` only looks matter.
+    ``table`` decides how many places and objects there are and what the caregiver does; of ``world`` only looks matter,
+    so that pace and layout do not vary.
     """
     settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people, "table": table}
+    settings["variation"] = variation
     return _environment(turns.TurnTaking, world or WorldConfig(), time_limit, environment_kwargs, **settings)
 
 

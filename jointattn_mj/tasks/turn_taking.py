@@ -14,6 +14,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.looker import AWAY, TurnWorld, places
 from jointattn_mj.scene.model import OBJECTS, ObjectConfig
+from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.scene.world import WorldConfig
 from jointattn_mj.symbolic.table import CAREGIVER, CHAPTER_5, ROBOT, TableConfig, new_table, table_variables, turn
 from jointattn_mj.tasks.environment import Random, Task
@@ -52,19 +53,19 @@ class TurnTaking(Task):
 
     def __init__(
         self, config: WorldConfig, random: Random = None, camera: bool = True, truth: bool = False,
-        people: tuple[str, ...] = (), table: TableConfig = CHAPTER_5,
+        people: tuple[str, ...] = (), table: TableConfig = CHAPTER_5, variation: VariationConfig | str = "none",
     ):  # fmt: skip
         """``config.scene.objects`` are those of the table, whatever they were."""
         self.table_config, self.variables = table, table_variables(table)
         scene = replace(config.scene, objects=seen_objects(table))
-        super().__init__(replace(config, scene=scene), random, camera, truth, people)
-        self._places = places(table.spots, scene)
+        super().__init__(replace(config, scene=scene), random, camera, truth, people, variation)
         self._sensors = np.zeros(len(self.variables.sensors), np.int64)
         self._results = np.zeros(len(self.variables.results), np.int64)
 
     def begin(self, seed: np.random.SeedSequence) -> None:
         """The first turn: objects are placed, the caregiver shifts her gaze or not; the robot looks at her."""
         self.table = new_table(self.table_config, seed)
+        self._places = places(self.table_config.spots, self.world.config.scene)
         self._face = np.radians(directions_to(self.world.candidate_points())[-1])
         self._directions = np.vstack([np.radians(directions_to(self._places)), self._face])
         self._turn(np.array([self.table_config.spots, 0]))

@@ -1,0 +1,59 @@
+"""The world as it was some frames ago, for cameras whose pictures come late; nothing is rendered to be kept."""
+
+from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import mujoco
+import numpy as np
+
+State = tuple[np.ndarray, np.ndarray]
+"""Joint angles (nq,) and places of objects (n, 3)."""
+
+
+class Past:
+    """Joint angles and object places at the ends of the last steps.
+
+    Attributes:
+        steps: How many steps ago is to be shown. Within a step angles change steadily, and objects are where they are
+            at its end.
+    """
+
+    def __init__(self, steps: float):
+        self.steps = steps
+        self._states: deque[State] = deque(maxlen=max(1, int(np.ceil(steps))))
+
+    def note(self, data: mujoco.MjData) -> None:
+        """Remember how things stand; to be called before each step."""
+        if self.steps > 0:
+            self._states.append((data.qpos.copy(), data.mocap_pos.copy()))
+
+    def forget(self) -> None:
+        """There was nothing before now."""
+        self._states.clear()
+
+    def state(self, data: mujoco.MjData) -> State:
+        """How things stood then, or at the beginning if that is later."""
+        states = [*self._states, (data.qpos.copy(), data.mocap_pos.copy())]
+        back = min(self.steps, len(states) - 1)
+        whole, part = int(back), back - int(back)
+        angles, places = states[-1 - whole]
+        if part > 0:
+            angles = (1 - part) * angles + part * states[-2 - whole][0]
+        return angles, places
+
+    @contextmanager
+    def shown(self, model: mujoco.MjModel, data: mujoco.MjData) -> Iterator[None]:
+        """While the block runs, bodies, cameras and lights of ``data`` are where they were then."""
+        now = data.qpos.copy(), data.mocap_pos.copy()
+        _pose(model, data, self.state(data))
+        try:
+            yield
+        finally:
+            _pose(model, data, now)
+
+
+def _pose(model: mujoco.MjModel, data: mujoco.MjData, state: State) -> None:
+    data.qpos[:], data.mocap_pos[:] = state
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_camlight(model, data)

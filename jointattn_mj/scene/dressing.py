@@ -1,0 +1,175 @@
+"""A compiled scene in other light, other colours and with other objects: changed in place, in a fraction of a
+millisecond, where compiling takes sixty.
+
+Who she is and how many objects there are stay as they were compiled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+from dm_control.mujoco import Physics
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.scene.model import SceneConfig, object_size
+from jointattn_mj.scene.people import Colour
+from jointattn_mj.scene.sensor import Sensor
+from jointattn_mj.scene.shapes import noise, smoothstep
+
+SURFACES = {"table": "room/table", "wall": "room/wall", "floor": "room/floor", "clothes": "caregiver/cloth"}
+"""Names of ``Surfaces`` and their materials and textures in the model."""
+LOWEST_DEG, HIGHEST_DEG = 10.0, 80.0
+"""Between these heights above the horizon the lamp stands."""
+PLAIN: Colour = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """The light of the room, against what it is otherwise. As it stands it changes nothing."""
+
+    azimuth_deg: float = 0.0
+    """So far the lamp is moved around the table, anticlockwise seen from above."""
+    elevation_deg: float = 0.0
+    """So far it is raised; it stays between 10 and 80 degrees above the horizon."""
+    direct: Colour = PLAIN
+    """Factors on its red, green and blue."""
+    ambient: Colour = PLAIN
+    """The same for light from all around."""
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """Factors on red, green and blue of what is large in the picture, and what is painted on it."""
+
+    table: Colour = PLAIN
+    wall: Colour = PLAIN
+    floor: Colour = PLAIN
+    clothes: Colour = PLAIN
+    contrast: float = 0.0
+    """A pattern on all of them makes them darker by up to this share; it needs a scene built with ``blank``."""
+    seed: int = 0
+    """Which patterns."""
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.contrast <= 1:
+            raise ConfigError(f"surfaces.contrast: expected a share in [0, 1]; got {self.contrast!r}")
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Under which a scene is looked at. As they stand they change nothing."""
+
+    lamp: Lamp = field(default_factory=Lamp)
+    surfaces: Surfaces = field(default_factory=Surfaces)
+    sensor: Sensor = field(default_factory=Sensor)
+
+
+class Wardrobe:
+    """Remembers how a model was compiled, and dresses it otherwise any number of times."""
+
+    def __init__(self, model: mujoco.MjModel):
+        self._model = model
+        self._light = model.light_dir[0].copy(), model.light_diffuse[0].copy(), model.light_ambient[0].copy()
+        self._headlight = model.vis.headlight.ambient.copy()
+        self._rgba = {name: model.material(kept).rgba.copy() for name, kept in SURFACES.items()}
+        self._textures: dict[str, np.ndarray] = {}
+
+    def dress(self, scene: SceneConfig, conditions: Conditions) -> list[int]:
+        """Objects as in ``scene``, light and surfaces as in ``conditions``; returns ids of the textures painted on.
+
+        Raises:
+            ConfigError: Patterns are asked for in a scene without textures.
+        """
+        self._light_up(conditions.lamp)
+        for name, material in SURFACES.items():
+            self._model.material(material).rgba[:3] = self._rgba[name][:3] * getattr(conditions.surfaces, name)
+        for item in scene.objects:
+            _shape(self._model, self._model.geom(f"object/{item.name}").id, item.shape, scene.object_size)
+            self._model.geom(f"object/{item.name}").rgba[:3] = item.rgb
+        return self._paint(conditions.surfaces)
+
+    def _light_up(self, lamp: Lamp) -> None:
+        model, (direction, diffuse, ambient) = self._model, self._light
+        model.light_dir[0] = _turned(direction, lamp) if lamp.azimuth_deg or lamp.elevation_deg else direction
+        model.light_diffuse[0], model.light_ambient[0] = diffuse * lamp.direct, ambient * lamp.ambient
+        model.vis.headlight.ambient[:] = self._headlight * lamp.ambient
+
+    def _paint(self, surfaces: Surfaces) -> list[int]:
+        """Patterns over what the textures were at first."""
+        if not surfaces.contrast and not self._textures:
+            return []
+        rng, painted = np.random.default_rng(surfaces.seed), []
+        for name, kept in SURFACES.items():
+            image = self._texture(kept)
+            self._textures.setdefault(name, image.copy())
+            image[:] = np.round(self._textures[name] * (1 - surfaces.contrast * pattern(rng, len(image)))[..., None])
+            painted.append(self._model.texture(kept).id)
+        return painted
+
+    def _texture(self, name: str) -> np.ndarray:
+        """A texture of the model, (h, w, 3) uint8, to be written to."""
+        model = self._model
+        number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXTURE, name)
+        if number < 0:
+            raise ConfigError(f"patterns need textures, and {name} has none: build the scene with blank=True")
+        begin, height, width = model.tex_adr[number], model.tex_height[number], model.tex_width[number]
+        return model.tex_data[begin : begin + 3 * height * width].reshape(height, width, 3)
+
+
+def upload(physics: Physics, textures: list[int]) -> None:
+    """Let OpenGL know of textures (ids) that were painted on; what has not yet rendered reads them when it does."""
+    contexts = physics._contexts  # the public name would open a context where there is none
+    if contexts is None:
+        return
+    with contexts.gl.make_current() as thread:
+        for texture in textures:
+            thread.call(mujoco.mjr_uploadTexture, physics.model.ptr, contexts.mujoco.ptr, texture)
+
+
+def _turned(direction: np.ndarray, lamp: Lamp) -> np.ndarray:
+    """The direction (3,) in which light falls once the lamp has moved."""
+    x, y, z = direction
+    azimuth = np.arctan2(y, x) + np.radians(lamp.azimuth_deg)
+    height = np.degrees(np.arctan2(-z, np.hypot(x, y))) + lamp.elevation_deg
+    height = np.radians(np.clip(height, LOWEST_DEG, HIGHEST_DEG))
+    return np.array([np.cos(height) * np.cos(azimuth), np.cos(height) * np.sin(azimuth), -np.sin(height)])
+
+
+def _shape(model: mujoco.MjModel, geom: int, shape: str, edge: float) -> None:
+    """Give a geom another shape, with the bounds that the compiler would give it."""
+    kind, size = object_size(shape, edge)
+    radius, height, _ = size
+    half = {"box": size, "cylinder": (radius, radius, height), "sphere": (radius, radius, radius)}[shape]
+    model.geom_type[geom], model.geom_size[geom] = kind, size
+    model.geom_aabb[geom] = (0, 0, 0, *half)
+    model.geom_rbound[geom] = {"cylinder": np.hypot(radius, height), "sphere": radius}.get(shape, np.linalg.norm(size))
+
+
+def pattern(rng: np.random.Generator, size: int) -> np.ndarray:
+    """Stripes, checks or blotches, (size, size) from 0 to 1; seamless where they repeat."""
+    make: tuple[Callable[[np.random.Generator, int], np.ndarray], ...] = (_stripes, _checks, _blotches)
+    return make[rng.integers(len(make))](rng, size)
+
+
+def _waves(rng: np.random.Generator, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Waves along u and along v, both (size, size) from -1 to 1, three to nine on the texture."""
+    along = 2 * np.pi * (np.arange(size) + 0.5) / size
+    u, v = (np.sin(rng.integers(3, 10) * along + rng.uniform(0, 2 * np.pi)) for _ in range(2))
+    return np.broadcast_to(u, (size, size)), np.broadcast_to(v[:, None], (size, size))
+
+
+def _stripes(rng: np.random.Generator, size: int) -> np.ndarray:
+    return smoothstep(_waves(rng, size)[rng.integers(2)], -0.3, 0.3)
+
+
+def _checks(rng: np.random.Generator, size: int) -> np.ndarray:
+    u, v = _waves(rng, size)
+    return smoothstep(u * v, -0.15, 0.15)
+
+
+def _blotches(rng: np.random.Generator, size: int) -> np.ndarray:
+    cells = int(rng.integers(4, 13))
+    return smoothstep(noise(rng, (size, size), (cells, cells)), -1.0, 1.0)
