@@ -26,6 +26,12 @@ DURATIONS = ("greet_s", "turn_s", "reach_s", "lift_s", "observe_s", "put_s", "ga
 SMALLEST_M, LARGEST_M = 0.01, 0.12
 """Objects of other sizes the scene does not have."""
 
+_KNOWN = {"people": tuple(IDENTITIES), "object_shapes": SHAPES}
+_MOST = {
+    "light_angle_deg": 90, "object_hue_deg": 180, "camera_noise": 64, "camera_delay": MOST_DELAY, "textures": 1,
+    "layout": 0.45,
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class VariationConfig:
@@ -65,23 +71,19 @@ class VariationConfig:
     """Share by which everything that she does takes more or less time."""
 
     def __post_init__(self) -> None:
-        limits: dict[str, float] = {
-            "light_angle_deg": 90,
-            "object_hue_deg": 180,
-            "camera_noise": 64,
-            "camera_delay": MOST_DELAY,
-        }
-        limits |= {"textures": 1, "layout": 0.45}
         for option in fields(self):
-            value, most = getattr(self, option.name), limits.get(option.name, 0.9)
-            if not isinstance(value, tuple) and not 0 <= value <= most:
+            value = getattr(self, option.name)
+            if option.name in _KNOWN:
+                known = _KNOWN[option.name]
+                if not isinstance(value, tuple) or not set(value) <= set(known):
+                    raise ConfigError(
+                        f"variation.{option.name}: expected a tuple of some of {', '.join(known)}; got {value!r}"
+                    )
+            elif not 0 <= value <= _MOST.get(option.name, 0.9):
+                most = _MOST.get(option.name, 0.9)
                 raise ConfigError(f"variation.{option.name}: expected a number in [0, {most}]; got {value!r}")
         if self.camera_delay != int(self.camera_delay):
             raise ConfigError(f"variation.camera_delay: expected whole frames; got {self.camera_delay!r}")
-        for name, known in (("people", tuple(IDENTITIES)), ("object_shapes", SHAPES)):
-            value = getattr(self, name)
-            if not isinstance(value, tuple) or not set(value) <= set(known):
-                raise ConfigError(f"variation.{name}: expected a tuple of some of {', '.join(known)}; got {value!r}")
 
     @property
     def on(self) -> bool:
