@@ -64,11 +64,11 @@ def _leave(message: str, code: int) -> NoReturn:
 
 def _session(arguments: Sequence[str] = ()) -> Callable[..., Any]:
     from jointattn_mj.runner import RunOptions
-    from jointattn_mj.session import SessionConfig
     from jointattn_mj.session_command import run_with_bar
+    from jointattn_mj.varied_session import VariedSessionConfig
 
     def session(
-        config: Annotated[SessionConfig, tyro.conf.arg(name="")],
+        config: Annotated[VariedSessionConfig, tyro.conf.arg(name="")],
         options: Annotated[RunOptions, tyro.conf.arg(name="")],
     ) -> Callable[[], None]:
         """Let robot and caregiver live together for some minutes, and write down everything (chapter 6).

@@ -5,10 +5,11 @@ import sys
 from tqdm import tqdm
 
 from jointattn_mj.runner import RunOptions, run_session
-from jointattn_mj.session import FRAMES_PER_MINUTE, Session, SessionConfig
+from jointattn_mj.session import FRAMES_PER_MINUTE, Session
+from jointattn_mj.varied_session import VariedSession, VariedSessionConfig
 
 
-def run_with_bar(config: SessionConfig, options: RunOptions) -> None:
+def run_with_bar(config: VariedSessionConfig, options: RunOptions) -> None:
     """Run the session, and say in a line what came of it; errors are :func:`runner.run_session`'s."""
     bar = tqdm(
         total=config.minutes,
@@ -27,7 +28,7 @@ def run_with_bar(config: SessionConfig, options: RunOptions) -> None:
 
     try:
         with bar:
-            summary = run_session(config, options, progress)
+            summary = run_session(config, options, progress, VariedSession)
     except KeyboardInterrupt:
         if (options.out / "checkpoint.bin").exists():
             print(f"jointattn: stopped; the same command with --resume goes on from {options.out}", file=sys.stderr)

@@ -26,12 +26,12 @@ PROGRAM = """
 import os, signal, sys
 from jointattn_mj import cli, session_command
 run, how, at = session_command.run_session, sys.argv[1], int(sys.argv[2])
-def interrupted(config, options, progress):
+def interrupted(config, options, progress, kind):
     def watch(session):
         if session.frame == at:
             os.kill(os.getpid(), signal.SIGINT)
         progress(session)
-    return run(config, options, watch)
+    return run(config, options, watch, kind)
 def killing_replace(source, target, replace=os.replace, written=[]):
     written.append(str(target).endswith("checkpoint.bin"))
     if sum(written) == at:
