@@ -181,6 +181,17 @@ def _experiment(arguments: Sequence[str] = ()) -> Callable[..., Any]:
     return experiment
 
 
+def _view(arguments: Sequence[str] = ()) -> Callable[..., Any]:
+    from jointattn_mj.view_command import ViewOptions, view
+
+    def command(options: Annotated[ViewOptions, tyro.conf.arg(name="")]) -> Callable[[], None]:
+        """Watch an agent in a task: in a window where there is a display, else in a browser, at an address that is
+        printed and that this machine alone reaches."""
+        return lambda: _with_one_thread(view, options)
+
+    return command
+
+
 COMMANDS = {
     "session": _session,
     "develop": _develop,
@@ -189,6 +200,7 @@ COMMANDS = {
     "measure": _measure,
     "discover": _discover,
     "experiment": _experiment,
+    "view": _view,
 }
 """What makes each command; none is imported before it is asked for."""
 

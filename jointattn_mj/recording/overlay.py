@@ -3,6 +3,8 @@
 Everything here is known to the robot. Candidates are numbered as in ``Percept``.
 """
 
+from typing import Protocol
+
 import cv2
 import numpy as np
 
@@ -21,11 +23,23 @@ from jointattn_mj.recording.paint import (
 from jointattn_mj.recording.percepts import PerceptInk, caption, place
 from jointattn_mj.robots.gaze_follower import GazeFollower, GazeShift
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, pixel_of
-from jointattn_mj.session import Session
+from jointattn_mj.scene.world import World
 
 _BAR = 34  # height of the line of text below the picture's contents
 _WAYS = ((1, 0), (-1, 0), (0, 1), (0, -1))
 _AHEAD_DEG = 60.0  # farther from the present direction nothing is drawn
+
+
+class Watched(Protocol):
+    """A robot in its world, such as a session."""
+
+    @property
+    def world(self) -> World:
+        """The world."""
+
+    @property
+    def robot(self) -> GazeFollower:
+        """The mind."""
 
 
 class RobotsView:
@@ -35,7 +49,7 @@ class RobotsView:
         self._names, self._inks, self._box = names, inks, box
         self._percept = PerceptInk(inks)
 
-    def draw(self, canvas: np.ndarray, session: Session) -> None:
+    def draw(self, canvas: np.ndarray, session: Watched) -> None:
         """The robot's picture with what it perceives in it, or with where its head turns."""
         area, robot = self._box.of(canvas), session.robot
         size = self._box.width, self._box.height

@@ -1,0 +1,89 @@
+"""The browser's viewer: mjviser draws the scene, which can be turned about; beside it the robot's view."""
+
+import copy
+from collections.abc import Callable
+from contextlib import redirect_stdout
+from io import StringIO
+from typing import Any
+
+import numpy as np
+
+from jointattn_mj.adapters.extras import extra
+from jointattn_mj.scene.model import ROBOT_GROUP
+from jointattn_mj.viewing.show import Show, in_real_time
+
+viser = extra("view", "viser")
+mjviser = extra("view", "mjviser")
+
+CAMERA, LOOKS_AT = (0.3, -1.9, 1.6), (0.75, 0.0, 0.85)
+"""Where one looks from at first and at what; world frame, m: from the robot's right, so that both are seen."""
+WALLS = ("room/wall", "room/side_walls")
+_SHOWN_GROUP, _HIDDEN_GROUP = 0, 5
+_LINE_M = 0.008
+
+
+class _Server(viser.ViserServer):  # type: ignore[name-defined]
+    """Never gives out an address that the whole world reaches, whoever asks for it: its pages can, and other sites'."""
+
+    def request_share_url(self, verbose: bool = True) -> str | None:
+        """Nothing is shared."""
+        return None
+
+
+class Browser:
+    """Serves a show at ``address``, to whoever can reach the interface ``host``."""
+
+    def __init__(self, show: Show, host: str, port: int):
+        """``port``: the first one to try; the next free one is taken."""
+        self._show = show
+        with redirect_stdout(StringIO()):  # it draws a box around the address
+            self._server: Any = _Server(host=host, port=port, label="jointattn view")
+        self.address = f"http://{host}:{self._server.get_port()}"
+        gui, camera = self._server.gui, self._server.initial_camera
+        gui.configure_theme(control_width="large", dark_mode=True, show_share_button=False)
+        gui.main_panel.dock_right()
+        camera.position, camera.look_at, camera.up = CAMERA, LOOKS_AT, (0.0, 0.0, 1.0)
+        self._eye = gui.add_image(show.eye(), label="What the robot sees", jpeg_quality=85)
+        self._words = gui.add_markdown(show.words())
+        self._paused = gui.add_checkbox("Pause", initial_value=False)
+        self._restart = gui.add_button("Another episode")
+        self._asked = False
+        self._restart.on_click(lambda event: setattr(self, "_asked", True))
+        self._model: Any = None
+        self.draw()
+
+    def run(self, goes_on: Callable[[], bool]) -> None:
+        """Go on until ``goes_on`` says no; nothing moves while nobody watches."""
+        try:
+            in_real_time(self._show, self.draw, goes_on, self._waits)
+        finally:
+            self._server.stop()
+
+    def _waits(self) -> bool:
+        return not self._server.get_clients() or (self._paused.value and not self._asked)
+
+    def draw(self) -> None:
+        """Send how things stand to everybody who watches."""
+        if self._asked:
+            self._asked = False
+            self._show.restart()
+        world = self._show.world
+        if world.model is not self._model:
+            self._model = world.model
+            self._rebuild()
+        self._scene.update_from_mjdata(world.data)
+        for number, (sight, colour) in enumerate(self._show.sights()):
+            points, colours = np.array([[sight.start, sight.end]]), np.array(colour, np.uint8)
+            self._server.scene.add_line_segments(f"/sight/{number}", points, colours, thickness=_LINE_M)
+        self._eye.image = self._show.eye()
+        self._words.content = self._show.words()
+
+    def _rebuild(self) -> None:
+        """Another person, another scene, with the robot in it; walls would be in the way of who looks on."""
+        model = copy.copy(self._model)
+        model.geom_group[model.geom_group == ROBOT_GROUP] = _SHOWN_GROUP
+        for wall in WALLS:
+            model.geom(wall).group = _HIDDEN_GROUP
+        self._server.scene.reset()
+        self._scene = mjviser.ViserMujocoScene(self._server, model, num_envs=1)
+        self._scene.camera_tracking_enabled = False

@@ -1,0 +1,69 @@
+"""The robot's view with what is known drawn on it: what its mind makes of it or, for agents without one, the truth."""
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from jointattn_mj.recording.onlooker import sights
+from jointattn_mj.recording.overlay import RobotsView
+from jointattn_mj.recording.paint import GREEN, GREY, GROUND, PERSON, ROBOT, Box, Colour, brackets, ink_of, shade, write
+from jointattn_mj.recording.percepts import FACE_HALF_PX, OBJECT_HALF_PX, SCALE, caption, place
+from jointattn_mj.robots.gaze_follower import GazeFollower
+from jointattn_mj.scene.camera import in_picture, pixels_of_points
+from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH
+from jointattn_mj.scene.world import World
+
+WIDTH, HEIGHT = SCALE * PICTURE_WIDTH, SCALE * PICTURE_HEIGHT
+_BAR = 34  # height of the line of text, pixels
+
+
+class _Watched(NamedTuple):
+    world: World
+    robot: GazeFollower
+
+
+class EyeView:
+    """Draws pictures, uint8 (480, 640, 3), of one world after the other, all with the same objects."""
+
+    def __init__(self, world: World):
+        self._names = (*(item.name for item in world.config.scene.objects), "face")
+        inks: list[Colour] = [*(ink_of(item.rgb) for item in world.config.scene.objects), PERSON]
+        self._mind = RobotsView(self._names, inks, Box(0, 0, WIDTH, HEIGHT))
+        self._canvas = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+
+    def draw(self, world: World, robot: GazeFollower | None) -> np.ndarray:
+        """The view now; it holds until the next one.
+
+        Raises:
+            GLError: No picture can be rendered here.
+        """
+        if robot is not None:
+            self._mind.draw(self._canvas, _Watched(world, robot))
+        else:
+            size = (WIDTH, HEIGHT)
+            self._canvas[:] = cv2.resize(world.picture(), size, interpolation=cv2.INTER_CUBIC)
+            self._draw_truth(world)
+        return self._canvas
+
+    def _draw_truth(self, world: World) -> None:
+        """Brackets around what robot and person look at, in green around what both do."""
+        area, face = self._canvas, len(self._names) - 1
+        robot, person = (sight.hit for sight in sights(world))
+        together = robot is not None and robot == person and robot != face
+        px = pixels_of_points(world.candidate_points(), np.degrees(world.head_angles()))
+        seen = in_picture(px)
+        words = {"robot": (robot, ROBOT, -1), "person": (None if person == face else person, PERSON, 1)}
+        for who, (number, ink, side) in words.items():
+            if number is not None and seen[number]:
+                half = (FACE_HALF_PX if number == face else OBJECT_HALF_PX) * SCALE
+                brackets(area, place(px[number]), half, GREEN if together else ink, 2)
+                below = np.array([0, half + 4 if side > 0 else -half - 22])
+                caption(area, place(px[number]) + below, f"{who} looks", GREEN if together else ink)
+        bar = area[-_BAR:]
+        shade(bar, GROUND, 0.78)
+        at = "nothing" if robot is None else self._names[robot]
+        x = write(bar, 12, 8, f"looks at {at}", ROBOT, 15, True) + 12
+        at = "nothing" if person is None else "the robot" if person == face else self._names[person]
+        x = write(bar, x, 8, f"the person at {at}", PERSON, 15, True) + 12
+        write(bar, x, 8, "(truth)", GREY, 15)
