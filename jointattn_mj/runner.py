@@ -113,8 +113,10 @@ def _check_rerun(path: Path, resume: bool) -> None:
     extra("rerun", "rerun")
     if path.exists() and not resume:
         raise OutputError(f"{path} is already there; choose another --rerun")
-    if not path.parent.is_dir():
-        raise OutputError(f"there is no folder {path.parent} for --rerun; make it, or choose another")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {path.parent}: {error.strerror}; choose another --rerun") from error
 
 
 @contextmanager

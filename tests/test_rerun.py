@@ -231,10 +231,11 @@ class TestRefusal:
         assert not (tmp_path / "out").exists()
 
     @needs_rerun
-    def test_no_folder(self, tmp_path):
-        with pytest.raises(OutputError, match="no folder"):
-            run_session(CONFIG, RunOptions(tmp_path / "out", rerun=tmp_path / "missing" / "a.rrd"))
-        assert not list(tmp_path.iterdir())
+    def test_a_file_in_the_folders_place(self, tmp_path):
+        (tmp_path / "place").write_text("mine")
+        with pytest.raises(OutputError, match="cannot make the folder"):
+            run_session(CONFIG, RunOptions(tmp_path / "out", rerun=tmp_path / "place" / "a.rrd"))
+        assert not (tmp_path / "out").exists()
 
 
 def test_costs_nothing_when_not_asked_for():
