@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.scene.dressing import Conditions, Lamp, Surfaces
 from jointattn_mj.scene.model import OBJECTS, SHAPES, SceneConfig
 from jointattn_mj.scene.variation import DURATIONS, PRESETS, VariationConfig, drawn, variation_of
 from jointattn_mj.scene.world import AS_USUAL, World, WorldConfig
@@ -222,3 +223,24 @@ def test_the_lamp_stays_above_the_table():
         assert direction[2] <= -np.sin(np.radians(9.9))
     assert world.model.light_type[0] == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
     world.close()
+
+
+def test_options_have_nothing_to_do_with_each_other():
+    """Their streams are not one and the same."""
+    draws = [flat(WIDE, np.random.SeedSequence(number)) for number in range(200)]
+    names = ("lamp.azimuth_deg", "behaviour.gaze_s", "sensor.brightness", "scene.object_size", "surfaces.contrast")
+    table = np.corrcoef([[draw[name] for draw in draws] for name in names])
+    assert np.abs(table - np.eye(len(names))).max() < 0.25
+
+
+def test_light_and_colours_are_factors():
+    lamp = Lamp(direct=(0.5, 1.0, 1.5), ambient=(1.5, 1.0, 0.5))
+    surfaces = Surfaces(table=(0.9, 1.0, 1.1), clothes=(0.5, 0.5, 0.5))
+    usual, varied = (World.build(WorldConfig(), SEED, it) for it in (AS_USUAL, Conditions(lamp, surfaces)))
+    np.testing.assert_allclose(varied.model.light_diffuse[0], usual.model.light_diffuse[0] * lamp.direct, rtol=1e-6)
+    np.testing.assert_allclose(varied.model.light_ambient[0], usual.model.light_ambient[0] * lamp.ambient, rtol=1e-6)
+    np.testing.assert_array_equal(varied.model.light_dir, usual.model.light_dir)
+    for name, factors in (("room/table", surfaces.table), ("caregiver/cloth", surfaces.clothes), ("room/wall", 1)):
+        expected = usual.model.material(name).rgba[:3] * factors
+        np.testing.assert_allclose(varied.model.material(name).rgba[:3], expected, rtol=1e-6)
+    usual.close(), varied.close()
