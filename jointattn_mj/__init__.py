@@ -3,10 +3,12 @@
 from typing import Any
 
 from jointattn_mj import compiled as _compiled
+from jointattn_mj.adapters import registration as _registration
 from jointattn_mj.scene import gl as _gl
 
 _gl.choose_when_needed()
 _compiled.choose_folder()
+_registration.register_when_needed()
 
 __version__ = "0.1.0"
 

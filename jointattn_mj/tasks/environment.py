@@ -26,6 +26,9 @@ LENSES = ("robot/lens_left", "robot/lens_right")
 LENS_RGBA, LENS_LIT = (0.55, 0.80, 0.88, 1.0), (0.25, 0.95, 0.35, 1.0)
 """The robot's eyes, seen from outside: as in assets/robot.xml, and while reward is given (``visualize_reward``)."""
 
+PEOPLE = 2**31
+"""Child of an episode's seed that draws who sits there; the first children belong to the world."""
+
 Random = np.random.RandomState | int | None
 
 
@@ -61,13 +64,13 @@ class Task(control.Task):
         """Begin anew with the episodes of another seed, or of one that a state draws; None draws one."""
         entropy = random.randint(2**31, size=4).tolist() if isinstance(random, np.random.RandomState) else random
         self._seeds = np.random.SeedSequence(entropy)
-        self._casting = np.random.default_rng(self._seeds)
         self.random = np.random.RandomState(np.random.MT19937(self._seeds))
         """For wrappers of dm_control, which take their noise from it; no task does."""
 
     def cast(self) -> World:
-        """The world of the next episode: one of the people, drawn at random, and what else varies."""
-        chosen = self._configs[int(self._casting.integers(len(self._configs)))]
+        """The world of the next episode, as its seed has it: one of the people, and what else varies."""
+        casting = np.random.default_rng(self._next_seed(PEOPLE))
+        chosen = self._configs[int(casting.integers(len(self._configs)))]
         config, conditions = self._drawn = drawn(chosen, self._variation, self._next_seed())
         who = config.scene.caregiver, config.scene.face
         if who not in self._worlds:
@@ -75,10 +78,10 @@ class Task(control.Task):
             self._worlds[who] = self.kind(config, physics, np.random.SeedSequence(0), conditions)
         return self._worlds[who]
 
-    def _next_seed(self) -> np.random.SeedSequence:
-        """The seed that ``initialize_episode`` will spawn."""
+    def _next_seed(self, *child: int) -> np.random.SeedSequence:
+        """The seed that ``initialize_episode`` will spawn, or a child of it."""
         seeds = self._seeds
-        return np.random.SeedSequence(seeds.entropy, spawn_key=(*seeds.spawn_key, seeds.n_children_spawned))
+        return np.random.SeedSequence(seeds.entropy, spawn_key=(*seeds.spawn_key, seeds.n_children_spawned, *child))
 
     def initialize_episode(self, physics: Physics) -> None:
         """Another table, and everything that the episode's seed decides."""

@@ -1,0 +1,89 @@
+"""Every task of the suite as a Gymnasium environment: ``gymnasium.make("jointattn_mj:Follow-v0", truth=True)``."""
+
+from typing import Any
+
+import numpy as np
+from dm_control.mujoco.wrapper import MjvOption
+from dm_env import TimeStep, specs
+
+from jointattn_mj.adapters.extras import extra
+from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH, ROBOT_GROUP
+from jointattn_mj.tasks import load
+
+extra("gym", "gymnasium")
+import gymnasium  # noqa: E402
+from gymnasium import spaces  # noqa: E402
+
+DOMAIN = "joint_attention"
+
+
+class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
+    """A task with Gymnasium's interface.
+
+    Actions that are angles reach from -1 to 1, the bounds of the task's own; choices are ``MultiDiscrete``. Time limits
+    truncate. ``render`` shows the scene from the side.
+
+    Attributes:
+        environment: The dm_control environment behind it; its ``physics`` answers who looks where.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 30}  # noqa: RUF012
+
+    def __init__(self, task: str, render_mode: str | None = None, **task_kwargs: Any):
+        """``task_kwargs``: those of the task, such as ``camera``, ``truth``, ``people``, ``time_limit``, ``random``."""
+        self.environment = load(DOMAIN, task, task_kwargs=task_kwargs)
+        fps = max(1, round(1 / self.environment.control_timestep()))
+        self.metadata = {**self.metadata, "render_fps": fps}
+        self.render_mode = render_mode
+        self._bounds = self.environment.action_spec()
+        self._chooses = np.issubdtype(self._bounds.dtype, np.integer)
+        self.action_space = (
+            _space(self._bounds) if self._chooses else spaces.Box(-1.0, 1.0, self._bounds.shape, np.float32)
+        )
+        self.observation_space = spaces.Dict(
+            {name: _space(spec) for name, spec in self.environment.observation_spec().items()}
+        )
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict]:
+        """Begin an episode; with a ``seed``, the first of that seed."""
+        super().reset(seed=seed)
+        if seed is not None:
+            self.environment.task.seed(seed)
+        return self._observed(self.environment.reset()), {}
+
+    def step(self, action: np.ndarray) -> tuple[dict[str, Any], float, bool, bool, dict]:
+        """Observation, reward, whether a terminal state was reached (never), whether time is up, nothing else."""
+        low, high = self._bounds.minimum, self._bounds.maximum
+        timestep = self.environment.step(action if self._chooses else low + (high - low) * (np.asarray(action) + 1) / 2)
+        terminated = timestep.last() and timestep.discount == 0
+        return self._observed(timestep), float(timestep.reward), terminated, timestep.last() and not terminated, {}
+
+    def render(self) -> np.ndarray | None:
+        """The scene from the side, robot and caregiver, uint8 (240, 320, 3); None without ``render_mode``."""
+        if self.render_mode is None:
+            return None
+        option = MjvOption()
+        option.geomgroup[ROBOT_GROUP] = 1
+        return self.environment.physics.render(
+            PICTURE_HEIGHT, PICTURE_WIDTH, camera_id="third_person", scene_option=option
+        )
+
+    def close(self) -> None:
+        """Free models, data and rendering contexts."""
+        self.environment.close()
+
+    def _observed(self, timestep: TimeStep) -> dict[str, Any]:
+        """The observation; what is no array in the task, yes or no, becomes one of one 0 or 1."""
+        return {
+            name: value if value.ndim else np.atleast_1d(value).astype(np.int8)
+            for name, value in timestep.observation.items()
+        }
+
+
+def _space(spec: specs.Array) -> spaces.Space:
+    if not isinstance(spec, specs.BoundedArray):
+        return spaces.MultiBinary(max(1, int(np.prod(spec.shape))))
+    low, high = (np.broadcast_to(bound, spec.shape) for bound in (spec.minimum, spec.maximum))
+    if np.issubdtype(spec.dtype, np.signedinteger):
+        return spaces.MultiDiscrete(high - low + 1, dtype=spec.dtype.type, start=low)
+    return spaces.Box(low, high, spec.shape, spec.dtype.type)

@@ -1,0 +1,59 @@
+"""Names of the suite's tasks in Gymnasium's registry, from whichever of the two packages is imported last."""
+
+import importlib
+import importlib.util
+import sys
+from collections.abc import Sequence
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+
+IDS = {
+    "ObjectTransfer-v0": "object_transfer",
+    "ObjectTransferHard-v0": "object_transfer_hard",
+    "Follow-v0": "follow",
+    "FollowHard-v0": "follow_hard",
+    "TurnTaking-v0": "turn_taking",
+    "TurnTakingHard-v0": "turn_taking_hard",
+}
+"""Gymnasium's name of each task: ``gymnasium.make("jointattn_mj:Follow-v0")``."""
+ENTRY_POINT = "jointattn_mj.adapters.gymnasium:JointAttention"
+
+
+def register_when_needed() -> None:
+    """Register now if gymnasium is there, else when it has been imported: it takes longer than all of this package."""
+    if sys.modules.get("gymnasium") is not None:
+        _register()
+    else:
+        sys.meta_path.insert(0, _Finder())
+
+
+def _register() -> None:
+    gymnasium = importlib.import_module("gymnasium")
+    for name, task in IDS.items():
+        gymnasium.register(id=name, entry_point=ENTRY_POINT, kwargs={"task": task})
+
+
+class _Finder(MetaPathFinder):
+    """Finds gymnasium where it would be found anyway, and lets it be followed by registration."""
+
+    def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
+        if name != "gymnasium":
+            return None
+        sys.meta_path.remove(self)
+        spec = importlib.util.find_spec(name)
+        if spec is not None and spec.loader is not None:
+            spec.loader = _ThenRegister(spec.loader)
+        return spec
+
+
+class _ThenRegister(Loader):
+    def __init__(self, loader: Loader):
+        self._loader = loader
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        return self._loader.create_module(spec)
+
+    def exec_module(self, module: ModuleType) -> None:
+        self._loader.exec_module(module)
+        _register()
