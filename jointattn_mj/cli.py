@@ -192,6 +192,19 @@ def _view(arguments: Sequence[str] = ()) -> Callable[..., Any]:
     return command
 
 
+def _play(arguments: Sequence[str] = ()) -> Callable[..., Any]:
+    from jointattn_mj.play import PlayOptions, play
+
+    def command(options: Annotated[PlayOptions, tyro.conf.arg(name="")]) -> Callable[[], None]:
+        """Let an agent play episodes of a task, and say what it earned: baselines for learners, with intervals.
+
+        Leaves in --out: episodes.csv, episodes.json (with config and versions), and with --video a video.
+        """
+        return lambda: _with_one_thread(play, options)
+
+    return command
+
+
 COMMANDS = {
     "session": _session,
     "develop": _develop,
@@ -201,6 +214,7 @@ COMMANDS = {
     "discover": _discover,
     "experiment": _experiment,
     "view": _view,
+    "play": _play,
 }
 """What makes each command; none is imported before it is asked for."""
 

@@ -7,10 +7,10 @@ from typing import Literal
 
 import tyro
 
+from jointattn_mj.agents import AGENTS
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.tasks import load
-from jointattn_mj.viewing.agents import AGENTS
 from jointattn_mj.viewing.show import Show
 
 HERE = "127.0.0.1"

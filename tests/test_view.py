@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from jointattn_mj.agents import AGENTS
 from jointattn_mj.cli import main
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.recording.paint import GREEN
 from jointattn_mj.scene import gl
 from jointattn_mj.tasks import load
 from jointattn_mj.view_command import HERE, ViewOptions
-from jointattn_mj.viewing.agents import AGENTS
 from jointattn_mj.viewing.show import Show, in_real_time
 
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")

@@ -1,4 +1,4 @@
-"""Who can be watched in a task."""
+"""Who can act in a task: baselines, and the robots of chapters 5 and 6."""
 
 from collections.abc import Callable
 from typing import Any
@@ -9,9 +9,11 @@ from dm_env import TimeStep
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.recording.weights import read_weights
+from jointattn_mj.robots.developer import Developer, DeveloperConfig
 from jointattn_mj.robots.gaze_follower import GazeFollower, RobotConfig
 from jointattn_mj.scene.model import assets_folder
 from jointattn_mj.tasks.environment import Environment
+from jointattn_mj.tasks.turn_taking import TurnTaking
 
 
 class Zero:
@@ -83,10 +85,32 @@ class TrainedGazeFollower:
         return robot
 
 
+class LivingDeveloper:
+    """The mind of chapter 5, which develops as it goes on from episode to episode; it knows the truth of its variables.
+
+    The first turn of an episode counts for it as what came of the last turn of the one before.
+
+    Attributes:
+        mind: With the modules that it has made.
+    """
+
+    def __init__(self, environment: Environment, seed: int):
+        """Raises ConfigError: The task does not give what it needs."""
+        task = environment.task
+        if not isinstance(task, TurnTaking) or "sensors" not in environment.observation_spec():
+            raise ConfigError("developer lives in turns: play turn_taking or turn_taking_hard, with truth=True")
+        self.mind = Developer(task.variables, DeveloperConfig(), np.random.SeedSequence(seed))
+
+    def act(self, timestep: TimeStep) -> Any:
+        """Learn from what has come of the last turn, and choose gaze and gesture."""
+        return self.mind.act(timestep.observation["sensors"], timestep.observation["results"])
+
+
 AGENTS: dict[str, Callable[[Environment, int], Any]] = {
     "zero": Zero,
     "random": Random,
     "oracle": Oracle,
     "gaze_follower": TrainedGazeFollower,
+    "developer": LivingDeveloper,
 }
 """What makes each agent, from the environment and a seed."""

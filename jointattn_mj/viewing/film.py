@@ -1,0 +1,50 @@
+"""An agent in a task as a video: the robot's view with its overlays beside the scene from the side."""
+
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+
+from jointattn_mj.recording.onlooker import Onlooker
+from jointattn_mj.recording.reel import Reel
+from jointattn_mj.robots.gaze_follower import GazeFollower
+from jointattn_mj.scene.world import World
+from jointattn_mj.viewing.eye import HEIGHT, WIDTH, EyeView
+
+OUTSIDE = 840
+"""Width of the scene from the side, pixels: so wide that both heads are in it."""
+SLOWEST = 2.0
+"""Pictures a second, at least: turns that last a second are shown in half of it."""
+
+
+class TaskFilm:
+    """Writes a picture a step: ``with TaskFilm(path, seconds_a_step) as film: film.add(world, mind)``."""
+
+    def __init__(self, path: Path, seconds_a_step: float):
+        self._reel = Reel(path, HEIGHT, WIDTH + OUTSIDE, max(SLOWEST, 1 / seconds_a_step))
+        self._views: dict[int, tuple[World, EyeView, Onlooker]] = {}
+
+    def add(self, world: World, mind: GazeFollower | None) -> None:
+        """Draw how things stand; ``mind``: what the robot makes of them is drawn too.
+
+        Raises:
+            GLError: No picture can be rendered here.
+            VideoError: ffmpeg has given up.
+        """
+        if id(world) not in self._views:
+            self._views[id(world)] = world, EyeView(world), Onlooker(world, OUTSIDE, HEIGHT)
+        _, eye, onlooker = self._views[id(world)]
+        self._reel.add(np.hstack([eye.draw(world, mind), onlooker.look()]))
+
+    def __enter__(self) -> "TaskFilm":
+        """Start ffmpeg; raises VideoError if it does not."""
+        self._reel.__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Finish the file, and free what pictures needed."""
+        for _, _, onlooker in self._views.values():
+            onlooker.close()
+        self._reel.__exit__(kind, error, traceback)
