@@ -8,8 +8,9 @@ import numpy as np
 from jointattn_mj.contingency.events import Event
 from jointattn_mj.contingency.reactive import AvoidingModule
 from jointattn_mj.robots.developer import DeveloperConfig
+from jointattn_mj.robots.life import Life
 from jointattn_mj.symbolic.behaviour import behaviours, phases
-from jointattn_mj.symbolic.life import Life
+from jointattn_mj.symbolic.life import TableLife
 from jointattn_mj.symbolic.presets import PRESETS
 from jointattn_mj.symbolic.table import TableConfig
 
@@ -50,10 +51,10 @@ def run(preset: str, **changes: Any) -> Run:
     return chosen
 
 
-def live(run: Run, seed: int, sample_every: int = 0) -> Life:
+def live(run: Run, seed: int, sample_every: int = 0) -> TableLife:
     """The life of a run; contingency is noted every ``sample_every`` turns, or never."""
     avoiding = () if run.avoids_faces is None else (AvoidingModule("shift gaze", "caregiver", run.avoids_faces),)
-    life = Life(run.world, run.mind, seed, run.turns, avoiding, sample_every or run.turns)
+    life = TableLife(run.world, run.mind, seed, run.turns, avoiding, sample_every or run.turns)
     while life.lived < run.turns and len(life.found) < run.stop_after:
         life.live(1000)
     return life

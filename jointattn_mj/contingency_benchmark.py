@@ -21,7 +21,7 @@ from jointattn_mj.contingency.counts import add, empty_counts
 from jointattn_mj.contingency.detector import DetectorConfig, look, new_watch
 from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.measures import transfer_entropy
-from jointattn_mj.symbolic.life import Life
+from jointattn_mj.symbolic.life import TableLife
 from jointattn_mj.symbolic.presets import PRESETS, Preset
 from jointattn_mj.symbolic.table import CHAPTER_5, table_variables
 
@@ -188,10 +188,10 @@ def compile_seconds() -> tuple[float, float]:
     """Seconds of processor and clock that the first turn takes, where nothing was compiled before."""
     code = (
         "import json, time\n"
-        "from jointattn_mj.symbolic.life import Life\n"
+        "from jointattn_mj.symbolic.life import TableLife\n"
         "from jointattn_mj.symbolic.presets import PRESETS, Preset\n"
         "preset = PRESETS['thesis']\n"
-        "life = Life(preset.world, preset.mind, 0, 1)\n"
+        "life = TableLife(preset.world, preset.mind, 0, 1)\n"
         "cpu, wall = time.process_time(), time.perf_counter()\n"
         "life.live(1)\n"
         "print(json.dumps([time.process_time() - cpu, time.perf_counter() - wall]))\n"
@@ -212,7 +212,7 @@ def _pyinform() -> Callable[..., float] | None:
 
 
 def _live(preset: Preset, seeds: Iterator[int]) -> None:
-    Life(preset.world, preset.mind, next(seeds), TURNS).live(TURNS)
+    TableLife(preset.world, preset.mind, next(seeds), TURNS).live(TURNS)
 
 
 def _seconds(work: Callable[[], object]) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from typing import Any
 from tqdm import tqdm
 
 from jointattn_mj.development import DevelopConfig, DevelopOptions, run_development
-from jointattn_mj.symbolic.life import Found, Life
+from jointattn_mj.robots.life import Found, Life
 from jointattn_mj.symbolic.meaning import Meaning
 
 

@@ -17,9 +17,10 @@ from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.memory import available_bytes
 from jointattn_mj.recording.provenance import write_config
 from jointattn_mj.robots.developer import DeveloperConfig
+from jointattn_mj.robots.life import Found, Life
 from jointattn_mj.symbolic.behaviour import behaviours, phases
-from jointattn_mj.symbolic.life import Found, Life
-from jointattn_mj.symbolic.meaning import CAREGIVER, FACE, GAZE, Meaning, meanings
+from jointattn_mj.symbolic.life import TableLife
+from jointattn_mj.symbolic.meaning import CAREGIVER, GAZE, Meaning, meanings
 from jointattn_mj.symbolic.presets import PRESETS
 from jointattn_mj.symbolic.summary import summarise
 from jointattn_mj.symbolic.table import TableConfig
@@ -76,7 +77,7 @@ class DevelopConfig:
 
     def new_life(self) -> Life:
         """A life before its first turn."""
-        return Life(self.table, self.mind, self.seed, self.steps, self.born_with(), self.sample_every)
+        return TableLife(self.table, self.mind, self.seed, self.steps, self.born_with(), self.sample_every)
 
 
 @dataclass(frozen=True)
@@ -196,7 +197,7 @@ def _leave_results(config: DevelopConfig, life: Life, out: Path) -> dict[str, An
     from jointattn_mj.symbolic import figures, logbook  # bring matplotlib and pyarrow, which take a second to import
 
     mind = life.mind
-    found = behaviours(life.log(FACE), life.log(GAZE), life.world.spots)
+    found = behaviours(life.faces(), life.log(GAZE), life.spots)
     made = [one for one in life.found if one.module is not None]
     parts = phases(found, [one.turn for one in made])
     known = _meanings(life)

@@ -5,7 +5,7 @@ import pytest
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.symbolic.behaviour import FG, KEC, NFG, SC, SO, SS, behaviours, moving_rates, phases
-from jointattn_mj.symbolic.life import LOOKS_AT, Life
+from jointattn_mj.symbolic.life import LOOKS_AT, TableLife
 from jointattn_mj.symbolic.presets import PRESETS
 from jointattn_mj.symbolic.table import TableConfig
 
@@ -41,7 +41,7 @@ def test_nothing_before_the_first_turn():
 @pytest.mark.parametrize("spots", [3, 5])
 def test_a_life(order, spots):
     """From where both really look, told in another way."""
-    life = Life(TableConfig(spots=spots, order=order), PRESETS["thesis"].mind, seed=3, turns=3000)
+    life = TableLife(TableConfig(spots=spots, order=order), PRESETS["thesis"].mind, seed=3, turns=3000)
     life.live(3000)
     gaze, hers = life.log("shift gaze").tolist(), life.log(LOOKS_AT).tolist()
     found = behaviours(life.log("caregiver's face"), life.log("shift gaze"), spots)

@@ -14,7 +14,7 @@ from jointattn_mj.contingency.events import Event
 from jointattn_mj.contingency.reactive import AvoidingModule
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.robots.developer import Developer, DeveloperConfig
-from jointattn_mj.symbolic.life import Life
+from jointattn_mj.symbolic.life import TableLife
 from jointattn_mj.symbolic.presets import PRESETS
 from jointattn_mj.symbolic.table import CAREGIVER, OPTION, TableConfig, new_table, table_variables, turn
 
@@ -33,7 +33,7 @@ TURNS = 1200
 
 
 def lived(mind=HASTY, turns=TURNS, seed=4, world=WORLD, reactive=(), **options):
-    life = Life(world, mind, seed, turns, reactive, **options)
+    life = TableLife(world, mind, seed, turns, reactive, **options)
     life.live(turns)
     return life
 
@@ -87,7 +87,7 @@ def test_the_same_seed_is_the_same_life(undisturbed):
 @settings(max_examples=6, deadline=None, derandomize=True)
 @given(st.lists(st.integers(1, 400), min_size=1, max_size=6))
 def test_interrupted_and_stored(undisturbed, pieces):
-    life, found = Life(WORLD, undisturbed.mind.config, 4, TURNS), []
+    life, found = TableLife(WORLD, undisturbed.mind.config, 4, TURNS), []
     for piece in [*pieces, TURNS]:
         found += life.live(piece)
         life = pickle.loads(pickle.dumps(life))
@@ -98,7 +98,7 @@ def test_interrupted_and_stored(undisturbed, pieces):
 def test_stopped_exactly_where_something_is_found(undisturbed):
     moment = undisturbed.found[0].turn
     for pause in (moment - 1, moment, moment + 1):
-        life = Life(WORLD, undisturbed.mind.config, 4, TURNS)
+        life = TableLife(WORLD, undisturbed.mind.config, 4, TURNS)
         assert len(life.live(pause)) == (pause >= moment)
         life = pickle.loads(pickle.dumps(life))
         life.live(TURNS)
@@ -106,7 +106,7 @@ def test_stopped_exactly_where_something_is_found(undisturbed):
 
 
 def test_it_ends():
-    life = Life(WORLD, HASTY, 0, 50)
+    life = TableLife(WORLD, HASTY, 0, 50)
     life.live(80)
     assert life.lived == 50
     assert life.live(10) == []
@@ -162,7 +162,7 @@ def test_a_robot_that_avoids_faces():
 def test_following_the_gaze_is_found_first():
     """Section 5.3.2, one seed; how often is for the experiments."""
     preset = PRESETS["thesis"]
-    life = Life(preset.world, preset.mind, 1, 10000)
+    life = TableLife(preset.world, preset.mind, 1, 10000)
     while not life.found and life.lived < 10000:
         life.live(1000)
     (found,) = life.found
@@ -192,4 +192,4 @@ def test_presets_live(name):
 )
 def test_impossible_lives(arguments, word):
     with pytest.raises(ConfigError, match=word):
-        Life(**({"world": WORLD, "mind": HASTY, "seed": 0, "turns": 10} | arguments))
+        TableLife(**({"world": WORLD, "mind": HASTY, "seed": 0, "turns": 10} | arguments))

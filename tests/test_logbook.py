@@ -8,7 +8,7 @@ import pytest
 
 from jointattn_mj.symbolic import logbook
 from jointattn_mj.symbolic.behaviour import SHORT, behaviours
-from jointattn_mj.symbolic.life import Life
+from jointattn_mj.symbolic.life import TableLife
 from jointattn_mj.symbolic.logbook import write_contingency, write_map, write_turns
 from jointattn_mj.symbolic.presets import PRESETS
 
@@ -18,7 +18,7 @@ TURNS = 12_000
 @pytest.fixture(scope="module")
 def life():
     preset = PRESETS["fast"]
-    life = Life(preset.world, preset.mind, seed=1, turns=TURNS)
+    life = TableLife(preset.world, preset.mind, seed=1, turns=TURNS)
     life.live(TURNS)
     assert len(life.mind.modules) >= 3
     return life

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from jointattn_mj.robots.life import Life
 from jointattn_mj.symbolic.behaviour import BEHAVIOURS, SHORT, Phase
-from jointattn_mj.symbolic.life import Life
 from jointattn_mj.symbolic.meaning import Meaning
 
 RANKED = 10
