@@ -133,7 +133,7 @@ def test_ten_objects_stand_apart_in_place_and_hue():
     assert gaps.min() >= 0.13
     hues = np.sort([colorsys.rgb_to_hsv(*o.rgb)[0] * 360 for o in OBJECTS])
     assert np.diff(np.append(hues, hues[0] + 360)).min() >= 25
-    assert build_model(config).nmocap == 10
+    assert build_model(config).nmocap == len(OBJECTS) + 1  # and the robot's forearm
 
 
 @pytest.mark.parametrize("name", list(IDENTITIES))

@@ -51,7 +51,8 @@ class Life:
         """Put the world's bodies where they were."""
         world = self.world
         world.data.qpos[:] = self.qpos[frame]
-        world.data.mocap_pos[:] = self.objects[frame]
+        bodies = [world.model.body(f"object/{item.name}") for item in world.config.scene.objects]
+        world.data.mocap_pos[[body.mocapid[0] for body in bodies]] = self.objects[frame]
         mujoco.mj_kinematics(world.model, world.data)
 
 

@@ -5,12 +5,13 @@ from typing import ClassVar
 
 import mujoco
 import numpy as np
+from dm_control.mujoco import Physics
 
 from jointattn_mj.scene.caregiver import CaregiverConfig, ObjectTransfer, Phase
 from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.model import SceneConfig, rest_height
 from jointattn_mj.scene.movement import Arm
-from jointattn_mj.scene.world import World
+from jointattn_mj.scene.world import World, WorldConfig
 
 PLACES_X = 1.0
 """Depth of the row of places between robot and caregiver, world frame, metres."""
@@ -18,6 +19,8 @@ MOST_Y, LEAST_APART = 0.36, 0.24
 """A row reaches so far to either side, or less with few places, which are then so far apart; metres."""
 AWAY = (0.0, 0.0, -1.0)
 """Where objects are that are not on the table, out of everybody's sight."""
+HAND_DOWN_DEG, HAND_UP_DEG = -25.0, 75.0
+"""Pitch of the robot's forearm in its first and in its last gesture; the others lie between."""
 
 
 class Looker(ObjectTransfer):
@@ -38,13 +41,19 @@ class SteadyLooker(ObjectTransfer):
         return self
 
 
+STRAIGHT = np.zeros(2)
+
+
 class Told(ObjectTransfer):
     """Looks where she is told from the next step on; ``objects`` lie where others put them."""
 
-    def look(self, point: np.ndarray | None) -> None:
-        """Look at a point (3,) in the world, or at the robot."""
-        gaze = np.zeros(2) if point is None else self._sight(point)
-        self._plan = self._planned(gaze[None], self._hand[None])
+    def look(self, point: np.ndarray | None, head_off: np.ndarray = STRAIGHT) -> None:
+        """Look at a point (3,) in the world, or at the robot.
+
+        ``head_off`` (2,): how far beside its share of the way the head comes to rest, rad; the eyes make up for it.
+        """
+        gaze = np.zeros((1, 2)) if point is None else self._sight(point)[None]
+        self._plan = self._planned(gaze, self._hand[None], gaze + head_off / self.config.head_share)
 
     def advance(self) -> None:
         """Keep to it."""
@@ -83,6 +92,16 @@ class TurnWorld(World):
         told = Told(CaregiverConfig(), anywhere, len(config.scene.objects), rest_height(config.scene), head, arm, rng)
         told.objects[:] = AWAY
         return told
+
+    def gesture(self, number: int, of: int) -> None:
+        """Let the robot's hand make a gesture, 0 to ``of`` - 1; its own eye does not see it."""
+        pitch = np.radians(HAND_DOWN_DEG + (HAND_UP_DEG - HAND_DOWN_DEG) * number / max(1, of - 1))
+        self.data.mocap_quat[self._forearm] = np.cos(pitch / 2), 0, -np.sin(pitch / 2), 0
+
+    def _bind(self, config: WorldConfig, physics: Physics) -> None:
+        """See ``World``."""
+        super()._bind(config, physics)
+        self._forearm = self.model.body("robot/forearm").mocapid[0]
 
     def arrive(self, head: np.ndarray) -> None:
         """Let things be as they would be after a step, with the robot's head at ``head`` (2,), rad."""

@@ -6,7 +6,7 @@ Knows MuJoCo and no environment API: the session steps a ``World`` directly, and
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import mujoco
 import numpy as np
@@ -88,7 +88,7 @@ class World:
         self._picture: np.ndarray | None = None
 
     @classmethod
-    def build(cls, config: WorldConfig, seed: np.random.SeedSequence, conditions: Conditions = AS_USUAL) -> "World":
+    def build(cls, config: WorldConfig, seed: np.random.SeedSequence, conditions: Conditions = AS_USUAL) -> Self:
         """A world over a physics of its own."""
         return cls(config, build_physics(config, conditions), seed, conditions)
 

@@ -81,7 +81,7 @@ def _named(variables: Variables, module: Module, known: Sequence[Meaning]) -> Me
     to_her = [action.values[command] == CAREGIVER for s, command in offers]
     if sensor.name == FACE and result == OBJECT:
         where = [(sensor.values[s], action.values[command]) for s, command in offers]
-        follows = [face == f"at {spot}" for face, spot in where]
+        follows = [face.partition(" (")[0] == f"at {spot}" for face, spot in where]
         if _most(follows):
             return Meaning("FG-m", GAZE_FOLLOWING, _share(follows))
     if not _most(to_her):

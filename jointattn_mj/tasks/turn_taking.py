@@ -40,8 +40,8 @@ def seen_objects(table: TableConfig) -> tuple[ObjectConfig, ...]:
 class TurnTaking(Task):
     """A table with places, some of them full, at which robot and caregiver look at each other, or at a place.
 
-    The robot's gesture is remembered and changes nothing, neither in the picture (the robot has no hand) nor in what
-    the caregiver does: she answers none, as in section 5.3.1.
+    The robot's gesture moves its hand, which others see and it does not, and changes nothing in what the caregiver
+    does: she answers none, as in section 5.3.1.
 
     Attributes:
         table: The symbolic table of the episode; there from the first on.
@@ -85,6 +85,7 @@ class TurnTaking(Task):
         """Let the table live through a turn, and the caregiver know where she looks at its end."""
         state, full, looked_at = self.table.state, self.table.full.copy(), int(self.table.state[CAREGIVER])
         turn(self.table, action, self._sensors, self._results)
+        self.world.gesture(int(action[1]), self.table_config.gestures)
         robot, looks_at, face = int(state[ROBOT]), int(state[CAREGIVER]), len(full)
         followed = robot == looked_at < face and full[robot]
         was_followed = robot == looks_at < face and self.table.full[robot]

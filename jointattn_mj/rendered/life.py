@@ -1,0 +1,152 @@
+"""The mind of chapter 5 in the rendered world, turn after turn: a picture in, a gaze shift and a gesture out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numba import njit
+
+from jointattn_mj.contingency.detector import NOTHING
+from jointattn_mj.contingency.reactive import ReactiveModule
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.perception.pixels import PixelPerception
+from jointattn_mj.rendered.senses import NOTHING_LOOKED_AT, Gazed, Senses, SensesConfig, gazed
+from jointattn_mj.rendered.stage import Stage, StageConfig
+from jointattn_mj.robots.developer import Developer, DeveloperConfig
+from jointattn_mj.robots.life import LOOKS_AT, OPTION_TAKEN, Life, think_and_note
+from jointattn_mj.scene.camera import direction_of
+from jointattn_mj.symbolic.meaning import FACE, GAZE, LOOKED_AT
+from jointattn_mj.symbolic.table import CAREGIVER, OPTION, TableConfig
+
+OBJECT_THERE = "object at the centre"
+"""Column of the log that the robot does not know."""
+MOST_LOOKS = 1000
+"""A robot that finds no face in so many looks straight ahead gives up."""
+
+
+@dataclass(frozen=True)
+class RenderedConfig:
+    """What lies between the symbolic table and the mind."""
+
+    stage: StageConfig = field(default_factory=StageConfig)
+    """Bodies."""
+    senses: SensesConfig = field(default_factory=SensesConfig)
+    """From pictures to sensations."""
+    greeting: int = 15
+    """Looks at the caregiver's face before all else, while she looks at the robot: so it learns what frontal is."""
+    watching: int = 1000
+    """Turns of moving at random, after which the robot makes categories of the faces it has seen; then it begins to
+    count. A quarter of these turns show the face: 250 patterns, in which none of twelve seeds lacked a category."""
+
+    def __post_init__(self) -> None:
+        if self.greeting < 1 or self.watching < 1:
+            raise ConfigError(f"greeting and watching start at 1; got {self.greeting}, {self.watching}")
+
+
+class RenderedLife(Life):
+    """A mind, and a table that it sees.
+
+    Attributes:
+        stage: The world.
+        perception: Eyes.
+        senses: What is made of their pictures.
+        heads: (spots + 1, 2) the robot's gaze commands: head angles for each place and for the caregiver's face, rad.
+    """
+
+    def __init__(
+        self,
+        table: TableConfig,
+        config: RenderedConfig,
+        mind: DeveloperConfig,
+        seed: int,
+        turns: int,
+        reactive: Sequence[ReactiveModule] = (),
+        sample_every: int = 100,
+    ):
+        """The robot has been greeted, and has watched, when this returns. Table and mind have the seeds of a
+        ``TableLife``."""
+        if seed < 0:
+            raise ConfigError(f"seed must be 0 or more; got {seed}")
+        of_table, of_mind, of_bodies, of_watching, of_senses = np.random.SeedSequence(seed).spawn(5)
+        self.config, self.world, self.spots = config, table, table.spots
+        self.stage = Stage(table, config.stage, of_bodies)
+        colours = np.array([item.rgb for item in self.stage.objects])
+        self.perception = PixelPerception(config.senses.pixels, colours)
+        patterns = self._greeted()
+        self.heads = np.vstack([self.stage.places, self._face])
+        patterns += self._watched(of_watching)
+        rng = np.random.default_rng(of_senses)
+        self.senses = Senses(config.senses, table, np.array(patterns), config.greeting, rng)
+        self.stage.begin(of_table)
+        developer = Developer(self.senses.variables, mind, of_mind, reactive)
+        super().__init__(developer, turns, sample_every, (LOOKS_AT, OPTION_TAKEN, OBJECT_THERE))
+
+    def faces(self) -> np.ndarray:
+        """See ``Life``."""
+        gaze = np.concatenate([[self.spots], self.log(GAZE)[:-1]])[: self.lived]
+        return np.where(gaze == self.spots, self.log(LOOKS_AT), self.spots + 1)
+
+    def confusion(self) -> np.ndarray:
+        """(values of S1, spots + 2) how often each value was sensed under each truth; see ``faces``."""
+        counts = np.zeros((len(self.mind.variables.sensors[0].values), self.spots + 2), np.int64)
+        np.add.at(counts, (self.log(FACE), self.faces()), 1)
+        return counts
+
+    def object_confusion(self) -> np.ndarray:
+        """(2, 2) how often an object, or none, was sensed (rows) when there was one, or none (columns)."""
+        counts = np.zeros((2, 2), np.int64)
+        np.add.at(counts, (self.log(LOOKED_AT), 1 - self.log(OBJECT_THERE)), 1)
+        return counts
+
+    def _advance(self, last: int, samples: np.ndarray, before: int) -> tuple[int, int]:
+        mind, stage, table = self.mind.mind, self.stage, self.stage.table
+        for t in range(self.lived, last):
+            self.see()
+            found, place = _think(mind, self._s, self._r, t, self._log, samples, before, self.sample_every)
+            self._log[t, place:] = table.state[CAREGIVER], table.state[OPTION], stage.sensors[1] == 0
+            if found != NOTHING:
+                return t + 1, found
+        return last, NOTHING
+
+    def see(self) -> None:
+        """A turn of the world under the commands that the mind has given, and what the robot makes of its picture."""
+        self.stage.turn(self.mind.mind.a, self.heads)
+        shown = self._look() if self.senses.looks else NOTHING_LOOKED_AT
+        self.senses.read(shown, self.stage.sensors, self.stage.results, self._s, self._r)
+
+    def _look(self) -> Gazed:
+        world = self.stage.world
+        return gazed(self.perception, world.picture(), world.head_angles(), self.config.senses.centre_radius_deg)
+
+    def _greeted(self) -> list[np.ndarray]:
+        """Find her face by looking straight ahead, then look at it; returns the patterns (d,) seen."""
+        self._face, patterns = np.zeros(2), list[np.ndarray]()
+        for _ in range(MOST_LOOKS):
+            self.stage.greet(self._face)
+            shown = self._look()
+            if shown.face and shown.pattern is not None:
+                patterns.append(shown.pattern)
+            elif shown.pattern is not None:
+                self._face = np.radians(direction_of(shown.face_px, np.degrees(self.stage.world.head_angles())))
+            if len(patterns) == self.config.greeting:
+                return patterns
+        raise ConfigError(
+            f"the robot found no face to look at in {MOST_LOOKS} pictures; change stage.variation, or the scene"
+        )
+
+    def _watched(self, seed: np.random.SeedSequence) -> list[np.ndarray]:
+        """Move at random for a while; returns the patterns (d,) of the faces that were gazed at."""
+        of_table, of_moves = seed.spawn(2)
+        rng, patterns = np.random.default_rng(of_moves), list[np.ndarray]()
+        self.stage.begin(of_table)
+        for _ in range(self.config.watching):
+            self.stage.turn(rng.integers((self.spots + 1, self.world.gestures)), self.heads)
+            shown = self._look()
+            if shown.face and shown.pattern is not None:
+                patterns.append(shown.pattern)
+        return patterns
+
+
+@njit(cache=True)
+def _think(mind, s, r, t, log, samples, before, every):
+    return think_and_note(mind, s, r, t, log, samples, before, every)

@@ -1,0 +1,157 @@
+"""Sensations and results of chapter 5 (Table 5.1) from pictures.
+
+The robot gazes at what is at the centre of its picture: a face, an object, or nothing. Which face it is, is said by
+categories of its own (``perception.categories``). A frontal face is one like those that greeted it; any other is a
+profile. Each part can be replaced by the truth, to see what its errors cost.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from jointattn_mj.contingency.events import Variable, Variables
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.perception.categories import FaceCategories, GroupingConfig
+from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
+from jointattn_mj.perception.som import SOM, SOMConfig
+from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX
+from jointattn_mj.symbolic.table import TableConfig, table_variables
+
+PARTS = ("face", "category", "object")
+"""What perception consists of: whether there is a face at the centre, of which category, and whether an object is."""
+
+
+@dataclass(frozen=True)
+class SensesConfig:
+    """How pictures become values of variables."""
+
+    pixels: PixelConfig = field(default_factory=PixelConfig)
+    """Faces and colour areas, as in chapter 6."""
+    som: SOMConfig = field(default_factory=SOMConfig)
+    """The map of face patterns."""
+    grouping: GroupingConfig = field(default_factory=GroupingConfig)
+    """How its cells become the values of S1."""
+    centre_radius_deg: float = 3.5
+    """What is so near to the centre of view is gazed at, as in chapter 6."""
+    truth: tuple[str, ...] = ()
+    """Parts of perception that are replaced by the truth: face, category, object."""
+
+    def __post_init__(self) -> None:
+        if not set(self.truth) <= set(PARTS):
+            raise ConfigError(f"truth must name some of {', '.join(PARTS)}; got {', '.join(self.truth)}")
+        if not self.centre_radius_deg > 0:
+            raise ConfigError(f"centre_radius_deg must be above 0; got {self.centre_radius_deg}")
+
+
+@dataclass(frozen=True)
+class Gazed:
+    """What a picture shows, and whether that is at its centre; pixels as in ``Percept``, NaN for what was not found."""
+
+    face: bool
+    object: bool
+    face_px: np.ndarray
+    """(2,) centre of the face, wherever it is."""
+    object_px: np.ndarray
+    """(2,) centre of the object that is nearest to the centre of view."""
+    pattern: np.ndarray | None
+    """Grey patch (1024,) around the face; None if there is none."""
+
+
+NOTHING_LOOKED_AT = Gazed(False, False, np.full(2, np.nan), np.full(2, np.nan), None)
+
+
+def gazed(perception: PixelPerception, picture: np.ndarray, head: np.ndarray, radius_deg: float) -> Gazed:
+    """Look at a picture (h, w, 3) that was taken with the head at ``head`` (2,), rad."""
+    percept = perception.look({"camera": picture, "head_angles": head}, True)
+    off = np.hypot(percept.px[:, 0] - CENTRE_X, percept.px[:, 1] - CENTRE_Y)
+    off[~percept.seen] = np.inf
+    near = off <= np.radians(radius_deg) * FOCAL_PX
+    pattern = perception.face_pattern() if percept.seen[-1] else None
+    nearest = percept.px[int(off[:-1].argmin())].copy()
+    return Gazed(bool(near[-1]), bool(near[:-1].any()), percept.px[-1].copy(), nearest, pattern)
+
+
+class Senses:
+    """Turns what is gazed at into (S, R); made when the robot has seen enough faces to have categories of them.
+
+    Attributes:
+        looks: Whether pictures are needed at all.
+        variables: Those of the mind: S1 has a value for each category.
+        categories: Of faces.
+        frontal: The category of the faces that greeted the robot.
+    """
+
+    def __init__(
+        self,
+        config: SensesConfig,
+        table: TableConfig,
+        patterns: np.ndarray,
+        greetings: int,
+        rng: np.random.Generator,
+    ):
+        """``patterns`` (n, d): faces that were seen, of which the first ``greetings`` looked at the robot."""
+        self._truth = {part: part in config.truth for part in PARTS}
+        self.looks = not all(self._truth.values())
+        som = SOM(patterns.shape[1], config.som, rng)
+        som.train(patterns, rng)
+        self.categories = FaceCategories(som, patterns, config.grouping)
+        votes = [self.categories.of(pattern) for pattern in patterns[:greetings]]
+        self.frontal = int(np.bincount(votes).argmax())
+        self._of_table = table_variables(table)
+        self.variables = self._of_table if self._truth["category"] else _seen(self._of_table, self.categories.count)
+        self._faces = len(self.variables.sensors[0].values) - 1
+        self._at_robot = table.spots if self._truth["category"] else self.frontal
+
+    def read(self, gazed: Gazed, sensors: np.ndarray, results: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
+        """Write the values of this turn.
+
+        Args:
+            gazed: What the picture shows.
+            sensors: True values (2,), for the parts that are replaced by the truth.
+            results: True values (results,).
+            s: (2,) is written.
+            r: (results,) is written.
+        """
+        truth = self._truth
+        not_seen, none = len(self._of_table.sensors[0].values) - 1, 1
+        face = sensors[0] != not_seen if truth["face"] else gazed.face
+        if not face:
+            s[0] = self._faces
+        elif truth["category"]:
+            s[0] = sensors[0] if sensors[0] != not_seen else self._at_robot
+        elif gazed.pattern is not None:
+            s[0] = self.categories.of(gazed.pattern)
+        else:
+            s[0] = self.frontal
+        there = sensors[1] != none if truth["object"] else gazed.object and not face
+        s[1] = 0 if there else none
+        r[0] = s[0] == self._at_robot
+        if len(r) == 3:
+            r[1] = face and not r[0]
+        r[len(r) - 1] = there
+
+
+def _seen(variables: Variables, categories: int) -> Variables:
+    """The variables with categories of faces for what the caregiver looks at."""
+    names = tuple(f"face {number}" for number in range(1, categories + 1))
+    face = variables.sensors[0]
+    return replace(variables, sensors=(Variable(face.name, (*names, face.values[-1])), *variables.sensors[1:]))
+
+
+def named_by_majority(variables: Variables, counts: np.ndarray, truth: Sequence[str]) -> Variables:
+    """Variables whose categories of faces bear the name of what she mostly looked at when they were seen.
+
+    Only for people who read results: the robot does not know these names.
+
+    Args:
+        variables: The mind's.
+        counts: (categories + 1, truths) how often each value of S1 came with each truth.
+        truth: Names of the true values.
+    """
+    face, names = variables.sensors[0], list[str]()
+    for number in range(len(face.values) - 1):
+        name = truth[int(counts[number].argmax())] if counts[number].any() else face.values[number]
+        again = sum(earlier.split(" (")[0] == name for earlier in names)
+        names.append(f"{name} ({again + 1})" if again else name)
+    return replace(variables, sensors=(Variable(face.name, (*names, face.values[-1])), *variables.sensors[1:]))
