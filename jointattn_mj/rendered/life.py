@@ -124,9 +124,9 @@ class RenderedLife(Life):
         for _ in range(MOST_LOOKS):
             self.stage.greet(self._face)
             shown = self._look()
-            if shown.face and shown.pattern is not None:
+            if shown.pattern is not None:
                 patterns.append(shown.pattern)
-            elif shown.pattern is not None:
+            elif not np.isnan(shown.face_px).any():
                 self._face = np.radians(direction_of(shown.face_px, np.degrees(self.stage.world.head_angles())))
             if len(patterns) == self.config.greeting:
                 return patterns
@@ -142,7 +142,7 @@ class RenderedLife(Life):
         for _ in range(self.config.watching):
             self.stage.turn(rng.integers((self.spots + 1, self.world.gestures)), self.heads)
             shown = self._look()
-            if shown.face and shown.pattern is not None:
+            if shown.pattern is not None:
                 patterns.append(shown.pattern)
         return patterns
 

@@ -55,7 +55,7 @@ class Gazed:
     object_px: np.ndarray
     """(2,) centre of the object that is nearest to the centre of view."""
     pattern: np.ndarray | None
-    """Grey patch (1024,) around the face; None if there is none."""
+    """Grey patch (1024,) of the face at the centre; None if there is none."""
 
 
 NOTHING_LOOKED_AT = Gazed(False, False, np.full(2, np.nan), np.full(2, np.nan), None)
@@ -67,7 +67,7 @@ def gazed(perception: PixelPerception, picture: np.ndarray, head: np.ndarray, ra
     off = np.hypot(percept.px[:, 0] - CENTRE_X, percept.px[:, 1] - CENTRE_Y)
     off[~percept.seen] = np.inf
     near = off <= np.radians(radius_deg) * FOCAL_PX
-    pattern = perception.face_pattern() if percept.seen[-1] else None
+    pattern = perception.face_pattern() if near[-1] else None
     nearest = percept.px[int(off[:-1].argmin())].copy()
     return Gazed(bool(near[-1]), bool(near[:-1].any()), percept.px[-1].copy(), nearest, pattern)
 

@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
-from numba.extending import typeof_impl
+from numba import njit
 
 from jointattn_mj.contingency.counts import Counts, add, divide, empty_counts, joined, joint_table, set_joint_table
 from jointattn_mj.contingency.detector import NOTHING, DetectorConfig, Watch, grown, look, new_watch
@@ -19,6 +18,7 @@ from jointattn_mj.contingency.modules import Module, ReproductionConfig, make_mo
 from jointattn_mj.contingency.reactive import RandomModule, ReactiveModule
 from jointattn_mj.contingency.selector import NOBODY, Maps, SelectorConfig, flat_maps, select
 from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.one_type import one_type
 
 
 @dataclass(frozen=True)
@@ -74,6 +74,7 @@ class Past(NamedTuple):
     """(2,) of the next transition, and by how much that grows each time; 1 where nothing fades."""
 
 
+@one_type
 class Mind(NamedTuple):
     """What a turn needs, for compiled code."""
 
@@ -95,17 +96,6 @@ class Mind(NamedTuple):
     turns: np.ndarray
     """(1,) turns so far."""
     random: np.random.Generator
-
-
-_known: list[types.Type] = []
-
-
-@typeof_impl.register(Mind)
-def _type_of_mind(mind, context):
-    """All minds are of one type; numba would work it out field by field, in sixty times the time of a turn."""
-    if not _known:
-        _known.append(typeof_impl.dispatch(tuple)(mind, context))
-    return _known[0]
 
 
 FADED = 1e9

@@ -42,6 +42,8 @@ class SteadyLooker(ObjectTransfer):
 
 
 STRAIGHT = np.zeros(2)
+ARM = 6
+"""Her joints from here on are those of the arm."""
 
 
 class Told(ObjectTransfer):
@@ -52,12 +54,13 @@ class Told(ObjectTransfer):
 
         ``head_off`` (2,): how far beside its share of the way the head comes to rest, rad; the eyes make up for it.
         """
-        gaze = np.zeros((1, 2)) if point is None else self._sight(point)[None]
-        self._plan = self._planned(gaze, self._hand[None], gaze + head_off / self.config.head_share)
+        gaze = np.zeros(2) if point is None else self._sight(point)
+        head = self.config.head_share * gaze + head_off
+        eyes = gaze - head
+        self.joints = np.concatenate([head, eyes, eyes, self.joints[ARM:]])
 
     def advance(self) -> None:
         """Keep to it."""
-        self._play(0)
 
 
 class LookingWorld(World):
@@ -105,11 +108,14 @@ class TurnWorld(World):
 
     def arrive(self, head: np.ndarray) -> None:
         """Let things be as they would be after a step, with the robot's head at ``head`` (2,), rad."""
-        self.before_step(head)
-        self._script_angles[:], self._script_speeds[:] = self.caregiver.joints, 0
-        self._head_angles[:], self._head_speeds[:] = head, 0
+        caregiver = self.caregiver
+        caregiver.advance()
+        self._script_angles[:], self._script_speeds[:] = caregiver.joints, 0
+        self._head_angles[:], self._head_speeds[:], self._controls[:] = head, 0, head
+        self._object_places[:] = self._objects_before[:] = caregiver.objects
         mujoco.mj_forward(self.model, self.data)
         self._past.forget()
+        self._picture = None
 
 
 def places(count: int, scene: SceneConfig) -> np.ndarray:

@@ -8,6 +8,7 @@ from numba import njit
 
 from jointattn_mj.contingency.events import Variable, Variables
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.one_type import one_type
 from jointattn_mj.symbolic.caregiver import NOWHERE, CaregiverConfig, Rules, rules, shift_gaze
 
 ROBOT, CAREGIVER, RETURNS_TO, OPTION, TURN = range(5)
@@ -77,6 +78,7 @@ def table_variables(config: TableConfig) -> Variables:
     )
 
 
+@one_type
 class Table(NamedTuple):
     """The world as it is, for compiled code; spots are 0 to N - 1, and N stands for the other's face."""
 
