@@ -45,4 +45,7 @@ REGISTRY = Registry(
     Entry("baselines", "turn_taking", "Constrained turn taking with the three-layered network", "reference [19]",
           "Success starts at chance and becomes high with 1, 3, 5 and 10 objects; three stages appear, as in infants: "
           "any object, the right one in view, the right one outside the view."),
+    Entry("follow", "follow", "Reward in place of contingency: PPO on the task follow", "not in the dissertation",
+          "Its robot is never told that it was right. What a learner makes of the same world that is told at every step "
+          "is a measure of the task."),
 )  # fmt: skip

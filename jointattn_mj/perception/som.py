@@ -109,9 +109,7 @@ class SOM:
         w^2 is ``softness`` times the mean squared distance between neighbouring cells, so that a face lights up its
         cell and those around it whatever the map was trained on.
         """
-        if self._norms is None:
-            self._norms = np.einsum("ij,ij->i", self.weights, self.weights)
-        excess = self._norms - 2 * (self.weights @ self._pattern(x))  # squared distance less a constant
+        excess = self._excess(x)
         excess -= excess.min()
         active = np.exp(excess / (-2 * self.config.softness * self.width))
         return active / active.sum()
@@ -127,7 +125,7 @@ class SOM:
 
     def winner(self, x: np.ndarray) -> int:
         """Index of the cell nearest to a pattern."""
-        return int(self._distances(x).argmin())
+        return int(self._excess(x).argmin())
 
     def quantisation_error(self, patterns: np.ndarray) -> float:
         """Mean distance from each of ``patterns`` (n, ...) to its nearest cell, standardised units."""
@@ -169,6 +167,12 @@ class SOM:
         if pattern.size != self.weights.shape[1]:
             raise ConfigError(f"som: expected patterns of {self.weights.shape[1]} numbers, came {pattern.size}")
         return pattern
+
+    def _excess(self, x: np.ndarray) -> np.ndarray:
+        """(rows * columns,) squared distances less a constant: without arrays as large as the map."""
+        if self._norms is None:
+            self._norms = np.einsum("ij,ij->i", self.weights, self.weights)
+        return self._norms - 2 * (self.weights @ self._pattern(x))
 
     def _distances(self, x: np.ndarray) -> np.ndarray:
         """(rows * columns,) squared distances."""

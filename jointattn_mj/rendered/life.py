@@ -16,7 +16,7 @@ from jointattn_mj.robots.developer import Developer, DeveloperConfig
 from jointattn_mj.robots.life import LOOKS_AT, OPTION_TAKEN, Life, think_and_note
 from jointattn_mj.scene.camera import direction_of
 from jointattn_mj.symbolic.meaning import FACE, GAZE, LOOKED_AT
-from jointattn_mj.symbolic.table import CAREGIVER, OPTION, TableConfig
+from jointattn_mj.symbolic.table import CAREGIVER, OPTION, TableConfig, turn
 
 OBJECT_THERE = "object at the centre"
 """Column of the log that the robot does not know."""
@@ -99,18 +99,23 @@ class RenderedLife(Life):
         return counts
 
     def _advance(self, last: int, samples: np.ndarray, before: int) -> tuple[int, int]:
-        mind, stage, table = self.mind.mind, self.stage, self.stage.table
-        for t in range(self.lived, last):
+        stage, first = self.stage, self.lived
+        turns = _turns(
+            stage.table, self.mind.mind, first, last, stage.sensors, stage.results, self._s, self._r,
+            self._log, samples, before, self.sample_every,
+        )  # fmt: skip
+        for t in range(first, last):
+            next(turns)
             self.see()
-            found, place = _think(mind, self._s, self._r, t, self._log, samples, before, self.sample_every)
-            self._log[t, place:] = table.state[CAREGIVER], table.state[OPTION], stage.sensors[1] == 0
+            self._log[t, -3:] = stage.table.state[CAREGIVER], stage.table.state[OPTION], stage.sensors[1] == 0
+            found = next(turns)
             if found != NOTHING:
                 return t + 1, found
         return last, NOTHING
 
     def see(self) -> None:
-        """A turn of the world under the commands that the mind has given, and what the robot makes of its picture."""
-        self.stage.turn(self.mind.mind.a, self.heads)
+        """Let bodies stand as the turn has left them, and take in what the picture shows."""
+        self.stage.show(int(self.mind.mind.a[1]), self.heads)
         shown = self._look() if self.senses.looks else NOTHING_LOOKED_AT
         self.senses.read(shown, self.stage.sensors, self.stage.results, self._s, self._r)
 
@@ -139,8 +144,11 @@ class RenderedLife(Life):
         of_table, of_moves = seed.spawn(2)
         rng, patterns = np.random.default_rng(of_moves), list[np.ndarray]()
         self.stage.begin(of_table)
+        stage = self.stage
         for _ in range(self.config.watching):
-            self.stage.turn(rng.integers((self.spots + 1, self.world.gestures)), self.heads)
+            action = rng.integers((self.spots + 1, self.world.gestures))
+            turn(stage.table, action, stage.sensors, stage.results)
+            stage.show(int(action[1]), self.heads)
             shown = self._look()
             if shown.pattern is not None:
                 patterns.append(shown.pattern)
@@ -148,5 +156,11 @@ class RenderedLife(Life):
 
 
 @njit(cache=True)
-def _think(mind, s, r, t, log, samples, before, every):
-    return think_and_note(mind, s, r, t, log, samples, before, every)
+def _turns(table, mind, first, last, sensors, results, s, r, log, samples, before, every):
+    """Turns from ``first`` to ``last`` as a coroutine, for the call of a compiled function with a mind takes longer
+    than its turn: stops when the table has lived a turn, so that ``s`` and ``r`` can be sensed, and again when the
+    mind has thought, with what it has found."""
+    for t in range(first, last):
+        turn(table, mind.a, sensors, results)
+        yield NOTHING
+        yield think_and_note(mind, s, r, t, log, samples, before, every)[0]

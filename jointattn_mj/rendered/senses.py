@@ -7,8 +7,10 @@ profile. Each part can be replaced by the truth, to see what its errors cost.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from jointattn_mj.contingency.events import Variable, Variables
 from jointattn_mj.errors import ConfigError
@@ -44,8 +46,7 @@ class SensesConfig:
             raise ConfigError(f"centre_radius_deg must be above 0; got {self.centre_radius_deg}")
 
 
-@dataclass(frozen=True)
-class Gazed:
+class Gazed(NamedTuple):
     """What a picture shows, and whether that is at its centre; pixels as in ``Percept``, NaN for what was not found."""
 
     face: bool
@@ -58,18 +59,30 @@ class Gazed:
     """Grey patch (1024,) of the face at the centre; None if there is none."""
 
 
-NOTHING_LOOKED_AT = Gazed(False, False, np.full(2, np.nan), np.full(2, np.nan), None)
+NOWHERE = np.full(2, np.nan)
+NOTHING_LOOKED_AT = Gazed(False, False, NOWHERE, NOWHERE, None)
 
 
 def gazed(perception: PixelPerception, picture: np.ndarray, head: np.ndarray, radius_deg: float) -> Gazed:
     """Look at a picture (h, w, 3) that was taken with the head at ``head`` (2,), rad."""
     percept = perception.look({"camera": picture, "head_angles": head}, True)
-    off = np.hypot(percept.px[:, 0] - CENTRE_X, percept.px[:, 1] - CENTRE_Y)
-    off[~percept.seen] = np.inf
-    near = off <= np.radians(radius_deg) * FOCAL_PX
-    pattern = perception.face_pattern() if near[-1] else None
-    nearest = percept.px[int(off[:-1].argmin())].copy()
-    return Gazed(bool(near[-1]), bool(near[:-1].any()), percept.px[-1].copy(), nearest, pattern)
+    face, nearest, near = _centre(percept.seen, percept.px, np.radians(radius_deg) * FOCAL_PX)
+    return Gazed(
+        face, near, percept.px[-1].copy(), NOWHERE if nearest < 0 else percept.px[nearest].copy(),
+        perception.face_pattern() if face else None,
+    )  # fmt: skip
+
+
+@njit(cache=True)
+def _centre(seen, px, radius):
+    """Whether the face is within ``radius`` of the centre; the nearest object, or -1, and whether that is."""
+    nearest, least = -1, np.inf
+    for k in range(len(seen)):
+        off = np.hypot(px[k, 0] - CENTRE_X, px[k, 1] - CENTRE_Y) if seen[k] else np.inf
+        if k == len(seen) - 1:
+            return off <= radius, nearest, least <= radius
+        if off < least:
+            nearest, least = k, off
 
 
 class Senses:

@@ -14,7 +14,7 @@ from jointattn_mj.scene.looker import AWAY, TurnWorld, places
 from jointattn_mj.scene.model import OBJECTS
 from jointattn_mj.scene.variation import drawn, variation_of
 from jointattn_mj.scene.world import WorldConfig
-from jointattn_mj.symbolic.table import CAREGIVER, ROBOT, Table, TableConfig, new_table, turn
+from jointattn_mj.symbolic.table import CAREGIVER, ROBOT, Table, TableConfig, new_table
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Stage:
         world: The bodies.
         objects: What the robot expects to see on the table; lights and variation may make it look otherwise.
         places: (spots, 2) head angles that bring each place to the centre of view, rad.
-        sensors: (2,) what the robot of the symbolic table senses in this turn: the truth.
+        sensors: (2,) what the robot of the symbolic table senses in a turn: the truth, for ``table.turn`` to write.
         results: (results,) likewise.
     """
 
@@ -72,6 +72,7 @@ class Stage:
         self._spots = places(table.spots, world.scene)
         self.places = np.radians(directions_to(self._spots))
         self._table_config = table
+        self._noise = np.radians([[config.head_jitter_deg], [config.motor_noise_deg]])
         self.sensors = np.zeros(2, np.int64)
         self.results = np.zeros(3 if table.profile else 2, np.int64)
 
@@ -82,22 +83,22 @@ class Stage:
     def begin(self, seed: np.random.SeedSequence) -> None:
         """Sit down at a table before its first turn; ``seed`` is that of ``symbolic.table.new_table``."""
         self.table = new_table(self._table_config, seed)
-        self._full = self.table.full.copy()
+        self._full, self._gesture = self.table.full.copy(), -1
 
-    def turn(self, action: np.ndarray, heads: np.ndarray) -> None:
-        """A turn of the table.
+    def show(self, gesture: int, heads: np.ndarray) -> None:
+        """Let bodies stand as the table's last turn has left them.
 
         Args:
-            action: (2,) where the robot looks from now on, and its gesture.
+            gesture: The robot's.
             heads: (spots + 1, 2) angles to which it turns its head to look at each place, and at her face, rad.
         """
-        turn(self.table, action, self.sensors, self.results)
-        if not np.array_equal(self._full, self.table.full):
+        state, face = self.table.state, len(self._spots)
+        if (self.table.full != self._full).any():
             self._lay()
-        looks_at = self.table.state[CAREGIVER]
-        self.world.gesture(int(action[1]), self._table_config.gestures)
-        point = None if looks_at == len(self._spots) else self._spots[looks_at]
-        self._pose(point, heads[self.table.state[ROBOT]])
+        if gesture != self._gesture:
+            self._gesture = gesture
+            self.world.gesture(gesture, self._table_config.gestures)
+        self._pose(None if state[CAREGIVER] == face else self._spots[state[CAREGIVER]], heads[state[ROBOT]])
 
     def _lay(self) -> None:
         """Put the objects where the table has them, whichever where, and none exactly."""
@@ -111,6 +112,6 @@ class Stage:
         self._full = self.table.full.copy()
 
     def _pose(self, point: np.ndarray | None, head: np.ndarray) -> None:
-        off = np.radians(self._random.normal(0.0, 1.0, (2, 2)))
-        self.world.caregiver.look(point, self.config.head_jitter_deg * off[0])
-        self.world.arrive(head + self.config.motor_noise_deg * off[1])
+        off = self._noise * self._random.standard_normal((2, 2))
+        self.world.caregiver.look(point, off[0])
+        self.world.arrive(head + off[1])
