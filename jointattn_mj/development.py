@@ -190,13 +190,13 @@ def _with_meanings(life: Life, found: Sequence[Found]) -> list[tuple[Found, Mean
 
 
 def _meanings(life: Life) -> list[Meaning]:
-    return meanings(life.mind.variables, life.mind.modules)
+    return meanings(life.named_variables(), life.mind.modules)
 
 
 def _leave_results(config: DevelopConfig, life: Life, out: Path) -> dict[str, Any]:
     from jointattn_mj.symbolic import figures, logbook  # bring matplotlib and pyarrow, which take a second to import
 
-    mind = life.mind
+    mind, variables = life.mind, life.named_variables()
     found = behaviours(life.faces(), life.log(GAZE), life.spots)
     made = [one for one in life.found if one.module is not None]
     parts = phases(found, [one.turn for one in made])
@@ -206,7 +206,7 @@ def _leave_results(config: DevelopConfig, life: Life, out: Path) -> dict[str, An
         for one, meaning in zip(made, known, strict=True)
     ]
     turns, values = life.contingency()
-    names = [mind.variables.describe(event) for event in mind.events]
+    names = [variables.describe(event) for event in mind.events]
     detector = mind.config.detector
     unit = "bits" if detector.base == 2 else f"units of base {detector.base:g}"
     measure = f"{'SAC' if detector.measure == 'sac' else 'T^C'} ({unit})"
@@ -215,15 +215,21 @@ def _leave_results(config: DevelopConfig, life: Life, out: Path) -> dict[str, An
     figures.draw_maps(
         out / "maps.png",
         [
-            figures.MapPicture(f"{number}: {mark.label}", module, mind.variables)
+            figures.MapPicture(f"{number}: {mark.label}", module, variables)
             for number, (mark, module) in enumerate(zip(marks, mind.modules, strict=True), 1)
         ],
     )
     logbook.write_turns(out / "turns.parquet", life, found)
     logbook.write_contingency(out / "contingency.parquet", life)
     for number, module in enumerate(mind.modules, 1):
-        logbook.write_map(out / f"module_{number}.csv", mind.variables, module)
-    summary = {"world": config.world, "preset": config.preset, "seed": config.seed, **summarise(life, known, parts)}
+        logbook.write_map(out / f"module_{number}.csv", variables, module)
+    summary = {
+        "world": config.world,
+        "preset": config.preset,
+        "seed": config.seed,
+        **summarise(life, known, parts),
+        **life.more(),
+    }
     text = json.dumps(summary, indent=1, ensure_ascii=False) + "\n"
     write_whole(out / "summary.json", lambda path: path.write_text(text, "utf-8"))
     return summary

@@ -2,21 +2,31 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numba import njit
 
 from jointattn_mj.contingency.detector import NOTHING
+from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.reactive import ReactiveModule
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.pixels import PixelPerception
-from jointattn_mj.rendered.senses import NOTHING_LOOKED_AT, Gazed, Senses, SensesConfig, gazed
+from jointattn_mj.rendered.senses import NOTHING_LOOKED_AT, Gazed, Senses, SensesConfig, gazed, named_by_majority
 from jointattn_mj.rendered.stage import Stage, StageConfig
 from jointattn_mj.robots.developer import Developer, DeveloperConfig
-from jointattn_mj.robots.life import LOOKS_AT, OPTION_TAKEN, Life, think_and_note
+from jointattn_mj.robots.life import Life, think_and_note
 from jointattn_mj.scene.camera import direction_of
 from jointattn_mj.symbolic.meaning import FACE, GAZE, LOOKED_AT
-from jointattn_mj.symbolic.table import CAREGIVER, OPTION, TableConfig, turn
+from jointattn_mj.symbolic.table import (
+    CAREGIVER,
+    LOOKS_AT,
+    OPTION,
+    TableConfig,
+    table_variables,
+    table_witnessed,
+    turn,
+)
 
 OBJECT_THERE = "object at the centre"
 """Column of the log that the robot does not know."""
@@ -69,6 +79,7 @@ class RenderedLife(Life):
             raise ConfigError(f"seed must be 0 or more; got {seed}")
         of_table, of_mind, of_bodies, of_watching, of_senses = np.random.SeedSequence(seed).spawn(5)
         self.config, self.world, self.spots = config, table, table.spots
+        self._truths = table_variables(table).sensors[0].values
         self.stage = Stage(table, config.stage, of_bodies)
         colours = np.array([item.rgb for item in self.stage.objects])
         self.perception = PixelPerception(config.senses.pixels, colours)
@@ -79,12 +90,29 @@ class RenderedLife(Life):
         self.senses = Senses(config.senses, table, np.array(patterns), config.greeting, rng)
         self.stage.begin(of_table)
         developer = Developer(self.senses.variables, mind, of_mind, reactive)
-        super().__init__(developer, turns, sample_every, (LOOKS_AT, OPTION_TAKEN, OBJECT_THERE))
+        witnessed = {**table_witnessed(table), OBJECT_THERE: ("no", "yes")}
+        super().__init__(developer, turns, sample_every, witnessed)
 
     def faces(self) -> np.ndarray:
         """See ``Life``."""
         gaze = np.concatenate([[self.spots], self.log(GAZE)[:-1]])[: self.lived]
         return np.where(gaze == self.spots, self.log(LOOKS_AT), self.spots + 1)
+
+    def named_variables(self) -> Variables:
+        """See ``Life``: categories of faces by what she mostly looked at."""
+        return named_by_majority(self.mind.variables, self.confusion(), self._truths)
+
+    def more(self) -> dict[str, Any]:
+        """See ``Life``: how well perception did."""
+        values = self.mind.variables.sensors[0].values
+        faces = [dict(zip(self._truths, row, strict=True)) for row in self.confusion().tolist()]
+        objects = self.object_confusion().tolist()
+        return {
+            "caregiver": self.stage.world.config.scene.caregiver,
+            "turns_watched_before": self.config.watching,
+            "sensed_face_by_truth": dict(zip(values, faces, strict=True)),
+            "sensed_object_by_truth": {"object": objects[0], "none": objects[1]},
+        }
 
     def confusion(self) -> np.ndarray:
         """(values of S1, spots + 2) how often each value was sensed under each truth; see ``faces``."""
@@ -124,15 +152,17 @@ class RenderedLife(Life):
         return gazed(self.perception, world.picture(), world.head_angles(), self.config.senses.centre_radius_deg)
 
     def _greeted(self) -> list[np.ndarray]:
-        """Find her face by looking straight ahead, then look at it; returns the patterns (d,) seen."""
-        self._face, patterns = np.zeros(2), list[np.ndarray]()
+        """Find her face by looking straight ahead, and bring it to the centre; returns the patterns (d,) seen there."""
+        self._face, patterns, seen = np.zeros(2), list[np.ndarray](), 0
         for _ in range(MOST_LOOKS):
             self.stage.greet(self._face)
             shown = self._look()
             if shown.pattern is not None:
                 patterns.append(shown.pattern)
-            elif not np.isnan(shown.face_px).any():
-                self._face = np.radians(direction_of(shown.face_px, np.degrees(self.stage.world.head_angles())))
+            if not np.isnan(shown.face_px).any():
+                seen += 1
+                place = np.radians(direction_of(shown.face_px, np.degrees(self.stage.world.head_angles())))
+                self._face += (place - self._face) / seen
             if len(patterns) == self.config.greeting:
                 return patterns
         raise ConfigError(

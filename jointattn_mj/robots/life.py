@@ -1,7 +1,7 @@
 """A mind and its world, turn after turn, and what it writes down; a world derives from ``Life`` and lives in it."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,13 +9,10 @@ import numpy as np
 from numba import njit
 
 from jointattn_mj.contingency.detector import NOTHING
-from jointattn_mj.contingency.events import Event
+from jointattn_mj.contingency.events import Event, Variables
 from jointattn_mj.contingency.modules import Module
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.robots.developer import Developer, think
-
-LOOKS_AT, OPTION_TAKEN = "caregiver looks at", "caregiver's option"
-"""Columns of the log that the robot does not know."""
 
 
 @dataclass(frozen=True)
@@ -38,16 +35,16 @@ class Life(ABC):
         lived: Turns so far, of ``turns``.
         found: What was found to be contingent, in its order.
         columns: Names in the log.
+        witnessed: Those of them that the robot does not know, and what their values are called.
     """
 
     spots: int
 
-    def __init__(self, mind: Developer, turns: int, sample_every: int, witnessed: Sequence[str]):
-        """``turns`` is how long it can last; ``sample_every`` turns the contingency of all events is noted;
-        ``witnessed`` are columns of the log that the robot does not know."""
+    def __init__(self, mind: Developer, turns: int, sample_every: int, witnessed: Mapping[str, tuple[str, ...]]):
+        """``turns`` is how long it can last; ``sample_every`` turns the contingency of all events is noted."""
         if turns < 1 or sample_every < 1:
             raise ConfigError(f"turns and sample_every must be 1 or more; got {turns}, {sample_every}")
-        self.mind, self.turns, self.sample_every = mind, turns, sample_every
+        self.mind, self.turns, self.sample_every, self.witnessed = mind, turns, sample_every, dict(witnessed)
         self.lived = 0
         self.found: list[Found] = []
         variables = mind.variables
@@ -74,6 +71,14 @@ class Life(ABC):
     def faces(self) -> np.ndarray:
         """(lived,) the caregiver's face as it was when the robot acted, in truth: 0 to spots - 1 looking at a spot,
         ``spots`` looking at the robot, ``spots + 1`` not looked at by it."""
+
+    def named_variables(self) -> Variables:
+        """The mind's variables under names for people, who may know what the robot does not."""
+        return self.mind.variables
+
+    def more(self) -> dict[str, Any]:
+        """What else there is to say about this life, for the summary."""
+        return {}
 
     def live(self, turns: int) -> list[Found]:
         """Live so many turns more, or what is left of them; returns what was found in them."""

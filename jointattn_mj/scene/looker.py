@@ -1,7 +1,7 @@
 """Caregivers who look at objects and leave them where they are, of their own accord or as told, and their worlds."""
 
 from dataclasses import replace
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import mujoco
 import numpy as np
@@ -81,6 +81,14 @@ class LookingWorld(World):
         return SteadyLooker(*arguments).settle() if self.steady else Looker(*arguments)
 
 
+class Pose(NamedTuple):
+    """Of all bodies; as in MjData."""
+
+    qpos: np.ndarray
+    mocap_pos: np.ndarray
+    mocap_quat: np.ndarray
+
+
 class TurnWorld(World):
     """A world in which everybody does as told, a second at a time: gazes turn to places, objects lie on them."""
 
@@ -105,6 +113,16 @@ class TurnWorld(World):
         """See ``World``."""
         super()._bind(config, physics)
         self._forearm = self.model.body("robot/forearm").mocapid[0]
+
+    def pose(self) -> Pose:
+        """How bodies stand."""
+        return Pose(self.data.qpos.copy(), self.data.mocap_pos.copy(), self.data.mocap_quat.copy())
+
+    def stand(self, pose: Pose) -> None:
+        """Let bodies stand like that, until the next step or arrival."""
+        self.data.qpos[:], self.data.mocap_pos[:], self.data.mocap_quat[:] = pose
+        mujoco.mj_forward(self.model, self.data)
+        self._picture = None
 
     def arrive(self, head: np.ndarray) -> None:
         """Let things be as they would be after a step, with the robot's head at ``head`` (2,), rad."""

@@ -9,9 +9,17 @@ from jointattn_mj.contingency.detector import NOTHING
 from jointattn_mj.contingency.reactive import ReactiveModule
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.robots.developer import Developer, DeveloperConfig
-from jointattn_mj.robots.life import LOOKS_AT, OPTION_TAKEN, Life, think_and_note
+from jointattn_mj.robots.life import Life, think_and_note
 from jointattn_mj.symbolic.meaning import FACE
-from jointattn_mj.symbolic.table import CAREGIVER, OPTION, TableConfig, new_table, table_variables, turn
+from jointattn_mj.symbolic.table import (
+    CAREGIVER,
+    OPTION,
+    TableConfig,
+    new_table,
+    table_variables,
+    table_witnessed,
+    turn,
+)
 
 
 class TableLife(Life):
@@ -33,7 +41,7 @@ class TableLife(Life):
         self.world, self.spots = world, world.spots
         self.table = new_table(world, of_world)
         developer = Developer(table_variables(world), mind, of_mind, reactive)
-        super().__init__(developer, turns, sample_every, (LOOKS_AT, OPTION_TAKEN))
+        super().__init__(developer, turns, sample_every, table_witnessed(world))
 
     def _advance(self, last: int, samples: np.ndarray, before: int) -> tuple[int, int]:
         return _live(

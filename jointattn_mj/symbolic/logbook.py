@@ -12,9 +12,8 @@ from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
 from jointattn_mj.recording.columns import described
 from jointattn_mj.recording.files import write_whole
-from jointattn_mj.robots.life import LOOKS_AT, OPTION_TAKEN, Life
+from jointattn_mj.robots.life import Life
 from jointattn_mj.symbolic.behaviour import SHORT
-from jointattn_mj.symbolic.caregiver import OPTIONS
 
 ROWS = 1 << 20
 """Turns that are put into words at a time."""
@@ -76,9 +75,8 @@ def _turns(life: Life, found: np.ndarray) -> Iterator[pa.Table]:
             words[variable.name], meanings[variable.name] = variable.values, meaning
     for joint in variables.joints:
         words[joint.name], meanings[joint.name] = joint.values, "command that the robot then gives"
-    spots = tuple(f"spot {number}" for number in range(1, life.spots + 1))
-    words[LOOKS_AT], meanings[LOOKS_AT] = (*spots, "robot"), "truth, seen or not"
-    words[OPTION_TAKEN], meanings[OPTION_TAKEN] = OPTIONS, "rule by which she looks there (section 5.3.1)"
+    words |= life.witnessed
+    meanings |= {name: "truth, not known to the robot" for name in life.witnessed}
     behaviour = "what the robot does, by the names of Fig. 5.5"
     drivers = {f"driver of {joint.name}": "module that gave the command" for joint in variables.joints}
     meanings |= {**drivers, "behaviour": behaviour}

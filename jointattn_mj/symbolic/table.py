@@ -9,10 +9,12 @@ from numba import njit
 from jointattn_mj.contingency.events import Variable, Variables
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.one_type import one_type
-from jointattn_mj.symbolic.caregiver import NOWHERE, CaregiverConfig, Rules, rules, shift_gaze
+from jointattn_mj.symbolic.caregiver import NOWHERE, OPTIONS, CaregiverConfig, Rules, rules, shift_gaze
 
 ROBOT, CAREGIVER, RETURNS_TO, OPTION, TURN = range(5)
 """Places in ``Table.state``."""
+LOOKS_AT, OPTION_TAKEN = "caregiver looks at", "caregiver's option"
+"""What an onlooker sees: of state, CAREGIVER and OPTION."""
 
 
 @dataclass(frozen=True)
@@ -97,6 +99,12 @@ class Table(NamedTuple):
     allowed: np.ndarray
     world_random: np.random.Generator
     caregiver_random: np.random.Generator
+
+
+def table_witnessed(config: TableConfig) -> dict[str, tuple[str, ...]]:
+    """What an onlooker sees and the robot does not, and what its values are called: two places of ``Table.state``."""
+    spots = tuple(f"spot {number}" for number in range(1, config.spots + 1))
+    return {LOOKS_AT: (*spots, "robot"), OPTION_TAKEN: OPTIONS}
 
 
 def new_table(config: TableConfig, seed: np.random.SeedSequence) -> Table:
