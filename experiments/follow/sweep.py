@@ -1,0 +1,68 @@
+"""PPO of Stable-Baselines3 on the task ``follow`` and its hard form, by what the learner observes."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from jointattn_mj.laboratory.claim import Setting
+
+
+@dataclass(frozen=True)
+class Training:
+    """What is learned, what is observed, and where PPO departs from the defaults of Stable-Baselines3.
+
+    Angles of the robot's head are observed in any case.
+    """
+
+    environment: str
+    """Name in Gymnasium's registry."""
+    truth: bool
+    """Whether yaw and pitch of the caregiver's head are observed: which object she looks at follows from them."""
+    picture_height: int | None = None
+    """Height of the grey picture that is observed, in pixels; None: no picture. Pictures are not stacked: her gaze
+    rests, and her face stays in view while the robot looks at the table."""
+    steps: int = 12_288
+    """Of experience, over all copies of the environment."""
+    every: int = 1024
+    """Steps between two tests; a multiple of ``copies * rollout``."""
+    episodes: int = 50
+    """Of each test, the same each time; the learner practises in others."""
+    copies: int = 8
+    """Environments at once, one after the other in one process."""
+    learning_rate: float = 1e-3
+    """Three times the default: with the truth, little is to be learned."""
+    rollout: int = 64
+    """Steps in each copy between two updates: two episodes of ``follow``."""
+    batch: int = 128
+    """Steps in a batch; a quarter of an update."""
+    epochs: int = 10
+    """How often an update goes through its steps; the default."""
+    discount: float = 0.8
+    """gamma; the head has turned after some three steps, and then an action has brought what it brings."""
+    trace: float = 0.9
+    """lambda of the advantage's estimate."""
+    spread: float = 0.37
+    """Standard deviation of actions at the beginning; their bounds are -1 and 1."""
+
+
+STATE = Training("Follow-v0", truth=True)
+HARD = replace(STATE, environment="FollowHard-v0", steps=102_400, every=10_240)
+SETTINGS = {
+    "follow/state": Setting(STATE, 10),
+    "follow/blindfolded": Setting(replace(STATE, truth=False), 10),
+    "follow_hard/state": Setting(HARD, 10),
+    "follow_hard/blindfolded": Setting(replace(HARD, truth=False), 10),
+}
+"""Task, a slash, what is observed. Blindfolded, all that can be learned is where objects tend to lie."""
+FIRST_SEED = 50_000
+"""Parameters were chosen while looking at seed 0."""
+
+
+def cell(config: Training, seed: int) -> dict[str, Any]:
+    """The curve of a run of training, and baselines on the same episodes.
+
+    Raises:
+        ExtraError: Stable-Baselines3 is not installed; it is the extra ``rl``.
+    """
+    from experiments.follow.training import train
+
+    return train(config, seed)

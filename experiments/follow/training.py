@@ -1,0 +1,93 @@
+"""A run of PPO on a task, and how good it is on episodes of its own now and then."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import torch
+
+from jointattn_mj.adapters.extras import extra
+from jointattn_mj.adapters.gymnasium import DOMAIN
+from jointattn_mj.adapters.registration import IDS
+from jointattn_mj.agents import AGENTS
+from jointattn_mj.play import PlayOptions, play_episodes
+from jointattn_mj.tasks import load
+
+extra("rl", "stable_baselines3")
+import gymnasium  # noqa: E402
+from stable_baselines3 import PPO  # noqa: E402
+from stable_baselines3.common.evaluation import evaluate_policy  # noqa: E402
+from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv, VecNormalize  # noqa: E402
+
+from experiments.follow.pictures import SmallPicture  # noqa: E402
+
+if TYPE_CHECKING:
+    from experiments.follow.sweep import Training
+
+BASELINES = ("oracle", "random", "zero")
+
+
+def train(config: "Training", seed: int) -> dict[str, Any]:
+    """Steps of experience, mean reward a step of what was learned from them, and what baselines earn."""
+    torch.set_num_threads(1)
+    learner_seed, test_seed = (int(part) for part in np.random.SeedSequence(seed).generate_state(2))
+    practice = _copies(config, config.copies)
+    test = _for_tests(config, practice)
+    learner = _learner(config, practice, learner_seed)
+    steps, rewards = [0], [tested(learner, test, test_seed, config.episodes)]
+    while learner.num_timesteps < config.steps:
+        learner.learn(config.every, reset_num_timesteps=False)
+        steps.append(learner.num_timesteps)
+        rewards.append(tested(learner, test, test_seed, config.episodes))
+    practice.close()
+    test.close()
+    return {"steps": steps, "reward": rewards, **{name: earned(config, name, test_seed) for name in BASELINES}}
+
+
+def tested(learner: PPO, environment: VecEnv, seed: int, episodes: int) -> float:
+    """Mean reward a step in the first ``episodes`` of a seed, of the most likely actions."""
+    environment.seed(seed)
+    returns, lengths = evaluate_policy(learner, environment, episodes, return_episode_rewards=True, warn=False)
+    return float(sum(returns) / sum(lengths))
+
+
+def earned(config: "Training", agent: str, seed: int) -> float:
+    """The same of an agent of ``jointattn play``, in the same episodes; none of the baselines needs a picture."""
+    task = IDS[config.environment]
+    environment = load(DOMAIN, task, task_kwargs={"random": seed, "camera": False})
+    played = play_episodes(environment, AGENTS[agent](environment, seed), PlayOptions(task, agent, config.episodes))
+    environment.close()
+    return float(np.mean([episode.reward_a_step for episode in played]))
+
+
+def _copies(config: "Training", number: int) -> VecEnv:
+    """So many copies of the task, in this process; each gets a seed of its own from the learner.
+
+    Every pixel of a picture is normalised: as they are, a network for pictures makes nothing of so little contrast.
+    """
+    copies = DummyVecEnv([lambda: _environment(config)] * number)
+    if config.picture_height is None:
+        return copies
+    return VecNormalize(copies, norm_reward=False, norm_obs_keys=["camera"])
+
+
+def _for_tests(config: "Training", practice: VecEnv) -> VecEnv:
+    """One more copy, normalised as in practice."""
+    test = _copies(config, 1)
+    if isinstance(test, VecNormalize):
+        test.obs_rms, test.training = practice.obs_rms, False
+    return test
+
+
+def _environment(config: "Training") -> gymnasium.Env:
+    camera = config.picture_height is not None
+    made = gymnasium.make(f"jointattn_mj:{config.environment}", camera=camera, truth=config.truth)
+    return SmallPicture(made, config.picture_height) if camera else made
+
+
+def _learner(config: "Training", environment: VecEnv, seed: int) -> PPO:
+    return PPO(
+        "MultiInputPolicy", environment, seed=seed, device="cpu", learning_rate=config.learning_rate,
+        n_steps=config.rollout, batch_size=config.batch, n_epochs=config.epochs, gamma=config.discount,
+        gae_lambda=config.trace,
+        policy_kwargs={"log_std_init": float(np.log(config.spread)), "normalize_images": False},
+    )  # fmt: skip
