@@ -18,6 +18,8 @@ from jointattn_mj.perception.som import SOM
 class GroupingConfig:
     """How cells become categories."""
 
+    least: int = 2
+    """Categories that are looked for at least: where faces form a continuum there is no gap to stop at."""
     most: int = 12
     """Categories that are looked for at most; the table with 9 places needs 10."""
     linkage: str = "average"
@@ -28,8 +30,11 @@ class GroupingConfig:
     def __post_init__(self) -> None:
         if self.linkage not in ("average", "complete", "single", "ward"):
             raise ConfigError(f"linkage must be average, complete, single or ward; got {self.linkage!r}")
-        if self.most < 2 or not 0 <= self.least_share < 1:
-            raise ConfigError(f"most starts at 2, and least_share lies in [0, 1); got {self.most}, {self.least_share}")
+        if not 2 <= self.least <= self.most or not 0 <= self.least_share < 1:
+            raise ConfigError(
+                "least starts at 2, most at least, and least_share lies in [0, 1); "
+                f"got {self.least}, {self.most}, {self.least_share}"
+            )
 
 
 class FaceCategories:
@@ -60,10 +65,10 @@ class FaceCategories:
 
 def _groups(points: np.ndarray, config: GroupingConfig) -> np.ndarray:
     """Groups (n,) of points (n, d), where joining goes on farthest without a merger; one where there is one point."""
-    if len(points) < 3:
+    if len(points) <= config.least:
         return np.arange(len(points))
     tree = linkage(points, config.linkage)
-    strides = tree[::-1, 2][: config.most]
+    strides = tree[::-1, 2][config.least - 2 : config.most]
     with np.errstate(divide="ignore"):
-        count = 2 + int((strides[:-1] / strides[1:]).argmax())
+        count = config.least + int((strides[:-1] / strides[1:]).argmax())
     return fcluster(tree, count, "maxclust") - 1

@@ -32,9 +32,14 @@ class StageConfig:
     turn most of the way to what is looked at, but never the same part of it."""
     motor_noise_deg: float = 0.5
     """Standard deviation, pan and tilt, of where the robot's head comes to rest."""
+    looks_at: str = "place"
+    """What her eyes rest on when an object lies at the place she looks at: the middle of the ``place``, so that the
+    jitter of objects is one more imprecision, or the ``object``, wherever it lies: so where jitter is large."""
 
     def __post_init__(self) -> None:
         variation_of(self.variation)
+        if self.looks_at not in ("place", "object"):
+            raise ConfigError(f"stage.looks_at must be place or object; got {self.looks_at!r}")
         for name, most in (("object_jitter_m", 0.1), ("head_jitter_deg", 15.0), ("motor_noise_deg", 15.0)):
             if not 0 <= getattr(self, name) <= most:
                 raise ConfigError(f"stage.{name} must lie in [0, {most}]; got {getattr(self, name)}")
@@ -84,6 +89,14 @@ class Stage:
         """Sit down at a table before its first turn; ``seed`` is that of ``symbolic.table.new_table``."""
         self.table = new_table(self._table_config, seed)
         self._full, self._gesture = self.table.full.copy(), -1
+        self._lie = self._spots.copy()
+
+    def looked_at(self) -> np.ndarray | None:
+        """The point (3,) that she looks at, world frame, metres; None where she looks at the robot."""
+        place = self.table.state[CAREGIVER]
+        if place == len(self._spots):
+            return None
+        return self._lie[place] if self.config.looks_at == "object" else self._spots[place]
 
     def show(self, gesture: int, heads: np.ndarray) -> None:
         """Let bodies stand as the table's last turn has left them.
@@ -92,13 +105,12 @@ class Stage:
             gesture: The robot's.
             heads: (spots + 1, 2) angles to which it turns its head to look at each place, and at her face, rad.
         """
-        state, face = self.table.state, len(self._spots)
         if (self.table.full != self._full).any():
             self._lay()
         if gesture != self._gesture:
             self._gesture = gesture
             self.world.gesture(gesture, self._table_config.gestures)
-        self._pose(None if state[CAREGIVER] == face else self._spots[state[CAREGIVER]], heads[state[ROBOT]])
+        self._pose(self.looked_at(), heads[self.table.state[ROBOT]])
 
     def _lay(self) -> None:
         """Put the objects where the table has them, whichever where, and none exactly."""
@@ -107,8 +119,9 @@ class Stage:
         which = self._random.permutation(len(full))
         objects = self.world.caregiver.objects
         objects[:] = AWAY
-        objects[which] = self._spots[full]
-        objects[which, :2] += off
+        self._lie = self._spots.copy()
+        self._lie[full, :2] += off
+        objects[which] = self._lie[full]
         self._full = self.table.full.copy()
 
     def _pose(self, point: np.ndarray | None, head: np.ndarray) -> None:
