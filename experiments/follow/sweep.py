@@ -46,11 +46,17 @@ class Training:
 
 STATE = Training("Follow-v0", truth=True)
 HARD = replace(STATE, environment="FollowHard-v0", steps=102_400, every=10_240)
+PICTURES = replace(
+    STATE, truth=False, picture_height=60, steps=61_440, every=10_240, copies=16, learning_rate=5e-4, batch=256,
+    epochs=4,
+)  # fmt: skip
+"""More to be learned, so more copies and larger batches at a smaller rate; fewer epochs, for they take longest."""
 SETTINGS = {
     "follow/state": Setting(STATE, 10),
     "follow/blindfolded": Setting(replace(STATE, truth=False), 10),
-    "follow_hard/state": Setting(HARD, 10),
-    "follow_hard/blindfolded": Setting(replace(HARD, truth=False), 10),
+    "follow/pictures": Setting(PICTURES, 2),
+    "follow_hard/state": Setting(HARD, 5),
+    "follow_hard/blindfolded": Setting(replace(HARD, truth=False), 5),
 }
 """Task, a slash, what is observed. Blindfolded, all that can be learned is where objects tend to lie."""
 FIRST_SEED = 50_000
