@@ -6,10 +6,9 @@ import numpy as np
 import torch
 
 from jointattn_mj.adapters.extras import extra
-from jointattn_mj.adapters.gymnasium import DOMAIN
 from jointattn_mj.adapters.registration import IDS
 from jointattn_mj.agents import AGENTS
-from jointattn_mj.play import PlayOptions, play_episodes
+from jointattn_mj.play import DOMAIN, PlayOptions, play_episodes
 from jointattn_mj.tasks import load
 
 extra("rl", "stable_baselines3")
