@@ -1,14 +1,15 @@
 """Categories of face patterns that nobody named: cells of the self-organising map, grouped by how near they lie.
 
-The map (``perception.som``) puts similar faces on neighbouring cells; faces that differ much leave cells between them
-on which no face falls. Cells on which faces do fall are joined, nearest groups first, and joining stops where the next
-merger would have to reach farther than the last one by the largest factor: how many categories there are is found.
+The map (``perception.som``) puts similar faces on neighbouring cells. Cells on which faces fall are joined, nearest
+groups first, and of all the stages of that the one is kept in which faces are most clearly nearer to their own group
+than to the next: by the mean silhouette (Rousseeuw, 1987). So how many categories there are is found, not given.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.cluster.hierarchy import fcluster, linkage
+from scipy.spatial.distance import pdist, squareform
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.som import SOM
@@ -18,23 +19,16 @@ from jointattn_mj.perception.som import SOM
 class GroupingConfig:
     """How cells become categories."""
 
-    least: int = 2
-    """Categories that are looked for at least: where faces form a continuum there is no gap to stop at."""
     most: int = 12
-    """Categories that are looked for at most; the table with 9 places needs 10."""
+    """Categories that are looked for at most; a table with 9 places needs 10."""
     linkage: str = "average"
     """Distance of two groups of cells: ``average``, ``complete``, ``single`` or ``ward`` of those of their patterns."""
-    least_share: float = 0.002
-    """A cell counts as used if at least this share of the faces fell on it: fewer were cut out wrongly."""
 
     def __post_init__(self) -> None:
         if self.linkage not in ("average", "complete", "single", "ward"):
             raise ConfigError(f"linkage must be average, complete, single or ward; got {self.linkage!r}")
-        if not 2 <= self.least <= self.most or not 0 <= self.least_share < 1:
-            raise ConfigError(
-                "least starts at 2, most at least, and least_share lies in [0, 1); "
-                f"got {self.least}, {self.most}, {self.least_share}"
-            )
+        if self.most < 2:
+            raise ConfigError(f"grouping needs a most of 2 categories or more; got {self.most}")
 
 
 class FaceCategories:
@@ -42,7 +36,7 @@ class FaceCategories:
 
     Attributes:
         som: The map.
-        group: (cells,) category of each cell, 0 to count - 1.
+        group: (cells,) category of each cell, 0 to count - 1; a cell on which no face fell has that of the nearest one.
         count: How many there are.
     """
 
@@ -52,8 +46,8 @@ class FaceCategories:
             raise ConfigError(f"grouping needs two face patterns or more; got {len(patterns)}")
         self.som = som
         hits = np.bincount([som.winner(pattern) for pattern in patterns], minlength=len(som.weights))
-        used = np.flatnonzero(hits > config.least_share * len(patterns))
-        groups = _groups(som.weights[used], config)
+        used = np.flatnonzero(hits)
+        groups = grouped(som.weights[used], hits[used], config)
         to_used = np.square(som.weights[:, None] - som.weights[used]).sum(axis=2)
         self.group = groups[to_used.argmin(axis=1)]
         self.count = int(groups.max()) + 1
@@ -63,12 +57,29 @@ class FaceCategories:
         return int(self.group[self.som.winner(pattern)])
 
 
-def _groups(points: np.ndarray, config: GroupingConfig) -> np.ndarray:
-    """Groups (n,) of points (n, d), where joining goes on farthest without a merger; one where there is one point."""
-    if len(points) <= config.least:
+def grouped(points: np.ndarray, weights: np.ndarray, config: GroupingConfig) -> np.ndarray:
+    """Groups (n,) of points (n, d), each of which stands for ``weights`` (n,) faces."""
+    if len(points) < 3:
         return np.arange(len(points))
-    tree = linkage(points, config.linkage)
-    strides = tree[::-1, 2][config.least - 2 : config.most]
-    with np.errstate(divide="ignore"):
-        count = config.least + int((strides[:-1] / strides[1:]).argmax())
-    return fcluster(tree, count, "maxclust") - 1
+    apart = pdist(points)
+    tree, distances = linkage(points, config.linkage), squareform(apart)
+    stages = [fcluster(tree, count, "maxclust") - 1 for count in range(2, min(config.most, len(points) - 1) + 1)]
+    return max(stages, key=lambda groups: silhouette(distances, groups, weights))
+
+
+def silhouette(distances: np.ndarray, groups: np.ndarray, weights: np.ndarray) -> float:
+    """Mean silhouette, -1..1, of points that stand for ``weights`` (n,) faces each, which lie upon each other.
+
+    Args:
+        distances: (n, n) between points.
+        groups: (n,) of each point, 0 to k - 1, k of 2 or more.
+        weights: (n,) whole numbers above 0.
+    """
+    member = np.eye(groups.max() + 1)[groups] * weights[:, None]
+    size, total = member.sum(axis=0), distances @ member
+    own = total[np.arange(len(groups)), groups] / np.maximum(size[groups] - 1, 1)
+    other = np.where(np.eye(len(size), dtype=bool)[groups], np.inf, total / size).min(axis=1)
+    with np.errstate(invalid="ignore"):
+        clear = np.nan_to_num((other - own) / np.maximum(own, other))
+    clear[size[groups] == 1] = 0.0
+    return float(np.average(clear, weights=weights))

@@ -141,13 +141,18 @@ class RenderedLife(Life):
                 return t + 1, found
         return last, NOTHING
 
+    def close(self) -> None:
+        """Free the world's model, data and rendering context."""
+        self.stage.world.close()
+
     def see(self) -> None:
         """Let bodies stand as the turn has left them, and take in what the picture shows."""
         self.stage.show(int(self.mind.mind.a[1]), self.heads)
-        shown = self._look() if self.senses.looks else NOTHING_LOOKED_AT
+        shown = self.look() if self.senses.looks else NOTHING_LOOKED_AT
         self.senses.read(shown, self.stage.sensors, self.stage.results, self._s, self._r)
 
-    def _look(self) -> Gazed:
+    def look(self) -> Gazed:
+        """What is gazed at now."""
         world = self.stage.world
         return gazed(self.perception, world.picture(), world.head_angles(), self.config.senses.centre_radius_deg)
 
@@ -156,7 +161,7 @@ class RenderedLife(Life):
         self._face, patterns, seen = np.zeros(2), list[np.ndarray](), 0
         for _ in range(MOST_LOOKS):
             self.stage.greet(self._face)
-            shown = self._look()
+            shown = self.look()
             if shown.pattern is not None:
                 patterns.append(shown.pattern)
             if not np.isnan(shown.face_px).any():
@@ -179,7 +184,7 @@ class RenderedLife(Life):
             action = rng.integers((self.spots + 1, self.world.gestures))
             turn(stage.table, action, stage.sensors, stage.results)
             stage.show(int(action[1]), self.heads)
-            shown = self._look()
+            shown = self.look()
             if shown.pattern is not None:
                 patterns.append(shown.pattern)
         return patterns

@@ -1,0 +1,132 @@
+"""Whether the order holds from pictures, what is mistaken for what, the delay, and which part's errors cost it."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.rendered_turns.sweep import SETTINGS
+from experiments.tables import in_order, time_of
+from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
+from jointattn_mj.laboratory.statistics import mean_interval, median_interval, proportion
+
+STAGES = ("FG", "SCf", "SC")
+ASKED = 0.85
+"""Share of runs in order that was asked for."""
+
+
+def _results(cells: Cells, setting: str) -> list[dict[str, Any]]:
+    return [cell.result for cell in cells.get(setting, ())]
+
+
+def purity(result: dict[str, Any]) -> float:
+    """Share of the faces sensed whose category's most frequent truth is theirs."""
+    faces = np.array(result["faces"])[:-1, :-1]
+    return float(faces.max(axis=1).sum() / faces.sum())
+
+
+def missed(result: dict[str, Any]) -> float:
+    """Share of looks at her face in which none was sensed."""
+    faces = np.array(result["faces"])
+    return float(faces[-1, :-1].sum() / faces[:, :-1].sum())
+
+
+def objects_wrong(result: dict[str, Any]) -> float:
+    """Share of turns in which an object was sensed and none was there, or the other way round."""
+    objects = np.array(result["objects"])
+    return float((objects[0, 1] + objects[1, 0]) / objects.sum())
+
+
+def analyse(cells: Cells) -> list[Finding]:
+    """Order, times and their ratio to those at the symbolic table, and perception's errors."""
+    findings = []
+    for setting in SETTINGS:
+        results = _results(cells, setting)
+        if not results:
+            continue
+        order = proportion(sum(map(in_order, results)), len(results))
+        symbolic = proportion(sum(in_order(result["symbolic"]) for result in results), len(results))
+        findings.append(Finding(
+            f"FG, SCf, SC first and in this order, from pictures: {setting}", "asked for, never done", order,
+            Verdict.EXTENSION, f"by the same seeds at the symbolic table {symbolic}",
+        ))  # fmt: skip
+        both = [one for one in results if in_order(one) and in_order(one["symbolic"])]
+        if both:
+            ratios = [time_of(one, 2) / time_of(one["symbolic"], 2) for one in both]
+            times = median_interval([time_of(one, 2) if in_order(one) else np.inf for one in results])
+            findings.append(Finding(
+                f"turn of gaze alternation (median), from pictures: {setting}", "more than 45,000 in the example", times,
+                Verdict.EXTENSION, f"times those at the symbolic table by the same seeds: {median_interval(ratios)}",
+            ))  # fmt: skip
+        errors = {"faces in a category of another truth": purity, "looks at her that saw no face": missed}
+        errors["turns with a wrong object"] = objects_wrong
+        shares = ", ".join(
+            f"{name} {mean_interval([f(one) if f is not purity else 1 - f(one) for one in results])}"
+            for name, f in errors.items()
+        )
+        count = mean_interval([len(result["faces"]) - 1 for result in results])
+        findings.append(Finding(
+            f"categories of faces where 4 would do: {setting}", "given", count, Verdict.EXTENSION, shares,
+        ))  # fmt: skip
+    return findings
+
+
+def draw(cells: Cells) -> Mapping[str, Figure]:
+    """When the modules are made, seen and symbolic; what is sensed under each truth; order by replaced part."""
+    shown = [setting for setting in SETTINGS if _results(cells, setting)]
+    if not shown:
+        return {}
+    figure = Figure(figsize=(11, 3.9), layout="constrained")
+    times, confusion, order = figure.subplots(1, 3, width_ratios=(1.3, 1, 1))
+    for number, setting in enumerate(one for one in ("fast", "thesis") if one in shown):
+        results = _results(cells, setting)
+        for stage, name in enumerate(STAGES):
+            made = [(time_of(one["symbolic"], stage), time_of(one, stage)) for one in results if in_order(one)]
+            if made:
+                times.plot(
+                    *zip(*made, strict=True), "os^"[stage], ms=4, color=f"C{stage}",
+                    mfc="none" if number else f"C{stage}", label=f"{name}, {setting}",
+                )  # fmt: skip
+    ends = (500, 100_000)
+    times.plot(ends, ends, "k:", lw=1)
+    times.set(xscale="log", yscale="log", xlim=ends, ylim=ends)
+    times.set(xlabel="turn at the symbolic table", ylabel="turn from pictures", title="When a module is made, by seed")
+    times.legend(fontsize=7)
+    times.grid(alpha=0.3)
+    _draw_confusion(confusion, _results(cells, "clumsy") or _results(cells, shown[0]))
+    for place, setting in enumerate(shown):
+        results = _results(cells, setting)
+        share = proportion(sum(map(in_order, results)), len(results))
+        order.errorbar(
+            share.mean,
+            -place,
+            xerr=[[share.mean - share.low], [share.high - share.mean]],
+            fmt="o",
+            color="C0",
+            capsize=3,
+        )
+    order.axvline(ASKED, color="k", ls=":", lw=1)
+    order.set_yticks([-place for place in range(len(shown))], shown, fontsize=8)
+    order.set(xlim=(0, 1.02), xlabel="FG, SCf, SC in order (share of runs, 95%)", title="Which part's errors cost it")
+    order.grid(alpha=0.3, axis="x")
+    return {"rendered": figure}
+
+
+def _draw_confusion(axes: Any, results: list[dict[str, Any]]) -> None:
+    """Categories of all runs, each under the name of its most frequent truth, against the truth."""
+    truths = ["place 1", "place 2", "place 3", "robot", "not looked at"]
+    total = np.zeros((5, 5))
+    for result in results:
+        faces = np.array(result["faces"])
+        for row in faces[:-1]:
+            total[row[:-1].argmax()] += row
+        total[-1] += faces[-1]
+    shares = total / total.sum(axis=0)
+    axes.imshow(shares, cmap="Blues", vmin=0, vmax=1)
+    for i, j in np.ndindex(shares.shape):
+        axes.text(j, i, f"{shares[i, j]:.1%}" if total[i, j] else "0", ha="center", va="center", fontsize=7,
+                  color="w" if shares[i, j] > 0.5 else "k")  # fmt: skip
+    axes.set_xticks(range(5), truths, rotation=40, ha="right", fontsize=8)
+    axes.set_yticks(range(5), [*truths[:-1], "no face"], fontsize=8)
+    axes.set(xlabel="truth: she looks at", ylabel="sensed (category by its majority)", title="Faces, clumsy bodies")
