@@ -1,0 +1,1 @@
+"""Gaze following that becomes continuous once it is found (section 7.1)."""

@@ -1,0 +1,197 @@
+"""Lives from pictures in which the module of gaze following gets a continuous map, and what else could have been
+learned from what they saw."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from jointattn_mj.contingency.events import Event
+from jointattn_mj.contingency.modules import OFFERS_NOTHING
+from jointattn_mj.contingency.reactive import RandomModule
+from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.learning import Learner, LearnerConfig, make_learner
+from jointattn_mj.rendered.continuous import FORWARD, SCATTERED, ContinuousConfig, ContinuousLife, Pair
+from jointattn_mj.rendered.life import RenderedConfig
+from jointattn_mj.scene.camera import directions_to, off_centre
+from jointattn_mj.symbolic.meaning import FACE, GAZE, OBJECT
+from jointattn_mj.symbolic.presets import PRESETS
+from jointattn_mj.symbolic.table import turn
+
+WITHIN_DEG = 3.5
+"""As in chapter 6."""
+CHECKPOINTS = (250, 500, 1000, 2000, 3500, 5000)
+"""Turns after the event was found, at which maps are examined."""
+LINEAR = LearnerConfig(code="linear", rate=0.1)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A life, and what is asked of its maps."""
+
+    world: RenderedConfig = SCATTERED
+    continuous: ContinuousConfig = field(default_factory=ContinuousConfig)
+    most: int = 20_000
+    """Turns in which gaze following may be found."""
+    after: int = CHECKPOINTS[-1]
+    """Turns that follow."""
+    looks: int = 200
+    """Held-out faces."""
+
+
+FIRST_SEED = 50_000
+SETTINGS = {"scattered": Setting(Trial(), runs=20)}
+
+
+@dataclass(frozen=True)
+class Look:
+    """A held-out face, and where the caregiver's object and all others were."""
+
+    activations: np.ndarray
+    category: int
+    hers: np.ndarray
+    others: np.ndarray
+
+
+def cell(trial: Trial, seed: int) -> dict[str, Any]:
+    """When the event was found, how the module followed with its table and with its map, and what maps know when."""
+    preset = PRESETS["fast"]
+    life = ContinuousLife(
+        preset.world, trial.world, preset.mind, seed, trial.most + trial.after, trial.continuous,
+        (RandomModule(GAZE),),
+    )  # fmt: skip
+    following = None
+    while life.lived < trial.most and following is None:
+        life.live(1)
+        following = next((one for one in life.found if one.module and _follows(life, one.module.event)), None)
+    categories = life.senses.categories.count
+    if following is None:
+        return {"found": None, "categories": categories}
+    life.live(trial.after)
+    by = {
+        name: [(one.off_deg, one.nearest) for one in life.landings if one.by_map is by_map]
+        for name, by_map in (("table", False), ("map", True))
+    }
+    looks = list(_looks(life, trial.looks, np.random.SeedSequence(seed).spawn(7)[6]))
+    return {
+        "found": following.turn,
+        "categories": categories,
+        "ready": next((one.turn for one in life.landings if one.by_map), None),
+        "landings": {name: _landed(rows) for name, rows in by.items()},
+        "pairs": _numbers(life.pairs, following.turn),
+        "maps": _maps(life, following.turn, looks),
+    }
+
+
+def _follows(life: ContinuousLife, event: Event) -> bool:
+    variables = life.mind.variables
+    names = variables.sensors[event.sensor].name, variables.actions[event.action].name
+    return (*names, variables.results[event.result].name) == (FACE, GAZE, OBJECT)
+
+
+def _landed(rows: Sequence[tuple[float, bool]]) -> dict[str, Any]:
+    off = [deg for deg, _ in rows]
+    return {
+        "n": len(rows),
+        "median_deg": float(np.median(off)) if off else None,
+        "within": float(np.mean(np.array(off) <= WITHIN_DEG)) if off else None,
+        "nearest": float(np.mean([nearest for _, nearest in rows])) if off else None,
+    }
+
+
+def _numbers(pairs: Sequence[Pair], found: int) -> dict[str, int]:
+    since = [pair for pair in pairs if pair.turn >= found]
+    forward = [pair for pair in since if pair.order == FORWARD]
+    return {
+        "face to object": len(forward),
+        "informative": sum(pair.informative for pair in forward),
+        "object to face": len(since) - len(forward),
+    }
+
+
+def _looks(life: ContinuousLife, count: int, seed: np.random.SeedSequence) -> Iterable[Look]:
+    """Faces that look at objects, seen while the gaze moves at random at a table of their own."""
+    of_table, of_moves = seed.spawn(2)
+    stage, rng = life.stage, np.random.default_rng(of_moves)
+    stage.begin(of_table)
+    while count:
+        action = np.array([life.spots if rng.random() < 0.5 else rng.integers(life.spots), 0])
+        turn(stage.table, action, stage.sensors, stage.results)
+        stage.show(0, life.heads)
+        shown = life.look()
+        hers = life.target()
+        if shown.pattern is None or hers is None:
+            continue
+        directions = directions_to(np.vstack([hers, stage.world.caregiver.objects]))
+        others = directions[1:][np.abs(directions[1:] - directions[0]).max(axis=1) > 1e-9]
+        categories = life.senses.categories
+        yield Look(categories.som.activations(shown.pattern), categories.of(shown.pattern), directions[0], others)
+        count -= 1
+
+
+def _maps(life: ContinuousLife, found: int, looks: Sequence[Look]) -> dict[str, list[dict[str, Any]]]:
+    """What each way of learning knows at the checkpoints; of turns before the event was found, gaze was random."""
+    following = life.following
+    if following is None:
+        return {}
+    since = [pair for pair in life.pairs if pair.turn >= found]
+    before = [pair for pair in life.pairs if pair.turn < found]
+    face, gaze, object_there = (life.log(name).astype(int) for name in (FACE, GAZE, OBJECT))
+    informative = [
+        pair
+        for pair in before
+        if pair.order == FORWARD
+        and following.is_informative(
+            object_there[pair.turn - 1], face[pair.turn - 1], object_there[pair.turn], gaze[pair.turn - 1]
+        )
+    ]  # fmt: skip
+    population, cells = LearnerConfig(), len(life.senses.categories.som.weights)
+    chosen = [pair for pair in since if pair.informative]
+    forward = [pair for pair in since if pair.order == FORWARD]
+    ways = {
+        "informative": (population, chosen, found),
+        "all": (population, forward, found),
+        "chapter 6": (population, since, found),
+        "informative, two linear outputs": (LINEAR, chosen, found),
+        "all, two linear outputs": (LINEAR, forward, found),
+        "gaze at random, informative": (population, informative, 0),
+        "gaze at random, all": (population, [pair for pair in before if pair.order == FORWARD], 0),
+        "gaze at random, chapter 6": (population, before, 0),
+    }
+    answers = [following.module.command[0, look.category] for look in looks]
+    table = [None if a == OFFERS_NOTHING else np.degrees(life.heads[a]) for a in answers]
+    known = {"table": [{"turns": 0, **_judged(table, looks)}]}
+    for name, (config, pairs, start) in ways.items():
+        learner = make_learner(config, cells, np.random.default_rng(0))
+        known[name] = list(_examined(learner, pairs, start, found if start == 0 else np.inf, looks))
+    return known
+
+
+def _examined(
+    learner: Learner, pairs: Sequence[Pair], start: int, end: float, looks: Sequence[Look]
+) -> Iterable[dict[str, Any]]:
+    """What a learner knows of ``looks`` so many turns after ``start``, up to turn ``end``."""
+    left = list(pairs)
+    for turns in CHECKPOINTS:
+        if start + turns > end:
+            return
+        while left and left[0].turn < start + turns:
+            learner.learn(left[0].activations, left.pop(0).direction)
+        yield {"turns": turns, "pairs": len(pairs) - len(left),
+               **_judged([learner.predict(look.activations) for look in looks], looks)}  # fmt: skip
+
+
+def _judged(directions: Sequence[np.ndarray | None], looks: Sequence[Look]) -> dict[str, Any]:
+    """Errors over the looks for which there is a direction; success over all of them."""
+    off, nearest = [], 0
+    for direction, look in zip(directions, looks, strict=True):
+        if direction is not None:
+            off.append(off_centre(look.hers, direction))
+            nearest += all(off[-1] <= off_centre(other, direction) for other in look.others)
+    return {
+        "answered": len(off) / len(looks),
+        "median_deg": float(np.median(off)) if off else None,
+        "within": float(np.sum(np.array(off) <= WITHIN_DEG)) / len(looks),
+        "nearest": nearest / len(looks),
+    }
