@@ -49,8 +49,8 @@ REGISTRY = Registry(
           "Its robot is never told that it was right. What a learner makes of the same world that is told at every step "
           "is a measure of the task."),
     Entry("continuous", "continuous", "Gaze following in continuous space", "section 7.1, asked for",
-          "Once its event is found, a module learns a map from continuous data, by pairs that contingent saliency marks "
-          "as informative."),
+          "Once its event is found, a module learns a map from continuous data, by the pairs that contingent saliency "
+          "marks as informative."),
     Entry("rendered", "rendered_turns", "Development on a robot that sees, in turns", "sections 5.3 and 7.1",
           "To validate our mechanism, we need to implement our mechanism into a real robot."),
 )  # fmt: skip

@@ -63,7 +63,7 @@ def cell(trial: Trial, seed: int) -> dict[str, Any]:
     )  # fmt: skip
     following = None
     while life.lived < trial.most and following is None:
-        life.live(1)
+        life.live(100)
         following = next((one for one in life.found if one.module and _follows(life, one.module.event)), None)
     categories = life.senses.categories.count
     if following is None:
