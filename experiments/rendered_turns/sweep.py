@@ -31,17 +31,17 @@ categories of seeds 200 to 211, before any mind had lived with it."""
 
 def _clumsy(*truth: str) -> Setting:
     config = RenderedConfig(stage=CLUMSY)
-    return Setting(Seen("fast", 40_000, replace(config, senses=replace(config.senses, truth=truth))), runs=20)
+    return Setting(Seen("fast", 20_000, replace(config, senses=replace(config.senses, truth=truth))), runs=20)
 
 
 FIRST_SEED = 60_000
 SETTINGS = {
     "fast": Setting(Seen("fast", 40_000), runs=20),
-    "thesis": Setting(Seen("thesis", 80_000), runs=20),
     "clumsy": _clumsy(),
     "clumsy, true faces": _clumsy("face"),
     "clumsy, true categories": _clumsy("category"),
     "clumsy, true objects": _clumsy("object"),
+    "thesis": Setting(Seen("thesis", 60_000), runs=20),
 }
 FILM = Path(__file__).with_name("gaze_alternation.mp4")
 """``jointattn develop --world rendered --steps 20000 --seed 3 --video``."""
