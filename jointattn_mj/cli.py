@@ -84,17 +84,24 @@ def _session(arguments: Sequence[str] = ()) -> Callable[..., Any]:
 
 def _develop(arguments: Sequence[str] = ()) -> Callable[..., Any]:
     from jointattn_mj.develop_command import run_with_bar
-    from jointattn_mj.development import DevelopConfig, DevelopOptions, preset_in
+    from jointattn_mj.development import DevelopConfig, DevelopOptions, preset_in, world_in
+
+    chosen = DevelopConfig.of(preset_in(arguments))
+    if world_in(arguments) == "rendered":
+        from jointattn_mj.rendered_development import RenderedDevelopConfig
+
+        chosen = RenderedDevelopConfig.of(preset_in(arguments, default="fast"))
 
     def develop(
         options: Annotated[DevelopOptions, tyro.conf.arg(name="")],
-        config: Annotated[DevelopConfig, tyro.conf.arg(name="")] = DevelopConfig.of(preset_in(arguments)),  # noqa: B008
+        config: Annotated[DevelopConfig, tyro.conf.arg(name="")] = chosen,
     ) -> Callable[[], None]:
         """Let a robot find what is contingent, make modules of it, and so develop joint attention (chapters 4 and 5).
 
         Leaves in --out: config.yaml, summary.json (modules in their order, what they mean, behaviour by phases),
         sac.png (Fig. 5.3), behaviour.png (Fig. 5.5), maps.png, module_1.csv and so on (the learned maps),
-        turns.parquet (a row a turn), contingency.parquet, checkpoint.bin. The defaults below are those of --preset.
+        turns.parquet (a row a turn), contingency.parquet, checkpoint.bin, and with --video a video. The defaults below
+        are those of --preset and --world.
         """
         return lambda: run_with_bar(config, options)
 

@@ -1,11 +1,11 @@
 """``jointattn develop``: a mind and its table through a whole life, in a folder: progress, checkpoints, results."""
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import tyro
 
@@ -25,8 +25,6 @@ from jointattn_mj.symbolic.presets import PRESETS
 from jointattn_mj.symbolic.summary import summarise
 from jointattn_mj.symbolic.table import TableConfig
 
-AT_A_TIME = 20_000
-"""Turns between two looks at the bar and at Ctrl-C."""
 LIKELY_MODULES = 8
 """For an estimate of the memory that will be needed: few lives find more."""
 
@@ -35,8 +33,9 @@ LIKELY_MODULES = 8
 class DevelopConfig:
     """What makes a life: the same config, the same life."""
 
-    world: Literal["table"] = "table"
-    """Where the robot lives: at a table with spots, objects and a caregiver, in turns (chapters 4 and 5)."""
+    world: Literal["table", "rendered"] = "table"
+    """Where the robot lives: at a table with spots, objects and a caregiver, in turns (chapters 4 and 5), which is
+    told to it (table) or which it sees (rendered; --world rendered --help lists the options that come with it)."""
     preset: Annotated[str, tyro.conf.arg(metavar="{" + ",".join(PRESETS) + "}")] = "thesis"
     """A reading of the text that gives --table.* and --mind.* their defaults; each can still be set by itself. thesis:
     chapter 5 as it is written. thesis_robot_first: the robot acts first in a turn. fast: finds the same in a fraction
@@ -52,6 +51,13 @@ class DevelopConfig:
     """Turns between two notes of every event's contingency."""
     table: TableConfig = field(default_factory=TableConfig)
     mind: DeveloperConfig = field(default_factory=DeveloperConfig)
+
+    at_a_time: ClassVar[int] = 20_000
+    """Turns between two looks at the bar and at Ctrl-C."""
+    checkpoint_every: ClassVar[int] = 2_000_000
+    """Turns between checkpoints, unless options say otherwise."""
+    films: ClassVar[bool] = False
+    """Whether there is anything to be filmed."""
 
     def __post_init__(self) -> None:
         if self.preset not in PRESETS:
@@ -75,6 +81,10 @@ class DevelopConfig:
         """The reactive module of the gaze; the gesture moves at random in any case."""
         return (RandomModule(GAZE) if self.reactive == "random" else AvoidingModule(GAZE, CAREGIVER),)
 
+    def film(self, path: Path, moments: Sequence[Life]) -> None:
+        """Film some turns from each of a life's moments on, which may be used up."""
+        raise ConfigError(f"a life in world {self.world} cannot be filmed; choose --world rendered")
+
     def new_life(self) -> Life:
         """A life before its first turn."""
         return TableLife(self.table, self.mind, self.seed, self.steps, self.born_with(), self.sample_every)
@@ -88,21 +98,32 @@ class DevelopOptions:
     """Folder for the results; made when missing, refused when it holds another run."""
     resume: bool = False
     """Go on from the checkpoint in the folder, to the same final result."""
-    checkpoint_every: int = 2_000_000
-    """Turns between checkpoints: at most so much is lost by a kill."""
+    checkpoint_every: int | None = None
+    """Turns between checkpoints: at most so much is lost by a kill. None: 2,000,000, or 10,000 of a rendered world."""
+    video: bool = False
+    """Film some turns before, and after each module (world rendered only), and leave a video."""
 
     def __post_init__(self) -> None:
-        if self.checkpoint_every < 1:
+        if self.checkpoint_every is not None and self.checkpoint_every < 1:
             raise ConfigError(f"checkpoint_every must be 1 turn or more; got {self.checkpoint_every}")
 
 
-def preset_in(arguments: Sequence[str]) -> str:
-    """The preset that a command line names, since all other defaults follow from it; ``thesis`` where it names none."""
+def preset_in(arguments: Sequence[str], default: str = "thesis") -> str:
+    """The preset that a command line names, since other defaults follow from it; ``default`` where it names none."""
+    return _named_in(arguments, "--preset", PRESETS) or default
+
+
+def world_in(arguments: Sequence[str]) -> str:
+    """The world that a command line names, since options follow from it; ``table`` where it names none."""
+    return _named_in(arguments, "--world", ("table", "rendered")) or "table"
+
+
+def _named_in(arguments: Sequence[str], option: str, names: Collection[str]) -> str | None:
     for before, argument in zip(["", *arguments], arguments, strict=False):
-        name = argument.removeprefix("--preset=") if argument.startswith("--preset=") else argument
-        if (before == "--preset" or name != argument) and name in PRESETS:
+        name = argument.removeprefix(f"{option}=")
+        if (before == option or name != argument) and name in names:
             return name
-    return "thesis"
+    return None
 
 
 def run_development(
@@ -113,8 +134,8 @@ def run_development(
 ) -> dict[str, Any]:
     """Live a life and leave its results in ``options.out``; returns the summary.
 
-    ``progress`` is called every AT_A_TIME turns with what was found in them and what it means; ``compiling`` once,
-    if the loop is being compiled, as on its first use. On Ctrl-C or SIGTERM a checkpoint is written before
+    ``progress`` is called every ``config.at_a_time`` turns with what was found in them and what it means; ``compiling``
+    once, if the loop is being compiled, as on its first use. On Ctrl-C or SIGTERM a checkpoint is written before
     KeyboardInterrupt goes on.
 
     Raises:
@@ -123,7 +144,10 @@ def run_development(
         CheckpointError: ``resume`` without a fitting checkpoint.
     """
     out, frozen = options.out, options.out / "checkpoint.bin"
+    every = options.checkpoint_every or config.checkpoint_every
     check_memory(config)
+    if options.video and not config.films:
+        raise ConfigError(f"world {config.world} has nothing to be filmed; choose --world rendered, or no --video")
     if options.resume:
         life: Life = checkpoint.load(frozen, config)
         forget_partial(out)
@@ -131,18 +155,32 @@ def run_development(
         life = config.new_life()
         claim(out)
         checkpoint.save(frozen, life, config)
+        if options.video:
+            checkpoint.save(_moment(out, 0), life, config)
     if not (out / "config.yaml").exists():
         write_config(out / "config.yaml", config)
     with deferred() as interrupts, _told_of_compiling(compiling):
         while life.lived < life.turns:
-            pause = min(life.turns, (life.lived // options.checkpoint_every + 1) * options.checkpoint_every)
-            found = life.live(min(AT_A_TIME, pause - life.lived))
+            pause = min(life.turns, (life.lived // every + 1) * every)
+            found = life.live(min(config.at_a_time, pause - life.lived))
+            if options.video and found and life.mind.modules:
+                checkpoint.save(_moment(out, len(life.mind.modules)), life, config)
             progress(life, _with_meanings(life, found))
             if life.lived == pause or interrupts.requested:
                 checkpoint.save(frozen, life, config)
             if interrupts.requested:
                 raise KeyboardInterrupt
+    if options.video:
+        kept = sorted(out.glob("moment_*.bin"))
+        config.film(out / "video.mp4", [checkpoint.load(path, config) for path in kept])
+        for path in kept:
+            path.unlink()
     return _leave_results(config, life, out)
+
+
+def _moment(out: Path, modules: int) -> Path:
+    """Where a life is kept as it was with so many modules, to be filmed at the end."""
+    return out / f"moment_{modules:02d}.bin"
 
 
 def check_memory(config: DevelopConfig) -> None:

@@ -164,14 +164,14 @@ def _draw_drivers(canvas: np.ndarray, life: Life, driver: int) -> None:
     known = meanings(life.named_variables(), life.mind.modules)
     rows = [("born with: at random", GREY, driver >= len(made))]
     for number, (one, meaning) in enumerate(zip(made, known, strict=True)):
-        words = f"{number + 1}  {meaning.label}, found at turn {one.turn:,}"
-        rows.append((words, INKS[number % len(INKS)], driver == number))
+        rows.append((f"{number + 1}  {meaning.label}", INKS[number % len(INKS)], driver == number))
+        write(area, area.shape[1] - 14, 68 + 28 * number, f"turn {one.turn:,}", GREY, 14, align="right")
     for row, (words, ink, active) in enumerate(rows[:8]):
         y = 40 + 28 * row
         if active:
             shade(area[y - 3 : y + 23], ink, 0.35)
             disc(area, np.array([20.0, y + 10.0]), 6, ink)
-        write(area, 36, y, words if len(words) < 72 else words[:69] + "...", WHITE if active else ink, 15, active)
+        write(area, 36, y, words if len(words) < 60 else words[:57] + "...", WHITE if active else ink, 15, active)
 
 
 def _draw_strip(canvas: np.ndarray, life: Life) -> None:

@@ -1,0 +1,43 @@
+"""``jointattn develop --world rendered``: what differs from a life at the symbolic table."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar, Literal
+
+from jointattn_mj.development import DevelopConfig
+from jointattn_mj.rendered.film import LifeFilm
+from jointattn_mj.rendered.life import RenderedConfig, RenderedLife
+from jointattn_mj.robots.life import Life
+from jointattn_mj.symbolic.meaning import meanings
+
+
+@dataclass(frozen=True)
+class RenderedDevelopConfig(DevelopConfig):
+    """A life at the same table, which the robot sees."""
+
+    world: Literal["table", "rendered"] = "rendered"
+    """Where the robot lives: at a table that it sees in pictures, one a turn, and at which bodies are imprecise."""
+    preset: str = "fast"
+    """As at the symbolic table. A turn takes a picture's time, so the one that needs fewest turns is the default."""
+    steps: int = 20_000
+    """Turns to live; half a minute without a GPU."""
+    rendered: RenderedConfig = field(default_factory=RenderedConfig)
+
+    at_a_time: ClassVar[int] = 500
+    checkpoint_every: ClassVar[int] = 10_000
+    films: ClassVar[bool] = True
+
+    def new_life(self) -> RenderedLife:
+        """A life before its first turn; the robot has been greeted, and has watched."""
+        born_with = self.born_with()
+        return RenderedLife(self.table, self.rendered, self.mind, self.seed, self.steps, born_with, self.sample_every)
+
+    def film(self, path: Path, moments: Sequence[Life]) -> None:
+        """Film some turns from each of a life's moments on."""
+        with LifeFilm(path) as film:
+            for life in moments:
+                assert isinstance(life, RenderedLife)
+                known = meanings(life.named_variables(), life.mind.modules)
+                film.scene(life, f"After {known[-1].label}" if known else "Before anything was found")
+                life.close()

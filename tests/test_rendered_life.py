@@ -1,0 +1,141 @@
+"""A life from pictures: the mind is that of the symbolic table, and what it senses comes from what its camera shows."""
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jointattn_mj.contingency.detector import DetectorConfig
+from jointattn_mj.development import DevelopOptions, run_development
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.perception.percept import Percept
+from jointattn_mj.rendered.life import RenderedConfig, RenderedLife
+from jointattn_mj.rendered.senses import PARTS, SensesConfig, named_by_majority
+from jointattn_mj.rendered.stage import StageConfig
+from jointattn_mj.rendered_development import RenderedDevelopConfig
+from jointattn_mj.robots.developer import DeveloperConfig
+from jointattn_mj.symbolic.life import TableLife
+from jointattn_mj.symbolic.table import TableConfig, table_variables
+
+HASTY = DeveloperConfig(detector=DetectorConfig(threshold=5e-3), most_modules=2)
+SHORT = RenderedConfig(watching=240)
+TRUE = replace(SHORT, senses=SensesConfig(truth=PARTS))
+TABLE = TableConfig()
+
+
+def lived(config, turns, seed=2, mind=HASTY, stops=()):
+    life = RenderedLife(TABLE, config, mind, seed, turns)
+    for stop in (*stops, turns):
+        life.live(stop - life.lived)
+    return life
+
+
+@pytest.fixture(scope="module")
+def life():
+    return lived(SHORT, 400)
+
+
+def assert_same(one, other):
+    assert one.lived == other.lived
+    for column in one.columns:
+        np.testing.assert_array_equal(one.log(column), other.log(column), err_msg=column)
+    assert [(found.turn, found.event) for found in one.found] == [(found.turn, found.event) for found in other.found]
+
+
+def test_with_the_truth_it_is_the_life_at_the_symbolic_table():
+    """The mind is the same, and so is the table; only perception lies between them."""
+    turns = 1500
+    seen, symbolic = lived(TRUE, turns), TableLife(TABLE, HASTY, 2, turns)
+    symbolic.live(turns)
+    assert symbolic.found
+    for column in symbolic.columns:
+        np.testing.assert_array_equal(seen.log(column), symbolic.log(column), err_msg=column)
+    assert [(one.turn, one.event) for one in seen.found] == [(one.turn, one.event) for one in symbolic.found]
+    np.testing.assert_array_equal(seen.faces(), symbolic.faces())
+    assert seen.stage.world.rendered_frames < turns  # nobody looked
+
+
+def test_pictures_tell_what_the_truth_is(life):
+    counts, objects = life.confusion(), life.object_confusion()
+    assert counts.sum() == objects.sum() == life.lived
+    assert counts[:-1, :-1].max(axis=1).sum() >= 0.97 * counts[:, :-1].sum()
+    assert counts[-1, -1] == counts[:, -1].sum()
+    assert np.trace(objects) >= 0.97 * life.lived
+    named = named_by_majority(life.mind.variables, counts, table_variables(TABLE).sensors[0].values)
+    assert {"at spot 1", "at spot 2", "at spot 3", "at robot"} <= {v.split(" (")[0] for v in named.sensors[0].values}
+    assert life.more()["sensed_object_by_truth"]["object"] == objects[0].tolist()
+
+
+def test_frontal_is_what_greeted_it(life):
+    """R1 is seen when she looks at the robot, R2 when at something else, each only while the robot looks at her."""
+    at_robot, elsewhere = life.faces() == 3, life.faces() < 3
+    assert np.mean(life.log("frontal face") == at_robot) > 0.98
+    assert np.mean(life.log("profile") == elsewhere) > 0.98
+
+
+def test_a_turn_is_a_picture(life):
+    assert life.stage.world.rendered_frames == life.lived + SHORT.watching + SHORT.greeting
+
+
+def test_the_same_seed_lives_the_same_life_however_it_is_interrupted(life):
+    assert_same(lived(SHORT, 400, stops=(1, 37)), life)
+    other = RenderedLife(TABLE, SHORT, HASTY, 2, 400)
+    other.live(123)
+    frozen = pickle.dumps(other)
+    other.live(10)
+    other.close()
+    again = pickle.loads(frozen)
+    again.live(400)
+    assert_same(again, life)
+    again.close()
+
+
+def test_seeds_differ(life):
+    assert not np.array_equal(lived(SHORT, 100, seed=3).log("shift gaze"), life.log("shift gaze")[:100])
+
+
+def test_who_sees_nothing_senses_nothing():
+    life = RenderedLife(TABLE, SHORT, HASTY, 2, 40)
+    count = len(life.stage.objects) + 1
+    nothing = Percept(np.zeros(count, bool), np.full((count, 2), np.nan), np.zeros(count, bool))
+    life.perception.look = lambda observation, landed: nothing
+    life.live(40)
+    assert (life.log("caregiver's face") == len(life.mind.variables.sensors[0].values) - 1).all()
+    for name in ("frontal face", "profile", "object"):
+        assert not life.log(name).any()
+
+
+@pytest.mark.parametrize("wrong", [{"greeting": 0}, {"watching": 0}])
+def test_options_that_cannot_work(wrong):
+    with pytest.raises(ConfigError):
+        RenderedConfig(**wrong)
+
+
+def test_parts_of_perception_have_names():
+    with pytest.raises(ConfigError, match="face, category, object"):
+        SensesConfig(truth=("ears",))
+
+
+def test_the_command_leaves_results_and_a_film_and_resumes_to_the_same(tmp_path):
+    config = RenderedDevelopConfig(steps=6, mind=HASTY, rendered=replace(SHORT, stage=StageConfig(variation="none")))
+    summary = run_development(config, DevelopOptions(tmp_path / "whole", video=True))
+    assert (tmp_path / "whole" / "video.mp4").stat().st_size > 10_000
+    assert not list((tmp_path / "whole").glob("moment*"))
+    assert summary["caregiver"] == "robin" and summary["steps"] == 6
+
+    def stop(life, found):
+        if life.lived == 2:
+            raise KeyboardInterrupt
+
+    options = DevelopOptions(tmp_path / "stopped", checkpoint_every=2)
+    with pytest.raises(KeyboardInterrupt):
+        run_development(config, options, stop)
+    assert run_development(config, replace(options, resume=True)) == summary
+
+
+def test_a_symbolic_life_is_not_filmed(tmp_path):
+    from jointattn_mj.development import DevelopConfig
+
+    with pytest.raises(ConfigError, match="--world rendered"):
+        run_development(DevelopConfig(steps=10), DevelopOptions(tmp_path, video=True))
