@@ -22,8 +22,9 @@ CARTPOLE_STEPS = 50
 class BenchmarkOptions:
     """How long to measure."""
 
-    what: Literal["scene", "contingency", "all"] = "scene"
-    """``scene``: closed loop, rendering alone, truth and cartpole. ``contingency``: the detector beside recomputation
+    what: Literal["scene", "turns", "contingency", "all"] = "scene"
+    """``scene``: closed loop, rendering alone, truth and cartpole. ``turns``: turns of chapter 5 from pictures,
+    rendering these alone, and turns at the symbolic table. ``contingency``: the detector beside recomputation
     in numpy, whole lives at the table, compiling, transfer entropy beside pyinform."""
     blocks: int = 8
     """How often everything takes its turn; the medians are reported."""

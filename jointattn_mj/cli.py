@@ -131,12 +131,15 @@ def _benchmark(arguments: Sequence[str] = ()) -> Callable[..., Any]:
     from jointattn_mj.benchmark import BenchmarkOptions, as_text, run_benchmark
     from jointattn_mj.contingency_benchmark import run_contingency_benchmark
     from jointattn_mj.recording.files import write_whole
+    from jointattn_mj.turns_benchmark import run_turns_benchmark
 
     def run(options: BenchmarkOptions) -> None:
         rows: dict[str, Any] = {}
-        if options.what != "contingency":
+        if options.what in ("scene", "all"):
             rows |= run_benchmark(options).rows()
-        if options.what != "scene":
+        if options.what in ("turns", "all"):
+            rows |= run_turns_benchmark(options.blocks).rows()
+        if options.what in ("contingency", "all"):
             rows |= run_contingency_benchmark(options.blocks).rows()
         print(as_text(rows))
         if options.out is not None:
@@ -144,8 +147,9 @@ def _benchmark(arguments: Sequence[str] = ()) -> Callable[..., Any]:
             write_whole(options.out, lambda path: path.write_text(text))
 
     def benchmark(options: Annotated[BenchmarkOptions, tyro.conf.arg(name="")]) -> Callable[[], None]:
-        """Measure, in one run: the closed loop beside rendering alone, the truth path, and dm_control's cartpole; the
-        search for contingency beside recomputation in numpy, and beside pyinform."""
+        """Measure, in one run: the closed loop beside rendering alone, the truth path, and dm_control's cartpole; turns
+        from pictures beside rendering these; the search for contingency beside recomputation in numpy, and beside
+        pyinform."""
         return lambda: _with_one_thread(run, options)
 
     return benchmark

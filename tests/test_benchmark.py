@@ -5,13 +5,14 @@ import math
 
 import pytest
 
-from jointattn_mj import benchmark
+from jointattn_mj import benchmark, turns_benchmark
 from jointattn_mj.benchmark import BenchmarkOptions, run_benchmark
 from jointattn_mj.cli import main
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
 from jointattn_mj.scene import gl
 from jointattn_mj.session import SessionConfig
+from jointattn_mj.turns_benchmark import TurnsBenchmark
 
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
 
@@ -33,6 +34,16 @@ def test_figures(tmp_path, capsys, monkeypatch):
     assert figures["session_26_min_s"] == pytest.approx(26 * 60 / figures["loop_times_real_time"])
     assert figures["loop_to_cartpole"] == pytest.approx(figures["loop_ms_per_picture"] / figures["cartpole_ms"])
     assert figures["truth_times_real_time"] > figures["loop_times_real_time"]
+
+
+@needs_gl
+def test_turns(capsys, monkeypatch):
+    monkeypatch.setattr(turns_benchmark, "TURNS", 30)
+    main(["benchmark", "--what", "turns", "--blocks", "1"])
+    figures = {name: float(value) for name, value in map(str.split, capsys.readouterr().out.splitlines())}
+    assert figures.keys() == TurnsBenchmark.__annotations__.keys()
+    assert all(math.isfinite(value) and value > 0 for value in figures.values())
+    assert figures["turn_to_picture"] == pytest.approx(figures["turn_ms"] / figures["turn_picture_ms"], rel=0.02)
 
 
 @pytest.mark.parametrize("options", [{"blocks": 0}, {"seconds": 0.0}, {"seconds": math.nan}])
