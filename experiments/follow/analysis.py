@@ -91,13 +91,12 @@ def _panel(axes: Axes, cells: Cells, task: str, observed: str) -> None:
 
 
 def _mean(axes: Axes, part: Sequence[Cell], name: str, last: int) -> None:
-    """Mean over runs and its interval; level from the last test on, where others went on for longer."""
+    """Mean over runs and its interval; thin and level from the last test on, where others went on for longer."""
     if not part:
         return
     steps = part[0].result["steps"]
     tests = [mean_interval(column) for column in np.array([cell.result["reward"] for cell in part]).T]
-    if steps[-1] < last:
-        steps, tests = [*steps, last], [*tests, tests[-1]]
+    axes.plot([steps[-1], last], [tests[-1].mean] * 2, color=COLOURS[name], lw=1, ls=(0, (6, 4)))
     axes.fill_between(steps, [e.low for e in tests], [e.high for e in tests], color=COLOURS[name], alpha=0.25, lw=0)
     axes.plot(steps, [e.mean for e in tests], color=COLOURS[name], lw=2, label=f"PPO {WORDS[name]}")
 
