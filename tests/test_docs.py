@@ -22,7 +22,7 @@ BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.M | re.S)
 OPTION = re.compile(r"^--[a-z][\w.-]*")
 FREE = ("apt-get", "rerun", "taskset")
 """Programs of other people: only the syntax of these lines is checked."""
-QUICK_MINUTES, QUICK_STEPS = 2, 40_000
+QUICK_MINUTES, QUICK_STEPS, QUICK_PICTURES = 2, 40_000, 500
 
 
 def blocks(page: Path) -> list[tuple[str, str]]:
@@ -54,7 +54,7 @@ def quick(words: list[str]) -> bool:
         case "session":
             return "truth" in words and "--start-from" not in words and after(words, "--minutes", 26) <= QUICK_MINUTES
         case "develop":
-            return after(words, "--steps", 100_000) <= QUICK_STEPS
+            return after(words, "--steps", 100_000) <= (QUICK_PICTURES if "rendered" in words else QUICK_STEPS)
         case "experiment":
             return words[1] == "list" or "my_claims.registry" in words
     return False
