@@ -34,7 +34,8 @@ def _clumsy(*truth: str) -> Setting:
     return Setting(Seen("fast", 20_000, replace(config, senses=replace(config.senses, truth=truth))), runs=20)
 
 
-FIRST_SEED = 60_000
+FIRST_SEED = 61_000
+"""What makes a face frontal was mended after 20 lives on seeds 60,000 to 60,019; these are fresh."""
 SETTINGS = {
     "fast": Setting(Seen("fast", 40_000), runs=20),
     "clumsy": _clumsy(),

@@ -42,7 +42,7 @@ class RenderedConfig:
     """Bodies."""
     senses: SensesConfig = field(default_factory=SensesConfig)
     """From pictures to sensations."""
-    greeting: int = 15
+    greeting: int = 30
     """Looks at the caregiver's face before all else, while she looks at the robot: so it learns what frontal is."""
     watching: int = 1000
     """Turns of moving at random, after which the robot makes categories of the faces it has seen; then it begins to

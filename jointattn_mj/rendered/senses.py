@@ -36,14 +36,20 @@ class SensesConfig:
     """How its cells become the values of S1."""
     centre_radius_deg: float = 3.5
     """What is so near to the centre of view is gazed at, as in chapter 6."""
+    frontal_share: float = 0.05
+    """A category is frontal if it had more than this share of the faces that greeted the robot: frontal faces may fall
+    into two categories, and a robot that took one of them for a profile found nothing after gaze following."""
     truth: tuple[str, ...] = ()
     """Parts of perception that are replaced by the truth: face, category, object."""
 
     def __post_init__(self) -> None:
         if not set(self.truth) <= set(PARTS):
             raise ConfigError(f"truth must name some of {', '.join(PARTS)}; got {', '.join(self.truth)}")
-        if not self.centre_radius_deg > 0:
-            raise ConfigError(f"centre_radius_deg must be above 0; got {self.centre_radius_deg}")
+        if not (self.centre_radius_deg > 0 and 0 <= self.frontal_share < 1):
+            raise ConfigError(
+                "senses need a centre_radius_deg above 0 and a frontal_share in [0, 1); "
+                f"got {self.centre_radius_deg}, {self.frontal_share}"
+            )
 
 
 class Gazed(NamedTuple):
@@ -92,7 +98,7 @@ class Senses:
         looks: Whether pictures are needed at all.
         variables: Those of the mind: S1 has a value for each category.
         categories: Of faces.
-        frontal: The category of the faces that greeted the robot.
+        frontal: (values of S1,) bool: the categories of the faces that greeted the robot; one, or a few.
     """
 
     def __init__(
@@ -109,12 +115,16 @@ class Senses:
         som = SOM(patterns.shape[1], config.som, rng)
         som.train(patterns, rng)
         self.categories = FaceCategories(som, patterns, config.grouping)
-        votes = [self.categories.of(pattern) for pattern in patterns[:greetings]]
-        self.frontal = int(np.bincount(votes).argmax())
         self._of_table = table_variables(table)
         self.variables = self._of_table if self._truth["category"] else _seen(self._of_table, self.categories.count)
         self._faces = len(self.variables.sensors[0].values) - 1
-        self._at_robot = table.spots if self._truth["category"] else self.frontal
+        if self._truth["category"]:
+            votes = np.array([table.spots])
+        else:
+            votes = np.array([self.categories.of(pattern) for pattern in patterns[:greetings]])
+        greeted = np.bincount(votes, minlength=self._faces + 1)
+        self.frontal = greeted > config.frontal_share * len(votes)
+        self._likeliest = int(greeted.argmax())
 
     def read(self, gazed: Gazed, sensors: np.ndarray, results: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
         """Write the values of this turn.
@@ -132,14 +142,14 @@ class Senses:
         if not face:
             s[0] = self._faces
         elif truth["category"]:
-            s[0] = sensors[0] if sensors[0] != not_seen else self._at_robot
+            s[0] = sensors[0] if sensors[0] != not_seen else self._likeliest
         elif gazed.pattern is not None:
             s[0] = self.categories.of(gazed.pattern)
         else:
-            s[0] = self.frontal
+            s[0] = self._likeliest
         there = sensors[1] != none if truth["object"] else gazed.object and not face
         s[1] = 0 if there else none
-        r[0] = s[0] == self._at_robot
+        r[0] = self.frontal[s[0]]
         if len(r) == 3:
             r[1] = face and not r[0]
         r[len(r) - 1] = there
