@@ -45,7 +45,7 @@ SETTINGS = {
     "thesis": Setting(Seen("thesis", 60_000), runs=20),
 }
 FILM = Path(__file__).with_name("gaze_alternation.mp4")
-"""``jointattn develop --world rendered --steps 20000 --seed 3 --video``."""
+"""``jointattn develop --world rendered --steps 12000 --seed 3 --video``."""
 
 
 def cell(config: Seen, seed: int) -> dict[str, Any]:

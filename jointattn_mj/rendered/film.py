@@ -171,7 +171,7 @@ def _draw_drivers(canvas: np.ndarray, life: Life, driver: int) -> None:
         if active:
             shade(area[y - 3 : y + 23], ink, 0.35)
             disc(area, np.array([20.0, y + 10.0]), 6, ink)
-        write(area, 36, y, words if len(words) < 60 else words[:57] + "...", WHITE if active else ink, 15, active)
+        write(area, 36, y, words if len(words) < 56 else words[:53] + "...", WHITE if active else ink, 15, active)
 
 
 def _draw_strip(canvas: np.ndarray, life: Life) -> None:
