@@ -16,6 +16,8 @@ COLOURS = {"state": "#1f618d", "pictures": "#b03a2e", BLINDFOLDED: "#7f8c8d"}
 BASELINES = {"oracle": "-.", "zero": "--", "random": ":"}
 NEAR = 0.9
 """Share of the way from the blindfolded learner to the oracle that counts as learned."""
+ENOUGH = 5
+"""Runs from which an interval is worth reading."""
 
 
 def analyse(cells: Cells) -> list[Finding]:
@@ -113,4 +115,5 @@ def _baseline(cells: Cells, task: str, name: str) -> list[float]:
 
 
 def _finding(what: str, ours: Estimate) -> Finding:
-    return Finding(what, "not asked", ours, Verdict.EXTENSION)
+    note = "" if ours.n >= ENOUGH else f"so few runs ({ours.n}) bound nothing"
+    return Finding(what, "not asked", ours, Verdict.EXTENSION, note)
