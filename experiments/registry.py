@@ -53,4 +53,7 @@ REGISTRY = Registry(
           "marks as informative."),
     Entry("rendered", "rendered_turns", "Development on a robot that sees, in turns", "sections 5.3 and 7.1",
           "To validate our mechanism, we need to implement our mechanism into a real robot."),
+    Entry("resolution", "resolution", "Resolution that grows", "section 7.1, asked for",
+          "How fine variables are influences contingency, and was set in advance; it should improve along with the "
+          "robot's development."),
 )  # fmt: skip

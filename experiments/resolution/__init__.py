@@ -1,0 +1,1 @@
+"""Values of sensations and actions that split where contingency rises (section 7.1)."""

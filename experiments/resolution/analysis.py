@@ -1,0 +1,144 @@
+"""How many faces and regions are told apart against what there is, by which splits, and what a mind makes of them."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.resolution.sweep import SETTINGS
+from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
+from jointattn_mj.laboratory.statistics import Estimate, mean_interval, median_interval, proportion
+
+Result = dict[str, Any]
+COLOURS = {2: "#7d6608", 3: "#c0392b", 4: "#2471a3", 5: "#1e8449"}
+NATS_PER_BIT = float(np.log(2))
+
+
+def analyse(cells: Cells) -> list[Finding]:
+    """A handful of rows for each number of spots."""
+    findings = []
+    for setting in SETTINGS:
+        results = [cell.result for cell in cells.get(setting, ())]
+        if not results:
+            continue
+        spots = SETTINGS[setting].config.spots
+        kinds = [step["kind"] for result in results for step in result["steps"]]
+        exact = sum(faces(result) == spots + 1 for result in results)
+        findings += [
+            _row(f"{setting}: faces told apart; she looks at {spots} spots or the robot",
+                 mean_interval([faces(result) for result in results]), f"{spots + 1} exactly in {exact} of {len(results)}"),
+            _row(f"{setting}: regions of gaze", mean_interval([regions(result) for result in results])),
+            _row(f"{setting}: her true targets that have a face value of their own",
+                 mean_interval([covered(result) / (spots + 1) for result in results])),
+            _row(f"{setting}: faces that fall under a value that mostly means their target",
+                 mean_interval([purity(result) for result in results])),
+            _row(f"{setting}: turns until the last target had a value of its own (median)",
+                 median_interval([settled(result, spots) for result in results])),
+            _row(f"{setting}: splits for which S and A had to split together",
+                 proportion(kinds.count("S and A"), len(kinds)), _first(results)),
+            _row(f"{setting}: nothing split had her faces come in another order",
+                 proportion(sum(result["shuffled"] == 0 for result in results), len(results))),
+            _row(f"{setting}: preset fast then finds gaze following",
+                 proportion(sum(result["found"] is not None for result in results), len(results)),
+                 _mind(results, spots)),
+        ]  # fmt: skip
+    return findings
+
+
+def draw(cells: Cells) -> Mapping[str, Figure]:
+    """Contingency against the number of values; faces against spots; turns; the regions of one robot for each table."""
+    by_spots = {spots: [cell.result for cell in cells.get(f"{spots} spots", ())] for spots in COLOURS}
+    by_spots = {spots: results for spots, results in by_spots.items() if results}
+    if not by_spots:
+        return {}
+    figure = Figure(figsize=(12, 6.4), layout="constrained")
+    path, count, time, plane = figure.subplots(2, 2).ravel()
+    for spots, results in by_spots.items():
+        colour, label = COLOURS[spots], f"{spots} spots"
+        for number, result in enumerate(results):
+            values = [2, *(step["faces"] + len(step["regions"]) for step in result["steps"])]
+            height = [0.0, *(step["contingency"] / NATS_PER_BIT for step in result["steps"])]
+            path.plot(values, height, "-", color=colour, lw=0.8, alpha=0.5, label=None if number else label)
+            turns = [step["turns"] for step in result["steps"]]
+            time.step([500, *turns, 40_000], [1, *(step["faces"] for step in result["steps"]), faces(result)],
+                      where="post", color=colour, lw=0.8, alpha=0.5, label=None if number else label)  # fmt: skip
+        for which, offset, marker in ((faces, -0.06, "o"), (regions, 0.06, "s")):
+            estimate = mean_interval([which(result) for result in results])
+            off = [[estimate.mean - estimate.low], [estimate.high - estimate.mean]]
+            name = {faces: "values of S (faces)", regions: "values of A (regions)"}[which]
+            first = spots == min(by_spots)
+            count.errorbar(spots + offset, estimate.mean, off, fmt=marker, ms=5, capsize=3, color=colour, mfc="none",
+                           label=name if first else None)  # fmt: skip
+        _draw_plane(plane, spots, results[0])
+    ticks = np.arange(2, 6)
+    count.plot(ticks, ticks + 1, "k:", lw=1, label="spots and the robot")
+    path.set(xlabel="values of S and A together", ylabel="contingency SAC, corrected, bit", ylim=(0, None))
+    count.set(xlabel="spots on the table (the robot is not told)", ylabel="values after 40,000 turns", xticks=ticks)
+    time.set(xlabel="turns of moving the gaze at random", ylabel="values of S", xscale="log")
+    plane.set(xlabel="pan, deg", ylabel="spots", yticks=list(by_spots), ylim=(1.4, 5.6))
+    plane.set_title("regions of the first robot (dots: where places are)", fontsize=10)
+    plane.invert_xaxis()
+    for axes in (path, count, time):
+        axes.legend(fontsize=7.5)
+        axes.grid(alpha=0.3)
+    return {"resolution": figure}
+
+
+def faces(result: Result) -> int:
+    """Values of S, but nothing sensed."""
+    return len(result["confusion"])
+
+
+def regions(result: Result) -> int:
+    """Values of A, but the look at her face."""
+    return len(result["regions"])
+
+
+def covered(result: Result) -> int:
+    """True targets that some value mostly means."""
+    return len({int(np.argmax(row)) for row in result["confusion"] if np.sum(row)})
+
+
+def purity(result: Result) -> float:
+    """Share of faces whose value mostly means their target, of those that can have one."""
+    counts = np.array(result["confusion"])
+    return float(counts.max(axis=1).sum() / counts.sum())
+
+
+def settled(result: Result, spots: int) -> float:
+    """Turns until there were as many values of S as true targets; infinite where that never came."""
+    return next((step["turns"] for step in result["steps"] if step["faces"] >= spots + 1), np.inf)
+
+
+def _first(results: Sequence[Result]) -> str:
+    begun = [result["steps"][0]["kind"] for result in results if result["steps"]]
+    tilts = sum(step["axis"] == 1 and step["kind"] != "S" for result in results for step in result["steps"])
+    return f"first split of both together in {begun.count('S and A')} of {len(begun)}; cuts through tilt: {tilts}"
+
+
+def _mind(results: Sequence[Result], spots: int) -> str:
+    found = [result for result in results if result["found"] is not None]
+    if not found:
+        return ""
+    turns = np.median([result["found"] for result in found])
+    right = sum(sum(result["right"]) == spots for result in found)
+    first = sum(result["first"] == "(S1, A1, R3)" for result in results)
+    return (
+        f"after {turns:,.0f} turns more (median); its map leads right for all spots in {right} of {len(found)}; "
+        f"the first event of all in {first} of {len(results)}"
+    )
+
+
+def _row(what: str, ours: Estimate, note: str = "") -> Finding:
+    return Finding(what, "not tried", ours, Verdict.EXTENSION, note)
+
+
+def _draw_plane(axes: Any, spots: int, result: Result) -> None:
+    """The regions of one robot as a row of boxes."""
+    for number, box in enumerate(result["regions"]):
+        left, right = box[0]
+        axes.fill_between((left, right), spots - 0.3, spots + 0.3, color=f"C{number % 10}", alpha=0.55, lw=0)
+        axes.plot((left, left), (spots - 0.3, spots + 0.3), "k-", lw=0.6)
+    for pan, _ in result["places"]:
+        axes.plot(pan, spots, "ko", ms=4)

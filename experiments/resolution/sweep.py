@@ -1,0 +1,118 @@
+"""Tables of 2 to 5 spots, none of which the robot knows: what it comes to tell apart, and what a mind makes of that."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from jointattn_mj.contingency.events import Variables
+from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
+from jointattn_mj.contingency.reactive import RandomModule
+from jointattn_mj.contingency.resolution import Growth, Step, contingency
+from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.rendered.growing import Babbling, Body, GrowingConfig, RecallingBody, ResolvedLife
+from jointattn_mj.symbolic.meaning import FACE, GAZE, OBJECT
+from jointattn_mj.symbolic.presets import PRESETS
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Some turns of babbling, and then a mind for some turns."""
+
+    spots: int
+    pictures: bool = False
+    """Whether every turn is seen; else her faces come from an album of pictures, objects from geometry."""
+    turns: int = 40_000
+    mind_turns: int = 20_000
+    growing: GrowingConfig = field(default_factory=GrowingConfig)
+
+
+FIRST_SEED = 50_000
+SETTINGS = {
+    **{f"{spots} spots": Setting(Trial(spots), runs=20) for spots in (2, 3, 4, 5)},
+    "a picture every turn, 3 spots": Setting(Trial(3, pictures=True, turns=20_000, mind_turns=10_000), runs=6),
+}
+
+
+def cell(trial: Trial, seed: int) -> dict[str, Any]:
+    """The path of the resolution, what its values came to mean, and what the preset ``fast`` found with them."""
+    preset = PRESETS["fast"]
+    table = replace(preset.world, spots=trial.spots, objects=min(2, trial.spots - 1))
+    babbling = Babbling(table, trial.growing, seed, Body if trial.pictures else RecallingBody)
+    babbling.live(trial.turns)
+    growth, given = babbling.growth, babbling.experience()
+    confusion = _confusion(babbling)
+    truth = np.degrees(babbling.body.stage.places)
+    result = {
+        "steps": [_step(step) for step in growth.steps],
+        "confusion": confusion.tolist(),
+        "regions": [box.tolist() for box in growth.resolution.boxes],
+        "directions": babbling.commands().tolist(),
+        "space": babbling.body.space.tolist(),
+        "places": truth.tolist(),
+        "contingency": contingency(given, growth.resolution),
+        "shuffled": _shuffled(babbling, np.random.default_rng(seed)),
+    }
+    life = ResolvedLife(babbling, preset.mind, seed, trial.mind_turns, (RandomModule(GAZE),))
+    found = None
+    while life.lived < trial.mind_turns and found is None:
+        life.live(100)
+        found = next((one for one in life.found if one.module and _follows(life.mind.variables, one.module)), None)
+    result["first"] = life.mind.variables.symbol(life.found[0].event) if life.found else None
+    result["found"] = None if found is None else found.turn
+    result["right"] = None if found is None or found.module is None else _right(found.module, confusion, life)
+    return result
+
+
+def _step(step: Step) -> dict[str, Any]:
+    split = step.split
+    return {
+        "turns": step.turns, "kind": split.kind, "axis": split.axis, "at": split.at, "gain": split.gain,
+        "error": split.error, "contingency": step.contingency, "faces": len(step.resolution.sensed),
+        "regions": [box.tolist() for box in step.resolution.boxes],
+    }  # fmt: skip
+
+
+def _confusion(babbling: Babbling) -> np.ndarray:
+    """(faces, spots + 1) how often each value of S, but the last, came with each true target of hers."""
+    given = babbling.experience()
+    value = babbling.growth.resolution.sensor(given.cells)
+    counts = np.zeros((len(babbling.growth.resolution.sensed) + 1, babbling.body.spots + 1), np.int64)
+    np.add.at(counts, (value, np.array(babbling.looked_at)[:-1]), 1)
+    return counts[:-1]
+
+
+def _shuffled(babbling: Babbling, rng: np.random.Generator) -> int:
+    """Splits made of the same experience, had her faces come in another order."""
+    given = babbling.experience()
+    seen, cells = given.cells >= 0, given.cells.copy()
+    cells[seen] = rng.permutation(cells[seen])
+    growth = Growth(babbling.body.som.weights, babbling.body.space, babbling.body.config.resolution)
+    shuffled = given._replace(cells=cells)
+    for turns in range(500, len(cells) + 1, 500):
+        if growth.due(turns):
+            growth.look(shuffled.some(slice(turns)))
+    return len(growth.steps)
+
+
+def _follows(variables: Variables, module: Module) -> bool:
+    event = module.event
+    names = variables.sensors[event.sensor].name, variables.actions[event.action].name
+    return (*names, variables.results[event.result].name) == (FACE, GAZE, OBJECT)
+
+
+def _right(module: Module, confusion: np.ndarray, life: ResolvedLife) -> list[int]:
+    """For each spot: 1 if most of her faces that look there send the robot's gaze there, else 0."""
+    spots, meant = confusion.shape[1] - 1, confusion.argmax(axis=1)
+    right = []
+    for spot in range(spots):
+        values = np.flatnonzero(meant == spot)
+        commands = module.command[0, values]
+        hits = [
+            command not in (OFFERS_NOTHING, len(life.directions))
+            and life.body.nearest(life.directions[command]) == spot
+            for command in commands
+        ]
+        weights = confusion[values, spot]
+        right.append(int(len(values) > 0 and weights @ np.array(hits, int) > weights.sum() / 2))
+    return right
