@@ -56,4 +56,6 @@ REGISTRY = Registry(
     Entry("resolution", "resolution", "Resolution that grows", "section 7.1, asked for",
           "How fine variables are influences contingency, and was set in advance; it should improve along with the "
           "robot's development."),
+    Entry("realtime", "realtime", "In real time, without turns", "section 7.1, asked for",
+          "A person can keep up an hour of interaction; 45,000 turns they cannot."),
 )  # fmt: skip

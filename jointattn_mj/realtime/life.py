@@ -1,0 +1,282 @@
+"""The mind of chapter 5 in real time: attention decides when it has looked long enough, the mind where it looks next.
+
+A step is a fixation. The attention selector of chapter 6 (eq. 6.1 to 6.7) lives through it frame by frame; when it
+draws something else than what is fixated, the step is over: what the robot sees at that moment is observed, the mind
+chooses where to look and what gesture to make, and the head turns there. The caregiver goes on all the time.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from jointattn_mj.attention import AttentionConfig, AttentionSelector
+from jointattn_mj.contingency.detector import NOTHING
+from jointattn_mj.contingency.events import Variables
+from jointattn_mj.contingency.reactive import ReactiveModule
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.gaze import HeadShift
+from jointattn_mj.perception.motion import MotionConfig
+from jointattn_mj.perception.percept import Perceiver, Percept
+from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
+from jointattn_mj.perception.truth import TruthConfig, TruthPerception
+from jointattn_mj.realtime.partner import PACE, PartnerConfig, PartnerWorld
+from jointattn_mj.realtime.step import think_once
+from jointattn_mj.rendered.senses import Gazed, Senses, SensesConfig, named_by_majority
+from jointattn_mj.robots.developer import Developer, DeveloperConfig
+from jointattn_mj.robots.life import Life
+from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX, direction_of, directions_to
+from jointattn_mj.scene.caregiver import FRAME_S, Phase
+from jointattn_mj.scene.looker import places
+from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.variation import drawn, variation_of
+from jointattn_mj.scene.world import Observation, WorldConfig, build_physics
+from jointattn_mj.symbolic.caregiver import NOWHERE
+from jointattn_mj.symbolic.meaning import FACE, GAZE
+from jointattn_mj.symbolic.table import LOOKS_AT, TableConfig, table_variables, table_witnessed
+
+OBJECT_THERE = "object at the centre"
+"""Column of the log that the robot does not know."""
+FRAMES_PER_MINUTE = round(60 / FRAME_S)
+AT_TEN_A_SECOND = MotionConfig(frames_back=1, face_px=0.0675, object_px=0.375)
+"""Ten pictures a second: the speeds of chapter 6 over the tenth of a second between two of them."""
+
+
+@dataclass(frozen=True)
+class RealtimeConfig:
+    """What lies between the caregiver's life and the mind's steps."""
+
+    world: WorldConfig = field(default_factory=lambda: WorldConfig(behaviour=PACE))
+    """What things look like and how she moves; its objects are replaced by as many as the table has."""
+    variation: str = "people+lights"
+    """How each seed's world differs, by names of ``scene.variation``: she is one of six people, in her own light."""
+    partner: PartnerConfig = field(default_factory=PartnerConfig)
+    """Her pace."""
+    attention: AttentionConfig = field(default_factory=lambda: AttentionConfig(selection_period=9))
+    """When a fixation is over (section 6.3.2); a draw each 0.3 s, the length of a human fixation, for steps are what
+    the mind needs. Chapter 6's 0.6 s gave its number of gaze shifts."""
+    perception: Literal["pixels", "truth"] = "pixels"
+    """Rendered pictures, or the simulator's state with the errors that the pixel path was measured to make."""
+    senses: SensesConfig = field(default_factory=lambda: SensesConfig(pixels=PixelConfig(motion=AT_TEN_A_SECOND)))
+    """From percepts to sensations."""
+    truth: TruthConfig = field(default_factory=TruthConfig)
+    """What stands for pictures with ``perception truth``."""
+    looks_every: int = 3
+    """Frames from one picture to the next while the head is still: ten pictures a second."""
+    shift_frames: int = 6
+    """Frames over which the head's reference moves in a gaze shift. Chapter 6 takes a second; a mind that has an hour
+    needs steps."""
+    longest_s: float = 5.0
+    """A fixation that nothing ends lasts so long."""
+    familiarise_minutes: float = 3.0
+    """Minutes of looking at the caregiver's face before all else (section 6.4.1); she greets the robot first."""
+
+    def __post_init__(self) -> None:
+        variation_of(self.variation)
+        if self.perception not in ("pixels", "truth"):
+            raise ConfigError(f"perception must be pixels or truth; got {self.perception!r}")
+        if self.looks_every < 1 or self.shift_frames < 1:
+            raise ConfigError(
+                f"looks_every and shift_frames start at 1 frame; got {self.looks_every}, {self.shift_frames}"
+            )
+        if not (self.longest_s > 0 and self.familiarise_minutes > 0):
+            raise ConfigError(
+                f"longest_s and familiarise_minutes must be above 0; got {self.longest_s}, {self.familiarise_minutes}"
+            )
+
+
+class RealtimeLife(Life):
+    """A mind, a body and a caregiver who does not wait.
+
+    Attributes:
+        world: Bodies, 30 frames a second.
+        attention: Says when a step is over.
+        senses: What is made of percepts.
+        heads: (spots + 1, 2) the robot's gaze commands: head angles for each place and for the caregiver's face, deg.
+        frame: Frames since the mind began.
+        ended: (turns,) frame in which each step was over.
+    """
+
+    def __init__(
+        self,
+        table: TableConfig,
+        config: RealtimeConfig,
+        mind: DeveloperConfig,
+        seed: int,
+        turns: int,
+        reactive: Sequence[ReactiveModule] = (),
+        sample_every: int = 100,
+    ):
+        """The robot knows the caregiver's face when this returns. ``turns``: the most steps there can be."""
+        if seed < 0:
+            raise ConfigError(f"seed must be 0 or more; got {seed}")
+        if table.objects > len(OBJECTS) or table.kinds > 1:
+            raise ConfigError(
+                f"the scene knows {len(OBJECTS)} objects, all of one kind to the mind; "
+                f"got {table.objects}, {table.kinds} kinds"
+            )
+        of_look, of_mind, of_world, of_perception, of_attention, of_senses = np.random.SeedSequence(seed).spawn(6)
+        self.config, self.table, self.spots = config, table, table.spots
+        scene = replace(config.world.scene, objects=OBJECTS[: table.objects])
+        world, conditions = drawn(replace(config.world, scene=scene), variation_of(config.variation), of_look)
+        self.world = PartnerWorld(world, build_physics(world, conditions), of_world, conditions, config.partner, table)
+        self._observation = Observation(self.world)
+        self._perceiver = self._new_perceiver(np.random.default_rng(of_perception))
+        self.attention = AttentionSelector(config.attention, table.objects, np.random.default_rng(of_attention))
+        self.heads = np.vstack([directions_to(places(table.spots, world.scene)), np.zeros(2)])
+        self._held = np.zeros(2)
+        self.frame, self._gazes_at = 0, NOWHERE
+        patterns, greetings = self._familiarised()
+        self.senses = Senses(config.senses, table, patterns, greetings, np.random.default_rng(of_senses))
+        self.frame, self.ended = 0, np.zeros(turns, np.int32)
+        developer = Developer(self.senses.variables, mind, of_mind, reactive)
+        witnessed = {**table_witnessed(table), OBJECT_THERE: ("no", "yes")}
+        super().__init__(developer, turns, sample_every, witnessed)
+
+    @property
+    def minutes(self) -> float:
+        """Simulated minutes since the mind began."""
+        return self.frame / FRAMES_PER_MINUTE
+
+    def live_until(self, minutes: float) -> None:
+        """Live until so many simulated minutes have passed, to the end of a step."""
+        while self.lived < self.turns and self.minutes < minutes:
+            self.live(1)
+
+    def faces(self) -> np.ndarray:
+        """See ``Life``."""
+        gaze = np.concatenate([[self.spots], self.log(GAZE)[:-1]])[: self.lived]
+        return np.where(gaze == self.spots, self.log(LOOKS_AT), self.spots + 1)
+
+    def named_variables(self) -> Variables:
+        """See ``Life``: categories of faces by what she mostly looked at."""
+        truths = table_variables(self.table).sensors[0].values
+        return named_by_majority(self.mind.variables, self.confusion(), truths)
+
+    def more(self) -> dict[str, Any]:
+        """See ``Life``: how much time it took, and how well faces were told apart."""
+        values, truths = self.mind.variables.sensors[0].values, table_variables(self.table).sensors[0].values
+        faces = [dict(zip(truths, row, strict=True)) for row in self.confusion().tolist()]
+        return {
+            "caregiver": self.world.config.scene.caregiver,
+            "minutes": self.minutes,
+            "minutes_when_found": [self.minutes_at(one.turn) for one in self.found],
+            "sensed_face_by_truth": dict(zip(values, faces, strict=True)),
+        }
+
+    def minutes_at(self, turn: int) -> float:
+        """Simulated minutes that had passed when so many steps had been lived."""
+        return float(self.ended[turn - 1]) / FRAMES_PER_MINUTE
+
+    def confusion(self) -> np.ndarray:
+        """(values of S1, spots + 2) how often each value was sensed under each truth; see ``faces``."""
+        counts = np.zeros((len(self.mind.variables.sensors[0].values), self.spots + 2), np.int64)
+        np.add.at(counts, (self.log(FACE), self.faces()), 1)
+        return counts
+
+    def close(self) -> None:
+        """Free the world's model and pictures."""
+        self.world.close()
+
+    def _advance(self, last: int, samples: np.ndarray, before: int) -> tuple[int, int]:
+        mind = self.mind.mind
+        for t in range(self.lived, last):
+            there = self.see(int(mind.a[0]) if t else self.spots)
+            found, place = think_once(mind, self._s, self._r, t, self._log, samples, before, self.sample_every)
+            partner = self.world.caregiver
+            self._log[t, place:] = partner.looks_at, partner.option, there
+            self.ended[t] = self.frame
+            if found != NOTHING:
+                return t + 1, found
+        return last, NOTHING
+
+    def see(self, place: int) -> bool:
+        """Look at a place, or her face, until attention has had enough; whether there truly was an object at the end.
+        Sensations and results are written down."""
+        if place != self._gazes_at:
+            self._shift(place)
+        gazed = self._fixate()
+        partner, at_face = self.world.caregiver, place == self.spots
+        there = not at_face and partner.full(place) and partner.held is None
+        sensors = np.array([partner.looks_at if at_face else self.spots + 1, not there])
+        results = np.array([at_face and partner.looks_at == self.spots, at_face, there])
+        self.senses.read(gazed, sensors, results, self._s, self._r)
+        return there
+
+    def _shift(self, place: int) -> None:
+        """Turn the head; she sees it turn, and where it comes to rest."""
+        movement = HeadShift(self._held, self.heads[place], self.config.shift_frames)
+        self.world.caregiver.watch(NOWHERE)
+        while not movement.commanded or self.world.head_moves():
+            self._held = movement.next_reference()
+            self._step()
+        self._gazes_at = place
+        self.world.caregiver.watch(place)
+
+    def _fixate(self) -> Gazed:
+        """Live until the attention selector would look at something else; what is then at the centre of view."""
+        self.attention.settle()
+        longest = round(self.config.longest_s / FRAME_S)
+        for frame in range(longest):
+            if frame % self.config.looks_every == 0:
+                percept = self._perceiver.look(self._observation, frame == 0)
+                attended = self._at_centre(percept)
+            self.attention.advance(attended, percept.moves)
+            chosen = self.attention.consider(percept.seen)
+            self._step()
+            if chosen is not None and chosen != attended:
+                break
+        return self._gazed(percept, attended)
+
+    def _step(self) -> None:
+        self.world.step(np.radians(self._held))
+        self.frame += 1
+
+    def _at_centre(self, percept: Percept) -> int | None:
+        """The candidate that is nearest to the centre of view, if that is near enough to be gazed at."""
+        off = np.hypot(percept.px[:, 0] - CENTRE_X, percept.px[:, 1] - CENTRE_Y)
+        off[~percept.seen] = np.inf
+        nearest = int(off.argmin())
+        return nearest if off[nearest] <= np.radians(self.config.senses.centre_radius_deg) * FOCAL_PX else None
+
+    def _gazed(self, percept: Percept, attended: int | None) -> Gazed:
+        face = attended == self.table.objects
+        pattern = self._perceiver.face_pattern() if face else None
+        is_object = attended is not None and not face
+        return Gazed(face, is_object, percept.px[-1].copy(), percept.px[attended or 0].copy(), pattern)
+
+    def _new_perceiver(self, rng: np.random.Generator) -> Perceiver:
+        if self.config.perception == "truth":
+            return TruthPerception(self.config.truth, self.world, rng)
+        colours = np.array([item.rgb for item in OBJECTS[: self.table.objects]])
+        return PixelPerception(self.config.senses.pixels, colours)
+
+    def _familiarised(self) -> tuple[np.ndarray, int]:
+        """Minutes of looking at her face; patterns (n, d) of it at rest, and how many of them greeted the robot."""
+        patterns, greetings, seen = list[np.ndarray](), 0, 0
+        self.world.caregiver.watch(self.spots)
+        while self.minutes < self.config.familiarise_minutes:
+            percept = self._perceiver.look(self._observation, not patterns and not seen)
+            if percept.seen[-1]:
+                seen += 1
+                there = direction_of(percept.px[-1], np.degrees(self.world.head_angles()))
+                self._held = self._held + (there - self._held) / seen
+                if not percept.moves[-1] and not self.world.head_moves():
+                    patterns.append(self._perceiver.face_pattern().copy())
+                    greetings += self.world.caregiver.phase == Phase.GREET
+            for _ in range(self.config.looks_every):
+                self._step()
+        if greetings == 0:
+            raise ConfigError("the robot found no face that greeted it; change variation, or the scene")
+        self.heads[-1], self._gazes_at = self._held, self.spots
+        return np.array(patterns), greetings
+
+    def __getstate__(self) -> dict[str, Any]:
+        """See ``Life``."""
+        return {**super().__getstate__(), "ended": self.ended[: self.lived]}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        ended, self.ended = self.ended, np.zeros(self.turns, np.int32)
+        self.ended[: len(ended)] = ended

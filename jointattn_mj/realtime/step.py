@@ -1,0 +1,11 @@
+"""A step of a mind, compiled: in a file of its own, for whatever stands beside compiled code is compiled with it."""
+
+from numba import njit
+
+from jointattn_mj.robots.life import think_and_note
+
+
+@njit(cache=True)
+def think_once(mind, s, r, t, log, samples, before, every):
+    """See ``think_and_note``."""
+    return think_and_note(mind, s, r, t, log, samples, before, every)
