@@ -15,7 +15,7 @@ from jointattn_mj.symbolic.meaning import Meaning
 def run_with_bar(config: DevelopConfig, options: DevelopOptions) -> None:
     """Live a life with a bar on stderr, and say on stdout what came of it."""
     started = time.perf_counter()
-    bar = tqdm(total=config.steps, desc="life", unit=" turns", unit_scale=True, disable=None)
+    bar = tqdm(total=config.length, desc="life", unit=f" {config.unit}", unit_scale=True, disable=None)
 
     def progress(life: Life, found: Sequence[tuple[Found, Meaning | None]]) -> None:
         bar.set_description_str("life", refresh=False)
@@ -25,7 +25,7 @@ def run_with_bar(config: DevelopConfig, options: DevelopOptions) -> None:
                 bar.write(f"turn {one.turn:,}: {meaning.label}  [{event}]", file=sys.stderr)
         modules = len(life.mind.modules)
         bar.set_postfix_str(f"{modules} module{'s' * (modules != 1)}", refresh=False)
-        bar.update(life.lived - bar.n)
+        bar.update(life.spent - bar.n)
 
     def compiling() -> None:
         bar.set_description_str("compiling, once on this machine, up to 20 s")

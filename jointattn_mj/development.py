@@ -58,6 +58,8 @@ class DevelopConfig:
     """Turns between checkpoints, unless options say otherwise."""
     films: ClassVar[bool] = False
     """Whether there is anything to be filmed."""
+    unit: ClassVar[str] = "turns"
+    """Of ``Life.spent``."""
 
     def __post_init__(self) -> None:
         if self.preset not in PRESETS:
@@ -80,6 +82,11 @@ class DevelopConfig:
     def born_with(self) -> tuple[ReactiveModule, ...]:
         """The reactive module of the gaze; the gesture moves at random in any case."""
         return (RandomModule(GAZE) if self.reactive == "random" else AvoidingModule(GAZE, CAREGIVER),)
+
+    @property
+    def length(self) -> float:
+        """How long the life is to last, in ``unit``."""
+        return self.steps
 
     def film(self, path: Path, moments: Sequence[Life]) -> None:
         """Film some turns from each of a life's moments on, which may be used up."""
@@ -160,7 +167,7 @@ def run_development(
     if not (out / "config.yaml").exists():
         write_config(out / "config.yaml", config)
     with deferred() as interrupts, _told_of_compiling(compiling):
-        while life.lived < life.turns:
+        while life.spent < config.length:
             pause = min(life.turns, (life.lived // every + 1) * every)
             found = life.live(min(config.at_a_time, pause - life.lived))
             if options.video and found and life.mind.modules:

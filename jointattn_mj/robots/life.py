@@ -72,6 +72,11 @@ class Life(ABC):
         """(lived,) the caregiver's face as it was when the robot acted, in truth: 0 to spots - 1 looking at a spot,
         ``spots`` looking at the robot, ``spots + 1`` not looked at by it."""
 
+    @property
+    def spent(self) -> float:
+        """How long it has lived: turns; a world with a clock of its own says minutes."""
+        return self.lived
+
     def named_variables(self) -> Variables:
         """The mind's variables under names for people, who may know what the robot does not."""
         return self.mind.variables
