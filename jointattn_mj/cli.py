@@ -84,13 +84,15 @@ def _session(arguments: Sequence[str] = ()) -> Callable[..., Any]:
 
 def _develop(arguments: Sequence[str] = ()) -> Callable[..., Any]:
     from jointattn_mj.develop_command import run_with_bar
-    from jointattn_mj.development import DevelopConfig, DevelopOptions, preset_in, world_in
+    from jointattn_mj.development import DevelopConfig, DevelopOptions, mode_in, preset_in, world_in
 
     chosen = DevelopConfig.of(preset_in(arguments))
     if world_in(arguments) == "rendered":
+        from jointattn_mj.realtime_development import RealtimeDevelopConfig
         from jointattn_mj.rendered_development import RenderedDevelopConfig
 
-        chosen = RenderedDevelopConfig.of(preset_in(arguments, default="fast"))
+        kind = RealtimeDevelopConfig if mode_in(arguments) == "realtime" else RenderedDevelopConfig
+        chosen = kind.of(preset_in(arguments, default="fast"))
 
     def develop(
         options: Annotated[DevelopOptions, tyro.conf.arg(name="")],

@@ -125,6 +125,11 @@ def world_in(arguments: Sequence[str]) -> str:
     return _named_in(arguments, "--world", ("table", "rendered")) or "table"
 
 
+def mode_in(arguments: Sequence[str]) -> str:
+    """How time goes on in the rendered world that a command line names; ``turns`` where it does not say."""
+    return _named_in(arguments, "--mode", ("turns", "realtime")) or "turns"
+
+
 def _named_in(arguments: Sequence[str], option: str, names: Collection[str]) -> str | None:
     for before, argument in zip(["", *arguments], arguments, strict=False):
         name = argument.removeprefix(f"{option}=")
@@ -167,7 +172,7 @@ def run_development(
     if not (out / "config.yaml").exists():
         write_config(out / "config.yaml", config)
     with deferred() as interrupts, _told_of_compiling(compiling):
-        while life.spent < config.length:
+        while life.spent < config.length and life.lived < life.turns:
             pause = min(life.turns, (life.lived // every + 1) * every)
             found = life.live(min(config.at_a_time, pause - life.lived))
             if options.video and found and life.mind.modules:

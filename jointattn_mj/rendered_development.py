@@ -18,6 +18,8 @@ class RenderedDevelopConfig(DevelopConfig):
 
     world: Literal["table", "rendered"] = "rendered"
     """Where the robot lives: at a table that it sees in pictures, one a turn, and at which bodies are imprecise."""
+    mode: Literal["turns", "realtime"] = "turns"
+    """How time goes on: in turns, or at 30 frames a second (realtime; with it --help lists other options)."""
     preset: str = "fast"
     """As at the symbolic table. A turn takes a picture's time, so the one that needs fewest turns is the default."""
     steps: int = 20_000

@@ -139,6 +139,11 @@ class RealtimeLife(Life):
         """Simulated minutes since the mind began."""
         return self.frame / FRAMES_PER_MINUTE
 
+    @property
+    def spent(self) -> float:
+        """See ``Life``."""
+        return self.minutes
+
     def live_until(self, minutes: float) -> None:
         """Live until so many simulated minutes have passed, to the end of a step."""
         while self.lived < self.turns and self.minutes < minutes:
