@@ -1,0 +1,114 @@
+"""Lives in real time: mostly with perception taken from the state, one from pictures."""
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.realtime.life import FRAMES_PER_MINUTE, OBJECT_THERE, RealtimeConfig, RealtimeLife
+from jointattn_mj.symbolic.meaning import FACE, GAZE, OBJECT
+from jointattn_mj.symbolic.presets import PRESETS
+from jointattn_mj.symbolic.table import TableConfig
+
+TRUTH = RealtimeConfig(perception="truth", familiarise_minutes=1.0)
+FAST = PRESETS["fast"]
+
+
+def new_life(config: RealtimeConfig = TRUTH, seed: int = 3, table: TableConfig = FAST.world) -> RealtimeLife:
+    return RealtimeLife(table, config, FAST.mind, seed, 4000, sample_every=50)
+
+
+def same(one: RealtimeLife, other: RealtimeLife) -> None:
+    np.testing.assert_array_equal(one._log[: one.lived], other._log[: other.lived])
+    np.testing.assert_array_equal(one.ended, other.ended)
+    np.testing.assert_array_equal(one.contingency()[1], other.contingency()[1])
+    assert [found.turn for found in one.found] == [found.turn for found in other.found]
+
+
+@pytest.fixture(scope="module")
+def lived() -> RealtimeLife:
+    life = new_life()
+    life.live_until(6.0)
+    return life
+
+
+def test_a_step_is_over_when_attention_has_had_enough(lived):
+    assert 6.0 <= lived.minutes < 6.1
+    frames = np.diff(lived.ended[: lived.lived])
+    assert (frames > 0).all() and lived.ended[lived.lived - 1] == lived.frame
+    stayed = lived.log(GAZE)[:-2] == lived.log(GAZE)[1:-1]
+    period, shift = TRUTH.attention.selection_period, TRUTH.shift_frames
+    assert (frames[1:][stayed] % period == 0).all()  # no head turn: draws alone end it
+    assert (frames[1:][~stayed] >= period + shift).all()
+    longest = TRUTH.longest_s * 30
+    assert frames.max() <= longest + 2 * shift
+
+
+def test_what_it_senses_is_what_there_is(lived):
+    counts = lived.confusion()[:-1, : lived.spots + 1]
+    assert counts.max(axis=1).sum() > 0.93 * counts.sum()
+    assert np.mean(lived.log(OBJECT) == lived.log(OBJECT_THERE)) > 0.98
+    gaze = np.concatenate([[lived.spots], lived.log(GAZE)[:-1]])
+    assert np.array_equal(lived.log(FACE) < len(counts), gaze == lived.spots)
+
+
+def test_it_is_said_for_people_what_categories_of_faces_mean(lived):
+    names = {name.split(" (")[0] for name in lived.named_variables().sensors[0].values}
+    assert {"at spot 1", "at spot 2", "at spot 3", "at robot", "not seen"} <= names
+    assert lived.more()["minutes"] == lived.frame / FRAMES_PER_MINUTE
+    assert lived.minutes_at(lived.lived) == lived.minutes
+
+
+def test_motion_cues_make_another_life_of_the_same_seed():
+    quick = replace(TRUTH.attention, motion_delay=2.0)  # at once: what moves in fixations of 0.3 s moves for few frames
+    lives = [new_life(replace(TRUTH, attention=attention)) for attention in (quick, replace(quick, motion_cues=False))]
+    for life in lives:
+        life.live_until(1.0)
+    assert not np.array_equal(lives[0].ended, lives[1].ended)
+
+
+def test_a_stored_life_goes_on_to_the_same_end(lived):
+    whole, stored = new_life(), new_life()
+    for steps in (1, 36, 100):
+        stored.live(steps)
+        stored = pickle.loads(pickle.dumps(stored))
+    whole.live(137)
+    same(whole, stored)
+
+
+def test_another_number_of_places():
+    life = new_life(table=TableConfig(spots=4, objects=3))
+    life.live_until(1.0)
+    assert life.heads.shape == (5, 2)
+    assert set(life.log(GAZE)) == set(range(5))
+
+
+def test_a_life_from_pictures_goes_on_from_a_pickle():
+    config = RealtimeConfig(familiarise_minutes=0.4)
+    whole = new_life(config, seed=5)
+    stored: RealtimeLife = pickle.loads(pickle.dumps(whole))
+    whole.live(24)
+    stored.live(11)
+    stored = pickle.loads(pickle.dumps(stored))
+    stored.live(13)
+    same(whole, stored)
+    assert np.mean(whole.log(OBJECT) == whole.log(OBJECT_THERE)) > 0.9
+    gaze = np.concatenate([[whole.spots], whole.log(GAZE)[:-1]])
+    assert np.array_equal(whole.log(FACE) < whole.senses.categories.count, gaze == whole.spots)
+    whole.close()
+    stored.close()
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"perception": "guess"}, {"looks_every": 0}, {"longest_s": 0.0}, {"variation": "of everything"}]
+)
+def test_what_cannot_be_is_refused(wrong):
+    with pytest.raises(ConfigError):
+        RealtimeConfig(**wrong)
+
+
+def test_a_table_that_the_scene_does_not_know_is_refused():
+    with pytest.raises(ConfigError, match="objects"):
+        new_life(table=TableConfig(spots=12, objects=11))
