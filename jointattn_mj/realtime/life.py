@@ -17,6 +17,7 @@ from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.reactive import ReactiveModule
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze import HeadShift
+from jointattn_mj.perception.categories import GroupingConfig
 from jointattn_mj.perception.motion import MotionConfig
 from jointattn_mj.perception.percept import Perceiver, Percept
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
@@ -58,8 +59,13 @@ class RealtimeConfig:
     the mind needs. Chapter 6's 0.6 s gave its number of gaze shifts."""
     perception: Literal["pixels", "truth"] = "pixels"
     """Rendered pictures, or the simulator's state with the errors that the pixel path was measured to make."""
-    senses: SensesConfig = field(default_factory=lambda: SensesConfig(pixels=PixelConfig(motion=AT_TEN_A_SECOND)))
-    """From percepts to sensations."""
+    senses: SensesConfig = field(
+        default_factory=lambda: SensesConfig(
+            pixels=PixelConfig(motion=AT_TEN_A_SECOND), grouping=GroupingConfig(most=6)
+        )
+    )
+    """From percepts to sensations. In three minutes a face comes to rest some sixty times; in so few faces more than
+    six categories are chance, and a table of more than four places needs more minutes and more categories."""
     truth: TruthConfig = field(default_factory=TruthConfig)
     """What stands for pictures with ``perception truth``."""
     looks_every: int = 3
@@ -258,16 +264,20 @@ class RealtimeLife(Life):
         return PixelPerception(self.config.senses.pixels, colours)
 
     def _familiarised(self) -> tuple[np.ndarray, int]:
-        """Minutes of looking at her face; patterns (n, d) of it at rest, and how many of them greeted the robot."""
-        patterns, greetings, seen = list[np.ndarray](), 0, 0
+        """Minutes of looking at her face; patterns (n, d) of it whenever it has come to rest, and how many of them
+        greeted the robot. A face that has not moved since is not another face: counted at every look, each rest of
+        hers would be a category."""
+        patterns, greetings, seen, moved = list[np.ndarray](), 0, 0, True
         self.world.caregiver.watch(self.spots)
         while self.minutes < self.config.familiarise_minutes:
-            percept = self._perceiver.look(self._observation, not patterns and not seen)
+            percept = self._perceiver.look(self._observation, seen == 0)
             if percept.seen[-1]:
                 seen += 1
                 there = direction_of(percept.px[-1], np.degrees(self.world.head_angles()))
                 self._held = self._held + (there - self._held) / seen
-                if not percept.moves[-1] and not self.world.head_moves():
+                moved = moved or bool(percept.moves[-1])
+                if moved and not percept.moves[-1] and not self.world.head_moves():
+                    moved = False
                     patterns.append(self._perceiver.face_pattern().copy())
                     greetings += self.world.caregiver.phase == Phase.GREET
             for _ in range(self.config.looks_every):

@@ -13,7 +13,7 @@ import numpy as np
 from dm_control.mujoco import Physics
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer, Phase
+from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer, Phase, Plan
 from jointattn_mj.scene.dressing import Conditions
 from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.looker import places
@@ -25,7 +25,7 @@ from jointattn_mj.symbolic.table import TableConfig
 
 AT_REST_M = 1e-6
 """A hand that is so near to its resting place has nothing to withdraw."""
-PACE = CaregiverConfig(greet_s=3.0, turn_s=0.35, reach_s=0.5, lift_s=0.5, put_s=1.0)
+PACE = CaregiverConfig(greet_s=1.0, turn_s=0.35, reach_s=0.5, lift_s=0.5, put_s=1.0)
 """Quicker than in chapter 6, where she shows objects to the robot: here she moves them and goes on. People turn their
 heads by 30 degrees in a third of a second."""
 
@@ -56,17 +56,23 @@ class PartnerConfig:
     found in 1 of 10 lives of 50 minutes (from the state, seeds 0 to 30)."""
     jitter_m: float = 0.02
     """Objects lie up to so far beside their place, either way; a third of their size, as a hand puts them."""
+    greets: int = 5
+    """So often she looks at the robot before all else, each time a little otherwise: so it learns what frontal is."""
+    head_jitter_deg: float = 2.0
+    """Standard deviation, yaw and pitch, of where her head comes to rest; her eyes make up for it. As in turns: heads
+    turn most of the way to what is looked at, but never the same part of it. Without it faces that look at one object
+    are all alike, and each place where an object ever lay would be a category of faces."""
 
     def __post_init__(self) -> None:
         for name in ("latency_s", "hold_s", "glance_s", "wait_s", "eye_contact_s"):
             low, high = getattr(self, name)
             if not 0 < low <= high:
                 raise ConfigError(f"partner.{name} must be a range of seconds above 0; got {low}, {high}")
-        if not 0 <= self.carries <= 1 or not 0 <= self.jitter_m <= 0.1:
-            raise ConfigError(
-                "partner.carries is a probability, and partner.jitter_m lies in [0, 0.1]; "
-                f"got {self.carries}, {self.jitter_m}"
-            )
+        if self.greets < 1:
+            raise ConfigError(f"partner.greets starts at 1; got {self.greets}")
+        for name, most in (("carries", 1.0), ("jitter_m", 0.1), ("head_jitter_deg", 15.0)):
+            if not 0 <= getattr(self, name) <= most:
+                raise ConfigError(f"partner.{name} must lie in [0, {most}]; got {getattr(self, name)}")
 
 
 class Partner(ObjectTransfer):
@@ -93,6 +99,8 @@ class Partner(ObjectTransfer):
         self.partner, self._chance, self._spots = config, table.caregiver, spots
         self.looks_at = self._robot = len(spots)
         self._met = False
+        self._head_off = self._head_will_be_off = np.zeros(2)
+        self._greeted = 0
         self.option = NEUTRAL
         self._returns_to = self._to = NOWHERE
         self._noticed: tuple[int, int] | None = None
@@ -145,6 +153,10 @@ class Partner(ObjectTransfer):
     def _go_on(self) -> None:
         """What comes after a phase that has run its course."""
         match self.phase:
+            case Phase.GREET if self._greeted < self.partner.greets:
+                self._greeted += 1
+                self._head_will_be_off = self._beside_the_way()
+                self._begin(Phase.GREET)
             case Phase.GREET:
                 self._turn_to(self._some_object(NOWHERE), NEUTRAL)
             case Phase.TURN:
@@ -191,6 +203,7 @@ class Partner(ObjectTransfer):
         self._due, self._noticed, self._met = 0, None, False
         self.target = None if place == self._face else int(np.flatnonzero(self.at == place)[0])
         self.phase = Phase.TURN
+        self._head_will_be_off = self._beside_the_way()
         aim = np.zeros(2) if self.target is None else self._sight(self.objects[self.target])
         frames = self._frames(self.config.turn_s)
         self._plan = self._planned(path_between(self._gaze, aim, frames), self._home(frames))
@@ -205,6 +218,21 @@ class Partner(ObjectTransfer):
         else:
             frames = self._frames_of(config.wait_s if self.option == AFTER_JOINT_ATTENTION else config.glance_s)
         self._plan = self._planned(np.broadcast_to(self._gaze, (frames, 2)), self._home(frames))
+
+    def _beside_the_way(self) -> np.ndarray:
+        """How far beside its share of the way her head will come to rest, yaw and pitch (2,), rad."""
+        return np.radians(self._rng.normal(0.0, self.partner.head_jitter_deg, 2))
+
+    def _planned(self, gaze: np.ndarray, grasp: np.ndarray, head_towards: np.ndarray | None = None) -> Plan:
+        """See ``ObjectTransfer``; the head comes to rest a little beside its share of the way."""
+        plan = super()._planned(gaze, grasp, head_towards)
+        off = path_between(self._head_off, self._head_will_be_off, len(gaze))
+        self._head_off = self._head_will_be_off
+        plan.head += off
+        plan.joints[:, :2] += off
+        plan.joints[:, 2:4] -= off
+        plan.joints[:, 4:6] -= off
+        return plan
 
     def _home(self, frames: int) -> np.ndarray:
         """The hand's way (up to ``frames``, 3) to its resting place."""
