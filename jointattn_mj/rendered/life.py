@@ -8,28 +8,17 @@ import numpy as np
 from numba import njit
 
 from jointattn_mj.contingency.detector import NOTHING
-from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.reactive import ReactiveModule
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.pixels import PixelPerception
-from jointattn_mj.rendered.senses import NOTHING_LOOKED_AT, Gazed, Senses, SensesConfig, gazed, named_by_majority
+from jointattn_mj.rendered.seeing import SeeingLife
+from jointattn_mj.rendered.senses import NOTHING_LOOKED_AT, Gazed, Senses, SensesConfig, gazed
 from jointattn_mj.rendered.stage import Stage, StageConfig
 from jointattn_mj.robots.developer import Developer, DeveloperConfig
-from jointattn_mj.robots.life import Life, think_and_note
+from jointattn_mj.robots.life import think_and_note
 from jointattn_mj.scene.camera import direction_of
-from jointattn_mj.symbolic.meaning import FACE, GAZE, LOOKED_AT
-from jointattn_mj.symbolic.table import (
-    CAREGIVER,
-    LOOKS_AT,
-    OPTION,
-    TableConfig,
-    table_variables,
-    table_witnessed,
-    turn,
-)
+from jointattn_mj.symbolic.table import CAREGIVER, OPTION, TableConfig, turn
 
-OBJECT_THERE = "object at the centre"
-"""Column of the log that the robot does not know."""
 MOST_LOOKS = 1000
 """A robot that finds no face in so many looks straight ahead gives up."""
 
@@ -53,7 +42,7 @@ class RenderedConfig:
             raise ConfigError(f"greeting and watching start at 1; got {self.greeting}, {self.watching}")
 
 
-class RenderedLife(Life):
+class RenderedLife(SeeingLife):
     """A mind, and a table that it sees.
 
     Attributes:
@@ -78,53 +67,23 @@ class RenderedLife(Life):
         if seed < 0:
             raise ConfigError(f"seed must be 0 or more; got {seed}")
         of_table, of_mind, of_bodies, of_watching, of_senses = np.random.SeedSequence(seed).spawn(5)
-        self.config, self.world, self.spots = config, table, table.spots
-        self._truths = table_variables(table).sensors[0].values
+        self.config = config
         self.stage = Stage(table, config.stage, of_bodies)
         colours = np.array([item.rgb for item in self.stage.objects])
         self.perception = PixelPerception(config.senses.pixels, colours)
         patterns = self._greeted()
         self.heads = np.vstack([self.stage.places, self._face])
-        patterns += self._watched(of_watching)
+        patterns += self._watched(table, of_watching)
         rng = np.random.default_rng(of_senses)
         self.senses = Senses(config.senses, table, np.array(patterns), config.greeting, rng)
         self.stage.begin(of_table)
         developer = Developer(self.senses.variables, mind, of_mind, reactive)
-        witnessed = {**table_witnessed(table), OBJECT_THERE: ("no", "yes")}
-        super().__init__(developer, turns, sample_every, witnessed)
-
-    def faces(self) -> np.ndarray:
-        """See ``Life``."""
-        gaze = np.concatenate([[self.spots], self.log(GAZE)[:-1]])[: self.lived]
-        return np.where(gaze == self.spots, self.log(LOOKS_AT), self.spots + 1)
-
-    def named_variables(self) -> Variables:
-        """See ``Life``: categories of faces by what she mostly looked at."""
-        return named_by_majority(self.mind.variables, self.confusion(), self._truths)
+        super().__init__(developer, table, turns, sample_every)
 
     def more(self) -> dict[str, Any]:
-        """See ``Life``: how well perception did."""
-        values = self.mind.variables.sensors[0].values
-        faces = [dict(zip(self._truths, row, strict=True)) for row in self.confusion().tolist()]
-        objects = self.object_confusion().tolist()
-        return {
-            "caregiver": self.stage.world.config.scene.caregiver,
-            "turns_watched_before": self.config.watching,
-            "sensed_face_by_truth": dict(zip(values, faces, strict=True)),
-            "sensed_object_by_truth": {"object": objects[0], "none": objects[1]},
-        }
-
-    def confusion(self) -> np.ndarray:
-        """(values of S1, spots + 2) how often each value was sensed under each truth; see ``faces``."""
-        counts = np.zeros((len(self.mind.variables.sensors[0].values), self.spots + 2), np.int64)
-        np.add.at(counts, (self.log(FACE), self.faces()), 1)
-        return counts
-
-    def object_confusion(self) -> np.ndarray:
-        """(2, 2) how often an object, or none, was sensed (rows) when there was one, or none (columns)."""
-        counts = np.zeros((2, 2), np.int64)
-        np.add.at(counts, (self.log(LOOKED_AT), 1 - self.log(OBJECT_THERE)), 1)
-        return counts
+        """See ``Life``: who she was, and how well perception did."""
+        who = {"caregiver": self.stage.world.config.scene.caregiver, "turns_watched_before": self.config.watching}
+        return {**who, **super().more()}
 
     def _advance(self, last: int, samples: np.ndarray, before: int) -> tuple[int, int]:
         stage, first = self.stage, self.lived
@@ -174,14 +133,14 @@ class RenderedLife(Life):
             f"the robot found no face to look at in {MOST_LOOKS} pictures; change stage.variation, or the scene"
         )
 
-    def _watched(self, seed: np.random.SeedSequence) -> list[np.ndarray]:
+    def _watched(self, table: TableConfig, seed: np.random.SeedSequence) -> list[np.ndarray]:
         """Move at random for a while; returns the patterns (d,) of the faces that were gazed at."""
         of_table, of_moves = seed.spawn(2)
         rng, patterns = np.random.default_rng(of_moves), list[np.ndarray]()
         self.stage.begin(of_table)
         stage = self.stage
         for _ in range(self.config.watching):
-            action = rng.integers((self.spots + 1, self.world.gestures))
+            action = rng.integers((table.spots + 1, table.gestures))
             turn(stage.table, action, stage.sensors, stage.results)
             stage.show(int(action[1]), self.heads)
             shown = self.look()

@@ -92,13 +92,17 @@ class Life(ABC):
             samples = self._samples[-1]
             before = self.turns // self.sample_every - len(samples)
             self.lived, found = self._advance(self._pause(last), samples, before)
-            module = self.mind.take_in(found)
-            if found != NOTHING:
-                self.found.append(Found(self.lived, self.mind.events[found], module))
-            if module is not None:
-                self._samples[-1] = samples[: self._sampled()].copy()  # without the rows that it will not fill
-                self._samples.append(self._blank_samples())
+            self.take_in(found)
         return self.found[known:]
+
+    def take_in(self, found: int) -> None:
+        """What follows a turn: a module for the event of number ``found``, unless that is NOTHING."""
+        module = self.mind.take_in(found)
+        if found != NOTHING:
+            self.found.append(Found(self.lived, self.mind.events[found], module))
+        if module is not None:
+            self._samples[-1] = self._samples[-1][: self._sampled()].copy()  # without the rows that it will not fill
+            self._samples.append(self._blank_samples())
 
     def log(self, column: str) -> np.ndarray:
         """(lived,) values of a column, one a turn: positions among a variable's values, modules, spots or options."""
