@@ -94,7 +94,7 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
     times.set(xlabel="turn at the symbolic table", ylabel="turn from pictures", title="When a module is made, by seed")
     times.legend(fontsize=7)
     times.grid(alpha=0.3)
-    _draw_confusion(confusion, _results(cells, "clumsy") or _results(cells, shown[0]))
+    _draw_confusion(confusion, _results(cells, "unsteady") or _results(cells, shown[0]))
     for place, setting in enumerate(shown):
         results = _results(cells, setting)
         share = proportion(sum(map(in_order, results)), len(results))
@@ -129,4 +129,4 @@ def _draw_confusion(axes: Any, results: list[dict[str, Any]]) -> None:
                   color="w" if shares[i, j] > 0.5 else "k")  # fmt: skip
     axes.set_xticks(range(5), truths, rotation=40, ha="right", fontsize=8)
     axes.set_yticks(range(5), [*truths[:-1], "no face"], fontsize=8)
-    axes.set(xlabel="truth: she looks at", ylabel="sensed (category by its majority)", title="Faces, clumsy bodies")
+    axes.set(xlabel="truth: she looks at", ylabel="sensed (category by its majority)", title="Faces, unsteady bodies")
