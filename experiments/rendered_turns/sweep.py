@@ -25,8 +25,8 @@ class Seen:
 
 
 UNSTEADY = StageConfig(head_jitter_deg=4.0, motor_noise_deg=1.0, object_jitter_m=0.03)
-"""Everybody's movements are up to twice as imprecise, so that perception errs. With 5 and 1.5 degrees and 4 cm nothing was
-found after gaze following in four lives of 20,000 turns, whichever part was true."""
+"""Everybody's movements are up to twice as imprecise, so that perception errs. With 5 and 1.5 degrees and 4 cm nothing
+was found after gaze following in four lives of 20,000 turns, whichever part was true."""
 
 
 def _unsteady(*truth: str) -> Setting:
