@@ -3,6 +3,7 @@ learned from what they saw."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -41,6 +42,8 @@ class Trial:
 
 
 FIRST_SEED = 50_000
+FILM = Path(__file__).with_name("continuous.mp4")
+"""Made by ``python -m experiments.continuous.film``."""
 SETTINGS = {"scattered": Setting(Trial(), runs=20)}
 
 
