@@ -1,17 +1,201 @@
-"""When gaze following, looking back and gaze alternation are found in an hour without turns."""
+"""When gaze following, looking back and gaze alternation are found in an hour without turns, and what keeps them."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointattn_mj.laboratory.claim import Cells, Finding
+from experiments.realtime.sweep import SETTINGS, Hour
+from experiments.tables import STAGES
+from jointattn_mj.laboratory.claim import Cell, Cells, Finding, Verdict
+from jointattn_mj.laboratory.statistics import median_interval, paired_difference, proportion
+
+HOUR = 60.0
+FOLLOWING, BACK, ALTERNATING = STAGES
+NAMES = {FOLLOWING: "gaze following", BACK: "looking back", ALTERNATING: "gaze alternation"}
+WORDS = {
+    "pixels/cues": "from pictures, with motion cues",
+    "pixels/no_cues": "from pictures, without",
+    "truth/cues": "from the state, with motion cues",
+    "truth/no_cues": "from the state, without",
+    "table": "symbolic table, 6,000 steps",
+}
+COLOURS = {"pixels/cues": "#c0392b", "pixels/no_cues": "#2471a3", "truth/cues": "#e59866", "truth/no_cues": "#7fb3d5"}
+STYLES = {FOLLOWING: "-", BACK: "--", ALTERNATING: ":"}
+ANSWERED = 20
+"""Looks at her face after following that a share needs."""
+
+
+def minute_of(cell: Cell, event: str) -> float:
+    """Simulated minutes until an event was found, infinite where it was not."""
+    modules = cell.result["modules"]
+    return cell.result["minutes"][modules.index(event)] if event in modules else np.inf
+
+
+def alternates(result: dict[str, Any]) -> bool:
+    """Whether gaze alternation came after gaze following."""
+    modules = result["modules"]
+    return ALTERNATING in modules and FOLLOWING in modules[: modules.index(ALTERNATING)]
 
 
 def analyse(cells: Cells) -> list[Finding]:
-    """Nothing yet."""
-    return []
+    """The target first, then minutes, what cues do, and link by link what is in the way."""
+    findings = []
+    for name in WORDS:
+        part = cells.get(name, ())
+        if part:
+            findings += _shares(name, part)
+    findings += _cues(cells)
+    for name in ("pixels/cues", "pixels/no_cues", "truth/cues", "truth/no_cues"):
+        if cells.get(name):
+            findings += _links(name, cells[name])
+    return findings
+
+
+def _shares(name: str, part: Sequence[Cell]) -> list[Finding]:
+    """How many found gaze following, and gaze alternation after it, and when."""
+    timed, n = isinstance(SETTINGS[name].config, Hour), len(part)
+    orders = Counter(" ".join(cell.result["modules"]) or "nothing" for cell in part).most_common(3)
+    seen = "; ".join(f"{count} of {n}: {order}" for order, count in orders)
+    if not timed:
+        following = sum(FOLLOWING in cell.result["modules"] for cell in part)
+        both = sum(alternates(cell.result) for cell in part)
+        return [
+            Finding(f"gaze following found, {WORDS[name]}", "not tried", proportion(following, n), Verdict.EXTENSION),
+            Finding(
+                f"gaze alternation after gaze following, {WORDS[name]}", "not tried", proportion(both, n),
+                Verdict.EXTENSION, seen,
+            ),
+        ]  # fmt: skip
+    times = [minute_of(cell, FOLLOWING) for cell in part]
+    found = [
+        Finding(
+            f"gaze following found within an hour, {WORDS[name]}", "asked for: 80% of 20",
+            proportion(sum(time <= HOUR for time in times), n), Verdict.EXTENSION,
+        ),
+        Finding(
+            f"gaze alternation after gaze following within an hour, {WORDS[name]}", "asked for: 80% of 20",
+            proportion(sum(alternates(c.result) and minute_of(c, ALTERNATING) <= HOUR for c in part), n),
+            Verdict.EXTENSION, seen,
+        ),
+        Finding(f"minutes until gaze following (median), {WORDS[name]}", "", median_interval(times), Verdict.EXTENSION),
+    ]  # fmt: skip
+    longest = SETTINGS[name].config.minutes
+    if longest > HOUR:
+        late = proportion(sum(alternates(cell.result) for cell in part), n)
+        what = f"gaze alternation after gaze following within {longest:.0f} minutes, {WORDS[name]}"
+        found.append(Finding(what, "not tried", late, Verdict.EXTENSION))
+    return found
+
+
+def _cues(cells: Cells) -> list[Finding]:
+    """What motion cues do to the time until gaze following, seed by seed."""
+    findings = []
+    for perception in ("pixels", "truth"):
+        both = [{c.seed: c for c in cells.get(f"{perception}/{cues}", ())} for cues in ("cues", "no_cues")]
+        seeds = [
+            seed
+            for seed in sorted(set.intersection(*map(set, both)))
+            if all(np.isfinite(minute_of(part[seed], FOLLOWING)) for part in both)
+        ]
+        if len(seeds) > 1:
+            minutes = [[minute_of(part[seed], FOLLOWING) for seed in seeds] for part in both]
+            rates = [np.mean([part[seed].result["lived"] / part[seed].result["lived_minutes"] for seed in seeds])
+                     for part in both]  # fmt: skip
+            findings.append(Finding(
+                f"minutes until gaze following, with motion cues less without, {perception}", "not tried",
+                paired_difference(*minutes), Verdict.EXTENSION,
+                f"{rates[0]:.0f} and {rates[1]:.0f} steps a minute",
+            ))  # fmt: skip
+    return findings
+
+
+def _links(name: str, part: Sequence[Cell]) -> list[Finding]:
+    """Whether faces are told apart, whether the first map is right, and whether following shows in her face."""
+    purity, whole, used, unused = [], [], [], []
+    for cell in part:
+        faces = np.array(cell.result["faces"])[:-1, :-1]
+        purity.append(float(faces.max(axis=1).sum() / faces.sum()))
+        offered = cell.result["directions"]
+        if offered is not None:
+            whole.append(right_map(offered))
+        after = cell.result["after_following"]
+        if after is not None and right_map(offered) and after["used"][0] >= ANSWERED:
+            used.append(after["used"][1] / after["used"][0])
+            unused.append(after["not used"][1] / after["not used"][0])
+    findings = [
+        Finding(f"faces whose category means where she looks, {WORDS[name]}", "", median_interval(purity),
+                Verdict.EXTENSION)
+    ]  # fmt: skip
+    if whole:
+        reached = sum(alternates(c.result) for c in part if right_map(c.result["directions"]))
+        findings.append(Finding(
+            f"maps of gaze following that lead to three places and nowhere else wrong, {WORDS[name]}", "",
+            proportion(sum(whole), len(whole)), Verdict.EXTENSION,
+            f"gaze alternation after {reached} of these {sum(whole)}, and after "
+            f"{sum(alternates(c.result) for c in part) - reached} of the other {len(whole) - sum(whole)}",
+        ))  # fmt: skip
+    if used:
+        findings.append(Finding(
+            f"her face frontal when looked at after following, with a right map, {WORDS[name]}", "",
+            median_interval(used), Verdict.EXTENSION, f"after anything else {np.median(unused):.2f}",
+        ))  # fmt: skip
+    return findings
+
+
+def right_map(offered: Sequence[int] | None) -> bool:
+    """Whether a map of gaze following has a command for each of three places at least, and at most one that is wrong:
+    one for a face that nearly never comes does no harm."""
+    return offered is not None and offered[1] >= 3 and offered[0] - offered[1] <= 1
 
 
 def draw(cells: Cells) -> Mapping[str, Figure]:
-    """Nothing yet."""
-    return {}
+    """Shares of lives that have found each event, over minutes; where she looks after having been followed."""
+    timed = [name for name in COLOURS if cells.get(name)]
+    if not timed:
+        return {}
+    figure = Figure(figsize=(9.5, 3.9), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=(1.6, 1))
+    for name in timed:
+        _draw_shares(left, name, cells[name])
+    left.axvline(HOUR, color="k", lw=0.8)
+    left.axhline(0.8, color="0.6", lw=0.8)
+    longest = max(SETTINGS[name].config.minutes for name in timed)
+    left.set(xlabel="simulated minutes", ylabel="share of lives", ylim=(-0.02, 1.04), xlim=(0, longest))
+    for event, style in STYLES.items():
+        left.plot([], [], "k", ls=style, label=NAMES[event])
+    left.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    _draw_answers(right, cells, timed)
+    return {"realtime": figure}
+
+
+def _draw_shares(axes: Axes, name: str, part: Sequence[Cell]) -> None:
+    for event, style in STYLES.items():
+        times = np.sort([minute_of(cell, event) for cell in part])
+        steps = np.concatenate([[0.0], times[np.isfinite(times)], [SETTINGS[name].config.minutes]])
+        share = np.arange(len(steps)) / len(part)
+        share[-1] = share[-2]
+        axes.step(steps, share, where="post", ls=style, color=COLOURS[name], lw=1.4)
+    axes.plot([], [], color=COLOURS[name], label=f"{WORDS[name]} ({len(part)})")
+
+
+def _draw_answers(axes: Axes, cells: Cells, timed: Sequence[str]) -> None:
+    """Her face after following and after anything else, one line a life."""
+    for number, name in enumerate(timed):
+        for cell in cells[name]:
+            after = cell.result["after_following"]
+            if after is None or min(after["used"][0], after["not used"][0]) < ANSWERED:
+                continue
+            share = [after[key][1] / after[key][0] for key in ("not used", "used")]
+            right = right_map(cell.result["directions"])
+            axes.plot(
+                [number * 3, number * 3 + 1], share, color=COLOURS[name], lw=0.9, ls="-" if right else ":",
+                marker="o" if alternates(cell.result) else "", ms=3,
+            )  # fmt: skip
+    ticks = [3 * number + side for number in range(len(timed)) for side in (0, 1)]
+    axes.set_xticks(ticks, ["else", "followed"] * len(timed), fontsize=7, rotation=40)
+    axes.set(ylabel="her face frontal, looked at after", ylim=(-0.02, 1.02))
+    axes.set_title("dotted: wrong map; dots: alternated", fontsize=8)

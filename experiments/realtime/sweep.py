@@ -45,8 +45,8 @@ FIRST_SEED = 40_000
 SETTINGS = {
     "pixels/cues": Setting(_hour("pixels", True), runs=20),
     "pixels/no_cues": Setting(_hour("pixels", False), runs=20),
-    "truth/cues": Setting(_hour("truth", True, 150.0), runs=20),
-    "truth/no_cues": Setting(_hour("truth", False, 150.0), runs=20),
+    "truth/cues": Setting(_hour("truth", True, 90.0), runs=20),
+    "truth/no_cues": Setting(_hour("truth", False, 90.0), runs=20),
     "table": Setting(Turns(PRESETS["fast"].world, 6_000), runs=100),
     "table, objects stay": Setting(Turns(replace(PRESETS["fast"].world, replaced_every=40), 6_000), runs=100),
 }

@@ -45,7 +45,7 @@ class PartnerConfig:
     fixations, of which it needs two to see where she looks and to look there too."""
     glance_s: tuple[float, float] = (0.4, 0.8)
     """How long she looks up at the robot in IJA."""
-    wait_s: tuple[float, float] = (1.0, 2.0)
+    wait_s: tuple[float, float] = (1.2, 2.2)
     """How long she looks at the robot after both have looked at the same object: until it looks back, if it does."""
     eye_contact_s: tuple[float, float] = (0.5, 1.5)
     """How much longer she looks at the robot if it looks at her; then she looks at an object again."""
@@ -56,7 +56,7 @@ class PartnerConfig:
     found in 1 of 10 lives of 50 minutes (from the state, seeds 0 to 30)."""
     jitter_m: float = 0.02
     """Objects lie up to so far beside their place, either way; a third of their size, as a hand puts them."""
-    greets: int = 5
+    greets: int = 15
     """So often she looks at the robot before all else, each time a little otherwise: so it learns what frontal is."""
     head_jitter_deg: float = 2.0
     """Standard deviation, yaw and pitch, of where her head comes to rest; her eyes make up for it. As in turns: heads
@@ -98,7 +98,7 @@ class Partner(ObjectTransfer):
         """``spots`` (N, 3): the places, world frame, m; ``height``: of an object's centre on the table."""
         self.partner, self._chance, self._spots = config, table.caregiver, spots
         self.looks_at = self._robot = len(spots)
-        self._met = False
+        self._met = self._shown = False
         self._head_off = self._head_will_be_off = np.zeros(2)
         self._greeted = 0
         self.option = NEUTRAL
@@ -113,6 +113,7 @@ class Partner(ObjectTransfer):
     def watch(self, robot: int) -> None:
         """She sees the robot look at a place, at her face (N), or turn its head (NOWHERE)."""
         self._robot = robot
+        self._shown = self.looks_at == self._face
 
     def advance(self) -> None:
         """Live through one frame."""
@@ -140,9 +141,14 @@ class Partner(ObjectTransfer):
         return place in self.at
 
     def _notice(self) -> None:
-        """Whether what the robot does is worth an answer; each such thing is considered once."""
+        """Whether what the robot does is worth an answer; each such thing is considered once. She follows a gaze that
+        she has seen turn, and not back to the object from which she has just looked up."""
         robot, seen, following = self._robot, None, self.looks_at == self._face
-        if robot not in (NOWHERE, self._face) and self.full(robot) and (following or self.looks_at == robot):
+        if (
+            robot not in (NOWHERE, self._face)
+            and self.full(robot)
+            and (self._shown if following else self.looks_at == robot)
+        ):
             seen = self.looks_at, robot
         chance = self._chance.follow if following else self._chance.answer
         if seen is not None and seen != self._noticed and self._due == 0 and self._rng.random() < chance:
@@ -200,7 +206,7 @@ class Partner(ObjectTransfer):
     def _turn_to(self, place: int, option: int) -> None:
         """Turn to a place or, with N, to the robot; the hand goes home meanwhile."""
         self.looks_at, self.option, self._returns_to = place, option, NOWHERE
-        self._due, self._noticed, self._met = 0, None, False
+        self._due, self._noticed, self._met, self._shown = 0, None, False, False
         self.target = None if place == self._face else int(np.flatnonzero(self.at == place)[0])
         self.phase = Phase.TURN
         self._head_will_be_off = self._beside_the_way()
