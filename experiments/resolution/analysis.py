@@ -24,10 +24,10 @@ def analyse(cells: Cells) -> list[Finding]:
             continue
         spots = SETTINGS[setting].config.spots
         kinds = [step["kind"] for result in results for step in result["steps"]]
-        exact = sum(faces(result) == spots + 1 for result in results)
+        exact = f"{spots + 1} exactly in {sum(faces(result) == spots + 1 for result in results)} of {len(results)}"
         findings += [
             _row(f"{setting}: faces told apart; she looks at {spots} spots or the robot",
-                 mean_interval([faces(result) for result in results]), f"{spots + 1} exactly in {exact} of {len(results)}"),
+                 mean_interval([faces(result) for result in results]), exact),
             _row(f"{setting}: regions of gaze", mean_interval([regions(result) for result in results])),
             _row(f"{setting}: her true targets that have a face value of their own",
                  mean_interval([covered(result) / (spots + 1) for result in results])),

@@ -1,6 +1,7 @@
 """Tables of 2 to 5 spots, none of which the robot knows: what it comes to tell apart, and what a mind makes of that."""
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,9 +29,11 @@ class Trial:
 
 
 FIRST_SEED = 50_000
+FILM = Path(__file__).with_name("resolution.mp4")
+"""Made by ``python -m experiments.resolution.film``."""
 SETTINGS = {
     **{f"{spots} spots": Setting(Trial(spots), runs=20) for spots in (2, 3, 4, 5)},
-    "a picture every turn, 3 spots": Setting(Trial(3, pictures=True, turns=20_000, mind_turns=10_000), runs=6),
+    "a picture every turn, 3 spots": Setting(Trial(3, pictures=True, turns=20_000, mind_turns=10_000), runs=4),
 }
 
 
