@@ -1,0 +1,46 @@
+"""``jointattn develop --world rendered --mode realtime``: an hour in minutes, to its end, however it is interrupted."""
+
+from dataclasses import replace
+
+import pytest
+
+from jointattn_mj import cli
+from jointattn_mj.development import DevelopOptions, run_development
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.realtime.life import RealtimeConfig
+from jointattn_mj.realtime_development import RealtimeDevelopConfig
+
+SHORT = RealtimeDevelopConfig(minutes=0.6, realtime=RealtimeConfig(perception="truth", familiarise_minutes=1.0))
+
+
+def test_it_lives_as_many_minutes_as_asked_for_and_resumes_to_the_same(tmp_path):
+    seen = []
+    summary = run_development(SHORT, DevelopOptions(tmp_path / "whole"), lambda life, found: seen.append(life.spent))
+    assert seen == sorted(seen) and 0.6 <= seen[-1] < 0.7
+    assert summary["minutes"] == seen[-1] and summary["steps"] == len(seen) > 10
+
+    def stop(life, found):
+        if life.lived == 7:
+            raise KeyboardInterrupt
+
+    options = DevelopOptions(tmp_path / "stopped", checkpoint_every=5)
+    with pytest.raises(KeyboardInterrupt):
+        run_development(SHORT, options, stop)
+    assert run_development(SHORT, replace(options, resume=True)) == summary
+
+
+def test_the_command_line_chooses_the_world_and_how_time_goes_on(capsys):
+    for arguments, option in (
+        ([], "--table.spots"),
+        (["--world", "rendered"], "--rendered.watching"),
+        (["--world=rendered", "--mode", "realtime"], "--minutes"),
+    ):
+        with pytest.raises(SystemExit) as stop:
+            cli.main(["develop", *arguments, "--help"])
+        assert not stop.value.code
+        assert option in capsys.readouterr().out
+
+
+def test_minutes_that_are_none():
+    with pytest.raises(ConfigError, match="minutes"):
+        RealtimeDevelopConfig(minutes=0)
