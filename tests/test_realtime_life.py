@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.realtime.life import FRAMES_PER_MINUTE, OBJECT_THERE, RealtimeConfig, RealtimeLife
+from jointattn_mj.realtime.life import FRAMES_PER_MINUTE, RealtimeConfig, RealtimeLife
+from jointattn_mj.rendered.seeing import OBJECT_THERE
 from jointattn_mj.symbolic.meaning import FACE, GAZE, OBJECT
 from jointattn_mj.symbolic.presets import PRESETS
 from jointattn_mj.symbolic.table import TableConfig

@@ -1,6 +1,7 @@
 """An hour with a caregiver who waits for nobody, with motion cues and without; and what each link costs."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -113,3 +114,8 @@ def _after_following(life: RealtimeLife) -> dict[str, list[int]] | None:
         name: [int(np.sum(part & to_face)), int(np.sum(part & to_face & frontal))]
         for name, part in (("used", used), ("not used", ~used))
     }
+
+
+FILM = Path(__file__).with_name("realtime.mp4")
+"""``python -m experiments.realtime.film``: the life of seed FILMED, in which all three are found."""
+FILMED = FIRST_SEED

@@ -5,7 +5,7 @@ draws something else than what is fixated, the step is over: what the robot sees
 chooses where to look and what gesture to make, and the head turns there. The caregiver goes on all the time.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -13,7 +13,6 @@ import numpy as np
 
 from jointattn_mj.attention import AttentionConfig, AttentionSelector
 from jointattn_mj.contingency.detector import NOTHING
-from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.reactive import ReactiveModule
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze import HeadShift
@@ -24,9 +23,9 @@ from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.truth import TruthConfig, TruthPerception
 from jointattn_mj.realtime.partner import PACE, PartnerConfig, PartnerWorld
 from jointattn_mj.realtime.step import think_once
-from jointattn_mj.rendered.senses import Gazed, Senses, SensesConfig, named_by_majority
+from jointattn_mj.rendered.seeing import SeeingLife
+from jointattn_mj.rendered.senses import Gazed, Senses, SensesConfig
 from jointattn_mj.robots.developer import Developer, DeveloperConfig
-from jointattn_mj.robots.life import Life
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX, direction_of, directions_to
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
 from jointattn_mj.scene.looker import places
@@ -34,11 +33,8 @@ from jointattn_mj.scene.model import OBJECTS
 from jointattn_mj.scene.variation import drawn, variation_of
 from jointattn_mj.scene.world import Observation, WorldConfig, build_physics
 from jointattn_mj.symbolic.caregiver import NOWHERE
-from jointattn_mj.symbolic.meaning import FACE, GAZE
-from jointattn_mj.symbolic.table import LOOKS_AT, TableConfig, table_variables, table_witnessed
+from jointattn_mj.symbolic.table import TableConfig
 
-OBJECT_THERE = "object at the centre"
-"""Column of the log that the robot does not know."""
 FRAMES_PER_MINUTE = round(60 / FRAME_S)
 AT_TEN_A_SECOND = MotionConfig(frames_back=1, face_px=0.0675, object_px=0.375)
 """Ten pictures a second: the speeds of chapter 6 over the tenth of a second between two of them."""
@@ -92,7 +88,7 @@ class RealtimeConfig:
             )
 
 
-class RealtimeLife(Life):
+class RealtimeLife(SeeingLife):
     """A mind, a body and a caregiver who does not wait.
 
     Attributes:
@@ -102,7 +98,10 @@ class RealtimeLife(Life):
         heads: (spots + 1, 2) the robot's gaze commands: head angles for each place and for the caregiver's face, deg.
         frame: Frames since the mind began.
         ended: (turns,) frame in which each step was over.
+        on_frame: Called after every frame; for films.
     """
+
+    on_frame: Callable[[], object] | None = None
 
     def __init__(
         self,
@@ -137,8 +136,7 @@ class RealtimeLife(Life):
         self.senses = Senses(config.senses, table, patterns, greetings, np.random.default_rng(of_senses))
         self.frame, self.ended = 0, np.zeros(turns, np.int32)
         developer = Developer(self.senses.variables, mind, of_mind, reactive)
-        witnessed = {**table_witnessed(table), OBJECT_THERE: ("no", "yes")}
-        super().__init__(developer, turns, sample_every, witnessed)
+        super().__init__(developer, table, turns, sample_every)
 
     @property
     def minutes(self) -> float:
@@ -155,36 +153,18 @@ class RealtimeLife(Life):
         while self.lived < self.turns and self.minutes < minutes:
             self.live(1)
 
-    def faces(self) -> np.ndarray:
-        """See ``Life``."""
-        gaze = np.concatenate([[self.spots], self.log(GAZE)[:-1]])[: self.lived]
-        return np.where(gaze == self.spots, self.log(LOOKS_AT), self.spots + 1)
-
-    def named_variables(self) -> Variables:
-        """See ``Life``: categories of faces by what she mostly looked at."""
-        truths = table_variables(self.table).sensors[0].values
-        return named_by_majority(self.mind.variables, self.confusion(), truths)
-
     def more(self) -> dict[str, Any]:
-        """See ``Life``: how much time it took, and how well faces were told apart."""
-        values, truths = self.mind.variables.sensors[0].values, table_variables(self.table).sensors[0].values
-        faces = [dict(zip(truths, row, strict=True)) for row in self.confusion().tolist()]
+        """See ``SeeingLife``; and how much time it took."""
         return {
             "caregiver": self.world.config.scene.caregiver,
             "minutes": self.minutes,
             "minutes_when_found": [self.minutes_at(one.turn) for one in self.found],
-            "sensed_face_by_truth": dict(zip(values, faces, strict=True)),
+            **super().more(),
         }
 
     def minutes_at(self, turn: int) -> float:
         """Simulated minutes that had passed when so many steps had been lived."""
         return float(self.ended[turn - 1]) / FRAMES_PER_MINUTE
-
-    def confusion(self) -> np.ndarray:
-        """(values of S1, spots + 2) how often each value was sensed under each truth; see ``faces``."""
-        counts = np.zeros((len(self.mind.variables.sensors[0].values), self.spots + 2), np.int64)
-        np.add.at(counts, (self.log(FACE), self.faces()), 1)
-        return counts
 
     def close(self) -> None:
         """Free the world's model and pictures."""
@@ -209,7 +189,7 @@ class RealtimeLife(Life):
             self._shift(place)
         gazed = self._fixate()
         partner, at_face = self.world.caregiver, place == self.spots
-        there = not at_face and partner.full(place) and partner.held is None
+        there = not at_face and partner.full(place)
         sensors = np.array([partner.looks_at if at_face else self.spots + 1, not there])
         results = np.array([at_face and partner.looks_at == self.spots, at_face, there])
         self.senses.read(gazed, sensors, results, self._s, self._r)
@@ -243,6 +223,8 @@ class RealtimeLife(Life):
     def _step(self) -> None:
         self.world.step(np.radians(self._held))
         self.frame += 1
+        if self.on_frame is not None:
+            self.on_frame()
 
     def _at_centre(self, percept: Percept) -> int | None:
         """The candidate that is nearest to the centre of view, if that is near enough to be gazed at."""

@@ -137,19 +137,15 @@ class Partner(ObjectTransfer):
         return len(self._spots)
 
     def full(self, place: int) -> bool:
-        """Whether an object lies at a place."""
-        return place in self.at
+        """Whether an object lies at a place; one in her hand lies nowhere."""
+        return any(at == place and number != self.held for number, at in enumerate(self.at))
 
     def _notice(self) -> None:
         """Whether what the robot does is worth an answer; each such thing is considered once. She follows a gaze that
         she has seen turn, and not back to the object from which she has just looked up."""
-        robot, seen, following = self._robot, None, self.looks_at == self._face
-        if (
-            robot not in (NOWHERE, self._face)
-            and self.full(robot)
-            and (self._shown if following else self.looks_at == robot)
-        ):
-            seen = self.looks_at, robot
+        robot, following = self._robot, self.looks_at == self._face
+        concerns_her = self._shown if following else self.looks_at == robot
+        seen = (self.looks_at, robot) if concerns_her and robot != self._face and self.full(robot) else None
         chance = self._chance.follow if following else self._chance.answer
         if seen is not None and seen != self._noticed and self._due == 0 and self._rng.random() < chance:
             self._due = self._frames_of(self.partner.latency_s)

@@ -6,6 +6,7 @@ A copy of the life is filmed; the life itself goes on as without a film.
 import pickle
 from pathlib import Path
 from types import TracebackType
+from typing import Self
 
 import cv2
 import numpy as np
@@ -29,11 +30,13 @@ from jointattn_mj.recording.paint import (
 )
 from jointattn_mj.recording.reel import Reel
 from jointattn_mj.rendered.life import RenderedLife
+from jointattn_mj.rendered.seeing import SeeingLife
 from jointattn_mj.robots.life import Life
 from jointattn_mj.scene.camera import FOCAL_PX
-from jointattn_mj.scene.looker import Pose, TurnWorld
+from jointattn_mj.scene.looker import Pose
 from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH
 from jointattn_mj.scene.movement import minimum_jerk
+from jointattn_mj.scene.world import World
 from jointattn_mj.symbolic.behaviour import BEHAVIOURS, SHORT, behaviours
 from jointattn_mj.symbolic.meaning import FACE, GAZE, meanings
 from jointattn_mj.symbolic.table import CAREGIVER
@@ -42,8 +45,8 @@ WIDTH, HEIGHT, RATE = 1280, 720, 30
 MOVING, RESTING = 8, 7
 """Pictures in which bodies move to where a turn puts them, and in which they stay there: half a second a turn."""
 SCALE = 2
-_EYE = Box(16, 88, SCALE * PICTURE_WIDTH, SCALE * PICTURE_HEIGHT)
-_OUTSIDE = Box(672, 88, 592, 340)
+EYE = Box(16, 88, SCALE * PICTURE_WIDTH, SCALE * PICTURE_HEIGHT)
+OUTSIDE = Box(672, 88, 592, 340)
 _DRIVERS = Box(672, 440, 592, 268)
 _STRIP = Box(16, 580, 640, 128)
 _SHOWN = 16
@@ -68,7 +71,7 @@ class LifeFilm:
     def __init__(self, path: Path):
         self._reel = Reel(path, HEIGHT, WIDTH, RATE)
 
-    def __enter__(self) -> "LifeFilm":
+    def __enter__(self) -> Self:
         """Start ffmpeg.
 
         Raises:
@@ -92,16 +95,17 @@ class LifeFilm:
         """
         copy: RenderedLife = pickle.loads(pickle.dumps(life))
         world = copy.stage.world
-        onlooker = Onlooker(world, _OUTSIDE.width, _OUTSIDE.height)
+        onlooker = Onlooker(world, OUTSIDE.width, OUTSIDE.height)
         try:
             for _ in range(min(turns, copy.turns - copy.lived)):
                 driver = int(copy.mind.mind.driver[0]) if copy.lived else -1
                 before = world.pose()
                 copy.live(1)
-                still = _still(copy, title, driver)
+                looks_at = copy.stage.table.state[CAREGIVER]
+                canvas = still(copy, title, f"turn {copy.lived:,}", driver, looks_at)
                 for pose in _way(before, world.pose()):
                     world.stand(pose)
-                    self._reel.add(_picture(still, copy, world, onlooker))
+                    self._reel.add(with_views(canvas, world, onlooker, copy.config.senses.centre_radius_deg))
         finally:
             onlooker.close()
             world.close()
@@ -113,40 +117,37 @@ def _way(before: Pose, after: Pose) -> list[Pose]:
     return moving + [after] * RESTING
 
 
-def _picture(still: np.ndarray, life: RenderedLife, world: TurnWorld, onlooker: Onlooker) -> np.ndarray:
-    """``still`` with both views as things stand now."""
+def with_views(still: np.ndarray, world: World, onlooker: Onlooker, radius_deg: float) -> np.ndarray:
+    """``still`` with both views as things stand now; what is within ``radius_deg`` of the centre is gazed at."""
     canvas = still.copy()
-    eye = _EYE.of(canvas)
-    size = (_EYE.width, _EYE.height)
+    eye = EYE.of(canvas)
+    size = (EYE.width, EYE.height)
     eye[:] = cv2.resize(world.picture(), size, interpolation=cv2.INTER_CUBIC)
-    radius = SCALE * np.radians(life.config.senses.centre_radius_deg) * FOCAL_PX
+    radius = SCALE * np.radians(radius_deg) * FOCAL_PX
     disc(eye, np.array(size) / 2, radius, ROBOT, 1)
-    _OUTSIDE.of(canvas)[:] = onlooker.look()
+    OUTSIDE.of(canvas)[:] = onlooker.look()
     if onlooker.together:
-        write(
-            canvas, _OUTSIDE.x + _OUTSIDE.width - 12, _OUTSIDE.y + 8, "joint attention", GREEN, 16, True, align="right"
-        )
+        write(canvas, OUTSIDE.x + OUTSIDE.width - 12, OUTSIDE.y + 8, "joint attention", GREEN, 16, True, align="right")
         brackets(eye, np.array(size) / 2, 2.2 * radius, GREEN, 3)
     return canvas
 
 
-def _still(life: RenderedLife, title: str, driver: int) -> np.ndarray:
-    """All that does not move while bodies do."""
+def still(life: SeeingLife, title: str, when: str, driver: int, looks_at: int) -> np.ndarray:
+    """All that does not move while bodies do; ``looks_at``: where she looks, in truth."""
     canvas = np.full((HEIGHT, WIDTH, 3), GROUND, np.uint8)
     write(canvas, 16, 12, title, WHITE, 22, True)
-    write(canvas, WIDTH - 16, 16, f"turn {life.lived:,}", WHITE, 18, align="right")
-    write(canvas, _EYE.x, 58, "What the robot sees", WHITE, 16, True)
-    write(canvas, _EYE.x + _EYE.width, 60, _sensed(life), ROBOT, 14, True, align="right")
-    write(canvas, _OUTSIDE.x, 58, "From outside", WHITE, 16, True)
-    looks_at = life.stage.table.state[CAREGIVER]
+    write(canvas, WIDTH - 16, 16, when, WHITE, 18, align="right")
+    write(canvas, EYE.x, 58, "What the robot sees", WHITE, 16, True)
+    write(canvas, EYE.x + EYE.width, 60, _sensed(life), ROBOT, 14, True, align="right")
+    write(canvas, OUTSIDE.x, 58, "From outside", WHITE, 16, True)
     where = "at the robot" if looks_at == life.spots else f"at place {looks_at + 1}"
-    write(canvas, _OUTSIDE.x + _OUTSIDE.width, 60, f"she looks {where} (truth)", PERSON, 14, align="right")
+    write(canvas, OUTSIDE.x + OUTSIDE.width, 60, f"she looks {where} (truth)", PERSON, 14, align="right")
     _draw_drivers(canvas, life, driver)
     _draw_strip(canvas, life)
     return canvas
 
 
-def _sensed(life: RenderedLife) -> str:
+def _sensed(life: SeeingLife) -> str:
     """What the robot takes the middle of the picture for, and for people what it mostly means."""
     face, known = life.mind.variables.sensors[0], life.named_variables().sensors[0]
     value = int(life.log(FACE)[-1])
