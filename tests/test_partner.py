@@ -143,6 +143,18 @@ def test_eye_contact_lasts_longer_than_waiting_alone_but_not_for_ever():
     assert np.mean(waits[SPOTS]) > np.mean(waits[NOWHERE]) + 0.4 / FRAME_S
 
 
+def test_she_greets_before_all_else_and_when_she_is_asked_to():
+    her = partner_of(6, PartnerConfig(greets=3))
+    for _ in range(2):
+        frames = live(her, lambda: not her.greeting and her.looks_at != SPOTS)
+        assert seconds(frames) > 2.0
+        live(her, lambda: her.held is not None)
+        her.greet()
+        assert her.greeting
+        live(her, lambda: her.phase == Phase.GREET)
+        assert her.held is None and her.looks_at == SPOTS
+
+
 def test_a_table_that_is_full_leaves_nothing_to_carry():
     config = WorldConfig(behaviour=PACE)
     config = replace(config, scene=replace(config.scene, objects=OBJECTS[:3]))

@@ -73,15 +73,15 @@ def _shares(name: str, part: Sequence[Cell]) -> list[Finding]:
     times = [minute_of(cell, FOLLOWING) for cell in part]
     found = [
         Finding(
-            f"gaze following found within an hour, {WORDS[name]}", "asked for: 80% of 20",
+            f"gaze following found within an hour, {WORDS[name]}", "asked for: 80%",
             proportion(sum(time <= HOUR for time in times), n), Verdict.EXTENSION,
         ),
         Finding(
-            f"gaze alternation after gaze following within an hour, {WORDS[name]}", "asked for: 80% of 20",
+            f"gaze alternation after gaze following within an hour, {WORDS[name]}", "asked for: 80%",
             proportion(sum(alternates(c.result) and minute_of(c, ALTERNATING) <= HOUR for c in part), n),
             Verdict.EXTENSION, seen,
         ),
-        Finding(f"minutes until gaze following (median), {WORDS[name]}", "", median_interval(times), Verdict.EXTENSION),
+        Finding(f"minutes until gaze following (median), {WORDS[name]}", "not tried", median_interval(times), Verdict.EXTENSION),
     ]  # fmt: skip
     longest = SETTINGS[name].config.minutes
     if longest > HOUR:
@@ -127,20 +127,20 @@ def _links(name: str, part: Sequence[Cell]) -> list[Finding]:
             used.append(after["used"][1] / after["used"][0])
             unused.append(after["not used"][1] / after["not used"][0])
     findings = [
-        Finding(f"faces whose category means where she looks, {WORDS[name]}", "", median_interval(purity),
+        Finding(f"faces whose category means where she looks, {WORDS[name]}", "not tried", median_interval(purity),
                 Verdict.EXTENSION)
     ]  # fmt: skip
     if whole:
         reached = sum(alternates(c.result) for c in part if right_map(c.result["directions"]))
         findings.append(Finding(
-            f"maps of gaze following that lead to three places and nowhere else wrong, {WORDS[name]}", "",
+            f"maps of gaze following with a right command for each of three places and at most one wrong, {WORDS[name]}", "not tried",
             proportion(sum(whole), len(whole)), Verdict.EXTENSION,
             f"gaze alternation after {reached} of these {sum(whole)}, and after "
             f"{sum(alternates(c.result) for c in part) - reached} of the other {len(whole) - sum(whole)}",
         ))  # fmt: skip
     if used:
         findings.append(Finding(
-            f"her face frontal when looked at after following, with a right map, {WORDS[name]}", "",
+            f"her face frontal when looked at after following, with such a map, {WORDS[name]}", "not tried",
             median_interval(used), Verdict.EXTENSION, f"after anything else {np.median(unused):.2f}",
         ))  # fmt: skip
     return findings
@@ -167,7 +167,7 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
     left.set(xlabel="simulated minutes", ylabel="share of lives", ylim=(-0.02, 1.04), xlim=(0, longest))
     for event, style in STYLES.items():
         left.plot([], [], "k", ls=style, label=NAMES[event])
-    left.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    figure.legend(*left.get_legend_handles_labels(), fontsize=7, loc="outside lower center", ncols=3)
     _draw_answers(right, cells, timed)
     return {"realtime": figure}
 
@@ -198,4 +198,4 @@ def _draw_answers(axes: Axes, cells: Cells, timed: Sequence[str]) -> None:
     ticks = [3 * number + side for number in range(len(timed)) for side in (0, 1)]
     axes.set_xticks(ticks, ["else", "followed"] * len(timed), fontsize=7, rotation=40)
     axes.set(ylabel="her face frontal, looked at after", ylim=(-0.02, 1.02))
-    axes.set_title("dotted: wrong map; dots: alternated", fontsize=8)
+    axes.set_title("dotted: map not whole; dots: gaze alternation", fontsize=8)

@@ -246,12 +246,16 @@ class RealtimeLife(SeeingLife):
         return PixelPerception(self.config.senses.pixels, colours)
 
     def _familiarised(self) -> tuple[np.ndarray, int]:
-        """Minutes of looking at her face; patterns (n, d) of it whenever it has come to rest, and how many of them
-        greeted the robot. A face that has not moved since is not another face: counted at every look, each rest of
-        hers would be a category."""
-        patterns, greetings, seen, moved = list[np.ndarray](), 0, 0, True
-        self.world.caregiver.watch(self.spots)
-        while self.minutes < self.config.familiarise_minutes:
+        """Minutes of looking at her face, with a greeting before and after; patterns (n, d) of it whenever it has come
+        to rest, those that greeted the robot first, and how many these are.
+
+        A face that has not moved since is not another face: counted at every look, each rest of hers would be a
+        category. She greets again because a face is cut out a little otherwise when more of its views are known.
+        """
+        greetings, others = list[np.ndarray](), list[np.ndarray]()
+        partner, seen, moved, again = self.world.caregiver, 0, True, False
+        partner.watch(self.spots)
+        while partner.greeting or not again:
             percept = self._perceiver.look(self._observation, seen == 0)
             if percept.seen[-1]:
                 seen += 1
@@ -260,14 +264,17 @@ class RealtimeLife(SeeingLife):
                 moved = moved or bool(percept.moves[-1])
                 if moved and not percept.moves[-1] and not self.world.head_moves():
                     moved = False
-                    patterns.append(self._perceiver.face_pattern().copy())
-                    greetings += self.world.caregiver.phase == Phase.GREET
+                    group = greetings if partner.phase == Phase.GREET else others
+                    group.append(self._perceiver.face_pattern().copy())
             for _ in range(self.config.looks_every):
                 self._step()
-        if greetings == 0:
+            if not again and self.minutes >= self.config.familiarise_minutes:
+                again = True
+                partner.greet()
+        if not greetings:
             raise ConfigError("the robot found no face that greeted it; change variation, or the scene")
         self.heads[-1], self._gazes_at = self._held, self.spots
-        return np.array(patterns), greetings
+        return np.array(greetings + others), len(greetings)
 
     def __getstate__(self) -> dict[str, Any]:
         """See ``Life``."""

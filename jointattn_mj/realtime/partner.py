@@ -56,8 +56,9 @@ class PartnerConfig:
     found in 1 of 10 lives of 50 minutes (from the state, seeds 0 to 30)."""
     jitter_m: float = 0.02
     """Objects lie up to so far beside their place, either way; a third of their size, as a hand puts them."""
-    greets: int = 15
-    """So often she looks at the robot before all else, each time a little otherwise: so it learns what frontal is."""
+    greets: int = 10
+    """For so many seconds she looks at the robot when she greets it, in each a little otherwise: so it learns what
+    frontal is."""
     head_jitter_deg: float = 2.0
     """Standard deviation, yaw and pitch, of where her head comes to rest; her eyes make up for it. As in turns: heads
     turn most of the way to what is looked at, but never the same part of it. Without it faces that look at one object
@@ -115,6 +116,15 @@ class Partner(ObjectTransfer):
         self._robot = robot
         self._shown = self.looks_at == self._face
 
+    def greet(self) -> None:
+        """Greet the robot once more, as soon as she has nothing else to do."""
+        self._greeted = 0
+
+    @property
+    def greeting(self) -> bool:
+        """Whether she greets it, or will."""
+        return self._greeted < self.partner.greets
+
     def advance(self) -> None:
         """Live through one frame."""
         if self.phase in (Phase.GAZE, Phase.REACH):
@@ -155,12 +165,14 @@ class Partner(ObjectTransfer):
     def _go_on(self) -> None:
         """What comes after a phase that has run its course."""
         match self.phase:
-            case Phase.GREET if self._greeted < self.partner.greets:
+            case Phase.GREET if self.greeting:
                 self._greeted += 1
                 self._head_will_be_off = self._beside_the_way()
                 self._begin(Phase.GREET)
             case Phase.GREET:
                 self._turn_to(self._some_object(NOWHERE), NEUTRAL)
+            case Phase.TURN if self.greeting and self.looks_at == self._face:
+                self._begin(Phase.GREET)
             case Phase.TURN:
                 self._look_on()
             case Phase.REACH:
@@ -176,7 +188,9 @@ class Partner(ObjectTransfer):
     def _choose(self) -> None:
         """Nothing has called for an answer, and she has looked there long enough."""
         chance, rng = self._chance, self._rng
-        if self.looks_at == self._face:
+        if self.greeting:
+            self._turn_to(self._face, NEUTRAL)
+        elif self.looks_at == self._face:
             if self._returns_to != NOWHERE:
                 self._turn_to(self._returns_to, IJA_BACK)
             elif self._robot == self._face and not self._met and chance.eye_contact == "stay":
