@@ -16,7 +16,7 @@ from jointattn_mj.contingency.reactive import ReactiveModule
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.learning import Learner, LearnerConfig, make_learner
 from jointattn_mj.rendered.life import RenderedConfig, RenderedLife
-from jointattn_mj.rendered.senses import Gazed, SensesConfig
+from jointattn_mj.rendered.senses import ABRUPT, Gazed, SensesConfig
 from jointattn_mj.rendered.stage import StageConfig
 from jointattn_mj.robots.developer import DeveloperConfig
 from jointattn_mj.scene.camera import direction_of, directions_to, off_centre
@@ -42,7 +42,7 @@ class ContinuousConfig:
 
 SCATTERED = RenderedConfig(
     stage=StageConfig(object_jitter_m=0.1, looks_at="object"),
-    senses=SensesConfig(centre_radius_deg=7.5),
+    senses=SensesConfig(ABRUPT, centre_radius_deg=7.5),
 )
 """Objects lie nearly anywhere along the row and up to 10 cm nearer or farther, and she looks at them there. A look at a
 place takes in what lies in its part of the row."""

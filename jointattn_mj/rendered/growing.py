@@ -5,7 +5,7 @@ of chapter 5 develops with the values that were found.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -22,10 +22,9 @@ from jointattn_mj.contingency.resolution import (
     transitions,
 )
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.perception.faces import FaceDetectorConfig
-from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
+from jointattn_mj.perception.pixels import PixelPerception
 from jointattn_mj.perception.som import SOM
-from jointattn_mj.rendered.senses import Gazed, SensesConfig, gazed, named_by_majority
+from jointattn_mj.rendered.senses import ABRUPT, Gazed, SensesConfig, gazed, named_by_majority
 from jointattn_mj.rendered.stage import Stage, StageConfig
 from jointattn_mj.robots.developer import Developer, DeveloperConfig
 from jointattn_mj.robots.life import Life, think_and_note
@@ -41,13 +40,9 @@ class GrowingConfig:
 
     stage: StageConfig = field(default_factory=StageConfig)
     """Bodies."""
-    senses: SensesConfig = field(
-        default_factory=lambda: SensesConfig(PixelConfig(FaceDetectorConfig(confirm_above=0.2)), centre_radius_deg=5.0)
-    )
+    senses: SensesConfig = field(default_factory=lambda: SensesConfig(ABRUPT, centre_radius_deg=5.0))
     """From pictures to sensations. Gaze goes anywhere: what counts as looked at is a little wider than at places that
-    are known. A head turns at once from one turn to the next, without the views between by which the detector of
-    chapter 6 gets to know a turned face: under some lights such a face fits the frontal view by no more than 0.2 to
-    0.4, and three of twenty robots never found one."""
+    are known."""
     resolution: ResolutionConfig = field(default_factory=ResolutionConfig)
     """When values split."""
     greeting: int = 15
@@ -305,10 +300,18 @@ class ResolvedLife(Life):
         return np.where(to_face, self.log(LOOKS_AT), self.spots + 1)
 
     def named_variables(self) -> Variables:
-        """See ``Life``: values of faces by what she mostly looked at."""
+        """See ``Life``: values of faces by what she mostly looked at, and regions by the place in them."""
         counts = np.zeros((len(self.resolution.sensed) + 1, self.spots + 2), np.int64)
         np.add.at(counts, (self.log(FACE), self.faces()), 1)
-        return named_by_majority(self.mind.variables, counts, table_variables(self.body.table_config).sensors[0].values)
+        truth = table_variables(self.body.table_config)
+        variables, gaze = self.mind.variables, self.mind.variables.actions[0]
+        names = list(gaze.values)
+        for place, name in zip(np.degrees(self.body.stage.places), truth.actions[0].values, strict=False):
+            off = [off_centre(place, direction) for direction in self.directions]
+            if min(off) <= self.body.config.senses.centre_radius_deg:
+                names[int(np.argmin(off))] = name
+        variables = replace(variables, actions=(Variable(gaze.name, tuple(names)), *variables.actions[1:]))
+        return named_by_majority(variables, counts, truth.sensors[0].values)
 
     def _advance(self, last: int, samples: np.ndarray, before: int) -> tuple[int, int]:
         s, r = self._s, self._r

@@ -109,7 +109,7 @@ def _draw_faces(area: np.ndarray, body: Body, resolution: Resolution) -> None:
 def _draw_table(area: np.ndarray, body: Body, resolution: Resolution) -> None:
     """Directions from left to right, in the inks of their regions; where the head points now, and the true places."""
     area[:] = PANEL
-    write(area, 10, 8, f"Where it can look: {len(resolution.boxes)} regions, or her", WHITE, 15, True)
+    write(area, 10, 8, f"Where it can look: {len(resolution.boxes)}, or at her", WHITE, 15, True)
     low, high = body.space[0]
     width = area.shape[1] - 40
 
