@@ -81,7 +81,10 @@ def _shares(name: str, part: Sequence[Cell]) -> list[Finding]:
             proportion(sum(alternates(c.result) and minute_of(c, ALTERNATING) <= HOUR for c in part), n),
             Verdict.EXTENSION, seen,
         ),
-        Finding(f"minutes until gaze following (median), {WORDS[name]}", "not tried", median_interval(times), Verdict.EXTENSION),
+        Finding(
+            f"minutes until gaze following (median), {WORDS[name]}", "not tried", median_interval(times),
+            Verdict.EXTENSION,
+        ),
     ]  # fmt: skip
     longest = SETTINGS[name].config.minutes
     if longest > HOUR:
@@ -133,7 +136,8 @@ def _links(name: str, part: Sequence[Cell]) -> list[Finding]:
     if whole:
         reached = sum(alternates(c.result) for c in part if right_map(c.result["directions"]))
         findings.append(Finding(
-            f"maps of gaze following with a right command for each of three places and at most one wrong, {WORDS[name]}", "not tried",
+            f"maps of gaze following that are right for three places and wrong once at most, {WORDS[name]}",
+            "not tried",
             proportion(sum(whole), len(whole)), Verdict.EXTENSION,
             f"gaze alternation after {reached} of these {sum(whole)}, and after "
             f"{sum(alternates(c.result) for c in part) - reached} of the other {len(whole) - sum(whole)}",
