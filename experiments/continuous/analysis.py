@@ -81,7 +81,7 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
         for name, colour in COLOURS.items():
             _curve(axes, results, prefix + name, colour, LABELS[name])
         table = _median(results, "table", 0, "median_deg")
-        axes.axhspan(table.low, table.high, color="#7f8c8d", alpha=0.25, lw=0)
+        axes.axhspan(*_interval(table), color="#7f8c8d", alpha=0.25, lw=0)
         axes.axhline(table.mean, color="#7f8c8d", ls="--", label="the module's table")
         axes.set(xlabel="turns", ylim=(0, 7), xlim=(0, CHECKPOINTS[-1] * 1.03))
         axes.grid(alpha=0.3)
@@ -129,6 +129,11 @@ def _known(values: Sequence[float]) -> list[float]:
     return [value for value in values if not np.isnan(value)]
 
 
+def _interval(estimate: Estimate) -> tuple[float, float]:
+    """To be drawn: nothing where too few runs bound no median."""
+    return (estimate.low, estimate.high) if np.isfinite(estimate.low) else (estimate.mean, estimate.mean)
+
+
 def _difference(results: Sequence[Result], one: tuple[str, int], other: tuple[str, int], key: str) -> Estimate:
     first, second = ([_value(result, *which, key) for result in results] for which in (one, other))
     return paired_difference(first, second)
@@ -138,5 +143,6 @@ def _curve(axes, results: Sequence[Result], name: str, colour: str, label: str) 
     estimates = [(turns, _median(results, name, turns, "median_deg")) for turns in CHECKPOINTS]
     known = [(turns, e) for turns, e in estimates if e.n >= len(results) / 2]
     turns, middle = [t for t, _ in known], [e.mean for _, e in known]
-    axes.fill_between(turns, [e.low for _, e in known], [e.high for _, e in known], color=colour, alpha=0.15, lw=0)
+    low, high = zip(*(_interval(e) for _, e in known), strict=True) if known else ((), ())
+    axes.fill_between(turns, low, high, color=colour, alpha=0.15, lw=0)
     axes.plot(turns, middle, "o-", ms=3, color=colour, label=label)

@@ -12,6 +12,7 @@ from jointattn_mj.laboratory.statistics import Estimate, mean_interval, median_i
 
 Result = dict[str, Any]
 COLOURS = {2: "#7d6608", 3: "#c0392b", 4: "#2471a3", 5: "#1e8449"}
+GRID = np.geomspace(300, 40_000, 200)
 NATS_PER_BIT = float(np.log(2))
 
 
@@ -38,7 +39,8 @@ def analyse(cells: Cells) -> list[Finding]:
             _row(f"{setting}: splits for which S and A had to split together",
                  proportion(kinds.count("S and A"), len(kinds)), _first(results)),
             _row(f"{setting}: nothing split had her faces come in another order",
-                 proportion(sum(result["shuffled"] == 0 for result in results), len(results))),
+                 proportion(sum(result["shuffled"] == 0 for result in results), len(results)),
+                 f"{np.mean([result['shuffled'] for result in results]):.2f} splits a life"),
             _row(f"{setting}: preset fast then finds gaze following",
                  proportion(sum(result["found"] is not None for result in results), len(results)),
                  _mind(results, spots)),
@@ -60,9 +62,10 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
             values = [2, *(step["faces"] + len(step["regions"]) for step in result["steps"])]
             height = [0.0, *(step["contingency"] / NATS_PER_BIT for step in result["steps"])]
             path.plot(values, height, "-", color=colour, lw=0.8, alpha=0.5, label=None if number else label)
-            turns = [step["turns"] for step in result["steps"]]
-            time.step([500, *turns, 40_000], [1, *(step["faces"] for step in result["steps"]), faces(result)],
-                      where="post", color=colour, lw=0.8, alpha=0.5, label=None if number else label)  # fmt: skip
+        told = np.array([[faces_at(result, turns) for turns in GRID] for result in results])
+        time.plot(GRID, told.mean(axis=0), color=colour, label=label)
+        time.fill_between(GRID, *np.quantile(told, (0.1, 0.9), axis=0), color=colour, alpha=0.12, lw=0)
+        time.axhline(spots + 1, color=colour, ls=":", lw=0.8)
         for which, offset, marker in ((faces, -0.06, "o"), (regions, 0.06, "s")):
             estimate = mean_interval([which(result) for result in results])
             off = [[estimate.mean - estimate.low], [estimate.high - estimate.mean]]
@@ -75,7 +78,7 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
     count.plot(ticks, ticks + 1, "k:", lw=1, label="spots and the robot")
     path.set(xlabel="values of S and A together", ylabel="contingency SAC, corrected, bit", ylim=(0, None))
     count.set(xlabel="spots on the table (the robot is not told)", ylabel="values after 40,000 turns", xticks=ticks)
-    time.set(xlabel="turns of moving the gaze at random", ylabel="values of S", xscale="log")
+    time.set(xlabel="turns of moving the gaze at random", ylabel="values of S (mean, 80% of lives)", xscale="log")
     plane.set(xlabel="pan, deg", ylabel="spots", yticks=list(by_spots), ylim=(1.4, 5.6))
     plane.set_title("regions of the first robot (dots: where places are)", fontsize=10)
     plane.invert_xaxis()
@@ -88,6 +91,11 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
 def faces(result: Result) -> int:
     """Values of S, but nothing sensed."""
     return len(result["confusion"])
+
+
+def faces_at(result: Result, turns: float) -> int:
+    """The same after so many turns of babbling."""
+    return max((step["faces"] for step in result["steps"] if step["turns"] <= turns), default=1)
 
 
 def regions(result: Result) -> int:
