@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments.realtime.sweep import SETTINGS, Hour
+from experiments.realtime.sweep import SETTINGS, STEPS_AN_HOUR, Hour
 from experiments.tables import STAGES
 from jointattn_mj.laboratory.claim import Cell, Cells, Finding, Verdict
 from jointattn_mj.laboratory.statistics import median_interval, paired_difference, proportion
@@ -21,7 +21,8 @@ WORDS = {
     "pixels/no_cues": "from pictures, without",
     "truth/cues": "from the state, with motion cues",
     "truth/no_cues": "from the state, without",
-    "table": "symbolic table, 6,000 steps",
+    "table": f"at the symbolic table, {STEPS_AN_HOUR:,} turns",
+    "table, objects stay": f"at the symbolic table where objects stay four times as long, {STEPS_AN_HOUR:,} turns",
 }
 COLOURS = {"pixels/cues": "#c0392b", "pixels/no_cues": "#2471a3", "truth/cues": "#e59866", "truth/no_cues": "#7fb3d5"}
 STYLES = {FOLLOWING: "-", BACK: "--", ALTERNATING: ":"}
@@ -61,15 +62,7 @@ def _shares(name: str, part: Sequence[Cell]) -> list[Finding]:
     orders = Counter(" ".join(cell.result["modules"]) or "nothing" for cell in part).most_common(3)
     seen = "; ".join(f"{count} of {n}: {order}" for order, count in orders)
     if not timed:
-        following = sum(FOLLOWING in cell.result["modules"] for cell in part)
-        both = sum(alternates(cell.result) for cell in part)
-        return [
-            Finding(f"gaze following found, {WORDS[name]}", "not tried", proportion(following, n), Verdict.EXTENSION),
-            Finding(
-                f"gaze alternation after gaze following, {WORDS[name]}", "not tried", proportion(both, n),
-                Verdict.EXTENSION, seen,
-            ),
-        ]  # fmt: skip
+        return _at_the_table(name, part, seen)
     times = [minute_of(cell, FOLLOWING) for cell in part]
     found = [
         Finding(
@@ -92,6 +85,17 @@ def _shares(name: str, part: Sequence[Cell]) -> list[Finding]:
         what = f"gaze alternation after gaze following within {longest:.0f} minutes, {WORDS[name]}"
         found.append(Finding(what, "not tried", late, Verdict.EXTENSION))
     return found
+
+
+def _at_the_table(name: str, part: Sequence[Cell], seen: str) -> list[Finding]:
+    """The same in as many turns as an hour of real time has steps, about."""
+    n = len(part)
+    following = proportion(sum(FOLLOWING in cell.result["modules"] for cell in part), n)
+    both = proportion(sum(alternates(cell.result) for cell in part), n)
+    return [
+        Finding(f"gaze following found, {WORDS[name]}", "not tried", following, Verdict.EXTENSION),
+        Finding(f"gaze alternation after gaze following, {WORDS[name]}", "not tried", both, Verdict.EXTENSION, seen),
+    ]
 
 
 def _cues(cells: Cells) -> list[Finding]:

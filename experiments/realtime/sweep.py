@@ -17,6 +17,8 @@ from jointattn_mj.symbolic.table import TableConfig
 MODULES = 3
 """A life may stop when it has so many: the third is gaze alternation, or it has gone another way."""
 MOST_STEPS = 40_000
+STEPS_AN_HOUR = 6_000
+"""In real time it is some 5,400."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,8 @@ SETTINGS = {
     "pixels/no_cues": Setting(_hour("pixels", False), runs=20),
     "truth/cues": Setting(_hour("truth", True, 90.0), runs=20),
     "truth/no_cues": Setting(_hour("truth", False, 90.0), runs=20),
-    "table": Setting(Turns(PRESETS["fast"].world, 6_000), runs=100),
-    "table, objects stay": Setting(Turns(replace(PRESETS["fast"].world, replaced_every=40), 6_000), runs=100),
+    "table": Setting(Turns(PRESETS["fast"].world, STEPS_AN_HOUR), runs=100),
+    "table, objects stay": Setting(Turns(replace(PRESETS["fast"].world, replaced_every=40), STEPS_AN_HOUR), runs=100),
 }
 """Perception, a slash, and whether there are motion cues; lives at the symbolic table."""
 
