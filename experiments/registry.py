@@ -46,8 +46,8 @@ REGISTRY = Registry(
           "Success starts at chance and becomes high with 1, 3, 5 and 10 objects; three stages appear, as in infants: "
           "any object, the right one in view, the right one outside the view."),
     Entry("follow", "follow", "Reward in place of contingency: PPO on the task follow", "not in the dissertation",
-          "Its robot is never told that it was right. What a learner makes of the same world that is told at every step "
-          "is a measure of the task."),
+          "Its robot is never told that it was right. What a learner makes of the same world that is told at every "
+          "step is a measure of the task."),
     Entry("continuous", "continuous", "Gaze following in continuous space", "section 7.1, asked for",
           "Once its event is found, a module learns a map from continuous data, by the pairs that contingent saliency "
           "marks as informative."),

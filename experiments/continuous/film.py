@@ -6,6 +6,8 @@ from collections import deque
 from collections.abc import Iterator
 from itertools import islice
 
+import tyro
+
 from experiments.continuous.sweep import FILM, Trial
 from jointattn_mj.contingency.reactive import RandomModule
 from jointattn_mj.rendered.continuous import ContinuousLife
@@ -54,4 +56,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    tyro.cli(main)

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import tyro
+
 from experiments.realtime.sweep import FILM, FILMED, MODULES, MOST_STEPS
 from jointattn_mj.realtime.film import RealtimeFilm
 from jointattn_mj.realtime.life import RealtimeConfig, RealtimeLife
@@ -13,7 +15,7 @@ BEFORE_MINUTES = 1.0
 SECONDS = 10.0
 
 
-def film(path: Path, seed: int, minutes: float) -> None:
+def film(path: Path = FILM, seed: int = FILMED, minutes: float = 90.0) -> None:
     """Live a life of the setting pixels/cues and film some of its moments."""
     preset = PRESETS["fast"]
     life = RealtimeLife(preset.world, RealtimeConfig(), preset.mind, seed, MOST_STEPS, sample_every=MOST_STEPS)
@@ -28,4 +30,4 @@ def film(path: Path, seed: int, minutes: float) -> None:
 
 
 if __name__ == "__main__":
-    film(FILM, FILMED, 90.0)
+    tyro.cli(film)

@@ -5,6 +5,8 @@ import pickle
 from collections import deque
 from dataclasses import replace
 
+import tyro
+
 from experiments.resolution.sweep import FILM, Trial
 from jointattn_mj.contingency.reactive import RandomModule
 from jointattn_mj.rendered.growing import Babbling, ResolvedLife
@@ -69,4 +71,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    tyro.cli(main)
