@@ -7,11 +7,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.rendered_turns.sweep import SETTINGS
-from experiments.tables import in_order, time_of
+from experiments.tables import STAGES, in_order, time_of
 from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
 from jointattn_mj.laboratory.statistics import mean_interval, median_interval, proportion
 
-STAGES = ("FG", "SCf", "SC")
+NAMES = ("FG", "SCf", "SC")
 ASKED = 0.85
 """Share of runs in order that was asked for."""
 
@@ -20,10 +20,10 @@ def _results(cells: Cells, setting: str) -> list[dict[str, Any]]:
     return [cell.result for cell in cells.get(setting, ())]
 
 
-def purity(result: dict[str, Any]) -> float:
-    """Share of the faces sensed whose category's most frequent truth is theirs."""
+def mixed(result: dict[str, Any]) -> float:
+    """Share of the faces sensed that fell into a category which mostly has another truth."""
     faces = np.array(result["faces"])[:-1, :-1]
-    return float(faces.max(axis=1).sum() / faces.sum())
+    return float(1 - faces.max(axis=1).sum() / faces.sum())
 
 
 def missed(result: dict[str, Any]) -> float:
@@ -36,6 +36,13 @@ def objects_wrong(result: dict[str, Any]) -> float:
     """Share of turns in which an object was sensed and none was there, or the other way round."""
     objects = np.array(result["objects"])
     return float((objects[0, 1] + objects[1, 0]) / objects.sum())
+
+
+ERRORS = {
+    "faces in a category of another truth": mixed,
+    "looks at her that saw no face": missed,
+    "turns with a wrong object": objects_wrong,
+}
 
 
 def analyse(cells: Cells) -> list[Finding]:
@@ -51,25 +58,27 @@ def analyse(cells: Cells) -> list[Finding]:
             f"FG, SCf, SC first and in this order, from pictures: {setting}", "asked for, never done", order,
             Verdict.EXTENSION, f"by the same seeds at the symbolic table {symbolic}",
         ))  # fmt: skip
-        both = [one for one in results if in_order(one) and in_order(one["symbolic"])]
-        if both:
-            ratios = [time_of(one, 2) / time_of(one["symbolic"], 2) for one in both]
-            times = median_interval([time_of(one, 2) if in_order(one) else np.inf for one in results])
-            findings.append(Finding(
-                f"turn of gaze alternation (median), from pictures: {setting}", "47,686 in the example", times,
-                Verdict.EXTENSION, f"times those at the symbolic table by the same seeds: {median_interval(ratios)}",
-            ))  # fmt: skip
-        errors = {"faces in a category of another truth": purity, "looks at her that saw no face": missed}
-        errors["turns with a wrong object"] = objects_wrong
-        shares = ", ".join(
-            f"{name} {mean_interval([f(one) if f is not purity else 1 - f(one) for one in results])}"
-            for name, f in errors.items()
-        )
+        for stage, name in ((0, "gaze following"), (2, "gaze alternation")):
+            findings.append(_time(setting, results, stage, name))
+        shares = ", ".join(f"{name} {mean_interval(list(map(error, results)))}" for name, error in ERRORS.items())
         count = mean_interval([len(result["faces"]) - 1 for result in results])
         findings.append(Finding(
             f"categories of faces where 4 would do: {setting}", "given", count, Verdict.EXTENSION, shares,
         ))  # fmt: skip
     return findings
+
+
+def _time(setting: str, results: list[dict[str, Any]], stage: int, name: str) -> Finding:
+    """When a module was made, if so many were and it is the one of the order, and by how much later than symbolically."""
+    times = [
+        time_of(one, stage) if one["modules"][: stage + 1] == [*STAGES[: stage + 1]] else np.inf for one in results
+    ]
+    ratios = [at / time_of(one["symbolic"], stage) for at, one in zip(times, results, strict=True)]
+    published = {0: "5,748 in the example", 2: "47,686 in the example"}[stage]
+    return Finding(
+        f"turn of {name} (median), from pictures: {setting}", published, median_interval(times),
+        Verdict.EXTENSION, f"times that at the symbolic table by the same seed: {median_interval(ratios)}",
+    )  # fmt: skip
 
 
 def draw(cells: Cells) -> Mapping[str, Figure]:
@@ -81,7 +90,7 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
     times, confusion, order = figure.subplots(1, 3, width_ratios=(1.3, 1, 1))
     for number, setting in enumerate(one for one in ("fast", "thesis") if one in shown):
         results = _results(cells, setting)
-        for stage, name in enumerate(STAGES):
+        for stage, name in enumerate(NAMES):
             made = [(time_of(one["symbolic"], stage), time_of(one, stage)) for one in results if in_order(one)]
             if made:
                 times.plot(
