@@ -69,10 +69,9 @@ def analyse(cells: Cells) -> list[Finding]:
 
 
 def _time(setting: str, results: list[dict[str, Any]], stage: int, name: str) -> Finding:
-    """When a module was made, if so many were and it is the one of the order, and by how much later than symbolically."""
-    times = [
-        time_of(one, stage) if one["modules"][: stage + 1] == [*STAGES[: stage + 1]] else np.inf for one in results
-    ]
+    """When a module was made, if all up to it came in order, and how much later than at the symbolic table."""
+    first = [*STAGES[: stage + 1]]
+    times = [time_of(one, stage) if one["modules"][: stage + 1] == first else np.inf for one in results]
     ratios = [at / time_of(one["symbolic"], stage) for at, one in zip(times, results, strict=True)]
     published = {0: "5,748 in the example", 2: "47,686 in the example"}[stage]
     return Finding(
