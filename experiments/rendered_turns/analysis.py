@@ -116,7 +116,7 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
         )
     order.axvline(ASKED, color="k", ls=":", lw=1)
     order.set_yticks([-place for place in range(len(shown))], shown, fontsize=8)
-    order.set(xlim=(0, 1.02), xlabel="FG, SCf, SC in order (share of runs, 95%)", title="Which part's errors cost it")
+    order.set(xlim=(0, 1.02), xlabel="share of runs in order, 95%", title="Which part's errors cost it")
     order.grid(alpha=0.3, axis="x")
     return {"rendered": figure}
 
