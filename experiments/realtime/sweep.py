@@ -44,8 +44,8 @@ def _hour(perception: Literal["pixels", "truth"], cues: bool, minutes: float = 6
 
 
 FIRST_SEED = 40_000
-"""The caregiver's pace was chosen while looking at seeds below 150, with perception taken from the state. Three mends of
-the robot's senses came after some lives on these very seeds had been seen."""
+"""The caregiver's pace was chosen while looking at seeds below 150, with perception taken from the state. Three mends
+of the robot's senses came after some lives on these very seeds had been seen."""
 SETTINGS = {
     "pixels/cues": Setting(_hour("pixels", True), runs=20),
     "pixels/no_cues": Setting(_hour("pixels", False), runs=20),
