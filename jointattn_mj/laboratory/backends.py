@@ -5,8 +5,10 @@ worker shows, and what is left after it.
 """
 
 import os
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, Future
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 from joblib import cpu_count
@@ -67,8 +69,26 @@ class Loky:
 
     def close(self) -> None:
         if self._executor is not None:
-            self._executor.shutdown(wait=True, kill_workers=True)
+            with _manager_unheard():
+                self._executor.shutdown(wait=True, kill_workers=True)
             self._executor = None
+
+
+@contextmanager
+def _manager_unheard() -> Iterator[None]:
+    """loky's own thread may stumble over workers that are killed while it listens to them: rarely, and with no
+    consequence but a stack trace in front of the user."""
+    before = threading.excepthook
+
+    def hook(problem: threading.ExceptHookArgs) -> None:
+        if problem.thread is None or "ExecutorManager" not in type(problem.thread).__name__ + problem.thread.name:
+            before(problem)
+
+    threading.excepthook = hook
+    try:
+        yield
+    finally:
+        threading.excepthook = before
 
 
 class Dask:
