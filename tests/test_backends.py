@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -139,3 +140,16 @@ def test_dask_computes_the_same_and_survives_a_killed_worker(tmp_path, monkeypat
     run([COIN], Selection("fair"), tmp_path / "here", Loky(1))
     there, here = heads(tmp_path / "there"), heads(tmp_path / "here")
     assert [result["heads"] for result in there] == [result["heads"] for result in here]
+
+
+def test_cells_that_wait_when_all_is_stopped_say_nothing(monkeypatch):
+    """loky's own thread would: it looks up what it has thrown away."""
+    heard = []
+    monkeypatch.setattr(threading, "excepthook", heard.append)
+    for _ in range(3):
+        backend = Loky(1)
+        backend.submit(time.sleep, 0).result()
+        for _ in range(8):
+            backend.submit(time.sleep, 5)
+        backend.close()
+    assert not heard

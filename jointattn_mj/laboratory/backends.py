@@ -76,12 +76,13 @@ class Loky:
 
 @contextmanager
 def _manager_unheard() -> Iterator[None]:
-    """loky's own thread may stumble over workers that are killed while it listens to them: rarely, and with no
-    consequence but a stack trace in front of the user."""
+    """Cells that were waiting when workers are killed make loky's own thread look up what it has just thrown away: a
+    KeyError without consequence, whose stack trace would stand in front of the user."""
     before = threading.excepthook
 
     def hook(problem: threading.ExceptHookArgs) -> None:
-        if problem.thread is None or "ExecutorManager" not in type(problem.thread).__name__ + problem.thread.name:
+        of_manager = problem.thread is not None and problem.thread.name == "ExecutorManagerThread"
+        if not (of_manager and issubclass(problem.exc_type, KeyError)):
             before(problem)
 
     threading.excepthook = hook
