@@ -14,6 +14,7 @@ from dm_control.mujoco import Physics
 from dm_control.mujoco.wrapper import MjModel
 from numba import njit
 
+from jointattn_mj.options import Checked
 from jointattn_mj.scene.camera import Eye
 from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer
 from jointattn_mj.scene.delay import Past
@@ -32,7 +33,7 @@ _HEAD_STILL = np.radians(HEAD_STILL_DEG_S)
 
 
 @dataclass(frozen=True)
-class WorldConfig:
+class WorldConfig(Checked):
     """Everything about the world outside the robot's mind."""
 
     scene: SceneConfig = field(default_factory=SceneConfig)
