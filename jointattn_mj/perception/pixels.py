@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numba import njit
 
+from jointattn_mj.options import Checked
 from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig, FaceFinder
 from jointattn_mj.perception.gray import fill_gray
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
@@ -45,7 +46,7 @@ def _gather(seen, px, moves, areas_seen, areas_px, objects_move, found, x, y, fa
 
 
 @dataclass(frozen=True)
-class PixelConfig:
+class PixelConfig(Checked):
     """Options of the pixel path, part by part."""
 
     faces: FaceDetectorConfig = field(default_factory=FaceDetectorConfig)
