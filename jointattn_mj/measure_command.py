@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import tyro
@@ -21,6 +22,7 @@ from jointattn_mj.contingency.series import check_base
 from jointattn_mj.contingency.significance import Significance, TestOptions, assess_steps
 from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.options import Checked, Real, Seed, Whole
 from jointattn_mj.recording.results import bracket, number, result_paths, share, write_results
 
 ALONE = (TRANSFER, MUTUAL)
@@ -28,7 +30,7 @@ CONDITIONED = (CONTINGENCY, COMBINED, TRANSFER, MUTUAL, CONDITIONAL_MUTUAL)
 
 
 @dataclass(frozen=True)
-class MeasureOptions:
+class MeasureOptions(Checked):
     """What is measured, and how it is tested."""
 
     file: tyro.conf.Positional[Path]
@@ -39,13 +41,13 @@ class MeasureOptions:
     """Column that may be influenced, the result."""
     condition: tuple[str, ...] = ()
     """Column that is known anyway, such as an action: gives T^C (eq. 4.3) and SAC (eq. 5.2) too."""
-    base: float = 2
+    base: Annotated[float, Real("(1, 1e6]")] = 2
     """Base of the logarithm: 2 for bits."""
-    surrogates: int = 1000
+    surrogates: Annotated[int, Whole("[1, 1e9]")] = 1000
     """Permutations behind effective values and p."""
-    resamples: int = 500
+    resamples: Annotated[int, Whole("[0, 1e9]")] = 500
     """Bootstrap resamples behind the intervals; 0 leaves these out."""
-    seed: int = 0
+    seed: Seed = 0
     """Random seed of both."""
     recording: str | None = None
     """Column that tells independent recordings apart: no step leads from one into another."""
@@ -57,11 +59,9 @@ class MeasureOptions:
     """Also write the rows here, as .csv and, with config and versions, as .json."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not (self.source and self.target):
             raise ConfigError("measure needs at least one column each for --source and --target")
-        check_seed(self.seed)
-        check_base(self.base)
-        self.test()
 
     def test(self) -> TestOptions:
         """How significance is found."""
@@ -179,16 +179,6 @@ def exchange_notes(found: list[Significance]) -> list[str]:
         f"only {least:.0%} of the steps have another value of the source in the same context and recording to change "
         "places with, so p says little; fewer values, longer recordings or --across-recordings help"
     ]
-
-
-def check_seed(seed: int) -> None:
-    """Refuse seeds that numpy does not take.
-
-    Raises:
-        ConfigError: It is negative.
-    """
-    if seed < 0:
-        raise ConfigError(f"seed must be 0 or more; got {seed}")
 
 
 def _measured(

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -11,26 +11,21 @@ from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
 from jointattn_mj.contingency.reactive import ReactiveModule, ReactiveTable
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, NotNegative
 
 NOBODY = -1
 
 
 @dataclass(frozen=True)
-class SelectorConfig:
+class SelectorConfig(Checked):
     """How modules compete for a joint."""
 
-    habituation: float = 0.5
+    habituation: NotNegative = 0.5
     """beta, eq. 5.6: how fast a module loses reliability that goes on under the same observables; 0 turns it off."""
-    habituates: str = "driven"
+    habituates: Literal["driven", "observed"] = "driven"
     """What t' of eq. 5.6 counts: ``driven``, turns on end in which the module itself drove the joint under these very
     observables ("producing the same behavior continuously"), or ``observed``, in which they were the same. Only
     ``driven`` gives the behaviour of Fig. 5.5: with ``observed``, a module that has not acted yet tires of waiting."""
-
-    def __post_init__(self) -> None:
-        if self.habituates not in ("driven", "observed"):
-            raise ConfigError(f"habituates must be driven or observed; got {self.habituates!r}")
-        if not self.habituation >= 0:
-            raise ConfigError(f"habituation must be 0 or more; got {self.habituation}")
 
 
 class Maps(NamedTuple):
