@@ -4,7 +4,7 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import tyro
 from tqdm import tqdm
@@ -12,27 +12,28 @@ from tqdm import tqdm
 from jointattn_mj.agents import AGENTS
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.laboratory.statistics import Estimate, mean_interval
+from jointattn_mj.options import Checked, Choice, Real, Seed, Whole
 from jointattn_mj.recording.results import result_paths, write_results
-from jointattn_mj.tasks import load
+from jointattn_mj.tasks import TASKS_BY_DOMAIN, load
 from jointattn_mj.tasks.environment import Environment
 
 DOMAIN = "joint_attention"
 
 
 @dataclass(frozen=True)
-class PlayOptions:
+class PlayOptions(Checked):
     """Who plays what."""
 
-    task: tyro.conf.Positional[str]
-    """Task of the suite, such as object_transfer, follow or turn_taking."""
+    task: tyro.conf.Positional[Annotated[str, Choice(TASKS_BY_DOMAIN[DOMAIN])]]
+    """Task of the suite."""
     agent: Literal["zero", "random", "oracle", "gaze_follower", "developer"]
     """zero and random know nothing, the oracle everything; gaze_follower is the robot of chapter 6 after one session
     (in object_transfer), developer the mind of chapter 5 (in turn_taking, told the truth of its variables)."""
-    episodes: int = 10
+    episodes: Annotated[int, Whole("[1, 1e6]")] = 10
     """How many are played."""
-    seed: int = 0
+    seed: Seed = 0
     """All randomness comes from it."""
-    time_limit: float | None = None
+    time_limit: Annotated[float, Real("(0, 1e9]")] | None = None
     """Seconds in an episode; the task's own where not given."""
     out: Path | None = None
     """Folder for the results; made when missing."""
@@ -40,8 +41,7 @@ class PlayOptions:
     """Also leave a video of the first episode there."""
 
     def __post_init__(self) -> None:
-        if self.episodes < 1 or self.seed < 0:
-            raise ConfigError(f"episodes start at 1 and seeds at 0; got {self.episodes}, {self.seed}")
+        super().__post_init__()
         if self.video and self.out is None:
             raise ConfigError("--video needs a folder to leave the video in; name one with --out")
 

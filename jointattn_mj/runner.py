@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from jointattn_mj.errors import ConfigError, OutputError
+from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.recording import checkpoint, figures
 from jointattn_mj.recording.files import claim, forget_partial, write_whole
 from jointattn_mj.recording.interrupts import deferred
@@ -19,7 +20,7 @@ from jointattn_mj.session import FRAMES_PER_MINUTE, FRAMES_PER_SECOND, Session, 
 
 
 @dataclass(frozen=True)
-class RunOptions:
+class RunOptions(Checked):
     """Where a session leaves its results, and how much of it is shown."""
 
     out: Path
@@ -28,18 +29,15 @@ class RunOptions:
     """Go on from the checkpoint in the folder, to the same final result."""
     video: bool = False
     """Also leave a video that shows what the robot attends to and why (slower: every frame is rendered twice)."""
-    video_every: int = 1
+    video_every: Annotated[int, Whole("[1, 1e6]")] = 1
     """Frames of the session for one of the video: 1 is 30 a second, 2 is 15 and takes half the time."""
     rerun: Path | None = None
     """Also write a log for Rerun's viewer, FILE.rrd; needs the extra ``rerun``."""
-    checkpoint_minutes: float = 2.0
+    checkpoint_minutes: Annotated[float, Real("(0, 1e6]")] = 2.0
     """Simulated minutes between checkpoints: at most so much is lost by a kill."""
 
     def __post_init__(self) -> None:
-        if not 0 < self.checkpoint_minutes < float("inf"):
-            raise ConfigError(f"checkpoint_minutes must be a positive number of minutes; got {self.checkpoint_minutes}")
-        if self.video_every < 1:
-            raise ConfigError(f"video_every must be at least 1 frame; got {self.video_every}")
+        super().__post_init__()
         if self.rerun is not None and self.rerun.suffix != ".rrd":
             raise ConfigError(f"rerun must be a file that ends in .rrd, as its viewer expects; got {self.rerun}")
 

@@ -3,14 +3,15 @@
 import socket
 import sys
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import tyro
 
 from jointattn_mj.agents import AGENTS
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Choice, Seed, Whole
 from jointattn_mj.recording.interrupts import deferred
-from jointattn_mj.tasks import load
+from jointattn_mj.tasks import TASKS_BY_DOMAIN, load
 from jointattn_mj.viewing.show import Show
 
 HERE = "127.0.0.1"
@@ -19,27 +20,21 @@ DOMAIN = "joint_attention"
 
 
 @dataclass(frozen=True)
-class ViewOptions:
+class ViewOptions(Checked):
     """What is shown, and where."""
 
-    task: tyro.conf.Positional[str]
-    """Task of the suite, such as object_transfer, follow or turn_taking."""
+    task: tyro.conf.Positional[Annotated[str, Choice(TASKS_BY_DOMAIN[DOMAIN])]]
+    """Task of the suite."""
     agent: Literal["zero", "random", "oracle", "gaze_follower"] | None = None
     """Who acts. Not given: the gaze follower of chapter 6 where the task gives pictures in time, else the oracle."""
-    seed: int = 0
+    seed: Seed = 0
     """All randomness comes from it."""
     browser: bool = False
     """Serve the browser's viewer even where there is a display; needs the extra ``view``."""
     host: str = HERE
     """Interface on which to serve it. Any other than this machine's own lets others watch, and stop the show."""
-    port: int = 8080
+    port: Annotated[int, Whole("[1, 65535]")] = 8080
     """The first port to try; the next free one is taken."""
-
-    def __post_init__(self) -> None:
-        if self.seed < 0:
-            raise ConfigError(f"seed must be a whole number of 0 or more; got {self.seed}")
-        if not 0 < self.port < 65536:
-            raise ConfigError(f"port must lie in 1 to 65535; got {self.port}")
 
 
 def view(options: ViewOptions) -> None:

@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,12 +41,12 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True)
-class Setting:
+class Setting(Checked):
     """One condition of an experiment."""
 
     config: Any
     """A dataclass or a plain dict: all that a cell needs but its seed."""
-    runs: int
+    runs: Annotated[int, Whole("[0, 1e6]")]
     """Seeds by default."""
 
 

@@ -14,6 +14,7 @@ import tyro
 
 from jointattn_mj.errors import ConfigError, LaboratoryError
 from jointattn_mj.laboratory.registry import Registry
+from jointattn_mj.options import Checked, Seed, Whole
 
 EXPERIMENTS = "experiments.registry"
 CHECKOUT = (
@@ -23,7 +24,7 @@ CHECKOUT = (
 
 
 @dataclass(frozen=True)
-class ListOptions:
+class ListOptions(Checked):
     """Say which claims there are, and with --out how much of each is stored."""
 
     out: Path | None = None
@@ -33,20 +34,20 @@ class ListOptions:
 
 
 @dataclass(frozen=True)
-class RunOptions:
+class RunOptions(Checked):
     """Compute what is missing of some claims. It can be stopped at any time; the same command goes on."""
 
     claims: tyro.conf.Positional[tuple[str, ...]]
     """Ids of claims, or all."""
     out: Path
     """Folder for the results; what it holds already is not computed again."""
-    runs: int | None = None
+    runs: Annotated[int, Whole("[1, 1e6]")] | None = None
     """Runs of each setting, instead of its own number."""
-    seed: int | None = None
+    seed: Seed | None = None
     """Seed of the first run."""
     setting: str | None = None
     """Only this setting, or those whose ids begin so."""
-    jobs: int = 0
+    jobs: Annotated[int, Whole("[0, 1024]")] = 0
     """Cells at once on this machine; 0 for one a core."""
     backend: Literal["loky", "dask"] = "loky"
     """Processes of this machine, or the workers of a dask scheduler."""
@@ -57,7 +58,7 @@ class RunOptions:
 
 
 @dataclass(frozen=True)
-class ReportOptions:
+class ReportOptions(Checked):
     """Write what is stored as one page (report.html), as claims.json, claims.csv and figures."""
 
     folder: Annotated[Path, tyro.conf.Positional]
