@@ -2,7 +2,6 @@
 
 import io
 import json
-import re
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import redirect_stderr
@@ -19,6 +18,8 @@ from jointattn_mj.errors import (
     OutputError,
     SeriesError,
 )
+from jointattn_mj.options import meant, shown
+from jointattn_mj.usage import complaint, without_class
 
 BAD_USAGE, FAILED, INTERRUPTED = 2, 1, 130
 
@@ -41,6 +42,9 @@ def _parse(arguments: list[str]) -> Callable[[], None]:
     """The command that the arguments ask for; bad usage ends in one line instead of tyro's boxes."""
     said = io.StringIO()
     asked = [arguments[0]] if arguments and arguments[0] in COMMANDS else list(COMMANDS)
+    if arguments and arguments[0] not in COMMANDS and not arguments[0].startswith("-"):
+        known = ", ".join(COMMANDS)
+        _leave(f"no command {shown(arguments[0])}{meant(arguments[0], COMMANDS)}; there are {known}", BAD_USAGE)
     try:
         with redirect_stderr(said):
             return tyro.extras.subcommand_cli_from_dict(
@@ -49,12 +53,12 @@ def _parse(arguments: list[str]) -> Callable[[], None]:
                 description="A robot that learns to look where somebody else is looking, in a 3D world without humans.",
                 args=arguments,
             )
+    except ConfigError as error:
+        _leave(without_class(str(error)), BAD_USAGE)
     except SystemExit as stop:
         if stop.code == 0:
             raise
-        text = re.sub(r"[\u2500-\u257f]+|\x1b\[[0-9;]*m|Error parsing \S+: ", " ", said.getvalue())
-        complaint, _, help_hint = " ".join(text.split()).partition("For full helptext, ")
-        _leave(f"{complaint.strip()} ({help_hint.strip() or 'see jointattn --help'})", BAD_USAGE)
+        _leave(complaint(said.getvalue()), BAD_USAGE)
 
 
 def _leave(message: str, code: int) -> NoReturn:

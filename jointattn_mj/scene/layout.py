@@ -13,7 +13,6 @@ AT_ONCE = 100  # of them at a time; the first are enough on any but a crowded ta
 FILLS = 20  # tables begun anew before giving up
 
 
-
 @dataclass(frozen=True)
 class LayoutConfig(Checked):
     """The part of the table that objects are put on; world frame, metres."""
