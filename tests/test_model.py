@@ -183,7 +183,7 @@ def test_bad_configurations_are_named(options, says):
         SceneConfig(**options)
 
 
-@pytest.mark.parametrize(("rgb", "shape", "says"), [((1, 0, 0), "torus", "torus"), ((2, 0, 0), "box", r"rgb.*\(2, 0, 0")])
+@pytest.mark.parametrize(("rgb", "shape", "says"), [((1, 0, 0), "torus", "torus"), ((2, 0, 0), "box", r"rgb.*\(2, 0")])
 def test_bad_objects_are_named(rgb, shape, says):
     with pytest.raises(ConfigError, match=says):
         ObjectConfig("red", rgb, shape)

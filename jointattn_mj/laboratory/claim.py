@@ -104,6 +104,3 @@ class Claim:
     def __post_init__(self) -> None:
         if not self.settings:
             raise ConfigError(f"claim {self.id} needs at least one setting")
-        for name, setting in self.settings.items():
-            if setting.runs < 0:
-                raise ConfigError(f"claim {self.id}, setting {name}: runs must be 0 or more; got {setting.runs}")
