@@ -22,13 +22,13 @@ LOOKS_AT, OPTION_TAKEN = "caregiver looks at", "caregiver's option"
 class TableConfig(Checked):
     """What the world of chapters 4 and 5 consists of."""
 
-    spots: Annotated[int, Whole("[2, 120]")] = 3
+    spots: Annotated[int, Whole("[2, 125]")] = 3
     """N: places on the table."""
-    objects: Annotated[int, Whole("[1, 120]")] = 2
+    objects: Annotated[int, Whole("[1, 125]")] = 2
     """M': how many objects lie on it."""
-    kinds: Annotated[int, Whole("[1, 120]")] = 1
+    kinds: Annotated[int, Whole("[1, 125]")] = 1
     """M: how many different objects there are; the robot tells them apart (S_2). Chapter 5 has one kind."""
-    gestures: Annotated[int, Whole("[1, 120]")] = 4
+    gestures: Annotated[int, Whole("[1, 125]")] = 4
     """N_h: hand gestures that the robot knows; nobody answers them."""
     replaced_every: Annotated[int, Whole("[1, 1e10]")] = 10
     """L: turns after which the objects are placed anew."""
