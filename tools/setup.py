@@ -53,9 +53,9 @@ class Part:
         return any(VENV.glob(f"lib/python*/site-packages/{self.package}/__init__.py"))
 
 
-BASE = Part("what the demo needs", "mujoco", 435, 1400)
-TORCH = Part("PyTorch, in PyPI's build for CUDA", "torch", 2640, 4700)
-TOOLS = Part("tools for tests and documentation", "pytest", 180, 400)
+BASE = Part("what the demo needs", "mujoco", 435, 1380)
+TORCH = Part("PyTorch, in PyPI's build for CUDA", "torch", 2740, 4720)
+TOOLS = Part("tools for tests and documentation", "pytest", 85, 380)
 KINDS = {"demo": (BASE,), "test": (BASE, TORCH, TOOLS)}
 EXTRAS = {"demo": "", "test": "[dev]"}
 
@@ -176,7 +176,7 @@ def missing_system_packages() -> list[str]:
 
 def apt(packages: list[str]) -> bool:
     """Whether they could be installed; what apt-get says is shown only where it fails."""
-    say(f"missing from the system: {' '.join(packages)} (some 40 MB to download, 170 MB on disk)")
+    say(f"missing from the system: {' '.join(packages)} (some 50 MB to download, 215 MB on disk)")
     if not (shutil.which("apt-get") and (os.geteuid() == 0 or sudo_lets())):
         return False
     root = [] if os.geteuid() == 0 else ["sudo"]
