@@ -38,6 +38,8 @@ CHANGES = "Installing collected packages"
 """What pip says before it changes anything."""
 OPENGL = ("libegl1", "libopengl0", "libgl1-mesa-dri")
 TERMINAL = sys.stdout.isatty()
+EVERY_S = 1 if TERMINAL else 10
+"""Seconds between two lines that say how far it is."""
 
 
 @dataclass(frozen=True)
@@ -231,14 +233,14 @@ def install(kind: str, missing: list[Part]) -> None:
 
 
 def watch(command: list[str], log: Path, how_far: Callable[[], str], **environment: str) -> bool:
-    """Run a command, all it says into ``log``, and say how far it is: every ten seconds, on a terminal every one."""
+    """Run a command, all that it says into ``log``, and say now and then how far it is."""
     with log.open("w") as file:
         inherited = os.environ | environment
         run = subprocess.Popen(command, stdout=file, stderr=file, stdin=subprocess.DEVNULL, env=inherited)
     with run:
         while run.poll() is None:
             try:
-                run.wait(1 if TERMINAL else 10)
+                run.wait(EVERY_S)
             except subprocess.TimeoutExpired:
                 say(how_far(), passing=TERMINAL)
     return run.returncode == 0
