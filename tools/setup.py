@@ -36,6 +36,8 @@ TEMPORARY = VENV / "tmp"
 """Where pip keeps downloads until it installs them: /tmp may be small, or in memory."""
 CHANGES = "Installing collected packages"
 """What pip says before it changes anything."""
+ALONE = ["--no-deps", "dm-control>=1.0.50"] if sys.version_info >= (3, 13) else []
+"""What pip cannot bring with what it asks for (see pyproject.toml)."""
 OPENGL = ("libegl1", "libopengl0", "libgl1-mesa-dri")
 TERMINAL = sys.stdout.isatty()
 EVERY_S = 1 if TERMINAL else 10
@@ -220,9 +222,9 @@ def install(kind: str, missing: list[Part]) -> None:
         return f"downloaded {megabytes(TEMPORARY)} of about {sum(part.download for part in missing)} MB"
 
     pip = [str(VENV / "bin" / "python"), "-m", "pip", "install", "--disable-pip-version-check", "--progress-bar=off"]
-    command = [*pip, "--no-input", "--editable", f"{ROOT}{EXTRAS[kind]}"]
-    if not watch(command, LOG, how_far, TMPDIR=str(TEMPORARY), PYTHONUNBUFFERED="1"):
-        fail(f"pip could not: {last_lines(LOG, ('ERROR:',))} (all that it said: {LOG}); the same command tries again")
+    for wanted in filter(None, (["--editable", f"{ROOT}{EXTRAS[kind]}"], ALONE)):
+        if not watch([*pip, "--no-input", *wanted], LOG, how_far, TMPDIR=str(TEMPORARY), PYTHONUNBUFFERED="1"):
+            fail(f"pip could not: {last_lines(LOG, ('ERROR:',))} (all it said: {LOG}); the same command tries again")
     READY.write_text(json.dumps(wanted_from(kind)))
     shutil.rmtree(TEMPORARY)
     LOG.unlink()
