@@ -160,7 +160,7 @@ class TestRefusal:
         """It is asked for by name, before anything is loaded."""
         monkeypatch.delitem(sys.modules, "jointattn_mj.adapters.mjviser", raising=False)
         monkeypatch.setitem(sys.modules, "mjviser", None)
-        monkeypatch.setattr("jointattn_mj.view_command.load", lambda *arguments: pytest.fail("was loaded"))
+        monkeypatch.setattr("jointattn_mj.tasks.load", lambda *arguments: pytest.fail("was loaded"))
         with pytest.raises(SystemExit) as stop:
             main(["view", "follow", "--browser"])
         assert stop.value.code == 2
@@ -185,6 +185,16 @@ class TestRefusal:
         out, err = capsys.readouterr()
         assert "http://somewhere" in out
         assert ("warning" in err and host in err) == warns
+
+    def test_it_says_that_it_starts_before_anything_slow(self):
+        code = """
+import sys
+from jointattn_mj import view_command
+view_command._serve = lambda options: print({"numpy", "mujoco", "cv2", "numba"} & set(sys.modules))
+view_command.view(view_command.ViewOptions("follow", browser=True))
+"""
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+        assert (done.stdout, done.stderr) == ("set()\n", "jointattn: the view of follow is starting\n")
 
     def test_this_machine_alone_unless_asked(self):
         assert ViewOptions("follow").host == "127.0.0.1"
@@ -271,4 +281,4 @@ def test_in_a_window():
             process.terminate()
             said, _ = process.communicate(timeout=15)
         display.terminate()
-    assert (process.returncode, said) == (0, b"")
+    assert (process.returncode, said) == (0, b"jointattn: the view of follow is starting\n")
