@@ -52,6 +52,8 @@ class DevelopConfig:
     table: TableConfig = field(default_factory=TableConfig)
     mind: DeveloperConfig = field(default_factory=DeveloperConfig)
 
+    kind: ClassVar[type[Life]] = TableLife
+    """Of the life that it makes."""
     at_a_time: ClassVar[int] = 20_000
     """Turns between two looks at the bar and at Ctrl-C."""
     checkpoint_every: ClassVar[int] = 2_000_000
@@ -161,7 +163,7 @@ def run_development(
     if options.video and not config.films:
         raise ConfigError(f"world {config.world} has nothing to be filmed; choose --world rendered, or no --video")
     if options.resume:
-        life: Life = checkpoint.load(frozen, config)
+        life: Life = checkpoint.load(frozen, config, kind=config.kind)
         forget_partial(out)
     else:
         life = config.new_life()
@@ -184,7 +186,7 @@ def run_development(
                 raise KeyboardInterrupt
     if options.video:
         kept = sorted(out.glob("moment_*.bin"))
-        config.film(out / "video.mp4", [checkpoint.load(path, config) for path in kept])
+        config.film(out / "video.mp4", [checkpoint.load(path, config, kind=config.kind) for path in kept])
         for path in kept:
             path.unlink()
     return _leave_results(config, life, out)

@@ -6,6 +6,7 @@ from typing import ClassVar, Literal
 from jointattn_mj.development import DevelopConfig
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.realtime.life import RealtimeConfig, RealtimeLife
+from jointattn_mj.robots.life import Life
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,7 @@ class RealtimeDevelopConfig(DevelopConfig):
     """Fixations that it can have at most."""
     realtime: RealtimeConfig = field(default_factory=RealtimeConfig)
 
+    kind: ClassVar[type[Life]] = RealtimeLife
     at_a_time: ClassVar[int] = 1
     checkpoint_every: ClassVar[int] = 500
     unit: ClassVar[str] = "min"

@@ -26,6 +26,7 @@ class RenderedDevelopConfig(DevelopConfig):
     """Turns to live; half a minute without a GPU."""
     rendered: RenderedConfig = field(default_factory=RenderedConfig)
 
+    kind: ClassVar[type[Life]] = RenderedLife
     at_a_time: ClassVar[int] = 500
     checkpoint_every: ClassVar[int] = 10_000
     films: ClassVar[bool] = True

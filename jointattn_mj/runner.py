@@ -70,14 +70,14 @@ def run_session(
     if options.rerun is not None:
         _check_rerun(options.rerun, options.resume)
     if options.resume:
-        spent, session = checkpoint.load(frozen, config, kind.__module__)
+        spent, session = checkpoint.load(frozen, config, kind.__module__, kind=(float, kind))
         forget_partial(out)
     else:
         claim(out)
         spent, session = 0.0, kind(config)
 
     def freeze() -> None:
-        checkpoint.save(frozen, (spent + time.perf_counter() - started, session), config)
+        checkpoint.save(frozen, (spent + time.perf_counter() - started, session), config, kind.__module__)
 
     try:
         if not options.resume:
