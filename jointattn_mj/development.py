@@ -156,6 +156,7 @@ def run_development(
         ConfigError: The life would not fit into memory, or its options do not go together.
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
+        NotFiniteError: What is learned or simulated has become NaN; the last checkpoint stays.
     """
     out, frozen = options.out, options.out / "checkpoint.bin"
     every = options.checkpoint_every or config.checkpoint_every
@@ -168,9 +169,9 @@ def run_development(
     else:
         life = config.new_life()
         claim(out)
-        checkpoint.save(frozen, life, config)
+        _keep(frozen, life, config)
         if options.video:
-            checkpoint.save(_moment(out, 0), life, config)
+            _keep(_moment(out, 0), life, config)
     if not (out / "config.yaml").exists():
         write_config(out / "config.yaml", config)
     with deferred() as interrupts, _told_of_compiling(compiling):
@@ -178,10 +179,10 @@ def run_development(
             pause = min(life.turns, (life.lived // every + 1) * every)
             found = life.live(min(config.at_a_time, pause - life.lived))
             if options.video and found and life.mind.modules:
-                checkpoint.save(_moment(out, len(life.mind.modules)), life, config)
+                _keep(_moment(out, len(life.mind.modules)), life, config)
             progress(life, _with_meanings(life, found))
             if life.lived == pause or interrupts.requested:
-                checkpoint.save(frozen, life, config)
+                _keep(frozen, life, config)
             if interrupts.requested:
                 raise KeyboardInterrupt
     if options.video:
@@ -189,7 +190,13 @@ def run_development(
         config.film(out / "video.mp4", [checkpoint.load(path, config, kind=config.kind) for path in kept])
         for path in kept:
             path.unlink()
+    life.check()
     return _leave_results(config, life, out)
+
+
+def _keep(path: Path, life: Life, config: DevelopConfig) -> None:
+    life.check()
+    checkpoint.save(path, life, config)
 
 
 def _moment(out: Path, modules: int) -> Path:

@@ -62,6 +62,7 @@ def run_session(
         GLError: Pictures are needed and cannot be rendered.
         VideoError: A video is asked for and cannot be written.
         ExtraError: A log is asked for, and the package that writes it is missing.
+        NotFiniteError: What is learned or simulated has become NaN; the last checkpoint stays.
     """
     out, frozen = options.out, options.out / "checkpoint.bin"
     started = time.perf_counter()
@@ -77,6 +78,7 @@ def run_session(
         spent, session = 0.0, kind(config)
 
     def freeze() -> None:
+        session.check()
         checkpoint.save(frozen, (spent + time.perf_counter() - started, session), config, kind.__module__)
 
     try:

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.finite import check_finite
 from jointattn_mj.perception.percept import Perceiver
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.truth import TruthConfig, TruthPerception
@@ -135,6 +136,15 @@ class Session:
     def weights(self) -> dict[str, np.ndarray]:
         """What the robot has learned, as named arrays."""
         return self.robot.weights()
+
+    def check(self) -> None:
+        """Go on only with finite numbers; asked before every checkpoint and before results are written.
+
+        Raises:
+            NotFiniteError: What was learned, or the simulation, is NaN or infinite.
+        """
+        check_finite(self.weights())
+        self.world.check()
 
     def summary(self, wall_seconds: float) -> dict[str, Any]:
         """The session so far in numbers (see ``recording.summary``)."""

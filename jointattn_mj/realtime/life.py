@@ -153,6 +153,12 @@ class RealtimeLife(SeeingLife):
         while self.lived < self.turns and self.minutes < minutes:
             self.live(1)
 
+    def check(self) -> None:
+        """See ``Life``."""
+        super().check()
+        self.senses.check()
+        self.world.check()
+
     def more(self) -> dict[str, Any]:
         """See ``SeeingLife``; and how much time it took."""
         return {

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from jointattn_mj.errors import CheckpointError, JointAttnError
-from jointattn_mj.recording.arrays import archive_of, member_named, read_array, write_array
+from jointattn_mj.recording.archive import archive_of, content_of, member_named, read_array, write_array
 from jointattn_mj.recording.codec import Decoder, Encoder
 from jointattn_mj.recording.files import write_whole
 from jointattn_mj.recording.provenance import plain, versions
@@ -133,7 +133,7 @@ def _checked(path: Path) -> bytes:
         CheckpointError: No such file, damaged, or of another format.
     """
     try:
-        content = path.read_bytes()
+        content = content_of(path)
     except FileNotFoundError as error:
         raise CheckpointError(f"there is no checkpoint at {path}; run without --resume to begin a session") from error
     except OSError as error:

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from jointattn_mj.recording.arrays import aligned
+from jointattn_mj.recording.archive import aligned
 from jointattn_mj.recording.parts import PARTS, class_named, is_own, may_set, name_of
 
 Entry = list[Any]

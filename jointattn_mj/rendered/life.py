@@ -80,6 +80,12 @@ class RenderedLife(SeeingLife):
         developer = Developer(self.senses.variables, mind, of_mind, reactive)
         super().__init__(developer, table, turns, sample_every)
 
+    def check(self) -> None:
+        """See ``Life``."""
+        super().check()
+        self.senses.check()
+        self.stage.world.check()
+
     def more(self) -> dict[str, Any]:
         """See ``Life``: who she was, and how well perception did."""
         who = {"caregiver": self.stage.world.config.scene.caregiver, "turns_watched_before": self.config.watching}

@@ -85,6 +85,14 @@ class Life(ABC):
         """What else there is to say about this life, for the summary."""
         return {}
 
+    def check(self) -> None:
+        """Go on only with finite numbers; asked before every checkpoint and before results are written.
+
+        Raises:
+            NotFiniteError: What was learned, or the simulation, is NaN or infinite.
+        """
+        self.mind.check()
+
     def live(self, turns: int) -> list[Found]:
         """Live so many turns more, or what is left of them; returns what was found in them."""
         known, last = len(self.found), min(self.turns, self.lived + turns)

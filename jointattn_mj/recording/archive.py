@@ -1,7 +1,10 @@
 """Arrays as .npy members of a zip file, read without pickle and without trusting what a header says."""
 
+import errno
 import io
+import os
 import zipfile
+from pathlib import Path
 from typing import IO
 
 import numpy as np
@@ -93,20 +96,37 @@ def _is_plain(dtype: np.dtype) -> bool:
     return dtype.kind in WITHOUT_POINTERS and not dtype.hasobject and dtype.itemsize > 0
 
 
-def archive_of(content: bytes) -> zipfile.ZipFile:
-    """Open a zip file, if none of its members can become larger than it is itself.
+def content_of(path: Path) -> bytes:
+    """All bytes of a file.
 
     Raises:
-        ValueError: It is no zip file, or one that has members compressed, twice, or upon each other.
+        OSError: It cannot be read, or is no regular file: a device or pipe may have no end.
+    """
+    if path.exists() and not path.is_file():
+        raise OSError(errno.EINVAL, os.strerror(errno.EISDIR) if path.is_dir() else "It is no regular file")
+    return path.read_bytes()
+
+
+def archive_of(content: bytes, largest: int | None = None) -> zipfile.ZipFile:
+    """Open a zip file, if its members are not larger than they may be.
+
+    Args:
+        content: The file.
+        largest: Bytes that all members together can have; None: those of the file, since nothing is compressed.
+
+    Raises:
+        ValueError: It is no zip file, or one that has a member twice, or compressed or too large ones.
     """
     try:
         archive = zipfile.ZipFile(io.BytesIO(content))
     except zipfile.BadZipFile as error:
         raise ValueError(f"it is no zip file ({error})") from error
     members = archive.infolist()
-    stored = all(one.compress_type == zipfile.ZIP_STORED and one.file_size == one.compress_size for one in members)
-    if not stored or len({one.filename for one in members}) < len(members):
-        raise ValueError("its members are compressed or there twice")
-    if sum(one.file_size for one in members) > len(content):
-        raise ValueError("its members are larger than the file")
+    if len({one.filename for one in members}) < len(members):
+        raise ValueError("a member is there twice")
+    if largest is None and any(one.compress_type != zipfile.ZIP_STORED for one in members):
+        raise ValueError("its members are compressed")
+    most, total = len(content) if largest is None else largest, sum(one.file_size for one in members)
+    if total > most:
+        raise ValueError(f"its members have {total} bytes, more than {most}")
     return archive
