@@ -46,7 +46,7 @@ def read_array(archive: zipfile.ZipFile, name: str) -> np.ndarray:
         if not _is_plain(dtype) or count * dtype.itemsize != member.file_size - file.tell():
             raise ValueError(f"{name} says that it holds {shape} of {dtype}, and has {member.file_size} bytes")
         flat = np.empty(count, dtype)
-        into = memoryview(flat.view(np.uint8)) if count else memoryview(bytearray())
+        into = memoryview(flat.view(np.uint8).data) if count else memoryview(bytearray())
         if file.readinto(into) != len(into) or file.read(1):  # type: ignore[attr-defined]
             raise ValueError(f"{name} is cut off")
     return flat.reshape(shape, order="F" if in_columns else "C")
