@@ -6,6 +6,7 @@ process wrote after its last checkpoint is cut off when that is gone on from. Th
 was stopped.
 """
 
+import re
 import shutil
 import zlib
 from collections.abc import Iterator
@@ -229,11 +230,17 @@ class RowStore:
         }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
+        """Raises ValueError where the state is none that ``__getstate__`` gives: it may come from somebody else."""
         self.name, self._path = state["name"], None
-        self._buffer = np.empty(tuple(state["shape"]), state["kind"])
+        room, columns = state["shape"]
+        if not re.fullmatch(r"\w+", self.name) or not (room == 1 or 0 < room * columns <= BUFFER_BYTES):
+            raise ValueError(f"{self.name!r} with buffers of {room} x {columns} is no store of rows")
+        self._buffer = np.empty((room, columns), state["kind"])
         self._filled = len(state["waiting"])
         self._buffer[: self._filled] = state["waiting"]
-        self._full, self._stored, self._checksum = state["full"], state["stored"], state["checksum"]
+        self._full, self._stored, self._checksum = list(state["full"]), state["stored"], state["checksum"]
+        if self._full and self._stored != sum(map(len, self._full)):
+            raise ValueError(f"{self.name} has not got the {self._stored} rows that it says")
 
 
 def _not_whole(path: Path) -> CheckpointError:

@@ -117,6 +117,10 @@ class FrameTable:
         """(frames,) values of a column so far; per-candidate columns need the candidate's number."""
         return self.rows.column(self.index[name, candidate])
 
+    def table(self) -> pa.Table:
+        """All frames with names for numbers."""
+        return self.part().table()
+
     def part(self, first: int = 0, last: int | None = None) -> "FramePart":
         """The frames from ``first`` to before ``last``, by default to the end."""
         return FramePart(self, first, self.frames if last is None else last)
