@@ -36,11 +36,14 @@ perception.truth: TruthConfig TruthPerception
 perception.views: ViewBank
 realtime.life: RealtimeConfig RealtimeLife
 realtime.partner: Partner PartnerConfig PartnerWorld
-recording.tables: FrameTable ShiftRow
+recording.rows: RowStore
+recording.shifts: Shifts
+recording.tables: FrameTable
 referee: Moment
 rendered.life: RenderedConfig RenderedLife
 rendered.senses: Senses SensesConfig
 rendered.stage: Stage StageConfig
+robots.contingency_log: ContingencyLog
 robots.developer: Developer DeveloperConfig Mind Past
 robots.gaze_follower: FamiliariseConfig GazeFollower GazeShift RobotConfig
 robots.life: Found
