@@ -94,7 +94,7 @@ def class_named(name: str, own: str) -> type:
         ForeignError: There is no such class, or it is not on the list, nor of the module ``own``.
     """
     module, _, short = name.rpartition(".")
-    if name in PARTS or (module == own and not own.startswith(f"{PACKAGE}.")):
+    if name in PARTS or (own and module == own and not own.startswith(f"{PACKAGE}.")):
         kind = vars(import_module(module)).get(short)
         if isinstance(kind, type) and kind.__module__ == module and kind.__qualname__ == short:
             return kind
