@@ -21,6 +21,10 @@ class CheckpointError(JointAttnError, RuntimeError):
     """A checkpoint is damaged, or belongs to another run."""
 
 
+class NotFiniteError(JointAttnError, ArithmeticError):
+    """What a run has learned or simulated is no finite number any more."""
+
+
 class VideoError(JointAttnError, RuntimeError):
     """The video cannot be written: no ffmpeg program, or it gave up."""
 

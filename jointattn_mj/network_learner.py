@@ -79,11 +79,11 @@ class NetworkLearner:
         if not isinstance(self._network, HiddenLayer):
             raise ConfigError("a learner with a network of your own needs its own __getstate__ and __setstate__")
         inputs = next(self._network.parameters()).shape[1]
-        return {"config": self.config, "inputs": inputs, "weights": self.weights()}
+        return {"config": self.config, "inputs": inputs, "parameters": self.weights()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         config = state["config"]
         self.config, self._code = config, PopulationCode(config)
         self._network = hidden_layer(config, state["inputs"], np.random.default_rng(0))
         self._descent = torch.optim.SGD(self._network.parameters(), lr=config.network_rate)
-        self.load(state["weights"])
+        self.load(state["parameters"])

@@ -14,9 +14,15 @@ from jointattn_mj.recording import checkpoint, figures
 from jointattn_mj.recording.files import claim, forget_partial, write_whole
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.provenance import write_config
-from jointattn_mj.recording.tables import shift_table, write_parquet
+from jointattn_mj.recording.rows import forget_log, log_folder
+from jointattn_mj.recording.shifts import write_shifts
+from jointattn_mj.recording.space import check_free
+from jointattn_mj.recording.tables import write_frames
 from jointattn_mj.recording.weights import write_weights
 from jointattn_mj.session import FRAMES_PER_MINUTE, FRAMES_PER_SECOND, Session, SessionConfig
+
+BYTES_A_FRAME = 400
+"""On the disk, first as rows, then as Parquet as well."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +61,13 @@ def run_session(
     checkpoint written before KeyboardInterrupt goes on.
 
     Raises:
+        ConfigError: The session's log would not fit onto the disk.
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
         GLError: Pictures are needed and cannot be rendered.
         VideoError: A video is asked for and cannot be written.
         ExtraError: A log is asked for, and the package that writes it is missing.
+        NotFiniteError: What is learned or simulated has become NaN; the last checkpoint stays.
     """
     out, frozen = options.out, options.out / "checkpoint.bin"
     started = time.perf_counter()
@@ -68,18 +76,26 @@ def run_session(
     if options.rerun is not None:
         _check_rerun(options.rerun, options.resume)
     if options.resume:
-        spent, session = checkpoint.load(frozen, config, kind.__module__)
+        spent, session = checkpoint.load(frozen, config, kind.__module__, kind=(float, kind))
         forget_partial(out)
     else:
+        frames = config.minutes * FRAMES_PER_MINUTE
+        check_free(out, round(BYTES_A_FRAME * frames), f"--minutes {config.minutes:g}", "fewer --minutes")
         claim(out)
         spent, session = 0.0, kind(config)
 
     def freeze() -> None:
-        checkpoint.save(frozen, (spent + time.perf_counter() - started, session), config)
+        session.check()
+        checkpoint.save(frozen, (spent + time.perf_counter() - started, session), config, kind.__module__)
 
     try:
+        if options.resume and (out / "summary.json").exists():
+            forget_log(out)
+            return json.loads((out / "summary.json").read_text())
         if not options.resume:
             session.begin()
+        session.attach(log_folder(out))
+        if not options.resume:
             freeze()
         if not (out / "config.yaml").exists():
             write_config(out / "config.yaml", config)
@@ -147,10 +163,11 @@ def _free_name(path: Path) -> Path:
 
 def _leave_results(session: Session, out: Path, wall_seconds: float) -> dict[str, Any]:
     summary = session.summary(wall_seconds)
-    write_parquet(out / "frames.parquet", session.frames.table())
-    write_parquet(out / "gaze_shifts.parquet", shift_table(session.shifts))
+    write_frames(out / "frames.parquet", session.frames)
+    write_shifts(out / "gaze_shifts.parquet", session.shifts)
     write_weights(out / "weights.npz", session.weights())
     figures.draw_success(out / "success.png", session.shifts, session.config.minutes)
     figures.draw_som(out / "som.png", session.robot.som)
     write_whole(out / "summary.json", lambda path: path.write_text(json.dumps(summary, indent=1) + "\n"))
+    forget_log(out)
     return summary

@@ -14,6 +14,8 @@ from dm_control.mujoco import Physics
 from dm_control.mujoco.wrapper import MjModel
 from numba import njit
 
+from jointattn_mj.errors import NotFiniteError
+from jointattn_mj.finite import check_finite
 from jointattn_mj.options import Checked
 from jointattn_mj.scene.camera import Eye
 from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer
@@ -29,6 +31,8 @@ HEAD_JOINTS = ("robot/pan", "robot/tilt")
 HEAD_STILL_DEG_S = 0.5
 """Below this speed the head counts as still: less than a tenth of a pixel from one picture to the next."""
 
+UNSTABLE = tuple(getattr(mujoco.mjtWarning, f"mjWARN_BAD{name}") for name in ("QPOS", "QVEL", "QACC", "CTRL"))
+"""What MuJoCo counts when it meets NaN or huge numbers."""
 _HEAD_STILL = np.radians(HEAD_STILL_DEG_S)
 
 
@@ -204,6 +208,18 @@ class World:
         np.greater(np.einsum("ij,ij->i", path, path), (object_above_m_s * FRAME_S) ** 2, out=moved[:-1])
         moved[-1] = face > np.radians(face_above_deg_s)
         return moved
+
+    def check(self) -> None:
+        """Go on only with a simulation that is stable.
+
+        Raises:
+            NotFiniteError: Joints are where no number says, or MuJoCo has begun anew because they were.
+        """
+        check_finite({"joint angles": self.data.qpos, "joint velocities": self.data.qvel, "controls": self.data.ctrl})
+        if any(self.data.warning[kind].number for kind in UNSTABLE):
+            raise NotFiniteError(
+                "the simulation became unstable: some option of the caregiver's or the robot's movement is too large"
+            )
 
     def close(self) -> None:
         """Free model, data and rendering context."""
