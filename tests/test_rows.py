@@ -156,7 +156,7 @@ def test_a_copy_without_its_file(tmp_path):
 )
 def test_a_state_from_somebody_else(change):
     """Names no file outside of the folder, and takes no more memory than its rows."""
-    with pytest.raises(ValueError, match="numbers|no store"):
+    with pytest.raises(ValueError, match=r"numbers|no store"):
         RowStore.__new__(RowStore).__setstate__(store(13).__getstate__() | change)
 
 
