@@ -12,7 +12,7 @@ import tyro
 from jointattn_mj.contingency.reactive import AvoidingModule, RandomModule, ReactiveModule
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.recording import checkpoint
-from jointattn_mj.recording.files import claim, forget_partial, write_whole
+from jointattn_mj.recording.files import claimed, write_whole
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.memory import available_bytes
 from jointattn_mj.recording.provenance import write_config
@@ -155,20 +155,29 @@ def run_development(
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
     """
-    out, frozen = options.out, options.out / "checkpoint.bin"
-    every = options.checkpoint_every or config.checkpoint_every
     check_memory(config)
     if options.video and not config.films:
         raise ConfigError(f"world {config.world} has nothing to be filmed; choose --world rendered, or no --video")
+    with claimed(options.out, options.resume):
+        return _run(config, options, progress, compiling)
+
+
+def _run(
+    config: DevelopConfig,
+    options: DevelopOptions,
+    progress: Callable[[Life, Sequence[tuple[Found, Meaning | None]]], object],
+    compiling: Callable[[], object],
+) -> dict[str, Any]:
+    """Live a life in a folder that is held for it."""
+    out, frozen = options.out, options.out / "checkpoint.bin"
+    every = options.checkpoint_every or config.checkpoint_every
     if options.resume:
         life: Life = checkpoint.load(frozen, config)
-        forget_partial(out)
     else:
         life = config.new_life()
-        claim(out)
-        checkpoint.save(frozen, life, config)
         if options.video:
             checkpoint.save(_moment(out, 0), life, config)
+        checkpoint.save(frozen, life, config)
     if not (out / "config.yaml").exists():
         write_config(out / "config.yaml", config)
     with deferred() as interrupts, _told_of_compiling(compiling):

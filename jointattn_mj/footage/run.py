@@ -13,7 +13,7 @@ from jointattn_mj.footage.overlay import HEIGHT, WIDTH, FootageOverlay
 from jointattn_mj.footage.reader import RATE, Still
 from jointattn_mj.footage.summary import summarise
 from jointattn_mj.footage.viewing import Viewing
-from jointattn_mj.recording.files import claim, forget_partial, write_whole
+from jointattn_mj.recording.files import claimed, write_whole
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.provenance import plain, write_config
 from jointattn_mj.recording.reel import Reel, find_ffmpeg
@@ -32,12 +32,18 @@ def run_perceive(
         OutputError: The folder holds another run, or cannot be written.
         VideoError: The overlay cannot be written.
     """
-    out, started = options.out, time.perf_counter()
     if options.overlay:
         find_ffmpeg()
     viewing = Viewing(config)
-    claim(out, resumable=False)
-    forget_partial(out)
+    with claimed(options.out):
+        return _run(viewing, config, options, progress)
+
+
+def _run(
+    viewing: Viewing, config: PerceiveConfig, options: PerceiveOptions, progress: Callable[[Viewing], object]
+) -> dict[str, Any]:
+    """Watch a video in a folder that is held for it."""
+    out, started = options.out, time.perf_counter()
     viewing.measure_face()
     write_config(out / "config.yaml", config)
     log = PerceptLog(out / "percepts.parquet", viewing.names)
