@@ -1,7 +1,6 @@
 """Folders that one run has for itself, and files in them that are there whole or not at all."""
 
 import errno
-import logging
 import os
 import re
 from collections.abc import Callable, Iterator
@@ -10,11 +9,10 @@ from pathlib import Path
 
 from jointattn_mj.errors import CheckpointError, OutputError
 from jointattn_mj.recording.lock import locked
+from jointattn_mj.recording.notices import notice
 
 NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP)
 """What ``flock`` answers on file systems without locks, such as some of NFS and Lustre."""
-
-logger = logging.getLogger(__name__)
 
 
 @contextmanager
@@ -52,7 +50,7 @@ def held(out: Path) -> Iterator[None]:
         except OSError as error:
             if error.errno not in NO_LOCKS:
                 raise OutputError(f"cannot write to {out}: {error.strerror}; choose another --out") from error
-            logger.warning("the file system of %s knows no locks: see to it that no second run begins there", out)
+            notice(f"the file system of {out} knows no locks; see to it that no second run begins there")
             alone = True
         if not alone:
             raise OutputError(f"another process is at work in {out}; wait until it has ended, or choose another --out")
