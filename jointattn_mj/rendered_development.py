@@ -1,6 +1,6 @@
 """``jointattn develop --world rendered``: what differs from a life at the symbolic table."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar, Literal
@@ -35,7 +35,7 @@ class RenderedDevelopConfig(DevelopConfig):
         born_with = self.born_with()
         return RenderedLife(self.table, self.rendered, self.mind, self.seed, self.steps, born_with, self.sample_every)
 
-    def film(self, path: Path, moments: Sequence[Life]) -> None:
+    def film(self, path: Path, moments: Iterable[Life]) -> None:
         """Film some turns from each of a life's moments on."""
         with LifeFilm(path) as film:
             for life in moments:

@@ -13,9 +13,15 @@ from jointattn_mj.recording import checkpoint, figures
 from jointattn_mj.recording.files import claimed, free_name, write_whole
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.provenance import write_config
-from jointattn_mj.recording.tables import shift_table, write_parquet
+from jointattn_mj.recording.rows import forget_log, log_folder
+from jointattn_mj.recording.shifts import write_shifts
+from jointattn_mj.recording.space import check_free
+from jointattn_mj.recording.tables import write_frames
 from jointattn_mj.recording.weights import write_weights
 from jointattn_mj.session import FRAMES_PER_MINUTE, FRAMES_PER_SECOND, Session, SessionConfig
+
+BYTES_A_FRAME = 400
+"""On the disk, first as rows, then as Parquet as well."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +63,7 @@ def run_session(
     checkpoint written before KeyboardInterrupt goes on.
 
     Raises:
+        ConfigError: The session's log would not fit onto the disk.
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
         GLError: Pictures are needed and cannot be rendered.
@@ -67,6 +74,9 @@ def run_session(
         _check_ffmpeg()
     if options.rerun is not None:
         _check_rerun(options.rerun, options.resume)
+    if not options.resume:
+        needed = round(BYTES_A_FRAME * config.minutes * FRAMES_PER_MINUTE)
+        check_free(options.out, needed, f"--minutes {config.minutes:g}", "fewer --minutes")
     with claimed(options.out, options.resume):
         return _run(config, options, progress, kind)
 
@@ -86,8 +96,13 @@ def _run(
         checkpoint.save(frozen, (spent + time.perf_counter() - started, session), config)
 
     try:
+        if options.resume and (out / "summary.json").exists():
+            forget_log(out)
+            return json.loads((out / "summary.json").read_text())
         if not options.resume:
             session.begin()
+        session.attach(log_folder(out))
+        if not options.resume:
             freeze()
         if not (out / "config.yaml").exists():
             write_config(out / "config.yaml", config)
@@ -149,10 +164,11 @@ def _watchers(session: Session, options: RunOptions) -> Iterator[Callable[[Sessi
 
 def _leave_results(session: Session, out: Path, wall_seconds: float) -> dict[str, Any]:
     summary = session.summary(wall_seconds)
-    write_parquet(out / "frames.parquet", session.frames.table())
-    write_parquet(out / "gaze_shifts.parquet", shift_table(session.shifts))
+    write_frames(out / "frames.parquet", session.frames)
+    write_shifts(out / "gaze_shifts.parquet", session.shifts)
     write_weights(out / "weights.npz", session.weights())
     figures.draw_success(out / "success.png", session.shifts, session.config.minutes)
     figures.draw_som(out / "som.png", session.robot.som)
     write_whole(out / "summary.json", lambda path: path.write_text(json.dumps(summary, indent=1) + "\n"))
+    forget_log(out)
     return summary

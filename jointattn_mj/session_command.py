@@ -1,6 +1,7 @@
 """``jointattn session``: a session with a bar that shows how it goes."""
 
 import sys
+from collections import deque
 
 from tqdm import tqdm
 
@@ -18,12 +19,16 @@ def run_with_bar(config: VariedSessionConfig, options: RunOptions) -> None:
         disable=None,
     )
 
+    last, counted, of_all = deque[bool](maxlen=20), 0, 0
+
     def progress(session: Session) -> None:
-        recent = [row.success for row in session.shifts if row.face_to_object]
-        last = recent[-20:]
-        rate = f"success {sum(map(bool, last)) / len(last):.0%} of the last {len(last)}" if last else "no success yet"
+        nonlocal counted, of_all
+        new = [bool(row.success) for row in session.shifts[of_all:] if row.face_to_object]
+        last.extend(new)
+        counted, of_all = counted + len(new), len(session.shifts)
+        rate = f"success {sum(last) / len(last):.0%} of the last {len(last)}" if last else "no success yet"
         bar.set_description_str("session", refresh=False)
-        bar.set_postfix_str(f"{len(recent)} gaze shifts, {rate}", refresh=False)
+        bar.set_postfix_str(f"{counted} gaze shifts, {rate}", refresh=False)
         bar.update(session.frame / FRAMES_PER_MINUTE - bar.n)
 
     try:

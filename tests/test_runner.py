@@ -94,7 +94,7 @@ def test_interrupted_and_resumed(straight, tmp_path):
     assert stopped.returncode == 130
     assert stopped.stderr.count("\n") == 1
     assert "--resume" in stopped.stderr
-    assert {path.name for path in (tmp_path / "on").iterdir()} == {"checkpoint.bin", "config.yaml"}
+    assert {path.name for path in (tmp_path / "on").iterdir()} == {"checkpoint.bin", "config.yaml", "log"}
     resumed = command(perception, tmp_path / "on", "--resume", hash_seed=3)
     assert (resumed.returncode, resumed.stderr) == (0, "")
     assert_same(out, tmp_path / "on")
@@ -105,7 +105,7 @@ def test_killed_and_resumed(straight, tmp_path):
     perception, out = straight
     killed = command(perception, tmp_path / "on", how="kill", at=3)
     assert killed.returncode == -signal.SIGKILL
-    assert len([*(tmp_path / "on").iterdir()]) == 4  # config, the second checkpoint, half of the third, a void lock
+    assert len([*(tmp_path / "on").iterdir()]) == 5  # config, log, the second checkpoint, half of the third, a void lock
     resumed = command(perception, tmp_path / "on", "--resume", hash_seed=3)
     assert (resumed.returncode, resumed.stderr) == (0, "")
     assert_same(out, tmp_path / "on")

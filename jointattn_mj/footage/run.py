@@ -87,7 +87,7 @@ def _overlay(
 def _leave_results(viewing: Viewing, options: PerceiveOptions, stopped: bool, wall_seconds: float) -> dict[str, Any]:
     from jointattn_mj.footage.figures import draw_fixations
     from jointattn_mj.recording.figures import draw_som
-    from jointattn_mj.recording.tables import write_parquet
+    from jointattn_mj.recording.parquet import write_parquet
 
     out = options.out
     write_parquet(out / "fixations.parquet", viewing.fixations.table(viewing.names))

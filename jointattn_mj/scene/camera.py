@@ -6,7 +6,7 @@ the head angles that would bring a thing to the centre of view. Pan is positive 
 
 import os
 from math import atan2, cos, degrees, hypot, radians, sin, tan
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import mujoco
 import numpy as np
@@ -56,10 +56,22 @@ def directions_to(points: np.ndarray) -> np.ndarray:
 def pixels_of_points(points: np.ndarray, head: np.ndarray) -> np.ndarray:
     """Pixels (k, 2) at which points (k, 3) in the world, metres, appear while the head stands at ``head``, degrees."""
     pan, tilt = radians(head[0]), radians(head[1])
+    return _pixels(points, cos(pan), sin(pan), cos(tilt), sin(tilt))
+
+
+def pixels_of_point(point: np.ndarray, heads: np.ndarray) -> np.ndarray:
+    """Pixels (k, 2) at which a point (3,) in the world, metres, appears while the head stands at ``heads`` (k, 2),
+    degrees; the same numbers as one after the other."""
+    turns = [(cos(pan), sin(pan), cos(tilt), sin(tilt)) for pan, tilt in np.radians(heads.astype(float)).tolist()]
+    return _pixels(point[None], *np.array(turns).reshape(-1, 4).T)
+
+
+def _pixels(points: np.ndarray, cos_pan: Any, sin_pan: Any, cos_tilt: Any, sin_tilt: Any) -> np.ndarray:
+    """Pixels of many points under one turn of the head, or of one point under many."""
     x, y, z = (points - PIVOT).T
-    ahead = cos(pan) * x + sin(pan) * y
-    depth, up = cos(tilt) * ahead + sin(tilt) * z, cos(tilt) * z - sin(tilt) * ahead
-    left = cos(pan) * y - sin(pan) * x
+    ahead = cos_pan * x + sin_pan * y
+    depth, up = cos_tilt * ahead + sin_tilt * z, cos_tilt * z - sin_tilt * ahead
+    left = cos_pan * y - sin_pan * x
     return np.stack([CENTRE_X - FOCAL_PX * left / depth, CENTRE_Y - FOCAL_PX * up / depth], axis=1)
 
 
