@@ -75,11 +75,17 @@ class PerceiveOptions:
 
     out: Path
     """Folder for the results; made when missing, refused when it holds another run."""
+    resume: bool = False
+    """Go on from the checkpoint in the folder, to the same final result."""
     overlay: bool = True
     """Leave a video with everything that is perceived drawn on it; it takes most of the time."""
     overlay_every: int = 1
     """Frames for one picture of that video: 1 is 30 a second."""
+    checkpoint_minutes: float = 2.0
+    """Minutes of the video between checkpoints: at most so much is lost by a kill."""
 
     def __post_init__(self) -> None:
+        if not 0 < self.checkpoint_minutes < float("inf"):
+            raise ConfigError(f"checkpoint_minutes must be a positive number of minutes; got {self.checkpoint_minutes}")
         if self.overlay_every < 1:
             raise ConfigError(f"overlay_every must be at least 1 frame; got {self.overlay_every}")
