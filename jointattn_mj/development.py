@@ -11,7 +11,7 @@ from jointattn_mj.contingency.reactive import AvoidingModule, RandomModule, Reac
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Choice, Seed, Whole
 from jointattn_mj.recording import checkpoint
-from jointattn_mj.recording.files import claim, forget_partial, write_whole
+from jointattn_mj.recording.files import claimed, write_whole
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.provenance import write_config
 from jointattn_mj.recording.rows import forget_log, log_folder
@@ -147,26 +147,35 @@ def run_development(
         CheckpointError: ``resume`` without a fitting checkpoint.
         NotFiniteError: What is learned or simulated has become NaN; the last checkpoint stays.
     """
-    out, frozen = options.out, options.out / "checkpoint.bin"
-    every = options.checkpoint_every or config.checkpoint_every
     if not options.resume:
-        check_space(config, out)
+        check_space(config, options.out)
     if options.video and not config.films:
         raise ConfigError(f"world {config.world} has nothing to be filmed; choose --world rendered, or no --video")
+    with claimed(options.out, options.resume):
+        return _run(config, options, progress, compiling)
+
+
+def _run(
+    config: DevelopConfig,
+    options: DevelopOptions,
+    progress: Callable[[Life, Sequence[tuple[Found, Meaning | None]]], object],
+    compiling: Callable[[], object],
+) -> dict[str, Any]:
+    """Live a life in a folder that is held for it."""
+    out, frozen = options.out, options.out / "checkpoint.bin"
+    every = options.checkpoint_every or config.checkpoint_every
     if options.resume:
         life: Life = checkpoint.load(frozen, config, kind=config.kind)
-        forget_partial(out)
         if (out / "summary.json").exists():
             forget_log(out)
             return json.loads((out / "summary.json").read_text("utf-8"))
         life.attach(log_folder(out))
     else:
         life = config.new_life()
-        claim(out)
         life.attach(log_folder(out))
-        _keep(frozen, life, config)
         if options.video:
             _keep(_moment(out, 0), life, config)
+        _keep(frozen, life, config)
     if not (out / "config.yaml").exists():
         write_config(out / "config.yaml", config)
     with deferred() as interrupts, _told_of_compiling(compiling):

@@ -13,7 +13,7 @@ from jointattn_mj.footage.viewing import Viewing
 def run_with_bar(config: PerceiveConfig, options: PerceiveOptions) -> None:
     """Watch the video, and say in a few lines what came of it; errors are :func:`footage.run.run_perceive`'s."""
     bar = tqdm(
-        desc="looking for a face",
+        desc="going back to where it was" if options.resume else "looking for a face",
         unit=" s",
         bar_format="{l_bar}{bar}| {n:.0f}/{total_fmt} s of video [{elapsed}<{remaining}{postfix}]",
         disable=None,
@@ -30,8 +30,12 @@ def run_with_bar(config: PerceiveConfig, options: PerceiveOptions) -> None:
         with bar:
             summary = run_perceive(config, options, progress)
     except KeyboardInterrupt:
-        done = (options.out / "summary.json").exists()
-        left = f"what was watched is in {options.out}" if done else "nothing was written"
+        if (options.out / "summary.json").exists():
+            left = f"what was watched is in {options.out}; the same command with --resume goes on"
+        elif (options.out / "checkpoint.bin").exists():
+            left = f"the same command with --resume goes on from {options.out}"
+        else:
+            left = "nothing was written"
         print(f"jointattn: stopped; {left}", file=sys.stderr)
         raise
     found = ", ".join(f"{name} {share:.0%}" for name, share in summary["found"].items())

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from jointattn_mj.errors import ConfigError, OutputError
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.recording import checkpoint, figures
-from jointattn_mj.recording.files import claim, forget_partial, write_whole
+from jointattn_mj.recording.files import claimed, free_name, write_whole
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.provenance import write_config
 from jointattn_mj.recording.rows import forget_log, log_folder
@@ -69,19 +69,26 @@ def run_session(
         ExtraError: A log is asked for, and the package that writes it is missing.
         NotFiniteError: What is learned or simulated has become NaN; the last checkpoint stays.
     """
-    out, frozen = options.out, options.out / "checkpoint.bin"
-    started = time.perf_counter()
     if options.video:
         _check_ffmpeg()
     if options.rerun is not None:
         _check_rerun(options.rerun, options.resume)
+    if not options.resume:
+        needed = round(BYTES_A_FRAME * config.minutes * FRAMES_PER_MINUTE)
+        check_free(options.out, needed, f"--minutes {config.minutes:g}", "fewer --minutes")
+    with claimed(options.out, options.resume):
+        return _run(config, options, progress, kind)
+
+
+def _run(
+    config: SessionConfig, options: RunOptions, progress: Callable[[Session], None], kind: type[Session]
+) -> dict[str, Any]:
+    """Run a session in a folder that is held for it."""
+    out, frozen = options.out, options.out / "checkpoint.bin"
+    started = time.perf_counter()
     if options.resume:
         spent, session = checkpoint.load(frozen, config, kind.__module__, kind=(float, kind))
-        forget_partial(out)
     else:
-        frames = config.minutes * FRAMES_PER_MINUTE
-        check_free(out, round(BYTES_A_FRAME * frames), f"--minutes {config.minutes:g}", "fewer --minutes")
-        claim(out)
         spent, session = 0.0, kind(config)
 
     def freeze() -> None:
@@ -141,24 +148,18 @@ def _watchers(session: Session, options: RunOptions) -> Iterator[Callable[[Sessi
         if options.video and session.frame < session.total:
             from jointattn_mj.recording.video import Film
 
-            film = Film(_free_name(options.out / "video.mp4"), session, options.video_every)
+            film = Film(free_name(options.out / "video.mp4"), session, options.video_every)
             watchers.append(stack.enter_context(film))
         if options.rerun is not None and session.frame < session.total:
             from jointattn_mj.adapters.rerun import SessionLog
 
-            watchers.append(stack.enter_context(SessionLog(_free_name(options.rerun), session)))
+            watchers.append(stack.enter_context(SessionLog(free_name(options.rerun), session)))
 
         def watch(session: Session) -> None:
             for watcher in watchers:
                 watcher(session)
 
         yield watch if watchers else None
-
-
-def _free_name(path: Path) -> Path:
-    """``path``, or with a number where an earlier part of a resumed run already has it."""
-    names = [path, *(path.with_stem(f"{path.stem}_{part}") for part in range(2, 1000))]
-    return next(name for name in names if not name.exists())
 
 
 def _leave_results(session: Session, out: Path, wall_seconds: float) -> dict[str, Any]:

@@ -6,7 +6,6 @@
 Several runs may use one folder at once: they can only write the same file twice.
 """
 
-import fcntl
 import hashlib
 import json
 import math
@@ -22,6 +21,7 @@ from typing import Any
 from jointattn_mj.errors import CellError, OutputError
 from jointattn_mj.laboratory.claim import Cell, Cells, Claim, Setting
 from jointattn_mj.recording.files import write_whole
+from jointattn_mj.recording.lock import locked
 from jointattn_mj.recording.provenance import plain
 
 END = b"\n}\n"
@@ -132,7 +132,7 @@ class Store:
             except OSError as error:
                 raise OutputError(f"cannot make the folder {folder}: {error.strerror}; choose another --out") from error
             for path in folder.glob(".*"):
-                with suppress(FileNotFoundError):  # another run has just put it in place
+                with suppress(OSError):  # another run has just put it in place, or it may only be read
                     if time.time() - path.stat().st_mtime > ABANDONED_S:
                         path.unlink()
 
@@ -141,15 +141,10 @@ class Store:
         """While the block runs: how many other runs use the folder that began before this one, or a number that one of
         them has left free. It is given up by a killed process too; 0 where the file system knows no locks."""
         place = 0
-        with ExitStack() as files:
+        with ExitStack() as locks:
             with suppress(OSError):
-                while True:
-                    file = files.enter_context((self.folder / f".run{place}.lock").open("w"))
-                    try:
-                        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                        break
-                    except BlockingIOError:
-                        place += 1
+                while not locks.enter_context(locked(self.folder / f".run{place}.lock")):
+                    place += 1
             yield place
 
     def path(self, task: Task) -> Path:
