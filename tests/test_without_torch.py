@@ -67,7 +67,7 @@ def test_commands(tmp_path):
     video = encode(tmp_path / "grey.mkv", np.full((30, 48, 64, 3), 128, np.uint8))
     brief = ("--perception", "truth", "--minutes", "0.02", "--robot.familiarise.minutes", "0.02")
     turns = tmp_path / "develop" / "turns.parquet"
-    variables = ("--source", "caregiver's face", "--condition", "shift gaze", "--target", "object", "--surrogates", "20")
+    variables = ("--source", "caregiver's face", "--condition", "shift gaze", "--target", "object", "--surrogates", 20)
     for command in (
         ("session", *brief, "--out", tmp_path / "session"),
         ("develop", "--steps", "500", "--out", tmp_path / "develop"),
