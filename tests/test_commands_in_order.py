@@ -1,7 +1,7 @@
 """README and docs from the first line to the last, as a reader types them, in one fresh folder.
 
-What takes long is shortened by ``shortened``; what is not run is named in ``NOT_RUN``, or runs too long even so
-(``LONG_CLAIMS``). ``test_docs`` checks that these could be typed.
+What takes long is shortened by ``shortened``; what is not run is named in ``NOT_RUN``, and ``test_docs`` checks that it
+could be typed.
 """
 
 import importlib.util
@@ -10,7 +10,7 @@ import socket
 import subprocess
 import sys
 from collections import Counter
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 from types import ModuleType
 
@@ -20,13 +20,9 @@ from shell import Shell
 NOT_RUN = {
     "installs, builds or tests": lambda words: words[0] in ("apt-get", "pip", "make", "pytest"),
     "shows something until it is closed": lambda words: words[0] == "rerun" or words[:2] == ("jointattn", "view"),
-    "renders films and measures for minutes": lambda words: words[:2] == ("python", "-m"),
-    "measures time": lambda words: words[:2] == ("jointattn", "benchmark"),
 }
-LONG_CLAIMS = {"6.6", "6.7", "6.8", "maps", "baselines", "follow", "continuous", "rendered", "resolution", "realtime"}
-"""A single cell of these takes up to an hour."""
 SHORT_CLAIM = "5.2"
-"""Run in place of all, or of those that are not long."""
+"""Run in place of others."""
 SECONDS = 300
 PORT = "8786"
 """Stands for any free one."""
@@ -68,15 +64,8 @@ def shortened(command: Command) -> list[str]:
     return words
 
 
-def too_long(command: Command) -> bool:
-    """Whether it computes claims of which a cell takes minutes."""
-    return command.words[:3] == ("jointattn", "experiment", "run") and command.words[3] in LONG_CLAIMS
-
-
 def reason_not_to(command: Command) -> str | None:
     """Why a command is not run, if it is not."""
-    if too_long(command):
-        return "computes for minutes"
     if "--rerun" in command.words and importlib.util.find_spec("rerun") is None:
         return "needs the extra rerun"
     return next((reason for reason, holds in NOT_RUN.items() if holds(command.words)), None)
@@ -84,13 +73,17 @@ def reason_not_to(command: Command) -> str | None:
 
 def documented() -> list[Command]:
     """Every command, in reading order."""
-    shells = (block for page in pages() for block in blocks(page) if block.language != "python")
+    shells = (block for page in guides() for block in blocks(page) if block.language != "python")
     return [command for block in shells for command in commands(block)]
 
 
-@contextmanager
-def fresh_clone(folder: Path):
-    """The files of this checkout that git knows, in an empty folder; in an archive that has no history, all folders."""
+def guides() -> list[Path]:
+    """Pages that say what to type; experiments/README.md says what came out, in hours."""
+    return [page for page in pages() if page.parent.name != "experiments"]
+
+
+def clone_into(folder: Path) -> None:
+    """Copy the files of this checkout that git knows; in an archive that has no history, all of its folders."""
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True)
     names = listed.stdout.split("\0")[:-1] if listed.returncode == 0 else []
     if not names:
@@ -100,7 +93,6 @@ def fresh_clone(folder: Path):
         if (ROOT / name).is_file() and not name.startswith("tests/"):
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, folder / name)
-    yield folder
 
 
 def free_port() -> str:
@@ -150,14 +142,15 @@ class Reader:
 
 
 def test_every_command_in_reading_order(tmp_path, monkeypatch):
-    with fresh_clone(tmp_path), ExitStack() as background:
+    clone_into(tmp_path)
+    with ExitStack() as background:
         monkeypatch.chdir(tmp_path)
         monkeypatch.setenv("PYTHONPATH", str(tmp_path))
         monkeypatch.setattr(sys, "path", [*sys.path])
         shell = Shell(tmp_path)
         background.callback(shell.close)
         reader = Reader(tmp_path, shell, background)
-        for page in pages():
+        for page in guides():
             module = ModuleType("page")  # of which the page's classes can be, as checkpoints need
             monkeypatch.setitem(sys.modules, "page", module)
             for block in blocks(page):
@@ -183,7 +176,6 @@ def test_nothing_is_left_out_for_a_reason_that_has_gone():
     typed = documented()
     for reason, holds in NOT_RUN.items():
         assert any(holds(command.words) for command in typed), reason
-    assert {command.words[3] for command in typed if too_long(command)} == LONG_CLAIMS
 
 
 def test_most_commands_are_run():

@@ -51,16 +51,17 @@ class Shell:
         env: dict[str, str] | None = None,
         file_limit: int | None = None,
         seconds: float | None = None,
+        memory: int | None = None,
     ) -> Outcome:
         """``env`` is added to the environment; no file can grow beyond ``file_limit`` bytes, as on a full disk; what
-        takes longer than ``seconds`` is killed, with all that it has started."""
-        return self._ask(
-            arguments=[str(argument) for argument in arguments], env=env, limit=file_limit, seconds=seconds
-        )
+        takes longer than ``seconds`` is killed, with all that it has started; no process gets more than ``memory``
+        bytes."""
+        asked = [str(argument) for argument in arguments]
+        return self._ask(arguments=asked, env=env, limit=file_limit, seconds=seconds, memory=memory)
 
-    def python(self, source: str, seconds: float | None = None) -> Outcome:
-        """Run lines of Python."""
-        return self._ask(source=source, seconds=seconds)
+    def python(self, source: str, seconds: float | None = None, memory: int | None = None) -> Outcome:
+        """Run lines of Python, as if they were a program."""
+        return self._ask(source=source, seconds=seconds, memory=memory)
 
     def _ask(self, **request: object) -> Outcome:
         print(json.dumps(request), file=self._server.stdin, flush=True)
@@ -78,9 +79,11 @@ def _run(main, request: dict) -> int:
     os.environ.update(request.get("env") or {})
     if request.get("limit") is not None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (request["limit"], resource.RLIM_INFINITY))
+    if request.get("memory") is not None:
+        resource.setrlimit(resource.RLIMIT_AS, (request["memory"], request["memory"]))
     try:
         if "source" in request:
-            exec(compile(request["source"], "<source>", "exec"), {"__name__": "source"})
+            exec(compile(request["source"], "<source>", "exec"), {"__name__": "__main__"})
         else:
             main(request["arguments"])
     except SystemExit as stop:

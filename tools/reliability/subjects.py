@@ -96,10 +96,10 @@ class Run:
                         found.append(int(child))
         return found
 
-    def end(self) -> tuple[int, str]:
+    def end(self, limit_s: float = LIMIT_S) -> tuple[int, str]:
         """Its code and what it said, when it has ended; 124 where it hangs."""
         try:
-            code = self.process.wait(LIMIT_S)
+            code = self.process.wait(limit_s)
         except subprocess.TimeoutExpired:
             code = 124
             self.clear()
