@@ -20,6 +20,7 @@ from shell import Shell
 NOT_RUN = {
     "installs, builds or tests": lambda words: words[0] in ("apt-get", "pip", "make", "pytest"),
     "shows something until it is closed": lambda words: words[0] == "rerun" or words[:2] == ("jointattn", "view"),
+    "tries for hours what can go wrong": lambda words: words[:3] == ("python", "-m", "tools.reliability"),
 }
 SHORT_CLAIM = "5.2"
 """Run in place of others."""

@@ -16,6 +16,7 @@ from tools.reliability import calls, files, options, together
 from tools.reliability import hours as long
 from tools.reliability import kills as killing
 from tools.reliability.malformed import Failure, Input, summary, verdict
+from tools.reliability.report import PAGE, page
 from tools.reliability.results import FOLDER, save, table
 from tools.reliability.subjects import SUBJECTS, Subject, film, places
 from tools.shell import Shell
@@ -106,9 +107,9 @@ def malformed(
     began, chance = time.monotonic(), random.Random(seed)
     many = {name: max(1, round(share * inputs)) for name, share in SHARES.items()}
     with tempfile.TemporaryDirectory(prefix="malformed-") as name, ExitStack() as stack:
-        folder = Path(name) / "a" / "b"
-        folder.mkdir(parents=True)
-        shells = [stack.enter_context(closing(Shell(folder))) for _ in range(jobs)]
+        folder, here = Path(name), Path(name) / "here" / "it" / "is"
+        here.mkdir(parents=True)
+        shells = [stack.enter_context(closing(Shell(here))) for _ in range(jobs)]
         shell, clip = shells[0], film(folder / "clip.mp4", 90)
         table = folder / "codings.csv"
         table.write_text(files.as_csv(files.codings()))
@@ -159,6 +160,17 @@ def hours(*, share: float = 1.0, only: str = "", out: Path = FOLDER) -> bool:
     return _leave("hours", long.summary(spent), time.monotonic() - began, out)
 
 
+def report(*, out: Path = FOLDER) -> bool:
+    """Write what is stored into docs/reliability.md.
+
+    Args:
+        out: Folder of the results.
+    """
+    PAGE.write_text(page(PAGE.read_text("utf-8"), out), "utf-8")
+    print(PAGE)
+    return False
+
+
 def _with_runs(name: str, harness: Callable[..., dict], subjects: list[Subject], jobs: int, out: Path) -> bool:
     """Give a harness what its runs need, and leave what it found; whether anything was lost."""
     began = time.monotonic()
@@ -179,7 +191,7 @@ def _leave(name: str, found: dict, seconds: float, out: Path) -> bool:
     return bool(found["wrong"])
 
 
-COMMANDS = {"kills": kills, "pairs": pairs, "malformed": malformed, "hours": hours}
+COMMANDS = {"kills": kills, "pairs": pairs, "malformed": malformed, "hours": hours, "report": report}
 
 if __name__ == "__main__":
     sys.exit(int(tyro.extras.subcommand_cli_from_dict(COMMANDS, prog="python -m tools.reliability")))

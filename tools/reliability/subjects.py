@@ -17,6 +17,7 @@ ROOT = Path(__file__).parents[2]
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT), "LP_NUM_THREADS": "0"}
 SCHEDULER, VIDEO = "{scheduler}", "{video}"
 """Stand in a command for the address of a dask scheduler, and for a file to watch."""
+JOINTATTN = (sys.executable, "-m", "jointattn_mj.cli")
 LIMIT_S = 600.0
 """A run that takes longer hangs."""
 
@@ -33,10 +34,13 @@ class Subject:
     """Makes results of what is in the folder at last; the folder follows."""
     workers: bool = False
     """Whether it has processes of its own, which can be killed too."""
+    program: tuple[str, ...] = JOINTATTN
 
     def start(self, out: Path, places: dict[str, str], more: tuple[str, ...] = ()) -> "Run":
         """Start it."""
-        return Run([*(places.get(word, word) for word in shlex.split(self.command)), "--out", str(out), *more])
+        return Run(
+            [*(places.get(word, word) for word in shlex.split(self.command)), "--out", str(out), *more], self.program
+        )
 
     def make_report(self, out: Path) -> tuple[int, str]:
         """Code and what was said."""
@@ -69,12 +73,12 @@ SUBJECTS = (
 
 
 class Run:
-    """``jointattn`` in a process group of its own."""
+    """A command in a process group of its own."""
 
-    def __init__(self, arguments: list[str]):
+    def __init__(self, arguments: list[str], program: tuple[str, ...] = JOINTATTN):
         self._said = tempfile.TemporaryFile("w+", errors="replace")  # noqa: SIM115
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "jointattn_mj.cli", *arguments],
+            [*program, *arguments],
             cwd=ROOT,
             env=ENVIRONMENT,
             stdin=subprocess.DEVNULL,
