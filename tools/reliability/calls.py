@@ -1,5 +1,6 @@
 """Calls from Python with arguments that make no sense: an error with a name, and nothing worse."""
 
+import itertools
 import random
 from collections.abc import Iterator
 
@@ -56,7 +57,7 @@ CONFIGS = {
 }
 
 
-def all_calls() -> Iterator[tuple[str, str, bool]]:
+def measures() -> Iterator[tuple[str, str, bool]]:
     """Lines, a name for them, and whether they must be refused."""
     for series in SERIES:
         for name in MEASURES:
@@ -68,34 +69,41 @@ def all_calls() -> Iterator[tuple[str, str, bool]]:
     for value in SCALARS:
         yield _measure("transfer_entropy", "x", "y", f"base={value}"), f"transfer_entropy(base={value})", True
         yield _measure("assess", value, "x", "y"), f"assess({value}, x, y)", True
-        for path, fields in CONFIGS.items():
-            module, _, name = path.rpartition(".")
-            for field in fields:
-                call = f"from {module} import {name}; print({name}({field}={value}))"
-                yield call, f"{name}({field}={value})", value in ("nan", "-inf", "1e308", "10 ** 400", "1j")
+    for path in ("None", "5", "''", "'no.csv'", "'/'", "'/dev/null'", r"'a\0b'", "'x' * 5000"):
+        read = f"from jointattn_mj.contingency import read_recordings; read_recordings({path}, ['x'])"
+        yield read, f"read_recordings({path})", True
+
+
+def configs() -> Iterator[tuple[str, str, bool]]:
+    """The same for options as dataclasses."""
+    for path, fields in CONFIGS.items():
+        module, _, name = path.rpartition(".")
+        for field, value in itertools.product(fields, SCALARS):
+            call = f"from {module} import {name}; print({name}({field}={value}))"
+            yield call, f"{name}({field}={value})", value in ("nan", "-inf", "1e308", "10 ** 400", "1j")
+
+
+def environments() -> Iterator[tuple[str, str, bool]]:
+    """The same for the tasks, from dm_control and Gymnasium."""
     for task in TASKS:
+        base = task.removesuffix("_hard")
+        name = NAMES[base] + ("Hard" if base != task else "")
         for action in ACTIONS:
-            must = action not in TAKEN
             made = f"env = jointattn_mj.load('joint_attention', '{task}', task_kwargs={{'random': 0, 'camera': False}})"
             step = f"env.reset(); timestep = env.step({action}); assert np.isfinite(timestep.reward)"
-            yield f"{made}; {step}", f"{task}: step({action})", must
-            base = task.removesuffix("_hard")
-            name = NAMES[base] + ("Hard" if base != task else "")
-            made = f"import gymnasium; env = gymnasium.make('jointattn_mj:{name}-v0', camera=False)"
+            yield f"{made}; {step}", f"{task}: step({action})", action not in TAKEN
+            made = f"import gymnasium; env = gymnasium.make('jointattn_mj:{name}-v0', camera=False).unwrapped"
             step = f"env.reset(seed=0); _, reward, *_ = env.step({action}); assert np.isfinite(reward)"
-            yield f"{made}.unwrapped; {step}", f"{name}-v0: step({action})", must
+            yield f"{made}; {step}", f"{name}-v0: step({action})", action not in TAKEN
         for settings in TASK_KWARGS:
             made = f"env = jointattn_mj.load('joint_attention', '{task}', task_kwargs={settings}); env.reset()"
             yield made, f"load({task}, {settings})", "'camera'" not in settings
     for name in ("None", "5", "'no'", "''", "[]"):
         yield f"jointattn_mj.load({name}, 'follow')", f"load({name}, 'follow')", True
         yield f"jointattn_mj.load('joint_attention', {name})", f"load('joint_attention', {name})", True
-    for path in ("None", "5", "''", "'no.csv'", "'/'", "'/dev/null'", r"'a\0b'", "'x' * 5000"):
-        yield (
-            f"from jointattn_mj.contingency import read_recordings as r; r({path}, ['x'])",
-            f"read_recordings({path})",
-            True,
-        )
+
+
+KINDS = {"measures": measures, "configs": configs, "environments": environments}
 
 
 def _measure(name: str, *arguments: str) -> str:
@@ -103,8 +111,10 @@ def _measure(name: str, *arguments: str) -> str:
 
 
 def calls(chance: random.Random, many: int) -> Iterator[Input]:
-    """``many`` of them."""
-    found = list(all_calls())
-    chance.shuffle(found)
-    for call, what, must in found[:many]:
-        yield Input("Python calls", what, source=WORLD.format(call=call), result=refused if must else anything)
+    """``many`` of them, as many of each kind."""
+    for kind, listed in KINDS.items():
+        found = list(listed())
+        chance.shuffle(found)
+        for call, what, must in found[: -(-many // len(KINDS))]:
+            result = refused if must else anything
+            yield Input(f"Python, {kind}", what, source=WORLD.format(call=call), result=result)

@@ -50,6 +50,9 @@ def damaged(raw: bytes, chance: random.Random) -> tuple[str, bytes]:
 
 # Tables
 
+ALONE = 6
+"""Of so many tables one is read in an interpreter of its own: threads of a reader can end it with a signal."""
+
 
 def codings() -> dict[str, list[str]]:
     """Columns of a recording: the toy is seen after both have looked at the same place."""
@@ -137,7 +140,10 @@ def tables(chance: random.Random, many: int, folder: Path) -> Iterator[Input]:
             what, result = f"{name} {what}", numbers
         path = _write(folder / f"table{number}" / name, raw)
         command = ("measure", str(path), *MEASURE) if number % 2 else ("discover", str(path), *DISCOVER)
-        yield Input("tables", f"{command[0]}: {what}", command, result=result)
+        yield Input("tables", f"{command[0]}: {what}", command, result=result, alone=number % ALONE == 0)
+        if number % ALONE == 1:
+            misspelt = tuple(word.replace("her_gaze", "hre_gaze") for word in command)
+            yield Input("tables", f"{command[0]}: {what}, a column misspelt", misspelt, result=refused, alone=True)
 
 
 # Weights

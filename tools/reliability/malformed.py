@@ -1,11 +1,14 @@
 """Inputs that make no sense, and what became of each: a line and an exit code, or something worse."""
 
+import os
 import re
+import subprocess
+import sys
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from tools.shell import HUNG, Outcome, Shell
+from tools.shell import HUNG, ROOT, Outcome, Shell
 
 CODES = {0, 1, 2, 130}
 """All that a command may end with."""
@@ -42,12 +45,28 @@ class Input:
     """Lines of Python in place of them."""
     result: Callable[[Outcome], str] = anything
     """Where the command ends well: what is wrong with that, or nothing."""
+    alone: bool = False
+    """Try it in an interpreter of its own, down to how that ends."""
 
     def put(self, shell: Shell, seconds: float) -> Outcome:
         """Try it."""
         if self.source:
             return shell.python(self.source, seconds=seconds, memory=MEMORY)
+        if self.alone:
+            return _alone(self.arguments, seconds)
         return shell(*self.arguments, seconds=seconds, memory=MEMORY)
+
+
+def _alone(arguments: tuple[str, ...], seconds: float) -> Outcome:
+    command = [sys.executable, "-m", "jointattn_mj.cli", *arguments]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    try:
+        done = subprocess.run(
+            command, env=environment, capture_output=True, text=True, errors="replace", timeout=seconds
+        )
+    except subprocess.TimeoutExpired:
+        return Outcome(HUNG, "", "")
+    return Outcome(done.returncode, done.stdout, done.stderr)
 
 
 @dataclass(frozen=True)
@@ -89,9 +108,9 @@ def verdict(given: Input, outcome: Outcome) -> Failure | None:
 
 def signature(failure: Failure) -> str:
     """By which failures of one cause are counted together."""
+    if failure.failure in ("accepted", "hang"):
+        return re.sub(r" = .*", "", failure.what)[:110]
     last = failure.said.splitlines()[-1] if failure.said else ""
-    if failure.failure == "accepted":
-        last = re.sub(r" = .*", "", failure.what)
     return re.sub(r"0x[0-9a-f]+|\d+|/[\w./-]+|'[^']*'", "_", last)[:110]
 
 
