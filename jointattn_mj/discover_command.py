@@ -8,7 +8,7 @@ from typing import Any, Literal
 import tyro
 
 from jointattn_mj.contingency.discovery import Finding, discover, least_surrogates
-from jointattn_mj.contingency.recordings import Missing, read_recordings
+from jointattn_mj.contingency.recordings import ReadOptions
 from jointattn_mj.contingency.series import check_base
 from jointattn_mj.contingency.significance import Adjust, TestOptions
 from jointattn_mj.errors import ConfigError
@@ -19,11 +19,11 @@ MEASURES = {"sac": "state_action_contingency", "tc": "combined_transfer_entropy"
 
 
 @dataclass(frozen=True)
-class DiscoverOptions:
+class DiscoverOptions(ReadOptions):
     """Which events are compared, and how they are tested."""
 
     file: tyro.conf.Positional[Path]
-    """CSV file with a header, or Parquet file, with a row for every step; the row after answers the row before."""
+    """Text file with a header (CSV), or Parquet file, with a row for every step; the row after answers the row before."""
     sensors: tuple[str, ...]
     """Columns of what is sensed, S."""
     actions: tuple[str, ...]
@@ -46,16 +46,13 @@ class DiscoverOptions:
     """Bootstrap resamples behind the intervals; 0 leaves these out."""
     seed: int = 0
     """Random seed of both."""
-    recording: str | None = None
-    """Column that tells independent recordings apart: no step leads from one into another."""
-    missing: Missing = "error"
-    """What a missing value does: an error, or a break in the recording."""
     across_recordings: bool = False
     """Permute among all recordings: for many short ones of the same kind."""
     out: Path | None = None
     """Also write the rows here, as .csv and, with config and versions, as .json."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not (self.sensors and self.actions and self.results):
             raise ConfigError("discover needs at least one column each for --sensors, --actions and --results")
         if not (0 < self.alpha < 1 and self.explain >= 0):
@@ -148,8 +145,7 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "events")
-    names = list(dict.fromkeys([*options.sensors, *options.actions, *options.results]))
-    data = read_recordings(options.file, names, options.recording, options.missing)
+    data = options.read(options.file, [*options.sensors, *options.actions, *options.results])
     findings = discover(
         data.columns,
         options.sensors,

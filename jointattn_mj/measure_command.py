@@ -16,7 +16,7 @@ from jointattn_mj.contingency.information import (
     TRANSFER,
     Measure,
 )
-from jointattn_mj.contingency.recordings import Missing, Recordings, read_recordings
+from jointattn_mj.contingency.recordings import ReadOptions, Recordings
 from jointattn_mj.contingency.series import check_base
 from jointattn_mj.contingency.significance import Significance, TestOptions, assess_steps
 from jointattn_mj.contingency.table import Steps, steps
@@ -28,11 +28,11 @@ CONDITIONED = (CONTINGENCY, COMBINED, TRANSFER, MUTUAL, CONDITIONAL_MUTUAL)
 
 
 @dataclass(frozen=True)
-class MeasureOptions:
+class MeasureOptions(ReadOptions):
     """What is measured, and how it is tested."""
 
     file: tyro.conf.Positional[Path]
-    """CSV file with a header, or Parquet file, with a row for every step; the row after answers the row before."""
+    """Text file with a header (CSV), or Parquet file, with a row for every step; the row after answers the row before."""
     source: tuple[str, ...]
     """Column whose influence is asked for, such as a sensor; several are taken jointly."""
     target: tuple[str, ...]
@@ -47,16 +47,13 @@ class MeasureOptions:
     """Bootstrap resamples behind the intervals; 0 leaves these out."""
     seed: int = 0
     """Random seed of both."""
-    recording: str | None = None
-    """Column that tells independent recordings apart: no step leads from one into another."""
-    missing: Missing = "error"
-    """What a missing value does: an error, or a break in the recording."""
     across_recordings: bool = False
     """Permute among all recordings: for many short ones of the same kind."""
     out: Path | None = None
     """Also write the rows here, as .csv and, with config and versions, as .json."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not (self.source and self.target):
             raise ConfigError("measure needs at least one column each for --source and --target")
         check_seed(self.seed)
@@ -147,9 +144,7 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "measures")
-    data = read_recordings(
-        options.file, [*options.source, *options.target, *options.condition], options.recording, options.missing
-    )
+    data = options.read(options.file, [*options.source, *options.target, *options.condition])
     source, target = data.joined(options.source)[0], data.joined(options.target)[0]
     condition = data.joined(options.condition)[0] if options.condition else None
     given = steps(source, target, condition, data.groups)
