@@ -13,6 +13,7 @@ from jointattn_mj.contingency.series import check_base
 from jointattn_mj.contingency.significance import Adjust, TestOptions
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.measure_command import check_seed, exchange_notes
+from jointattn_mj.patience import patient
 from jointattn_mj.recording.results import bracket, number, result_paths, share, write_results
 
 MEASURES = {"sac": "state_action_contingency", "tc": "combined_transfer_entropy"}
@@ -23,7 +24,7 @@ class DiscoverOptions(ReadOptions):
     """Which events are compared, and how they are tested."""
 
     file: tyro.conf.Positional[Path]
-    """Text file with a header (CSV), or Parquet file, with a row for every step; the row after answers the row before."""
+    """CSV file with a header, or Parquet file, with a row for every step; the row after answers the row before."""
     sensors: tuple[str, ...]
     """Columns of what is sensed, S."""
     actions: tuple[str, ...]
@@ -50,6 +51,8 @@ class DiscoverOptions(ReadOptions):
     """Permute among all recordings: for many short ones of the same kind."""
     out: Path | None = None
     """Also write the rows here, as .csv and, with config and versions, as .json."""
+    yes: bool = False
+    """Go on however long the surrogates take; without, more than two hours are refused."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -142,6 +145,7 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
 
     Raises:
         SeriesError: The file or a column cannot be measured.
+        ConfigError: The surrogates would take more than two hours, and ``yes`` is not said.
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "events")
@@ -159,7 +163,7 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
         seed=options.seed,
         explain=options.explain,
         groups=data.groups,
-        progress=progress,
+        progress=patient(progress, options.draws, options.yes),
     )
     notes = [*data.notes(), *exchange_notes([one.significance for one in findings])]
     needed = least_surrogates(options.events, options.alpha)

@@ -21,6 +21,7 @@ from jointattn_mj.contingency.series import check_base
 from jointattn_mj.contingency.significance import Significance, TestOptions, assess_steps
 from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.patience import patient
 from jointattn_mj.recording.results import bracket, number, result_paths, share, write_results
 
 ALONE = (TRANSFER, MUTUAL)
@@ -32,7 +33,7 @@ class MeasureOptions(ReadOptions):
     """What is measured, and how it is tested."""
 
     file: tyro.conf.Positional[Path]
-    """Text file with a header (CSV), or Parquet file, with a row for every step; the row after answers the row before."""
+    """CSV file with a header, or Parquet file, with a row for every step; the row after answers the row before."""
     source: tuple[str, ...]
     """Column whose influence is asked for, such as a sensor; several are taken jointly."""
     target: tuple[str, ...]
@@ -51,6 +52,8 @@ class MeasureOptions(ReadOptions):
     """Permute among all recordings: for many short ones of the same kind."""
     out: Path | None = None
     """Also write the rows here, as .csv and, with config and versions, as .json."""
+    yes: bool = False
+    """Go on however long the surrogates take; without, more than two hours are refused."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -141,6 +144,7 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
 
     Raises:
         SeriesError: The file or a column cannot be measured.
+        ConfigError: The surrogates would take more than two hours, and ``yes`` is not said.
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "measures")
@@ -148,6 +152,7 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
     source, target = data.joined(options.source)[0], data.joined(options.target)[0]
     condition = data.joined(options.condition)[0] if options.condition else None
     given = steps(source, target, condition, data.groups)
+    progress = patient(progress, options.draws, options.yes)
     streams = np.random.SeedSequence(options.seed).spawn(len(CONDITIONED))
     measured = tuple(
         _measured(given, measure, options, np.random.default_rng(stream), progress)

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 import tyro
-from tqdm import tqdm
 
 from jointattn_mj.agents import AGENTS
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.laboratory.statistics import Estimate, mean_interval
+from jointattn_mj.progress import Progress
 from jointattn_mj.recording.results import result_paths, write_results
 from jointattn_mj.tasks import load
 from jointattn_mj.tasks.environment import Environment
@@ -70,8 +70,8 @@ def play(options: PlayOptions) -> None:
     environment = environment_for(options)
     agent = AGENTS[options.agent](environment, options.seed)
     paths = None if options.out is None else result_paths(options.out / "episodes", "episodes")
-    with tqdm(total=options.episodes, desc="episodes", leave=False, disable=None) as bar:
-        episodes = play_episodes(environment, agent, options, bar.update)
+    with Progress("playing", options.episodes, "episodes") as shown:
+        episodes = play_episodes(environment, agent, options, shown.add)
     environment.close()
     rows = [vars(episode) for episode in episodes]
     if paths is not None:

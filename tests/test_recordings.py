@@ -118,7 +118,7 @@ BAD = {
     "binary": (bytes(range(256)), ["a"], "no text file"),
     "a header of its own": ("id;3\nwhen;now\na;b\n1;2\n1;2\n", ["a", "b"], "Line 3 names them: say --skip-rows 2"),
     "nearly the name": ("mother,infant\n1,2\n1,2\n", ["mothr"], "did you mean 'mother'"),
-    "onset and offset": ("a,onset,offset\n1,0,2\n2,2,3\n", ["a"], "lists events.*'onset' and 'offset'.*--rows-are-steps"),
+    "onset and offset": ("a,onset,offset\n1,0,2\n2,2,3\n", ["a"], "'onset' and 'offset'.*--rows-are-steps"),
     "begin and end": ("Begin Time - ms\tEnd Time - ms\ta\n0\t2\t1\n2\t3\t1\n", ["a"], "lists events"),
     "two people's events": ("m.onset,m.offset,m.a\n0,2,1\n2,3,1\n", ["m.a"], "'m.onset' and 'm.offset'"),
     "onset and duration": ("onset,duration,a\n0,2,1\n2,1,1\n", ["a"], "lists events"),
@@ -135,7 +135,7 @@ def test_what_cannot_be_read(write, tmp_path, case):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("name", [".", "a\0b.csv", "x" * 5000, "/proc/self/mem", "/dev/zero"], ids=lambda name: name[:9])
+@pytest.mark.parametrize("name", [".", "a\0b", "x" * 5000, "/proc/self/mem", "/dev/zero"], ids=lambda name: name[:5])
 def test_what_is_no_file(tmp_path, name):
     with pytest.raises(SeriesError, match="cannot read"):
         read_recordings(tmp_path / name, ["a"])

@@ -9,7 +9,8 @@ import numpy as np
 from jointattn_mj.errors import SeriesError
 
 MISSING = frozenset(
-    "|#N/A|#N/A N/A|#NA|-1.#IND|-1.#QNAN|-NaN|-nan|1.#IND|1.#QNAN|N/A|NA|NULL|NaN|n/a|nan|null".split("|")
+    {"", "NA", "N/A", "n/a", "#N/A", "#N/A N/A", "#NA", "NULL", "null", "NaN", "nan", "-NaN", "-nan"}
+    | {"1.#IND", "-1.#IND", "1.#QNAN", "-1.#QNAN"}
 )
 """Values that stand for none, blanks around them left out: nothing, and what statistics programs write."""
 
@@ -20,8 +21,8 @@ _NUMBER = re.compile(r"[+-]?(\d{1,300}[.,]?\d{0,300}|[.,]\d{1,300})([eE][+-]?\d{
 def coded(column: Any, name: str, identifies: bool = False) -> tuple[np.ndarray, tuple[str, ...]]:
     """Codes (rows,) of a dictionary-encoded pyarrow column, -1 where missing, and their labels in order.
 
-    Numbers come ascending, with 1.0 and 1,0 the same as 1; other labels in the order of the alphabet. What ``identifies``
-    recordings is a name, whatever it looks like.
+    Numbers come ascending, with 1.0 and 1,0 the same as 1; other labels in the order of the alphabet. A column that
+    ``identifies`` recordings holds names, whatever they look like.
 
     Raises:
         SeriesError: Numbers with fractions, unless they identify.

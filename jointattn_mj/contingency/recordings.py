@@ -100,8 +100,8 @@ def read_recordings(
     """Read ``columns`` of a text file with a header, separated by commas, semicolons or tabs, or of a Parquet file.
 
     What the file holds counts, not its name. Rows with the same value of the column ``recording`` are one recording, in
-    their order in the file; such values are names. Labels lose blanks around them; 1.0 and 1,0 are the same as 1. Nothing,
-    NA, NaN, null and such are missing. For the other arguments see :class:`ReadOptions`.
+    their order in the file; such values are names. Labels lose blanks around them; 1.0 and 1,0 are the same as 1.
+    Nothing, NA, NaN, null and such are missing. For the other arguments see :class:`ReadOptions`.
 
     Raises:
         SeriesError: No such file or column, nothing in it, another encoding, missing values, numbers with fractions,

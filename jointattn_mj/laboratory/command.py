@@ -1,10 +1,6 @@
 """``jointattn experiment``: list claims, run what is missing of them, report what is stored."""
 
-import signal
 import sys
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -147,17 +143,17 @@ def _stored(registry: Registry, claim: str, folder: Path) -> str:
 
 def _run(registry: Registry, options: RunOptions) -> None:
     from jointattn_mj.laboratory.backends import new_backend
-    from jointattn_mj.laboratory.progress import Progress, count
+    from jointattn_mj.laboratory.progress import Progress
     from jointattn_mj.laboratory.run import Selection, run
+    from jointattn_mj.progress import count
 
     ids = chosen(registry, options.claims)
     selection = Selection(options.setting, options.runs, options.seed)
     try:
-        with _stoppable():
-            claims = [registry[claim] for claim in ids]
-            backend = new_backend(options.backend, options.jobs, options.address)
-            always = {} if options.registry == EXPERIMENTS else {"registry": options.registry}
-            tally = run(claims, selection, options.out, backend, Progress(), **always)
+        claims = [registry[claim] for claim in ids]
+        backend = new_backend(options.backend, options.jobs, options.address)
+        always = {} if options.registry == EXPERIMENTS else {"registry": options.registry}
+        tally = run(claims, selection, options.out, backend, Progress(), **always)
     except KeyboardInterrupt:
         print(f"jointattn: stopped; the same command goes on with what is in {options.out}", file=sys.stderr)
         raise
@@ -171,20 +167,3 @@ def _report(registry: Registry, options: ReportOptions) -> None:
 
     ids = chosen(registry, options.claims) if options.claims else list(registry)
     print(write_report(registry, ids, options.folder))
-
-
-@contextmanager
-def _stoppable() -> Iterator[None]:
-    """SIGTERM, with which schedulers end what they started, stops like Ctrl-C."""
-
-    def stop(number: int, frame: object) -> None:
-        raise KeyboardInterrupt
-
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    kept = signal.signal(signal.SIGTERM, stop)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, kept)
