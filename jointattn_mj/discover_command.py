@@ -52,7 +52,7 @@ class DiscoverOptions(ReadOptions):
     out: Path | None = None
     """Also write the rows here, as .csv and, with config and versions, as .json."""
     yes: bool = False
-    """Go on however long the surrogates take; without, more than two hours are refused."""
+    """Go on however long the surrogates take; without, more than half an hour is refused."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -145,7 +145,7 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
 
     Raises:
         SeriesError: The file or a column cannot be measured.
-        ConfigError: The surrogates would take more than two hours, and ``yes`` is not said.
+        ConfigError: The surrogates would take more than half an hour, and ``yes`` is not said.
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "events")

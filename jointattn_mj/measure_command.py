@@ -53,7 +53,7 @@ class MeasureOptions(ReadOptions):
     out: Path | None = None
     """Also write the rows here, as .csv and, with config and versions, as .json."""
     yes: bool = False
-    """Go on however long the surrogates take; without, more than two hours are refused."""
+    """Go on however long the surrogates take; without, more than half an hour is refused."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -144,7 +144,7 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
 
     Raises:
         SeriesError: The file or a column cannot be measured.
-        ConfigError: The surrogates would take more than two hours, and ``yes`` is not said.
+        ConfigError: The surrogates would take more than half an hour, and ``yes`` is not said.
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "measures")

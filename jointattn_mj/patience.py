@@ -1,4 +1,4 @@
-"""Refuses a computation of days that somebody has asked for by a slip, as soon as its pace is known."""
+"""Refuses a computation of hours or days that somebody has asked for by a slip, as soon as its pace is known."""
 
 import time
 from collections.abc import Callable
@@ -6,7 +6,7 @@ from collections.abc import Callable
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.progress import duration
 
-LONG_S = 2 * 3600.0
+LONG_S = 1800.0
 """What would take longer is not gone on with unasked."""
 KNOWN_AFTER_S = 1.0
 """Seconds of drawing after which the pace is taken as known."""
@@ -34,6 +34,7 @@ def patient(
         done += more
         if begun is None:
             begun, first = clock(), done
+            return
         spent = clock() - begun
         if known or spent < KNOWN_AFTER_S:
             return

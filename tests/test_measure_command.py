@@ -3,6 +3,8 @@
 import csv
 import json
 import math
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +12,7 @@ import pytest
 from shell import Outcome, Shell
 
 import jointattn_mj.contingency as c
+from jointattn_mj import patience
 from jointattn_mj.contingency import read_recordings
 from jointattn_mj.discover_command import DiscoverOptions, run_discover
 from jointattn_mj.errors import ConfigError, OutputError, SeriesError
@@ -192,6 +195,49 @@ BAD = [
 @pytest.mark.parametrize(("options", "words"), BAD, ids=lambda value: str(value[-1]) if value else "nothing")
 def test_refuses(jointattn, seen, options, words):
     refused(jointattn("measure", seen, *options), *words)
+
+
+@pytest.mark.parametrize("command", ["measure", "discover"])
+def test_a_misspelt_column_never_aborts(tmp_path, command):
+    """Native threads of a reader that are alive when Python ends abort the process, now and then."""
+    path = tmp_path / "codes.csv"
+    rng = np.random.default_rng(0)
+    rows = rng.choice(["away", "toy", "face"], (400, 2))
+    path.write_text("mother,infant\n" + "".join(f"{mother},{infant}\n" for mother, infant in rows))
+    options = MeasureOptions(path, ("mothr",), ("infant",))
+    if command == "discover":
+        options = DiscoverOptions(path, ("mothr",), ("mother",), ("infant",))
+    program = (
+        "import os, sys, threading\n"
+        "from pathlib import Path, PosixPath\n"
+        "from jointattn_mj.errors import SeriesError\n"
+        "from jointattn_mj.measure_command import MeasureOptions, run_measure\n"
+        "from jointattn_mj.discover_command import DiscoverOptions, run_discover\n"
+        "for _ in range(12):\n"
+        "    if os.fork() == 0:\n"  # forked from one that has imported everything: seconds become milliseconds
+        "        try:\n"
+        f"            run_{command}({options!r})\n"
+        "        except SeriesError:\n"
+        "            sys.exit(2)\n"
+        "print([os.waitstatus_to_exitcode(os.wait()[1]) for _ in range(12)])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == f"{[2] * 12}\n"
+    assert done.stderr == ""
+
+
+def test_more_surrogates_than_one_can_wait_for(seen, tmp_path, monkeypatch):
+    """Refused before anything is written; with ``yes`` they are drawn."""
+    monkeypatch.setattr(patience, "KNOWN_AFTER_S", 0.0)
+    monkeypatch.setattr(patience, "LONG_S", 0.0)
+    measure = MeasureOptions(seen, ("gaze",), ("object",), surrogates=200, out=tmp_path / "x")
+    discover = DiscoverOptions(seen, ("gaze",), ("turn",), ("object",), surrogates=200, out=tmp_path / "y")
+    for run, options in ((run_measure, measure), (run_discover, discover)):
+        with pytest.raises(ConfigError, match=rf"{options.draws:,} surrogates and resamples would take .*--yes"):
+            run(options)
+    assert list(tmp_path.iterdir()) == []
+    run_measure(replace(measure, yes=True))
+    assert (tmp_path / "x.csv").exists()
 
 
 def test_refuses_files(jointattn, seen, tmp_path):
