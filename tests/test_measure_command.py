@@ -199,7 +199,7 @@ def test_refuses(jointattn, seen, options, words):
 
 def test_a_misspelt_column_never_aborts(seen):
     """Native threads of a reader that were alive when Python ended aborted every second process on a busy machine."""
-    command = [sys.executable, "-m", "jointattn_mj.cli", "measure", str(seen), "--source", "gazes", "--target", "object"]
+    command = [sys.executable, "-m", "jointattn_mj.cli", "measure", seen, "--source", "gazes", "--target", "object"]
     for _ in range(5):
         done = subprocess.run(command, capture_output=True, text=True)
         refused(Outcome(done.returncode, done.stdout, done.stderr), "no column 'gazes'", "did you mean 'gaze'?")

@@ -12,6 +12,7 @@ from jointattn_mj.errors import ConfigError, LaboratoryError
 from jointattn_mj.laboratory.registry import Registry
 
 EXPERIMENTS = "experiments.registry"
+LONGEST_NAME = 200
 CHECKOUT = (
     "experiments are part of the source checkout, not of the installed package: clone the repository of jointattn-mj "
     "and run the command in its folder"
@@ -87,17 +88,22 @@ def load_registry(module: str) -> Registry:
     Raises:
         LaboratoryError: They are not there.
     """
+    expected = CHECKOUT if module == EXPERIMENTS else "expected a module that Python finds, such as my_claims.registry"
+    if not all(part.isidentifier() for part in module.split(".")) or len(module) > LONGEST_NAME:
+        raise LaboratoryError(f"{module[:60]!r} is no name of a module; {expected}")
     if (Path.cwd() / module.split(".")[0]).is_dir() and str(Path.cwd()) not in sys.path:
         sys.path.append(str(Path.cwd()))
     try:
-        return import_module(module).REGISTRY
+        registry = getattr(import_module(module), "REGISTRY", None)
     except ModuleNotFoundError as error:
         if error.name is None or not module.startswith(error.name):
-            raise
-        known = CHECKOUT if module == EXPERIMENTS else "expected a module that Python finds, such as my_claims.registry"
-        raise LaboratoryError(f"cannot import {module}; {known}") from error
-    except AttributeError as error:
-        raise LaboratoryError(f"{module} has no REGISTRY; see jointattn_mj.laboratory.registry.Registry") from error
+            raise LaboratoryError(f"cannot import {module}: {error}") from error
+        raise LaboratoryError(f"cannot import {module}; {expected}") from error
+    except Exception as error:
+        raise LaboratoryError(f"cannot import {module}: {type(error).__name__}: {error}") from error
+    if not isinstance(registry, Registry):
+        raise LaboratoryError(f"{module} has no REGISTRY; see jointattn_mj.laboratory.registry.Registry")
+    return registry
 
 
 def chosen(registry: Registry, ids: tuple[str, ...]) -> list[str]:
