@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
-from tqdm import tqdm
 
 from jointattn_mj.agents import AGENTS
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.laboratory.statistics import Estimate, mean_interval
 from jointattn_mj.options import Checked, Choice, Real, Seed, Whole
+from jointattn_mj.progress import Progress
 from jointattn_mj.recording.files import free_name, held
 from jointattn_mj.recording.results import result_paths, write_results
 from jointattn_mj.tasks import TASKS_BY_DOMAIN, load
@@ -72,13 +72,13 @@ def play(options: PlayOptions) -> None:
     agent = AGENTS[options.agent](environment, options.seed)
     with nullcontext() if options.out is None else held(options.out):
         paths = None if options.out is None else result_paths(options.out / "episodes", "episodes")
-        with tqdm(total=options.episodes, desc="episodes", leave=False, disable=None) as bar:
-            episodes = play_episodes(environment, agent, options, bar.update)
+        with Progress("playing", options.episodes, "episodes") as shown:
+            episodes = play_episodes(environment, agent, options, shown.add)
         environment.close()
-        print(table(options, episodes))
         if paths is not None:
             rows = [vars(episode) for episode in episodes]
             write_results(paths, rows, options, mean_return=mean_return(episodes))
+        print(table(options, episodes))
 
 
 def environment_for(options: PlayOptions) -> Environment:

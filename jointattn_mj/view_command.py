@@ -64,6 +64,7 @@ def _serve(options: ViewOptions) -> None:
     from jointattn_mj.adapters.mjviser import Browser
 
     _check(options.host)
+    print("jointattn: starting the viewer, in some seconds", file=sys.stderr)
     browser = Browser(_show(options), options.host, options.port)
     if options.host != HERE:
         print(f"jointattn: warning: whoever reaches {options.host} can watch this and stop it", file=sys.stderr)
