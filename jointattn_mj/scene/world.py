@@ -14,6 +14,8 @@ from dm_control.mujoco import Physics
 from dm_control.mujoco.wrapper import MjModel
 from numba import njit
 
+from jointattn_mj.closing import Closable
+from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.camera import Eye
 from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer
 from jointattn_mj.scene.delay import Past
@@ -29,6 +31,8 @@ HEAD_STILL_DEG_S = 0.5
 """Below this speed the head counts as still: less than a tenth of a pixel from one picture to the next."""
 
 _HEAD_STILL = np.radians(HEAD_STILL_DEG_S)
+_KEPT = ("caregiver", "rendered_frames", "_objects_before", "_points", "_past")
+"""Attributes of a world that are its state, beside ``config`` and ``conditions``; others look up what the model has."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +61,7 @@ def build_physics(config: WorldConfig, conditions: Conditions = AS_USUAL) -> Phy
     return Physics.from_model(MjModel(build_model(config.scene, blank=conditions.surfaces.contrast > 0)))
 
 
-class World:
+class World(Closable):
     """Body and script over a physics; one ``step`` is one camera frame of 1/30 s, or ``frames`` of them."""
 
     frames: int = 1
@@ -205,24 +209,43 @@ class World:
         return moved
 
     def close(self) -> None:
-        """Free model, data and rendering context."""
-        self.physics.free()
+        """Free model, data and rendering context; whatever the world is asked for afterwards is a ``ClosedError``."""
+        if not self.closed:
+            self.physics.free()
+            self._shut()
+
+    def get_state(self) -> dict[str, Any]:
+        """Everything that the next frame depends on, as plain data; nothing that happens later changes it."""
+        return {name: snapshot.take(value) for name, value in self.__getstate__().items()}
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Be as a world with the same people and objects was at its ``get_state``; ``state`` can be used again."""
+        config, conditions = state["config"], state["conditions"]
+        if (config, conditions) != (self.config, self.conditions):
+            self.vary(config, conditions)
+        for name in _KEPT:
+            setattr(self, name, snapshot.put(getattr(self, name), state[name]))
+        self._integrate_from(state["integration"])
 
     def __getstate__(self) -> dict[str, Any]:
         """Everything that the next frame depends on; the model is built anew from the config."""
         integration = np.empty(mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_INTEGRATION))
         mujoco.mj_getState(self.model, self.data, integration, mujoco.mjtState.mjSTATE_INTEGRATION)
-        kept = ("config", "conditions", "caregiver", "rendered_frames", "_objects_before", "_points", "_past")
+        kept = ("config", "conditions", *_KEPT)
         return {"integration": integration, **{name: getattr(self, name) for name in kept}}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        integration = state.pop("integration")
         config, conditions = state["config"], state["conditions"]
         self._bind(config, build_physics(config, conditions))
         self.vary(config, conditions)
-        self.__dict__.update(state)
+        self.__dict__.update({name: state[name] for name in _KEPT})
+        self._integrate_from(state["integration"])
+
+    def _integrate_from(self, integration: np.ndarray) -> None:
+        """Let bodies stand and move as they did in another world with the same model."""
         mujoco.mj_setState(self.model, self.data, integration, mujoco.mjtState.mjSTATE_INTEGRATION)
         mujoco.mj_step1(self.model, self.data)
+        self._picture = None
 
 
 @njit(cache=True)

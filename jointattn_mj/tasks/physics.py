@@ -5,6 +5,7 @@ from functools import cached_property
 import numpy as np
 from dm_control import mujoco
 
+from jointattn_mj.errors import StateError
 from jointattn_mj.scene.camera import PIVOT, in_picture, pixels_of_points
 from jointattn_mj.scene.world import HEAD_JOINTS
 
@@ -20,6 +21,23 @@ class Physics(mujoco.Physics):
 
     Points in the world frame, metres; angles in radians.
     """
+
+    scripted: bool = False
+    """Whether these are the bodies of an environment, in which a script moves the caregiver and the objects."""
+
+    def set_state(self, physics_state: np.ndarray, sig: int | None = None) -> None:
+        """See ``mujoco.Physics``; bodies of an environment are not set without the script that moves them.
+
+        Raises:
+            StateError: They are such.
+        """
+        if self.scripted:
+            raise StateError(
+                "physics.set_state would leave the caregiver's script, the clock and random streams as they are; "
+                "use state = environment.get_state() and environment.set_state(state), or, to look at bodies alone, "
+                "physics.copy()"
+            )
+        super().set_state(physics_state, sig)
 
     @cached_property
     def object_names(self) -> tuple[str, ...]:
