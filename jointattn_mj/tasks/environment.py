@@ -13,6 +13,7 @@ from dm_env import specs
 
 from jointattn_mj.closing import Closable
 from jointattn_mj.errors import ConfigError, StateError
+from jointattn_mj.options import unknown
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.dressing import Conditions
@@ -36,6 +37,16 @@ PEOPLE = 2**31
 
 Random = np.random.RandomState | int | None
 
+_SETTINGS = ("flat_observation", "legacy_step")
+"""Of ``control.Environment``, beside the time limit and the control timestep."""
+
+
+def require(name: str, given: Any, kind: type | tuple[type, ...]) -> None:
+    """Raises ConfigError: An argument is of another kind."""
+    if not isinstance(given, kind):
+        kinds = " or ".join(one.__name__ for one in (kind if isinstance(kind, tuple) else (kind,)))
+        raise ConfigError(f"{name}: expected {kinds}; got {given!r}")
+
 
 class Task(control.Task):
     """An episode with the caregiver, whose k-th seed is the k-th child of the task's.
@@ -57,6 +68,11 @@ class Task(control.Task):
 
         ``variation``: how far every episode's world may differ from ``config``, as ranges or by the name of a preset.
         """
+        require("world", config, WorldConfig)
+        require("camera", camera, bool)
+        require("truth", truth, bool)
+        require("people", people, (tuple, list))
+        require("variation", variation, (VariationConfig, str))
         self._configs = [replace(config, scene=replace(config.scene, caregiver=name, face=None)) for name in people]
         self._configs = self._configs or [config]
         self._variation = variation_of(variation)
@@ -67,9 +83,16 @@ class Task(control.Task):
         self.seed(random)
 
     def seed(self, random: Random) -> None:
-        """Begin anew with the episodes of another seed, or of one that a state draws; None draws one."""
+        """Begin anew with the episodes of another seed, or of one that a state draws; None draws one.
+
+        Raises:
+            ConfigError: No whole number of 0 or more, no state, and not None.
+        """
         entropy = random.randint(2**31, size=4).tolist() if isinstance(random, np.random.RandomState) else random
-        self._seeds = np.random.SeedSequence(entropy)
+        try:
+            self._seeds = np.random.SeedSequence(entropy)
+        except (TypeError, ValueError) as error:
+            raise ConfigError(f"random: expected a whole number of 0 or more as seed, or None; got {random!r}") from error
         self.random = np.random.RandomState(np.random.MT19937(self._seeds))
         """For wrappers of dm_control, which take their noise from it; no task does."""
 
@@ -210,13 +233,15 @@ class Environment(Closable, control.Environment):
         """``settings``: those of ``control.Environment``.
 
         Raises:
-            ConfigError: The control timestep was to be changed, or the time is none.
+            ConfigError: The control timestep was to be changed, the time is none, or there is no such setting.
         """
         kind = task.kind
         if {"control_timestep", "n_sub_steps"} & settings.keys():
             raise ConfigError(f"the control timestep of this task is {kind.frames}/30 s; leave it out")
-        if not time_limit > 0:
-            raise ConfigError(f"time_limit must be a positive number of seconds; got {time_limit}")
+        for name in settings.keys() - _SETTINGS:
+            raise unknown("argument of an environment", name, ("time_limit", *_SETTINGS))
+        if not isinstance(time_limit, (int, float)) or not time_limit > 0:
+            raise ConfigError(f"time_limit must be a positive number of seconds; got {time_limit!r}")
         control_timestep = kind.frames * FRAME_S
         super().__init__(
             task.cast().physics, task, time_limit=time_limit, control_timestep=control_timestep, **settings
@@ -236,6 +261,11 @@ class Environment(Closable, control.Environment):
             key = control.FLAT_OBSERVATION_KEY
             return OrderedDict({key: specs.Array((size,), float, name=key)})
         return spec
+
+    @property
+    def over(self) -> bool:
+        """Whether no episode is going on, and the next step begins one."""
+        return self._reset_next_step
 
     def get_state(self) -> EnvironmentState:
         """Bodies, the caregiver's script, clock and random streams: all that the future depends on.

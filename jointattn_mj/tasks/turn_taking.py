@@ -19,7 +19,7 @@ from jointattn_mj.scene.model import OBJECTS, ObjectConfig
 from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.scene.world import WorldConfig
 from jointattn_mj.symbolic.table import CAREGIVER, CHAPTER_5, ROBOT, TableConfig, new_table, table_variables, turn
-from jointattn_mj.tasks.environment import Random, Task
+from jointattn_mj.tasks.environment import Random, Task, require
 from jointattn_mj.tasks.physics import Physics
 
 TIME_LIMIT = 1000.0
@@ -63,6 +63,8 @@ class TurnTaking(Task):
         people: tuple[str, ...] = (), table: TableConfig = CHAPTER_5, variation: VariationConfig | str = "none",
     ):  # fmt: skip
         """``config.scene.objects`` are those of the table, whatever they were."""
+        require("world", config, WorldConfig)
+        require("table", table, TableConfig)
         self.table_config, self.variables = table, table_variables(table)
         scene = replace(config.scene, objects=seen_objects(table))
         super().__init__(replace(config, scene=scene), random, camera, truth, people, variation)
