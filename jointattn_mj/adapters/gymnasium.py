@@ -8,10 +8,10 @@ from dm_env import TimeStep, specs
 
 from jointattn_mj.adapters.extras import extra
 from jointattn_mj.errors import ConfigError, EpisodeError
-from jointattn_mj.options import unknown
 from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH, ROBOT_GROUP
 from jointattn_mj.tasks import load
 from jointattn_mj.tasks.actions import checked
+from jointattn_mj.tasks.arguments import unknown
 from jointattn_mj.tasks.state import EnvironmentState
 
 extra("gym", "gymnasium")

@@ -23,6 +23,7 @@ from jointattn_mj.scene.dressing import Conditions, Wardrobe, upload
 from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.model import SceneConfig, build_model, rest_height
 from jointattn_mj.scene.movement import ARM_JOINTS, Arm
+from jointattn_mj.scene.rendering import RenderingPhysics
 
 EYE_JOINTS = ("eye_left_yaw", "eye_left_pitch", "eye_right_yaw", "eye_right_pitch")
 SCRIPTED_JOINTS = tuple(f"caregiver/{name}" for name in ("neck_yaw", "neck_pitch", *EYE_JOINTS, *ARM_JOINTS))
@@ -58,7 +59,7 @@ AS_USUAL = Conditions()
 
 def build_physics(config: WorldConfig, conditions: Conditions = AS_USUAL) -> Physics:
     """dm_control's physics over the compiled scene, with textures where ``conditions`` put patterns on them."""
-    return Physics.from_model(MjModel(build_model(config.scene, blank=conditions.surfaces.contrast > 0)))
+    return RenderingPhysics.from_model(MjModel(build_model(config.scene, blank=conditions.surfaces.contrast > 0)))
 
 
 class World(Closable):

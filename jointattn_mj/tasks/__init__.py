@@ -8,9 +8,9 @@ from inspect import signature
 from types import NoneType
 from typing import Any
 
-from jointattn_mj.options import unknown
 from jointattn_mj.tasks import joint_attention
-from jointattn_mj.tasks.environment import Environment, require
+from jointattn_mj.tasks.arguments import require, unknown
+from jointattn_mj.tasks.environment import Environment
 
 _DOMAINS = {"joint_attention": joint_attention}
 
@@ -56,7 +56,7 @@ def load(
     suite = _DOMAINS[domain_name].SUITE
     if task_name not in suite:
         raise unknown(f"task of {domain_name}", task_name, suite)
-    require("task_kwargs", task_kwargs, (dict, NoneType))
+    require("task_kwargs", task_kwargs, dict, NoneType)
     settings = dict(task_kwargs or {})
     if environment_kwargs is not None:
         settings["environment_kwargs"] = environment_kwargs

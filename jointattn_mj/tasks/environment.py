@@ -13,7 +13,6 @@ from dm_env import specs
 
 from jointattn_mj.closing import Closable
 from jointattn_mj.errors import ConfigError, StateError
-from jointattn_mj.options import unknown
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.dressing import Conditions
@@ -22,6 +21,7 @@ from jointattn_mj.scene.people import FaceConfig
 from jointattn_mj.scene.variation import VariationConfig, drawn, variation_of
 from jointattn_mj.scene.world import World, WorldConfig
 from jointattn_mj.tasks.actions import checked
+from jointattn_mj.tasks.arguments import require, unknown
 from jointattn_mj.tasks.physics import Physics
 from jointattn_mj.tasks.state import EnvironmentState
 
@@ -39,13 +39,6 @@ Random = np.random.RandomState | int | None
 
 _SETTINGS = ("flat_observation", "legacy_step")
 """Of ``control.Environment``, beside the time limit and the control timestep."""
-
-
-def require(name: str, given: Any, kind: type | tuple[type, ...]) -> None:
-    """Raises ConfigError: An argument is of another kind."""
-    if not isinstance(given, kind):
-        kinds = " or ".join(one.__name__ for one in (kind if isinstance(kind, tuple) else (kind,)))
-        raise ConfigError(f"{name}: expected {kinds}; got {given!r}")
 
 
 class Task(control.Task):
@@ -71,8 +64,8 @@ class Task(control.Task):
         require("world", config, WorldConfig)
         require("camera", camera, bool)
         require("truth", truth, bool)
-        require("people", people, (tuple, list))
-        require("variation", variation, (VariationConfig, str))
+        require("people", people, tuple, list)
+        require("variation", variation, VariationConfig, str)
         self._configs = [replace(config, scene=replace(config.scene, caregiver=name, face=None)) for name in people]
         self._configs = self._configs or [config]
         self._variation = variation_of(variation)
@@ -92,7 +85,9 @@ class Task(control.Task):
         try:
             self._seeds = np.random.SeedSequence(entropy)
         except (TypeError, ValueError) as error:
-            raise ConfigError(f"random: expected a whole number of 0 or more as seed, or None; got {random!r}") from error
+            raise ConfigError(
+                f"random: expected a whole number of 0 or more as seed, or None; got {random!r}"
+            ) from error
         self.random = np.random.RandomState(np.random.MT19937(self._seeds))
         """For wrappers of dm_control, which take their noise from it; no task does."""
 

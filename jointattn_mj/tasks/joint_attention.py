@@ -34,7 +34,8 @@ from jointattn_mj.symbolic.table import CHAPTER_4, CHAPTER_5, TableConfig
 from jointattn_mj.tasks import follow as following
 from jointattn_mj.tasks import object_transfer as transfer
 from jointattn_mj.tasks import turn_taking as turns
-from jointattn_mj.tasks.environment import Environment, Random, Task, require
+from jointattn_mj.tasks.arguments import require
+from jointattn_mj.tasks.environment import Environment, Random, Task
 
 EVERYBODY = tuple(IDENTITIES)
 CROWDED = WorldConfig(scene=SceneConfig(objects=OBJECTS[:8]), layout=LayoutConfig(spacing=0.10))
@@ -48,11 +49,12 @@ SUITE = containers.TaggedTasks()
 
 
 def _environment(
-    make: Callable[..., Task], world: WorldConfig, time_limit: float, environment_kwargs: dict[str, Any] | None,
-    **settings: Any,
+    make: Callable[..., Task], world: WorldConfig | None, time_limit: float,
+    environment_kwargs: dict[str, Any] | None, **settings: Any,
 ) -> Environment:  # fmt: skip
-    require("environment_kwargs", environment_kwargs, (dict, NoneType))
-    return Environment(make(world, **settings), **{"time_limit": time_limit, **(environment_kwargs or {})})
+    require("environment_kwargs", environment_kwargs, dict, NoneType)
+    task = make(WorldConfig() if world is None else world, **settings)
+    return Environment(task, **{"time_limit": time_limit, **(environment_kwargs or {})})
 
 
 @SUITE.add("benchmarking", "easy", "chapter6")
@@ -69,7 +71,7 @@ def object_transfer(
     """The caregiver takes objects up, observes them, and puts them elsewhere (section 6.4.2)."""
     settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people}
     settings["variation"] = variation
-    return _environment(transfer.ObjectTransfer, WorldConfig() if world is None else world, time_limit, environment_kwargs, **settings)
+    return _environment(transfer.ObjectTransfer, world, time_limit, environment_kwargs, **settings)
 
 
 @SUITE.add("benchmarking", "hard")
@@ -93,7 +95,7 @@ def follow(
     """The caregiver looks at one object, and the robot is to fixate it; ten steps a second, reward for being near."""
     settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people}
     settings["variation"] = variation
-    return _environment(following.Follow, WorldConfig() if world is None else world, time_limit, environment_kwargs, **settings)
+    return _environment(following.Follow, world, time_limit, environment_kwargs, **settings)
 
 
 @SUITE.add("benchmarking", "hard")
@@ -133,7 +135,7 @@ def turn_taking(
     """
     settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people, "table": table}
     settings["variation"] = variation
-    return _environment(turns.TurnTaking, WorldConfig() if world is None else world, time_limit, environment_kwargs, **settings)
+    return _environment(turns.TurnTaking, world, time_limit, environment_kwargs, **settings)
 
 
 @SUITE.add("benchmarking", "hard", "chapter4")

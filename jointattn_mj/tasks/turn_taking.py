@@ -19,7 +19,8 @@ from jointattn_mj.scene.model import OBJECTS, ObjectConfig
 from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.scene.world import WorldConfig
 from jointattn_mj.symbolic.table import CAREGIVER, CHAPTER_5, ROBOT, TableConfig, new_table, table_variables, turn
-from jointattn_mj.tasks.environment import Random, Task, require
+from jointattn_mj.tasks.arguments import require
+from jointattn_mj.tasks.environment import Random, Task
 from jointattn_mj.tasks.physics import Physics
 
 TIME_LIMIT = 1000.0
