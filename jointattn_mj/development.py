@@ -1,7 +1,7 @@
 """``jointattn develop``: a mind and its table through a whole life, in a folder: progress, checkpoints, results."""
 
 import json
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,13 +11,14 @@ from jointattn_mj.contingency.reactive import AvoidingModule, RandomModule, Reac
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Choice, Seed, Whole
 from jointattn_mj.recording import checkpoint
-from jointattn_mj.recording.files import claim, forget_partial, write_whole
+from jointattn_mj.recording.files import claimed, write_whole
 from jointattn_mj.recording.interrupts import deferred
-from jointattn_mj.recording.memory import available_bytes
 from jointattn_mj.recording.provenance import write_config
+from jointattn_mj.recording.rows import forget_log, log_folder
+from jointattn_mj.recording.space import check_free
 from jointattn_mj.robots.developer import DeveloperConfig
 from jointattn_mj.robots.life import Found, Life
-from jointattn_mj.symbolic.behaviour import behaviours, phases
+from jointattn_mj.symbolic.behaviour import BehaviourLog, phases
 from jointattn_mj.symbolic.life import TableLife
 from jointattn_mj.symbolic.meaning import CAREGIVER, GAZE, Meaning, meanings
 from jointattn_mj.symbolic.presets import PRESETS
@@ -25,7 +26,7 @@ from jointattn_mj.symbolic.summary import summarise
 from jointattn_mj.symbolic.table import TableConfig
 
 LIKELY_MODULES = 8
-"""For an estimate of the memory that will be needed: few lives find more."""
+"""For an estimate of the space that will be needed: few lives find more."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,8 @@ class DevelopConfig(Checked):
     table: TableConfig = field(default_factory=TableConfig)
     mind: DeveloperConfig = field(default_factory=DeveloperConfig)
 
+    kind: ClassVar[type[Life]] = TableLife
+    """Of the life that it makes."""
     at_a_time: ClassVar[int] = 20_000
     """Turns between two looks at the bar and at Ctrl-C."""
     checkpoint_every: ClassVar[int] = 2_000_000
@@ -80,7 +83,7 @@ class DevelopConfig(Checked):
         """How long the life is to last, in ``unit``."""
         return self.steps
 
-    def film(self, path: Path, moments: Sequence[Life]) -> None:
+    def film(self, path: Path, moments: Iterable[Life]) -> None:
         """Film some turns from each of a life's moments on, which may be used up."""
         raise ConfigError(f"a life in world {self.world} cannot be filmed; choose --world rendered")
 
@@ -139,24 +142,40 @@ def run_development(
     KeyboardInterrupt goes on.
 
     Raises:
-        ConfigError: The life would not fit into memory, or its options do not go together.
+        ConfigError: The life's log would not fit onto the disk, or its options do not go together.
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
+        NotFiniteError: What is learned or simulated has become NaN; the last checkpoint stays.
     """
-    out, frozen = options.out, options.out / "checkpoint.bin"
-    every = options.checkpoint_every or config.checkpoint_every
-    check_memory(config)
+    if not options.resume:
+        check_space(config, options.out)
     if options.video and not config.films:
         raise ConfigError(f"world {config.world} has nothing to be filmed; choose --world rendered, or no --video")
+    with claimed(options.out, options.resume):
+        return _run(config, options, progress, compiling)
+
+
+def _run(
+    config: DevelopConfig,
+    options: DevelopOptions,
+    progress: Callable[[Life, Sequence[tuple[Found, Meaning | None]]], object],
+    compiling: Callable[[], object],
+) -> dict[str, Any]:
+    """Live a life in a folder that is held for it."""
+    out, frozen = options.out, options.out / "checkpoint.bin"
+    every = options.checkpoint_every or config.checkpoint_every
     if options.resume:
-        life: Life = checkpoint.load(frozen, config)
-        forget_partial(out)
+        life: Life = checkpoint.load(frozen, config, kind=config.kind)
+        if (out / "summary.json").exists():
+            forget_log(out)
+            return json.loads((out / "summary.json").read_text("utf-8"))
+        life.attach(log_folder(out))
     else:
         life = config.new_life()
-        claim(out)
-        checkpoint.save(frozen, life, config)
+        life.attach(log_folder(out))
         if options.video:
-            checkpoint.save(_moment(out, 0), life, config)
+            _keep(_moment(out, 0), life, config)
+        _keep(frozen, life, config)
     if not (out / "config.yaml").exists():
         write_config(out / "config.yaml", config)
     with deferred() as interrupts, _told_of_compiling(compiling):
@@ -164,18 +183,24 @@ def run_development(
             pause = min(life.turns, (life.lived // every + 1) * every)
             found = life.live(min(config.at_a_time, pause - life.lived))
             if options.video and found and life.mind.modules:
-                checkpoint.save(_moment(out, len(life.mind.modules)), life, config)
+                _keep(_moment(out, len(life.mind.modules)), life, config)
             progress(life, _with_meanings(life, found))
             if life.lived == pause or interrupts.requested:
-                checkpoint.save(frozen, life, config)
+                _keep(frozen, life, config)
             if interrupts.requested:
                 raise KeyboardInterrupt
     if options.video:
         kept = sorted(out.glob("moment_*.bin"))
-        config.film(out / "video.mp4", [checkpoint.load(path, config) for path in kept])
+        config.film(out / "video.mp4", (_recalled(path, config, out) for path in kept))
         for path in kept:
             path.unlink()
+    life.check()
     return _leave_results(config, life, out)
+
+
+def _keep(path: Path, life: Life, config: DevelopConfig) -> None:
+    life.check()
+    checkpoint.save(path, life, config)
 
 
 def _moment(out: Path, modules: int) -> Path:
@@ -183,21 +208,24 @@ def _moment(out: Path, modules: int) -> Path:
     return out / f"moment_{modules:02d}.bin"
 
 
-def check_memory(config: DevelopConfig) -> None:
-    """Refuse a life that would not fit.
+def _recalled(path: Path, config: DevelopConfig, out: Path) -> Life:
+    """A life as it was at some moment, with its log in memory: what it lives from there on is nobody's result."""
+    life: Life = checkpoint.load(path, config, kind=config.kind)
+    life.recall(log_folder(out))
+    return life
+
+
+def check_space(config: DevelopConfig, out: Path) -> None:
+    """Refuse a life whose log would not fit onto the disk.
 
     Raises:
         ConfigError: It would not.
     """
-    log = 4 * 16 * config.steps  # a checkpoint copies it three times
+    log = 16 * config.steps  # first as rows, then as Parquet as well
     modules = min(LIKELY_MODULES, config.mind.most_modules)
-    samples = 3 * 8 * 3 * (2 + modules) ** 2 * (config.steps // config.sample_every)
-    available = available_bytes()
-    if available is not None and log + samples > available:
-        raise ConfigError(
-            f"{config.steps} steps need about {(log + samples) / 1e9:.1f} GB of memory, and {available / 1e9:.1f} GB "
-            f"are free; ask for fewer --steps{', or a larger --sample-every' if samples > log else ''}"
-        )
+    samples = 2 * 8 * 3 * (2 + modules) ** 2 * (config.steps // config.sample_every)
+    what = f"--steps {config.steps}"
+    check_free(out, log + samples, what, f"fewer --steps{', or a larger --sample-every' if samples > log else ''}")
 
 
 @contextmanager
@@ -235,7 +263,7 @@ def _leave_results(config: DevelopConfig, life: Life, out: Path) -> dict[str, An
     from jointattn_mj.symbolic import figures, logbook  # bring matplotlib and pyarrow, which take a second to import
 
     mind, variables = life.mind, life.named_variables()
-    found = behaviours(life.faces(), life.log(GAZE), life.spots)
+    found = BehaviourLog(life)
     made = [one for one in life.found if one.module is not None]
     parts = phases(found, [one.turn for one in made])
     known = _meanings(life)
@@ -243,12 +271,11 @@ def _leave_results(config: DevelopConfig, life: Life, out: Path) -> dict[str, An
         figures.Made(one.turn, mind.events.index(one.event), meaning.label)
         for one, meaning in zip(made, known, strict=True)
     ]
-    turns, values = life.contingency()
     names = [variables.describe(event) for event in mind.events]
     detector = mind.config.detector
     unit = "bits" if detector.base == 2 else f"units of base {detector.base:g}"
     measure = f"{'SAC' if detector.measure == 'sac' else 'T^C'} ({unit})"
-    figures.draw_contingency(out / "sac.png", turns, values, names, marks, measure)
+    figures.draw_contingency(out / "sac.png", life.noted, names, marks, measure)
     figures.draw_behaviour(out / "behaviour.png", found, parts, marks)
     figures.draw_maps(
         out / "maps.png",
@@ -257,7 +284,7 @@ def _leave_results(config: DevelopConfig, life: Life, out: Path) -> dict[str, An
             for number, (mark, module) in enumerate(zip(marks, mind.modules, strict=True), 1)
         ],
     )
-    logbook.write_turns(out / "turns.parquet", life, found)
+    logbook.write_turns(out / "turns.parquet", life)
     logbook.write_contingency(out / "contingency.parquet", life)
     for number, module in enumerate(mind.modules, 1):
         logbook.write_map(out / f"module_{number}.csv", variables, module)
@@ -270,4 +297,5 @@ def _leave_results(config: DevelopConfig, life: Life, out: Path) -> dict[str, An
     }
     text = json.dumps(summary, indent=1, ensure_ascii=False) + "\n"
     write_whole(out / "summary.json", lambda path: path.write_text(text, "utf-8"))
+    forget_log(out)
     return summary

@@ -9,6 +9,22 @@ class ConfigError(JointAttnError, ValueError):
     """An option has a value that cannot work."""
 
 
+class ActionError(JointAttnError, ValueError):
+    """An action is not what the task takes: not finite, of another shape, or no numbers."""
+
+
+class StateError(JointAttnError, ValueError):
+    """A saved state cannot be restored here."""
+
+
+class EpisodeError(JointAttnError, RuntimeError):
+    """A step was asked for before an episode began, or after it was over."""
+
+
+class ClosedError(JointAttnError, RuntimeError):
+    """What was closed was used again."""
+
+
 class GLError(JointAttnError, RuntimeError):
     """No picture can be rendered on this machine as it is."""
 
@@ -19,6 +35,10 @@ class OutputError(JointAttnError, OSError):
 
 class CheckpointError(JointAttnError, RuntimeError):
     """A checkpoint is damaged, or belongs to another run."""
+
+
+class NotFiniteError(JointAttnError, ArithmeticError):
+    """What a run has learned or simulated is no finite number any more."""
 
 
 class VideoError(JointAttnError, RuntimeError):

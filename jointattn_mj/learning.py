@@ -169,7 +169,10 @@ def same_shape(given: np.ndarray, own: np.ndarray) -> np.ndarray:
     """
     if given.shape != own.shape:
         raise ConfigError(f"learned weights must have shape {own.shape} under this config; got {given.shape}")
-    weights = np.array(given, own.dtype)
+    if given.dtype.kind not in "biuf":
+        raise ConfigError(f"learned weights must be real numbers; got {given.dtype}")
+    with np.errstate(over="ignore"):
+        weights = np.array(given, own.dtype)
     if not np.isfinite(weights).all():
         raise ConfigError("learned weights must be finite numbers")
     return weights

@@ -17,12 +17,13 @@ from jointattn_mj.contingency.information import (
     TRANSFER,
     Measure,
 )
-from jointattn_mj.contingency.recordings import Missing, Recordings, read_recordings
+from jointattn_mj.contingency.recordings import ReadOptions, Recordings
 from jointattn_mj.contingency.series import check_base
 from jointattn_mj.contingency.significance import Significance, TestOptions, assess_steps
 from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import ConfigError, SeriesError
-from jointattn_mj.options import Checked, Real, Seed, Whole
+from jointattn_mj.options import Real, Seed, Whole
+from jointattn_mj.patience import patient
 from jointattn_mj.recording.results import bracket, number, result_paths, share, write_results
 
 ALONE = (TRANSFER, MUTUAL)
@@ -30,7 +31,7 @@ CONDITIONED = (CONTINGENCY, COMBINED, TRANSFER, MUTUAL, CONDITIONAL_MUTUAL)
 
 
 @dataclass(frozen=True)
-class MeasureOptions(Checked):
+class MeasureOptions(ReadOptions):
     """What is measured, and how it is tested."""
 
     file: tyro.conf.Positional[Path]
@@ -49,14 +50,12 @@ class MeasureOptions(Checked):
     """Bootstrap resamples behind the intervals; 0 leaves these out."""
     seed: Seed = 0
     """Random seed of both."""
-    recording: str | None = None
-    """Column that tells independent recordings apart: no step leads from one into another."""
-    missing: Missing = "error"
-    """What a missing value does: an error, or a break in the recording."""
     across_recordings: bool = False
     """Permute among all recordings: for many short ones of the same kind."""
     out: Path | None = None
     """Also write the rows here, as .csv and, with config and versions, as .json."""
+    yes: bool = False
+    """Go on however long the surrogates take; without, more than half an hour is refused."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -144,15 +143,15 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
 
     Raises:
         SeriesError: The file or a column cannot be measured.
+        ConfigError: The surrogates would take more than half an hour, and ``yes`` is not said.
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "measures")
-    data = read_recordings(
-        options.file, [*options.source, *options.target, *options.condition], options.recording, options.missing
-    )
+    data = options.read(options.file, [*options.source, *options.target, *options.condition])
     source, target = data.joined(options.source)[0], data.joined(options.target)[0]
     condition = data.joined(options.condition)[0] if options.condition else None
     given = steps(source, target, condition, data.groups)
+    progress = patient(progress, options.draws, options.yes)
     streams = np.random.SeedSequence(options.seed).spawn(len(CONDITIONED))
     measured = tuple(
         _measured(given, measure, options, np.random.default_rng(stream), progress)

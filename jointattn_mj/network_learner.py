@@ -6,10 +6,13 @@ Give ``NetworkLearner`` a module of your own that maps a face's description (k,)
 from typing import Any
 
 import numpy as np
-import torch
 
+from jointattn_mj.adapters.extras import extra
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.learning import LearnerConfig, PopulationCode, same_shape
+
+extra("torch", "torch")
+import torch  # noqa: E402
 
 
 class HiddenLayer(torch.nn.Sequential):
@@ -76,11 +79,11 @@ class NetworkLearner:
         if not isinstance(self._network, HiddenLayer):
             raise ConfigError("a learner with a network of your own needs its own __getstate__ and __setstate__")
         inputs = next(self._network.parameters()).shape[1]
-        return {"config": self.config, "inputs": inputs, "weights": self.weights()}
+        return {"config": self.config, "inputs": inputs, "parameters": self.weights()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         config = state["config"]
         self.config, self._code = config, PopulationCode(config)
         self._network = hidden_layer(config, state["inputs"], np.random.default_rng(0))
         self._descent = torch.optim.SGD(self._network.parameters(), lr=config.network_rate)
-        self.load(state["weights"])
+        self.load(state["parameters"])

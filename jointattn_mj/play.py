@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
-from tqdm import tqdm
 
 from jointattn_mj.agents import AGENTS
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.laboratory.statistics import Estimate, mean_interval
 from jointattn_mj.options import Checked, Choice, Real, Seed, Whole
+from jointattn_mj.progress import Progress
+from jointattn_mj.recording.files import free_name, held
 from jointattn_mj.recording.results import result_paths, write_results
 from jointattn_mj.tasks import TASKS_BY_DOMAIN, load
 from jointattn_mj.tasks.environment import Environment
@@ -69,14 +70,15 @@ def play(options: PlayOptions) -> None:
     """
     environment = environment_for(options)
     agent = AGENTS[options.agent](environment, options.seed)
-    paths = None if options.out is None else result_paths(options.out / "episodes", "episodes")
-    with tqdm(total=options.episodes, desc="episodes", leave=False, disable=None) as bar:
-        episodes = play_episodes(environment, agent, options, bar.update)
-    environment.close()
-    rows = [vars(episode) for episode in episodes]
-    if paths is not None:
-        write_results(paths, rows, options, mean_return=mean_return(episodes))
-    print(table(options, episodes))
+    with nullcontext() if options.out is None else held(options.out):
+        paths = None if options.out is None else result_paths(options.out / "episodes", "episodes")
+        with Progress("playing", options.episodes, "episodes") as shown:
+            episodes = play_episodes(environment, agent, options, shown.add)
+        environment.close()
+        if paths is not None:
+            rows = [vars(episode) for episode in episodes]
+            write_results(paths, rows, options, mean_return=mean_return(episodes))
+        print(table(options, episodes))
 
 
 def environment_for(options: PlayOptions) -> Environment:
@@ -122,7 +124,7 @@ def _film(environment: Environment, options: PlayOptions) -> Any:
     from jointattn_mj.viewing.film import TaskFilm
 
     assert options.out is not None
-    return TaskFilm(options.out / "video.mp4", environment.control_timestep())
+    return TaskFilm(free_name(options.out / "video.mp4"), environment.control_timestep())
 
 
 def _episode(environment: Environment, agent: Any, number: int, film: Any) -> Episode:

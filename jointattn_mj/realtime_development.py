@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Literal
 from jointattn_mj.development import DevelopConfig
 from jointattn_mj.options import Choice, Real, Whole
 from jointattn_mj.realtime.life import RealtimeConfig, RealtimeLife
+from jointattn_mj.robots.life import Life
 from jointattn_mj.symbolic.presets import PRESETS
 
 
@@ -25,6 +26,7 @@ class RealtimeDevelopConfig(DevelopConfig):
     """Fixations that it can have at most."""
     realtime: RealtimeConfig = field(default_factory=RealtimeConfig)
 
+    kind: ClassVar[type[Life]] = RealtimeLife
     at_a_time: ClassVar[int] = 1
     checkpoint_every: ClassVar[int] = 500
     unit: ClassVar[str] = "min"

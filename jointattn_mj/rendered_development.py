@@ -1,6 +1,6 @@
 """``jointattn develop --world rendered``: what differs from a life at the symbolic table."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
@@ -28,6 +28,7 @@ class RenderedDevelopConfig(DevelopConfig):
     """Turns to live; half a minute without a GPU."""
     rendered: RenderedConfig = field(default_factory=RenderedConfig)
 
+    kind: ClassVar[type[Life]] = RenderedLife
     at_a_time: ClassVar[int] = 500
     checkpoint_every: ClassVar[int] = 10_000
     films: ClassVar[bool] = True
@@ -37,7 +38,7 @@ class RenderedDevelopConfig(DevelopConfig):
         born_with = self.born_with()
         return RenderedLife(self.table, self.rendered, self.mind, self.seed, self.steps, born_with, self.sample_every)
 
-    def film(self, path: Path, moments: Sequence[Life]) -> None:
+    def film(self, path: Path, moments: Iterable[Life]) -> None:
         """Film some turns from each of a life's moments on."""
         with LifeFilm(path) as film:
             for life in moments:

@@ -11,12 +11,18 @@ from typing import Annotated, Any
 from jointattn_mj.errors import ConfigError, OutputError
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.recording import checkpoint, figures
-from jointattn_mj.recording.files import claim, forget_partial, write_whole
+from jointattn_mj.recording.files import claimed, free_name, write_whole
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.provenance import write_config
-from jointattn_mj.recording.tables import shift_table, write_parquet
+from jointattn_mj.recording.rows import forget_log, log_folder
+from jointattn_mj.recording.shifts import write_shifts
+from jointattn_mj.recording.space import check_free
+from jointattn_mj.recording.tables import write_frames
 from jointattn_mj.recording.weights import write_weights
 from jointattn_mj.session import FRAMES_PER_MINUTE, FRAMES_PER_SECOND, Session, SessionConfig
+
+BYTES_A_FRAME = 400
+"""On the disk, first as rows, then as Parquet as well."""
 
 
 @dataclass(frozen=True)
@@ -55,31 +61,48 @@ def run_session(
     checkpoint written before KeyboardInterrupt goes on.
 
     Raises:
+        ConfigError: The session's log would not fit onto the disk.
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
         GLError: Pictures are needed and cannot be rendered.
         VideoError: A video is asked for and cannot be written.
         ExtraError: A log is asked for, and the package that writes it is missing.
+        NotFiniteError: What is learned or simulated has become NaN; the last checkpoint stays.
     """
-    out, frozen = options.out, options.out / "checkpoint.bin"
-    started = time.perf_counter()
     if options.video:
         _check_ffmpeg()
     if options.rerun is not None:
         _check_rerun(options.rerun, options.resume)
+    if not options.resume:
+        needed = round(BYTES_A_FRAME * config.minutes * FRAMES_PER_MINUTE)
+        check_free(options.out, needed, f"--minutes {config.minutes:g}", "fewer --minutes")
+    with claimed(options.out, options.resume):
+        return _run(config, options, progress, kind)
+
+
+def _run(
+    config: SessionConfig, options: RunOptions, progress: Callable[[Session], None], kind: type[Session]
+) -> dict[str, Any]:
+    """Run a session in a folder that is held for it."""
+    out, frozen = options.out, options.out / "checkpoint.bin"
+    started = time.perf_counter()
     if options.resume:
-        spent, session = checkpoint.load(frozen, config, kind.__module__)
-        forget_partial(out)
+        spent, session = checkpoint.load(frozen, config, kind.__module__, kind=(float, kind))
     else:
-        claim(out)
         spent, session = 0.0, kind(config)
 
     def freeze() -> None:
-        checkpoint.save(frozen, (spent + time.perf_counter() - started, session), config)
+        session.check()
+        checkpoint.save(frozen, (spent + time.perf_counter() - started, session), config, kind.__module__)
 
     try:
+        if options.resume and (out / "summary.json").exists():
+            forget_log(out)
+            return json.loads((out / "summary.json").read_text())
         if not options.resume:
             session.begin()
+        session.attach(log_folder(out))
+        if not options.resume:
             freeze()
         if not (out / "config.yaml").exists():
             write_config(out / "config.yaml", config)
@@ -125,12 +148,12 @@ def _watchers(session: Session, options: RunOptions) -> Iterator[Callable[[Sessi
         if options.video and session.frame < session.total:
             from jointattn_mj.recording.video import Film
 
-            film = Film(_free_name(options.out / "video.mp4"), session, options.video_every)
+            film = Film(free_name(options.out / "video.mp4"), session, options.video_every)
             watchers.append(stack.enter_context(film))
         if options.rerun is not None and session.frame < session.total:
             from jointattn_mj.adapters.rerun import SessionLog
 
-            watchers.append(stack.enter_context(SessionLog(_free_name(options.rerun), session)))
+            watchers.append(stack.enter_context(SessionLog(free_name(options.rerun), session)))
 
         def watch(session: Session) -> None:
             for watcher in watchers:
@@ -139,18 +162,13 @@ def _watchers(session: Session, options: RunOptions) -> Iterator[Callable[[Sessi
         yield watch if watchers else None
 
 
-def _free_name(path: Path) -> Path:
-    """``path``, or with a number where an earlier part of a resumed run already has it."""
-    names = [path, *(path.with_stem(f"{path.stem}_{part}") for part in range(2, 1000))]
-    return next(name for name in names if not name.exists())
-
-
 def _leave_results(session: Session, out: Path, wall_seconds: float) -> dict[str, Any]:
     summary = session.summary(wall_seconds)
-    write_parquet(out / "frames.parquet", session.frames.table())
-    write_parquet(out / "gaze_shifts.parquet", shift_table(session.shifts))
+    write_frames(out / "frames.parquet", session.frames)
+    write_shifts(out / "gaze_shifts.parquet", session.shifts)
     write_weights(out / "weights.npz", session.weights())
     figures.draw_success(out / "success.png", session.shifts, session.config.minutes)
     figures.draw_som(out / "som.png", session.robot.som)
     write_whole(out / "summary.json", lambda path: path.write_text(json.dumps(summary, indent=1) + "\n"))
+    forget_log(out)
     return summary

@@ -10,12 +10,14 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from jointattn_mj.finite import check_finite
 from jointattn_mj.options import Checked, Real, Seed
 from jointattn_mj.perception.percept import Perceiver
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.truth import TruthConfig, TruthPerception
+from jointattn_mj.recording.shifts import Shifts, shift_row
 from jointattn_mj.recording.summary import summarise
-from jointattn_mj.recording.tables import FrameTable, ShiftRow, shift_row
+from jointattn_mj.recording.tables import FrameTable
 from jointattn_mj.recording.weights import read_weights
 from jointattn_mj.referee import Moment, judge
 from jointattn_mj.robots.gaze_follower import GazeFollower, GazeShift, RobotConfig
@@ -65,9 +67,9 @@ class Session:
         self.robot = self.new_robot(self.new_perceiver(np.random.default_rng(perceiver)), robot)
         self.total = max(1, round(config.minutes * FRAMES_PER_MINUTE))
         self.frame = 0
-        self.shifts: list[ShiftRow] = []
+        self.shifts = Shifts(self.names)
         self.frames = FrameTable(
-            self.total, self.names[:-1], config.truth.face_moves_above_deg_s, config.truth.object_moves_above_m_s
+            self.names[:-1], config.truth.face_moves_above_deg_s, config.truth.object_moves_above_m_s
         )
         self._launch: Moment | None = None
         self._observation = Observation(self.world)
@@ -126,9 +128,23 @@ class Session:
             shift_row(shift, launch, landing, head, self.robot.iterations, self.names, judgement, success, radius)
         )
 
+    def attach(self, folder: Path) -> None:
+        """Keep frames and shifts in ``folder`` from now on, and not in memory (see ``RowStore``)."""
+        self.frames.rows.attach(folder)
+        self.shifts.rows.attach(folder)
+
     def weights(self) -> dict[str, np.ndarray]:
         """What the robot has learned, as named arrays."""
         return self.robot.weights()
+
+    def check(self) -> None:
+        """Go on only with finite numbers; asked before every checkpoint and before results are written.
+
+        Raises:
+            NotFiniteError: What was learned, or the simulation, is NaN or infinite.
+        """
+        check_finite(self.weights())
+        self.world.check()
 
     def summary(self, wall_seconds: float) -> dict[str, Any]:
         """The session so far in numbers (see ``recording.summary``)."""

@@ -1,18 +1,22 @@
-"""``jointattn view``: an agent in a task, live in a window or in a browser."""
+"""``jointattn view``: an agent in a task, live in a window or in a browser.
+
+What takes seconds to import is imported once it was said that the view is starting.
+"""
 
 import socket
 import sys
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-from jointattn_mj.agents import AGENTS
+from jointattn_mj.adapters.registration import IDS
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Choice, Seed, Whole
 from jointattn_mj.recording.interrupts import deferred
-from jointattn_mj.tasks import TASKS_BY_DOMAIN, load
-from jointattn_mj.viewing.show import Show
+
+if TYPE_CHECKING:
+    from jointattn_mj.viewing.show import Show
 
 HERE = "127.0.0.1"
 """This machine alone."""
@@ -23,7 +27,7 @@ DOMAIN = "joint_attention"
 class ViewOptions(Checked):
     """What is shown, and where."""
 
-    task: tyro.conf.Positional[Annotated[str, Choice(TASKS_BY_DOMAIN[DOMAIN])]]
+    task: tyro.conf.Positional[Annotated[str, Choice(IDS.values())]]
     """Task of the suite."""
     agent: Literal["zero", "random", "oracle", "gaze_follower"] | None = None
     """Who acts. Not given: the gaze follower of chapter 6 where the task gives pictures in time, else the oracle."""
@@ -45,6 +49,7 @@ def view(options: ViewOptions) -> None:
         ExtraError: No display, and the package for the browser is missing.
         GLError: The robot's pictures cannot be rendered here.
     """
+    print(f"jointattn: the view of {options.task} is starting", file=sys.stderr, flush=True)
     if options.browser or options.host != HERE or not _has_display():
         _serve(options)
         return
@@ -59,6 +64,7 @@ def _serve(options: ViewOptions) -> None:
     from jointattn_mj.adapters.mjviser import Browser
 
     _check(options.host)
+    print("jointattn: starting the viewer, in some seconds", file=sys.stderr)
     browser = Browser(_show(options), options.host, options.port)
     if options.host != HERE:
         print(f"jointattn: warning: whoever reaches {options.host} can watch this and stop it", file=sys.stderr)
@@ -67,7 +73,11 @@ def _serve(options: ViewOptions) -> None:
         browser.run(lambda: not interrupts.requested)
 
 
-def _show(options: ViewOptions) -> Show:
+def _show(options: ViewOptions) -> "Show":
+    from jointattn_mj.agents import AGENTS
+    from jointattn_mj.tasks import load
+    from jointattn_mj.viewing.show import Show
+
     pictures = options.agent in (None, "gaze_follower")
     environment = load(DOMAIN, options.task, task_kwargs={"random": options.seed, "camera": pictures})
     sees = "head_moves" in environment.observation_spec()

@@ -18,6 +18,7 @@ from shell import Outcome, Shell
 from jointattn_mj import development
 from jointattn_mj.development import DevelopConfig, DevelopOptions, preset_in, run_development
 from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
+from jointattn_mj.recording import space
 from jointattn_mj.symbolic import figures
 from jointattn_mj.symbolic.presets import PRESETS
 
@@ -165,7 +166,7 @@ class TestGoingOn:
         arguments = ["develop", "--out", tmp_path, *SHORT, "--checkpoint-every", 4000]
         program = [sys.executable, "-c", KILLED, "9000", *map(str, arguments)]
         assert subprocess.run(program, capture_output=True).returncode == -signal.SIGKILL
-        assert {path.name for path in tmp_path.iterdir()} == {"checkpoint.bin", "config.yaml"}
+        assert {path.name for path in tmp_path.iterdir()} == {"checkpoint.bin", "config.yaml", "log"}
         (tmp_path / ".sac.123.png").write_text("half")
         outcome = jointattn(*arguments, "--resume")
         assert outcome.code == 0, outcome.err
@@ -223,7 +224,7 @@ class TestGoingOn:
             process.send_signal(number)
             out, err = process.communicate(timeout=120)
         refused(Outcome(process.returncode, out, err), 130, "--resume", str(tmp_path))
-        assert {path.name for path in tmp_path.iterdir()} == {"checkpoint.bin", "config.yaml"}
+        assert {path.name for path in tmp_path.iterdir()} == {"checkpoint.bin", "config.yaml", "log"}
 
 
 BAD_OPTIONS = [
@@ -312,9 +313,9 @@ def test_needs_no_3d_world():
     assert done.stdout == "set()\n", done.stderr
 
 
-def test_too_little_memory(tmp_path, monkeypatch):
+def test_too_little_space(tmp_path, monkeypatch):
     """Refused before anything is written."""
-    monkeypatch.setattr(development, "available_bytes", lambda: 1_000_000)
+    monkeypatch.setattr(space, "free_bytes", lambda folder: 1_000_000)
     with pytest.raises(ConfigError, match="fewer --steps"):
         run_development(dataclasses.replace(config(), steps=1_000_000), DevelopOptions(tmp_path / "out"))
     with pytest.raises(ConfigError, match="larger --sample-every"):

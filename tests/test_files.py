@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from jointattn_mj.errors import OutputError
 from jointattn_mj.recording import checkpoint, figures
 from jointattn_mj.recording.files import forget_partial, write_whole
+from jointattn_mj.recording.parquet import write_parquet
 from jointattn_mj.recording.provenance import write_config
-from jointattn_mj.recording.tables import write_parquet
 from jointattn_mj.recording.weights import write_weights
 
 NOISE = np.random.default_rng(0).random((200, 200))

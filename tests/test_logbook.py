@@ -30,7 +30,7 @@ def found(life):
 
 
 def test_turns(life, found, tmp_path):
-    write_turns(tmp_path / "turns.parquet", life, found)
+    write_turns(tmp_path / "turns.parquet", life)
     table = pq.read_table(tmp_path / "turns.parquet")
     assert table.num_rows == TURNS
     assert table.column("turn").to_pylist()[::5999] == [1, 6000, 11999]
@@ -45,9 +45,9 @@ def test_turns(life, found, tmp_path):
         assert field.metadata[b"description"], field.name
 
 
-def test_drivers(life, found, tmp_path):
+def test_drivers(life, tmp_path):
     """Numbers below that of the modules made by then are modules; those made later make no difference."""
-    write_turns(tmp_path / "turns.parquet", life, found)
+    write_turns(tmp_path / "turns.parquet", life)
     drivers = pq.read_table(tmp_path / "turns.parquet").column("driver of shift gaze").to_pylist()
     numbers = life.log("driver of shift gaze").tolist()
     for turn, (name, number) in enumerate(zip(drivers, numbers, strict=True)):
@@ -56,29 +56,33 @@ def test_drivers(life, found, tmp_path):
     assert {"module 1", "module 2", "module 3", "RandomModule"} <= set(drivers)
 
 
-def test_what_drives_is_what_the_map_says(life, found, tmp_path):
-    write_turns(tmp_path / "turns.parquet", life, found)
+def test_what_drives_is_what_the_map_says(life, tmp_path):
+    write_turns(tmp_path / "turns.parquet", life)
     drivers = pq.read_table(tmp_path / "turns.parquet").column("driver of shift gaze")
     drives = np.flatnonzero(np.array(drivers.to_pylist()) == "module 1")
     module, face, before = life.mind.modules[0], life.log("caregiver's face"), life.log("object")
     assert (module.command[before[drives], face[drives]] == life.log("shift gaze")[drives]).all()
 
 
-def test_parts_do_not_show(life, found, tmp_path, monkeypatch):
-    write_turns(tmp_path / "whole.parquet", life, found)
+def test_parts_do_not_show(life, tmp_path, monkeypatch):
+    write_turns(tmp_path / "whole.parquet", life)
     monkeypatch.setattr(logbook, "ROWS", 1001)
-    write_turns(tmp_path / "parts.parquet", life, found)
+    write_turns(tmp_path / "parts.parquet", life)
     assert (
         pq.read_table(tmp_path / "whole.parquet").to_pydict() == pq.read_table(tmp_path / "parts.parquet").to_pydict()
     )
 
 
-def test_contingency(life, tmp_path):
+def test_contingency(life, tmp_path, monkeypatch):
     write_contingency(tmp_path / "contingency.parquet", life)
     table = pq.read_table(tmp_path / "contingency.parquet")
     turns, values = life.contingency()
     assert table.column("turn").to_pylist() == turns.tolist()
     assert table.num_columns == 1 + len(life.mind.events)
+    monkeypatch.setattr(logbook, "PART_BYTES", 20_000)
+    write_contingency(tmp_path / "parts.parquet", life)
+    assert pq.read_metadata(tmp_path / "parts.parquet").num_row_groups > 2
+    assert pq.read_table(tmp_path / "parts.parquet").equals(table)
     late = table.column("module 1 before, shift gaze -> profile")
     assert late.null_count == np.count_nonzero(turns <= life.found[0].turn)
     first = table.column("caregiver's face, shift gaze -> object")

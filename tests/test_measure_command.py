@@ -3,6 +3,8 @@
 import csv
 import json
 import math
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +12,7 @@ import pytest
 from shell import Outcome, Shell
 
 import jointattn_mj.contingency as c
+from jointattn_mj import patience
 from jointattn_mj.contingency import read_recordings
 from jointattn_mj.discover_command import DiscoverOptions, run_discover
 from jointattn_mj.errors import ConfigError, OutputError
@@ -192,6 +195,28 @@ BAD = [
 @pytest.mark.parametrize(("options", "words"), BAD, ids=lambda value: str(value[-1]) if value else "nothing")
 def test_refuses(jointattn, seen, options, words):
     refused(jointattn("measure", seen, *options), *words)
+
+
+def test_a_misspelt_column_never_aborts(seen):
+    """Native threads of a reader that were alive when Python ended aborted every second process on a busy machine."""
+    command = [sys.executable, "-m", "jointattn_mj.cli", "measure", seen, "--source", "gazes", "--target", "object"]
+    for _ in range(5):
+        done = subprocess.run(command, capture_output=True, text=True)
+        refused(Outcome(done.returncode, done.stdout, done.stderr), "no column 'gazes'", "did you mean 'gaze'?")
+
+
+def test_more_surrogates_than_one_can_wait_for(seen, tmp_path, monkeypatch):
+    """Refused before anything is written; with ``yes`` they are drawn."""
+    monkeypatch.setattr(patience, "KNOWN_AFTER_S", 0.0)
+    monkeypatch.setattr(patience, "LONG_S", 0.0)
+    measure = MeasureOptions(seen, ("gaze",), ("object",), surrogates=200, out=tmp_path / "x")
+    discover = DiscoverOptions(seen, ("gaze",), ("turn",), ("object",), surrogates=200, out=tmp_path / "y")
+    for run, options in ((run_measure, measure), (run_discover, discover)):
+        with pytest.raises(ConfigError, match=rf"{options.draws:,} surrogates and resamples would take .*--yes"):
+            run(options)
+    assert list(tmp_path.iterdir()) == []
+    run_measure(replace(measure, yes=True))
+    assert (tmp_path / "x.csv").exists()
 
 
 def test_refuses_files(jointattn, seen, tmp_path):

@@ -22,7 +22,8 @@ def new_life(config: RealtimeConfig = TRUTH, seed: int = 3, table: TableConfig =
 
 
 def same(one: RealtimeLife, other: RealtimeLife) -> None:
-    np.testing.assert_array_equal(one._log[: one.lived], other._log[: other.lived])
+    for column in one.columns:
+        np.testing.assert_array_equal(one.log(column), other.log(column), err_msg=column)
     np.testing.assert_array_equal(one.ended, other.ended)
     np.testing.assert_array_equal(one.contingency()[1], other.contingency()[1])
     assert [found.turn for found in one.found] == [found.turn for found in other.found]
@@ -37,8 +38,8 @@ def lived() -> RealtimeLife:
 
 def test_a_step_is_over_when_attention_has_had_enough(lived):
     assert 6.0 <= lived.minutes < 6.1
-    frames = np.diff(lived.ended[: lived.lived])
-    assert (frames > 0).all() and lived.ended[lived.lived - 1] == lived.frame
+    frames = np.diff(lived.ended)
+    assert (frames > 0).all() and lived.ended[-1] == lived.frame
     stayed = lived.log(GAZE)[:-2] == lived.log(GAZE)[1:-1]
     period, shift = TRUTH.attention.selection_period, TRUTH.shift_frames
     assert (frames[1:][stayed] % period == 0).all()  # no head turn: draws alone end it

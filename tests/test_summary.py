@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jointattn_mj.recording import summary as counting
+from jointattn_mj.recording.shifts import ShiftRow, Shifts
 from jointattn_mj.recording.summary import moving_average, summarise
-from jointattn_mj.recording.tables import FrameTable, ShiftRow
+from jointattn_mj.recording.tables import FrameTable
 
 SHIFT = ShiftRow(
     launch_s=0, landing_s=0, source="face", chosen="red", reached="red", commanded_by="visual_feedback",
@@ -26,29 +28,36 @@ def at(minute: float, shift: ShiftRow) -> ShiftRow:
 
 
 def no_frames() -> FrameTable:
-    return FrameTable(1, ("red", "blue"), 4.0, 0.05)
+    return FrameTable(("red", "blue"), 4.0, 0.05)
+
+
+def table(rows: list[ShiftRow]) -> Shifts:
+    shifts = Shifts(("red", "blue", "face"))
+    for row in rows:
+        shifts.append(row)
+    return shifts
 
 
 def test_moving_average_by_hand():
     """Eq. 6.9: from t-1 to t+1, ends included; shifts back to the face do not count."""
     shifts = [at(0.5, SHIFT), at(1.0, MISS), at(2.0, SHIFT), at(2.2, BACK), at(2.9, MISS), at(4.1, SHIFT)]
-    times, rate = moving_average(shifts, 6)
+    times, rate = moving_average(table(shifts), 6)
     assert times.tolist() == [1, 2, 3, 4, 5]
     np.testing.assert_allclose(rate, [2 / 3, 1 / 3, 1 / 2, 1, 1])
-    times, rate = moving_average(shifts[:2], 6)
+    times, rate = moving_average(table(shifts[:2]), 6)
     np.testing.assert_allclose(rate, [1 / 2, 0, np.nan, np.nan, np.nan])
 
 
 def test_moving_average_of_26_minutes_runs_from_1_to_25():
-    assert moving_average([], 26)[0].tolist() == list(range(1, 26))
-    assert np.isnan(moving_average([], 26)[1]).all()
-    assert len(moving_average([], 0.3)[0]) == 1
+    assert moving_average(table([]), 26)[0].tolist() == list(range(1, 26))
+    assert np.isnan(moving_average(table([]), 26)[1]).all()
+    assert len(moving_average(table([]), 0.3)[0]) == 1
 
 
 @given(st.lists(st.tuples(st.floats(0, 10), st.booleans()), max_size=30))
 def test_moving_average_against_plain_python(given):
     shifts = [at(minute, SHIFT if good else MISS) for minute, good in given]
-    times, rate = moving_average(shifts, 10)
+    times, rate = moving_average(table(shifts), 10)
     for time, value in zip(times, rate, strict=True):
         near = [row.success for row in shifts if abs(row.landing_s / 60 - time) <= 1]
         assert value == pytest.approx(np.mean(near)) if near else np.isnan(value)
@@ -59,7 +68,7 @@ def test_counts_by_hand():
     landing_only = replace(SHIFT, success_at_launch=False, on_nothing=True)
     by_learner = replace(MISS, commanded_by="learner", map_error_deg=9.0)
     rows = [at(1, SHIFT), at(2, launch_only), at(3, landing_only), at(21, by_learner), at(25, SHIFT), at(25.5, BACK)]
-    summary = summarise(no_frames(), rows, 26.0, 12.345)
+    summary = summarise(no_frames(), table(rows), 26.0, 12.345)
     assert (summary["minutes"], summary["wall_seconds"]) == (26.0, 12.35)
     assert summary["gaze_shifts"] == 5
     assert summary["gaze_shifts_of_all_kinds"] == 6
@@ -76,7 +85,7 @@ def test_counts_by_hand():
 
 def test_nothing_happened():
     """None where there is nothing to count, never a division by zero or NaN, which is no JSON."""
-    summary = summarise(no_frames(), [], 26.0, 0.0)
+    summary = summarise(no_frames(), table([]), 26.0, 0.0)
     assert summary["gaze_shifts"] == summary["successes"] == summary["learning_iterations"] == summary["frames"] == 0
     for value in (summary["success_rate"], summary["late_rate"], summary["map_error_deg"]["median"]):
         assert value is None
@@ -85,23 +94,24 @@ def test_nothing_happened():
     assert summary["face_missed"] is None
 
 
-def test_motion_rates_by_hand():
-    """Landing frames and frames of a turning head do not count."""
-    frames = FrameTable(8, ("red",), 4.0, 0.05)
+@pytest.mark.parametrize("part", [1, 3, 100])
+def test_motion_rates_by_hand(monkeypatch, part):
+    """Landing frames and frames of a turning head do not count; in how many parts they are counted makes no
+    difference."""
+    monkeypatch.setattr(counting, "PART", part)
+    frames = FrameTable(("red",), 4.0, 0.05)
     moved = [0, 1, 1, 1, 0, 0, 1, 1]  # really, since the frame before
-    said = [1, 1, 1, 0, 0, 1, 0, 0]
-    landed = [0, 0, 0, 0, 0, 0, 1, 0]
-    turns = [0, 0, 0, 0, 0, 0, 0, 1]
-    frames._values[:] = 0
-    for name, candidate, values in (
+    values = np.zeros((8, frames.rows.columns))
+    for name, candidate, column in (
         ("x_m", 0, 0.01 * np.cumsum(moved)),
-        ("moves", 0, said),
-        ("landed", None, landed),
-        ("head_moves", None, turns),
+        ("moves", 0, [1, 1, 1, 0, 0, 1, 0, 0]),
+        ("landed", None, [0, 0, 0, 0, 0, 0, 1, 0]),
+        ("head_moves", None, [0, 0, 0, 0, 0, 0, 0, 1]),
         ("looked", None, np.ones(8)),
     ):
-        frames._values[:, frames._index[name, candidate]] = values
-    frames.frames = 8
-    motion = summarise(frames, [], 1.0, 0.0)["motion"]
+        values[:, frames.index[name, candidate]] = column
+    for row in values:
+        frames.rows.append(row)
+    motion = summarise(frames, table([]), 1.0, 0.0)["motion"]
     assert motion["objects"] == {"hit_rate": pytest.approx(2 / 3), "false_alarm_rate": pytest.approx(2 / 3)}
     assert motion["face"] == {"hit_rate": None, "false_alarm_rate": 0}

@@ -6,6 +6,7 @@ import pytest
 
 from jointattn_mj.contingency.events import Event
 from jointattn_mj.contingency.modules import Module
+from jointattn_mj.robots.contingency_log import ContingencyLog
 from jointattn_mj.symbolic import figures
 from jointattn_mj.symbolic.behaviour import BEHAVIOURS, phases
 from jointattn_mj.symbolic.figures import Made, MapPicture, draw_behaviour, draw_contingency, draw_maps
@@ -24,6 +25,15 @@ def drawn(monkeypatch):
     return kept
 
 
+def noted(table, every=100):
+    """As if it had been noted every 100 turns."""
+    log = ContingencyLog(every, table.shape[1])
+    for row in table:
+        log.free()[0] = row
+        log.fill(1)
+    return log
+
+
 def values(turns=60):
     """Event 2 is the highest, 7 the second, then 5 overtakes both; 11 begins late, 0 is negative, others are low."""
     table = np.full((turns, len(NAMES)), 1e-4)
@@ -31,14 +41,14 @@ def values(turns=60):
     table[turns // 2 :, 5] = 0.05
     table[: turns // 2, 11] = np.nan
     table[:, 0] = -0.01
-    return (np.arange(turns) + 1) * 100, table
+    return table
 
 
 MADE = [Made(1500, 2, "gaze following (FG-m)"), Made(4000, 5, "gaze alternation (SC-m)")]
 
 
 def draw(path, made=MADE, turns=60):
-    draw_contingency(path, *values(turns), NAMES, made, "SAC (bits)")
+    draw_contingency(path, noted(values(turns)), NAMES, made, "SAC (bits)")
 
 
 def legend_texts(figure):
@@ -76,7 +86,7 @@ class TestContingency:
         assert cv2.imread(str(tmp_path / "sac.png")) is not None
 
     def test_nothing_above_zero(self, tmp_path):
-        draw_contingency(tmp_path / "sac.png", np.array([100]), np.zeros((1, len(NAMES))), NAMES, [], "SAC (bits)")
+        draw_contingency(tmp_path / "sac.png", noted(np.zeros((1, len(NAMES)))), NAMES, [], "SAC (bits)")
         assert cv2.imread(str(tmp_path / "sac.png")) is not None
 
 

@@ -6,12 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
-from jointattn_mj.recording import columns
-from jointattn_mj.recording.tables import FrameTable, ShiftRow, shift_row, shift_table, write_parquet
+from jointattn_mj.recording import columns, tables
+from jointattn_mj.recording.shifts import ShiftRow, Shifts, shift_row, write_shifts
+from jointattn_mj.recording.tables import FrameTable, write_frames
 from jointattn_mj.referee import Judgement, Moment
 from jointattn_mj.robots.gaze_follower import FamiliariseConfig, GazeShift, RobotConfig
+from jointattn_mj.scene.camera import pixels_of_points
 from jointattn_mj.session import Session, SessionConfig
 
 NAMES = ("red", "blue", "face")
@@ -66,20 +69,53 @@ def test_what_does_not_apply_is_missing():
     assert first.source is first.map_error_deg is None
 
 
+ROWS = [row(), row(shift(source=None, by_learner=True), target=None), row(judged=False), row(shift(chosen=1))]
+
+
+def store(rows: list[ShiftRow]) -> Shifts:
+    shifts = Shifts(NAMES)
+    for one in rows:
+        shifts.append(one)
+    return shifts
+
+
+def test_shifts_are_what_was_appended():
+    """Values and their types, by number, from the end, in slices and one after the other."""
+    shifts = store(ROWS)
+    assert len(shifts) == 4
+    assert list(shifts) == ROWS
+    assert (shifts[0], shifts[-1], shifts[1:], shifts[::2]) == (ROWS[0], ROWS[3], ROWS[1:], ROWS[::2])
+    for given, made in zip(ROWS, shifts, strict=True):
+        assert [type(value) for value in vars(made).values()] == [type(value) for value in vars(given).values()]
+    with pytest.raises(IndexError):
+        shifts[4]
+    assert shifts == store(ROWS)
+    assert shifts != store(ROWS[:3])
+    assert shifts != store([*ROWS[:3], ROWS[0]])
+
+
+def test_columns_of_shifts():
+    shifts = store(ROWS)
+    assert shifts.column("commanded_by").tolist() == [0, 1, 0, 0]
+    assert shifts.column("chosen").tolist() == [0, 0, 0, 1]
+    np.testing.assert_array_equal(shifts.column("success"), [1, 1, np.nan, 1])
+    np.testing.assert_array_equal(shifts.column("source"), [2, np.nan, 2, 2])
+
+
 def test_shift_table_through_parquet(tmp_path):
-    rows = [row(), row(shift(source=None, by_learner=True), target=None), row(judged=False)]
-    write_parquet(tmp_path / "shifts.parquet", shift_table(rows))
+    write_shifts(tmp_path / "shifts.parquet", store(ROWS))
     read = pd.read_parquet(tmp_path / "shifts.parquet")
     assert list(read.columns) == [*ShiftRow.__annotations__] == [*columns.SHIFT]
-    for made, (_, kept) in zip(rows, read.iterrows(), strict=True):
+    for made, (_, kept) in zip(ROWS, read.iterrows(), strict=True):
         for name, value in vars(made).items():
             assert pd.isna(kept[name]) if value is None else kept[name] == value, name
 
 
-def test_empty_shift_table():
+def test_empty_shift_table(tmp_path):
     """Has the columns and their types."""
-    assert shift_table([]).schema == shift_table([row()]).schema
-    assert shift_table([]).num_rows == 0
+    assert store([]).table().schema == store(ROWS).table().schema
+    write_shifts(tmp_path / "shifts.parquet", store([]))
+    assert pd.read_parquet(tmp_path / "shifts.parquet").shape == (0, len(columns.SHIFT))
 
 
 @pytest.fixture(scope="module")
@@ -116,27 +152,51 @@ def test_frame_table_types(session):
 
 
 def test_frame_table_through_a_pickle(session):
-    """Goes on as if nothing had been, with room for all the frames that were planned."""
+    """Goes on as if nothing had been."""
     frames = session.frames
     again = pickle.loads(pickle.dumps(frames))
     assert again.table().equals(frames.table())
-    assert len(pickle.dumps(frames)) < 1.3 * 500 * len(frames._index) * 4  # only what is filled
     while again.frames < 900:
         again.add(session.world, session.robot, False, np.zeros(2))
-    with pytest.raises(IndexError):
-        again.add(session.world, session.robot, False, np.zeros(2))
+    assert again.part(0, 500).table().equals(frames.table())
+
+
+@pytest.mark.parametrize("group", [1, 7, 273, 499])
+def test_parts_do_not_show(session, tmp_path, monkeypatch, group):
+    """What is worked out from a frame and the one before is the same where these are read apart."""
+    monkeypatch.setattr(tables, "GROUP", group)
+    write_frames(tmp_path / "frames.parquet", session.frames)
+    assert pq.read_metadata(tmp_path / "frames.parquet").num_row_groups == -(-500 // group)
+    whole, read = session.frames.table(), pq.read_table(tmp_path / "frames.parquet")
+    assert read.equals(whole)
+    assert read.schema.equals(whole.schema, check_metadata=True)
+
+
+def test_face_error_is_that_of_every_frame(session):
+    """One frame after the other, bit for bit."""
+    part, face = session.frames.part(), len(session.frames.candidates) - 1
+    heads = np.column_stack([part.column("pan_deg"), part.column("tilt_deg")])
+    real = np.array([pixels_of_points(session.world.candidate_points(), head)[face] for head in heads])
+    expected = np.hypot(part.column("x_px", face) - real[:, 0], part.column("y_px", face) - real[:, 1])
+    np.testing.assert_array_equal(part.face_error_px(), expected)
+    assert np.isfinite(expected).sum() > 100
+
+
+def test_no_frames(tmp_path):
+    write_frames(tmp_path / "frames.parquet", FrameTable(("red",), 4.0, 0.05))
+    assert pq.read_table(tmp_path / "frames.parquet").num_rows == 0
 
 
 def test_really_moves_by_hand():
-    table = FrameTable(4, ("red",), face_above_deg_s=4.0, object_above_m_s=0.05)
+    table = FrameTable(("red",), face_above_deg_s=4.0, object_above_m_s=0.05)
     for step in (0.0, 0.001, 0.003, 0.003):  # metres; .05 m/s are 1.67 mm a frame
-        table._values[table.frames, table._index["x_m", 0]] = step
-        table._values[table.frames, [table._index["y_m", 0], table._index["z_m", 0]]] = 0.7
-        table._values[table.frames, table._index["face_yaw_deg", None]] = 100 * step  # 4 deg/s are .133 a frame
-        table._values[table.frames, table._index["face_pitch_deg", None]] = 0
-        table.frames += 1
-    assert table.really_moves(0).tolist() == [False, False, True, False]
-    assert table.really_moves(1).tolist() == [False, False, True, False]
+        values = np.zeros(table.rows.columns)
+        values[table.index["x_m", 0]] = step
+        values[table.index["face_yaw_deg", None]] = 100 * step  # 4 deg/s are .133 a frame
+        table.rows.append(values)
+    assert table.part().really_moves(0).tolist() == [False, False, True, False]
+    assert table.part().really_moves(1).tolist() == [False, False, True, False]
+    assert table.part(2, 4).really_moves(0).tolist() == [True, False]
 
 
 def test_every_column_has_its_meaning():

@@ -18,8 +18,8 @@ from jointattn_mj.recording import composer, paint
 from jointattn_mj.recording.composer import Composer, verdict_in_words
 from jointattn_mj.recording.onlooker import line_of_sight, sights
 from jointattn_mj.recording.panels import face_cells, lit
+from jointattn_mj.recording.shifts import ShiftRow
 from jointattn_mj.recording.summary import rate_of_success
-from jointattn_mj.recording.tables import ShiftRow
 from jointattn_mj.recording.video import Film
 from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
 from jointattn_mj.scene import gl

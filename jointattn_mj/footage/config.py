@@ -68,7 +68,11 @@ class PerceiveOptions(Checked):
 
     out: Path
     """Folder for the results; made when missing, refused when it holds another run."""
+    resume: bool = False
+    """Go on from the checkpoint in the folder, to the same final result."""
     overlay: bool = True
     """Leave a video with everything that is perceived drawn on it; it takes most of the time."""
     overlay_every: Annotated[int, Whole("[1, 1e6]")] = 1
     """Frames for one picture of that video: 1 is 30 a second."""
+    checkpoint_minutes: Annotated[float, Real("(0, 1e6]")] = 2.0
+    """Minutes of the video between checkpoints: at most so much is lost by a kill."""

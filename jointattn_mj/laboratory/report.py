@@ -118,7 +118,7 @@ def chapter(registry: Registry, claim_id: str, store: Store) -> Chapter:
         commands=commands(claim, seeds),
         versions=stored.versions,
         film=claim.film if claim.film is not None and claim.film.exists() else None,
-        notes=_notes(stored, len(store.failures(claim_id))),
+        notes=_notes(stored, store.failures(claim_id)),
         trouble=trouble,
     )
 
@@ -152,10 +152,13 @@ def _ranges(seeds: Sequence[int]) -> list[range]:
     return found
 
 
-def _notes(stored: Stored, failed: int) -> list[str]:
+def _notes(stored: Stored, failures: Sequence[Mapping[str, Any]]) -> list[str]:
     notes = []
-    if failed:
-        notes.append(f"Cells that failed: {failed}; the same command tries them again")
+    if failures:
+        notes.append(f"Cells that failed: {len(failures)}; the same command tries them again")
+    unread = [failure["damaged"].name for failure in failures if "damaged" in failure]
+    if unread:
+        notes.append(f"Notes of failures that cannot be read: {len(unread)} ({', '.join(unread[:3])}); delete them")
     if stored.others:
         notes.append(f"Cells of other settings, or of another version, that are not used: {stored.others}")
     if stored.damaged:

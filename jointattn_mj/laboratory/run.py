@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
-from jointattn_mj.errors import ConfigError, LaboratoryError
-from jointattn_mj.laboratory.backends import Backend, lost_touch
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.laboratory.backends import Backend, gone, lost_touch
 from jointattn_mj.laboratory.claim import Claim
 from jointattn_mj.laboratory.store import Keys, Store, Task
 from jointattn_mj.laboratory.worker import Outcome, compute, pack
@@ -193,10 +193,7 @@ class _Run:
             return task
         except Exception as error:
             if lost_touch(error):
-                raise LaboratoryError(
-                    f"nobody computes any more ({type(error).__name__}); start scheduler and workers again, then the "
-                    "same command goes on"
-                ) from error
+                raise gone(error) from error
             outcome = Outcome(0.0, error=f"{type(error).__name__}: {error}", traceback=traceback.format_exc())
         self.tally.left[kind] -= 1
         if outcome.error:

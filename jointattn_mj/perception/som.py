@@ -53,6 +53,17 @@ def standardised(x: np.ndarray) -> np.ndarray:
     return centred / spread if spread > 1e-6 * max(1.0, float(np.abs(flat).max())) else np.zeros_like(flat)
 
 
+def whole_number(name: str, value: np.ndarray) -> int:
+    """A stored count.
+
+    Raises:
+        ConfigError: It is no whole number of 0 or more.
+    """
+    if np.shape(value) or np.asarray(value).dtype.kind not in "iu" or value < 0:
+        raise ConfigError(f"{name}: expected a whole number of 0 or more, came {value}")
+    return int(value)
+
+
 class SOM:
     """A map that learns pattern by pattern.
 
@@ -148,10 +159,10 @@ class SOM:
         """
         weights = np.asarray(arrays["weights"], np.float32)
         som = cls(weights.shape[-1], config)
-        if weights.shape != som.weights.shape:
-            raise ConfigError(f"som: expected weights {som.weights.shape}, came {weights.shape}")
+        if weights.shape != som.weights.shape or not np.isfinite(weights).all():
+            raise ConfigError(f"som: expected weights {som.weights.shape} of finite numbers, came {weights.shape}")
         som.weights[:] = weights
-        som.seen = int(arrays["seen"])
+        som.seen = whole_number("seen", arrays["seen"])
         return som
 
     def _pattern(self, x: np.ndarray) -> np.ndarray:

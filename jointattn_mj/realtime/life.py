@@ -24,8 +24,10 @@ from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.truth import TruthConfig, TruthPerception
 from jointattn_mj.realtime.partner import PACE, PartnerConfig, PartnerWorld
 from jointattn_mj.realtime.step import think_once
+from jointattn_mj.recording.rows import RowStore
 from jointattn_mj.rendered.seeing import SeeingLife
 from jointattn_mj.rendered.senses import Gazed, Senses, SensesConfig
+from jointattn_mj.robots.contingency_log import ContingencyLog
 from jointattn_mj.robots.developer import Developer, DeveloperConfig
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX, direction_of, directions_to
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
@@ -89,7 +91,6 @@ class RealtimeLife(SeeingLife):
         senses: What is made of percepts.
         heads: (spots + 1, 2) the robot's gaze commands: head angles for each place and for the caregiver's face, deg.
         frame: Frames since the mind began.
-        ended: (turns,) frame in which each step was over.
         on_frame: Called after every frame; for films.
     """
 
@@ -126,9 +127,14 @@ class RealtimeLife(SeeingLife):
         self.frame, self._gazes_at = 0, NOWHERE
         patterns, greetings = self._familiarised()
         self.senses = Senses(config.senses, table, patterns, greetings, np.random.default_rng(of_senses))
-        self.frame, self.ended = 0, np.zeros(turns, np.int32)
+        self.frame, self._ended = 0, RowStore("steps", np.int32, 1)
         developer = Developer(self.senses.variables, mind, of_mind, reactive)
         super().__init__(developer, table, turns, sample_every)
+
+    @property
+    def ended(self) -> np.ndarray:
+        """(lived,) frame in which each step was over."""
+        return self._ended.column(0)
 
     @property
     def minutes(self) -> float:
@@ -145,6 +151,12 @@ class RealtimeLife(SeeingLife):
         while self.lived < self.turns and self.minutes < minutes:
             self.live(1)
 
+    def check(self) -> None:
+        """See ``Life``."""
+        super().check()
+        self.senses.check()
+        self.world.check()
+
     def more(self) -> dict[str, Any]:
         """See ``SeeingLife``; and how much time it took."""
         return {
@@ -156,20 +168,20 @@ class RealtimeLife(SeeingLife):
 
     def minutes_at(self, turn: int) -> float:
         """Simulated minutes that had passed when so many steps had been lived."""
-        return float(self.ended[turn - 1]) / FRAMES_PER_MINUTE
+        return float(self._ended.column(0, turn - 1, turn)[0]) / FRAMES_PER_MINUTE
 
     def close(self) -> None:
         """Free the world's model and pictures."""
         self.world.close()
 
-    def _advance(self, last: int, samples: np.ndarray, before: int) -> tuple[int, int]:
-        mind = self.mind.mind
-        for t in range(self.lived, last):
+    def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
+        mind, first = self.mind.mind, self.lived
+        for t in range(first, last):
             there = self.see(int(mind.a[0]) if t else self.spots)
-            found, place = think_once(mind, self._s, self._r, t, self._log, samples, before, self.sample_every)
+            found, place = think_once(mind, self._s, self._r, t, first, log, samples, self.sample_every)
             partner = self.world.caregiver
-            self._log[t, place:] = partner.looks_at, partner.option, there
-            self.ended[t] = self.frame
+            log[t - first, place:] = partner.looks_at, partner.option, there
+            self._ended.append(self.frame)
             if found != NOTHING:
                 return t + 1, found
         return last, NOTHING
@@ -268,11 +280,5 @@ class RealtimeLife(SeeingLife):
         self.heads[-1], self._gazes_at = self._held, self.spots
         return np.array(greetings + others), len(greetings)
 
-    def __getstate__(self) -> dict[str, Any]:
-        """See ``Life``."""
-        return {**super().__getstate__(), "ended": self.ended[: self.lived]}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        super().__setstate__(state)
-        ended, self.ended = self.ended, np.zeros(self.turns, np.int32)
-        self.ended[: len(ended)] = ended
+    def _written_down(self) -> tuple[RowStore | ContingencyLog, ...]:
+        return *super()._written_down(), self._ended

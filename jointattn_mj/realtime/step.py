@@ -6,6 +6,6 @@ from jointattn_mj.robots.life import think_and_note
 
 
 @njit(cache=True)
-def think_once(mind, s, r, t, log, samples, before, every):
+def think_once(mind, s, r, t, first, log, samples, every):
     """See ``think_and_note``."""
-    return think_and_note(mind, s, r, t, log, samples, before, every)
+    return think_and_note(mind, s, r, t, first, log, samples, every)

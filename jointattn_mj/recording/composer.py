@@ -6,7 +6,7 @@ map of faces, who decides where to look, and how often it was right.
 
 import numpy as np
 
-from jointattn_mj.recording.interest import InterestPanel
+from jointattn_mj.recording.interest import FRAMES, InterestPanel
 from jointattn_mj.recording.onlooker import Onlooker
 from jointattn_mj.recording.overlay import RobotsView
 from jointattn_mj.recording.paint import (
@@ -27,7 +27,7 @@ from jointattn_mj.recording.paint import (
 )
 from jointattn_mj.recording.panels import GatePanel, MapPanel, SuccessPanel
 from jointattn_mj.recording.percepts import SCALE
-from jointattn_mj.recording.tables import ShiftRow
+from jointattn_mj.recording.shifts import ShiftRow
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
 from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH
 from jointattn_mj.session import Session
@@ -86,7 +86,7 @@ class Composer:
         write(canvas, WIDTH - 16, 14, now, WHITE, 16, align="right")
         for part in self._parts:
             part.draw(canvas, session)
-        self._interest.draw(canvas, session.frames)
+        self._interest.draw(canvas, session.frames.recent(FRAMES))
         self._draw_outside(canvas, session)
         verdict = recent(session)
         if verdict is not None:
@@ -139,9 +139,9 @@ class Composer:
 
 def recent(session: Session) -> ShiftRow | None:
     """The last shift from the face to an object, if it landed just now."""
-    if not session.shifts or not session.shifts[-1].face_to_object:
+    row = session.shifts[-1] if session.shifts else None
+    if row is None or not row.face_to_object:
         return None
-    row = session.shifts[-1]
     return row if session.frame * FRAME_S - row.landing_s < VERDICT_S else None
 
 

@@ -8,18 +8,18 @@ from matplotlib.figure import Figure
 from jointattn_mj.perception.som import SOM
 from jointattn_mj.perception.truth import TruthPerception
 from jointattn_mj.recording.pictures import save
-from jointattn_mj.recording.summary import moving_average
-from jointattn_mj.recording.tables import ShiftRow
+from jointattn_mj.recording.shifts import Shifts
+from jointattn_mj.recording.summary import LEARNER, moving_average
 
 FOUR_OBJECTS = 0.25
 
 
-def draw_success(path: Path, shifts: list[ShiftRow], minutes: float) -> None:
+def draw_success(path: Path, shifts: Shifts, minutes: float) -> None:
     """Moving average of the rate of success, eq. 6.9 (Fig. 6.8), and who commanded the shifts."""
     times, rate = moving_average(shifts, minutes)
-    rows = [row for row in shifts if row.face_to_object]
-    at = np.array([row.landing_s / 60 for row in rows])
-    learner = np.array([row.commanded_by == "learner" for row in rows], float)
+    counts = shifts.column("face_to_object") == 1
+    at = shifts.column("landing_s")[counts] / 60
+    learner = (shifts.column("commanded_by")[counts] == LEARNER).astype(float)
     figure = Figure(figsize=(6.4, 3.8), layout="constrained")
     axes = figure.subplots()
     axes.plot(times, rate, "x-", color="#c0392b", label="success of gaze shifts to objects, eq. 6.9")

@@ -14,6 +14,8 @@ from jointattn_mj.recording.paint import FAINT, GREY, PANEL, PERSON, ROBOT, WHIT
 from jointattn_mj.scene.caregiver import FRAME_S
 
 SECONDS = 10
+FRAMES = round(SECONDS / FRAME_S)
+"""What is drawn at a time."""
 _SPAN = 50  # the most over the least interest that is drawn
 _STRIPE = 13  # height of a stripe, pixels
 _MARGIN = 128  # left of the curves: what they are
@@ -42,7 +44,6 @@ class InterestPanel:
         box.of(canvas)[:] = PANEL
         self._knows_person = person
         self._inks = inks
-        self._frames = round(SECONDS / FRAME_S)
         gain = 1 + attention.motion_gain if attention.motion_cues else 1.0
         self._most = max(attention.face_preference, attention.object_preference) * gain
         left, width = box.x + _MARGIN, box.width - _MARGIN - 12
@@ -74,7 +75,7 @@ class InterestPanel:
 
     def draw(self, canvas: np.ndarray, table: Columns) -> None:
         """The last seconds up to now; now is at the right."""
-        frames = self._frames
+        frames = FRAMES
         turning = table.column("head_moves")[-frames:] > 0
         shown = len(turning)
         plot = self._plot.of(canvas)
@@ -97,7 +98,7 @@ class InterestPanel:
 
     def _draw_stripe(self, canvas: np.ndarray, box: Box, values: np.ndarray, shown: int) -> None:
         nothing = len(self._stripes) - 1
-        numbers = np.full(self._frames, nothing)
-        numbers[self._frames - shown :] = np.where(np.isnan(values), nothing, values)
+        numbers = np.full(FRAMES, nothing)
+        numbers[FRAMES - shown :] = np.where(np.isnan(values), nothing, values)
         row = self._stripes[numbers][None]
         box.of(canvas)[:] = cv2.resize(row, (box.width, 1), interpolation=cv2.INTER_NEAREST)

@@ -24,8 +24,8 @@ from jointattn_mj.recording.paint import (
     tick,
     write,
 )
+from jointattn_mj.recording.shifts import ShiftRow
 from jointattn_mj.recording.summary import rate_of_success
-from jointattn_mj.recording.tables import ShiftRow
 from jointattn_mj.session import FRAMES_PER_MINUTE, Session
 
 _GLOW = np.array([255, 196, 92], np.float32)  # a cell that is fully active
@@ -165,14 +165,13 @@ class SuccessPanel:
         if len(session.shifts) != self._counted:
             self._counted = len(session.shifts)
             self._picture = self._blank.copy()
-            rows = [row for row in session.shifts if row.face_to_object]
-            self._redraw(self._picture, rows, session.frame / FRAMES_PER_MINUTE)
+            counts = session.shifts.column("face_to_object") == 1
+            at, success = (session.shifts.column(name)[counts] for name in ("landing_s", "success"))
+            self._redraw(self._picture, at / 60, success == 1, session.frame / FRAMES_PER_MINUTE)
         self._box.of(canvas)[:] = self._picture
 
-    def _redraw(self, picture: np.ndarray, rows: list[ShiftRow], now: float) -> None:
-        at = np.array([row.landing_s / 60 for row in rows])
-        success = np.array([bool(row.success) for row in rows], bool)
-        x = write(picture, 12, 30, f"{success.sum()} of {len(rows)}", GREEN, 13, True) + 6
+    def _redraw(self, picture: np.ndarray, at: np.ndarray, success: np.ndarray, now: float) -> None:
+        x = write(picture, 12, 30, f"{success.sum()} of {len(success)}", GREEN, 13, True) + 6
         write(picture, x, 30, "looks from the face to an object", WHITE, 13)
         left, top = self._plot.x - self._box.x, self._plot.y - self._box.y
         scale = self._plot.width / self._minutes

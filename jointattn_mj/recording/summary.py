@@ -4,7 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from jointattn_mj.recording.tables import FrameTable, ShiftRow
+from jointattn_mj.recording.shifts import COMMANDERS, Shifts
+from jointattn_mj.recording.tables import FramePart, FrameTable
+
+LEARNER = COMMANDERS.index("learner")
+PART = 1 << 13
+"""Frames that are counted at a time."""
 
 LATE_MINUTES = 6.0
 """The end of a session, over which its final rate of success is taken ("after about 20 minutes" of 26, 6.4.3)."""
@@ -18,68 +23,93 @@ def rate_of_success(times: np.ndarray, at: np.ndarray, success: np.ndarray) -> n
         at: (k,) when the shifts landed, minutes.
         success: (k,) bool.
     """
-    within = np.abs(at[None] - times[:, None]) <= 1
-    count = within.sum(axis=1)
-    return np.where(count, (within & success).sum(axis=1) / np.maximum(count, 1), np.nan)
+    rate = np.full(len(times), np.nan)
+    for number, time in enumerate(times):
+        near = success[np.abs(at - time) <= 1]
+        if len(near):
+            rate[number] = near.sum() / len(near)
+    return rate
 
 
-def moving_average(shifts: list[ShiftRow], minutes: float) -> tuple[np.ndarray, np.ndarray]:
+def moving_average(shifts: Shifts, minutes: float) -> tuple[np.ndarray, np.ndarray]:
     """mov_ave(t), eq. 6.9, at every full minute: (t, rate), each (m,); NaN where nothing happened."""
-    rows = [row for row in shifts if row.face_to_object]
-    at = np.array([row.landing_s / 60 for row in rows])
-    success = np.array([row.success for row in rows], bool)
+    counts = shifts.column("face_to_object") == 1
     times = np.arange(1, max(2, int(np.ceil(minutes))))
+    at, success = shifts.column("landing_s")[counts] / 60, shifts.column("success")[counts] == 1
     return times, rate_of_success(times, at, success)
 
 
-def summarise(frames: FrameTable, shifts: list[ShiftRow], minutes: float, wall_seconds: float) -> dict[str, Any]:
+def summarise(frames: FrameTable, shifts: Shifts, minutes: float, wall_seconds: float) -> dict[str, Any]:
     """All of it as JSON-ready numbers; None where there was nothing to count."""
-    rows = [row for row in shifts if row.face_to_object]
-    late = [row for row in rows if row.landing_s >= (minutes - LATE_MINUTES) * 60]
-    success = int(sum(bool(row.success) for row in rows))
-    errors = frames.face_error_px()
-    errors = errors[~np.isnan(errors)]
-    face = len(frames.candidates) - 1
-    map_errors = [row.map_error_deg for row in late if row.map_error_deg is not None]
+    counts = shifts.column("face_to_object") == 1
+    landed = shifts.column("landing_s")[counts]
+    at_launch, at_landing, on_nothing, success, by_learner = (
+        shifts.column(name)[counts] == yes
+        for name, yes in (
+            ("success_at_launch", 1), ("success_at_landing", 1), ("on_nothing", 1), ("success", 1),
+            ("commanded_by", LEARNER),
+        )
+    )  # fmt: skip
+    late = landed >= (minutes - LATE_MINUTES) * 60
+    map_errors = shifts.column("map_error_deg")[counts][late]
+    map_errors = map_errors[~np.isnan(map_errors)]
     return {
         "minutes": minutes,
         "frames": frames.frames,
         "rendered_frames": int(frames.column("rendered").sum()),
         "wall_seconds": round(wall_seconds, 2),
-        "gaze_shifts": len(rows),
+        "gaze_shifts": len(landed),
         "gaze_shifts_of_all_kinds": len(shifts),
-        "successes": success,
-        "successes_at_launch": int(sum(bool(row.success_at_launch) for row in rows)),
-        "successes_at_landing": int(sum(bool(row.success_at_landing) for row in rows)),
-        "landings_on_nothing": int(sum(bool(row.on_nothing) for row in rows)),
-        "successes_on_something": int(sum(bool(row.success) and not row.on_nothing for row in rows)),
-        "success_rate": _ratio(success, len(rows)),
-        "late_rate": _ratio(sum(bool(row.success) for row in late), len(late)),
-        "commanded_by_learner": int(sum(row.commanded_by == "learner" for row in rows)),
-        "learning_iterations": int(frames.column("iterations")[-1]) if frames.frames else 0,
-        "motion": {
-            "face": _detection(frames, [face]),
-            "objects": _detection(frames, list(range(face))),
-        },
-        "face_error_px": {
-            "p50": float(np.percentile(errors, 50)) if len(errors) else None,
-            "p95": float(np.percentile(errors, 95)) if len(errors) else None,
-            "above_8px": float(np.mean(errors > 8)) if len(errors) else None,
-        },
-        "face_missed": _ratio(np.sum(frames.column("seen", face) == 0), frames.column("looked").sum()),
-        "map_error_deg": {"median": float(np.median(map_errors)) if map_errors else None, "n": len(map_errors)},
+        "successes": int(success.sum()),
+        "successes_at_launch": int(at_launch.sum()),
+        "successes_at_landing": int(at_landing.sum()),
+        "landings_on_nothing": int(on_nothing.sum()),
+        "successes_on_something": int(np.sum(success & ~on_nothing)),
+        "success_rate": _ratio(success.sum(), len(landed)),
+        "late_rate": _ratio(success[late].sum(), late.sum()),
+        "commanded_by_learner": int(by_learner.sum()),
+        "learning_iterations": int(frames.recent(1).column("iterations")[-1]) if frames.frames else 0,
+        **_perception(frames),
+        "map_error_deg": {"median": float(np.median(map_errors)) if len(map_errors) else None, "n": len(map_errors)},
     }
 
 
-def _detection(frames: FrameTable, candidates: list[int]) -> dict[str, float | None]:
-    """Hit and false-alarm rate of motion flags over the frames of fixation (a landing frame has no motion yet)."""
-    fixation = (frames.column("looked") == 1) & (frames.column("landed") == 0) & (frames.column("head_moves") == 0)
-    said = np.concatenate([frames.column("moves", k)[fixation] for k in candidates]) == 1
-    real = np.concatenate([frames.really_moves(k)[fixation] for k in candidates])
+def _perception(frames: FrameTable) -> dict[str, Any]:
+    """How well motion and the face were seen, counted part by part."""
+    face = len(frames.candidates) - 1
+    of_face, of_objects = np.zeros(4, int), np.zeros(4, int)
+    errors, known, looked, missed = np.empty(frames.frames), 0, 0, 0
+    for part in frames.parts(PART):
+        of_face += _motion(part, [face])
+        of_objects += _motion(part, list(range(face)))
+        found = part.face_error_px()
+        found = found[~np.isnan(found)]
+        errors[known : known + len(found)] = found
+        known += len(found)
+        looked += int(np.sum(part.column("looked") == 1))
+        missed += int(np.sum(part.column("seen", face) == 0))
+    errors = errors[:known]
+    above = float(np.mean(errors > 8)) if known else None
+    p50, p95 = np.percentile(errors, (50, 95), overwrite_input=True).tolist() if known else (None, None)
     return {
-        "hit_rate": _ratio(np.sum(said & real), np.sum(real)),
-        "false_alarm_rate": _ratio(np.sum(said & ~real), np.sum(~real)),
+        "motion": {"face": _rates(of_face), "objects": _rates(of_objects)},
+        "face_error_px": {"p50": p50, "p95": p95, "above_8px": above},
+        "face_missed": _ratio(missed, looked),
     }
+
+
+def _motion(part: FramePart, candidates: list[int]) -> np.ndarray:
+    """(4,) hits, moving, false alarms and still, over candidates and frames of fixation (a landing frame has no motion
+    yet)."""
+    fixation = (part.column("looked") == 1) & (part.column("landed") == 0) & (part.column("head_moves") == 0)
+    said = np.concatenate([part.column("moves", k)[fixation] for k in candidates]) == 1
+    real = np.concatenate([part.really_moves(k)[fixation] for k in candidates])
+    return np.array([np.sum(said & real), np.sum(real), np.sum(said & ~real), np.sum(~real)])
+
+
+def _rates(counts: np.ndarray) -> dict[str, float | None]:
+    hits, moving, alarms, still = counts
+    return {"hit_rate": _ratio(hits, moving), "false_alarm_rate": _ratio(alarms, still)}
 
 
 def _ratio(part: float, whole: float) -> float | None:

@@ -7,7 +7,12 @@ from typing import Any
 import numpy as np
 
 from jointattn_mj.errors import CheckpointError
+from jointattn_mj.finite import not_finite
+from jointattn_mj.recording.archive import archive_of, content_of, read_array
 from jointattn_mj.recording.files import write_whole
+
+LARGEST = 1 << 30
+"""Bytes that are read at most; a robot of chapter 6 has half a million."""
 
 
 def write_weights(path: Path, weights: Mapping[str, Any]) -> None:
@@ -16,15 +21,22 @@ def write_weights(path: Path, weights: Mapping[str, Any]) -> None:
 
 
 def read_weights(path: Path) -> dict[str, np.ndarray]:
-    """Read what ``write_weights`` wrote.
+    """Read what ``write_weights`` wrote: finite arrays by name.
 
     Raises:
-        CheckpointError: No such file, or not such a file.
+        CheckpointError: No such file, not such a file, or numbers that are not finite.
     """
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            return dict(archive)
+        archive = archive_of(content_of(path), LARGEST)
+        names = archive.namelist()
+        weights = {name.removesuffix(".npy"): read_array(archive, name) for name in names}
     except FileNotFoundError as error:
         raise CheckpointError(f"there are no weights at {path}; give the weights.npz of a finished session") from error
     except Exception as error:  # numpy, zipfile and zlib raise a dozen kinds here
         raise CheckpointError(f"{path} is not a weights.npz of this package ({error})") from error
+    lost = not_finite(weights)
+    if lost:
+        raise CheckpointError(
+            f"{path} holds numbers that are not finite in {', '.join(lost)}; give the weights.npz of a finished session"
+        )
+    return weights

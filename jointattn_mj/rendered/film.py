@@ -37,8 +37,8 @@ from jointattn_mj.scene.looker import Pose
 from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH
 from jointattn_mj.scene.movement import minimum_jerk
 from jointattn_mj.scene.world import World
-from jointattn_mj.symbolic.behaviour import BEHAVIOURS, SHORT, behaviours
-from jointattn_mj.symbolic.meaning import FACE, GAZE, meanings
+from jointattn_mj.symbolic.behaviour import BEHAVIOURS, SHORT, BehaviourLog
+from jointattn_mj.symbolic.meaning import FACE, OBJECT, meanings
 from jointattn_mj.symbolic.table import CAREGIVER
 
 WIDTH, HEIGHT, RATE = 1280, 720, 30
@@ -150,10 +150,10 @@ def still(life: SeeingLife, title: str, when: str, driver: int, looks_at: int) -
 def _sensed(life: SeeingLife) -> str:
     """What the robot takes the middle of the picture for, and for people what it mostly means."""
     face, known = life.mind.variables.sensors[0], life.named_variables().sensors[0]
-    value = int(life.log(FACE)[-1])
+    value, there = (int(life.log(name, life.lived - 1)[0]) for name in (FACE, OBJECT))
     if value < len(face.values) - 1:
         return f"{face.values[value]} (mostly: looks {known.values[value]})"
-    return "an object" if life.log("object")[-1] else "nothing"
+    return "an object" if there else "nothing"
 
 
 def _draw_drivers(canvas: np.ndarray, life: Life, driver: int) -> None:
@@ -180,7 +180,7 @@ def _draw_strip(canvas: np.ndarray, life: Life) -> None:
     area = _STRIP.of(canvas)
     area[:] = PANEL
     write(area, 14, 8, "What it did, turn by turn", WHITE, 14, True)
-    done = behaviours(life.faces(), life.log(GAZE), life.spots)[-_SHOWN:]
+    done = BehaviourLog(life)[-_SHOWN:]
     for place, kind in enumerate(done):
         x = 14 + 38 * place
         area[32:62, x : x + 34] = BEHAVIOUR_INKS[kind]

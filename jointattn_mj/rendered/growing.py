@@ -25,6 +25,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.pixels import PixelPerception
 from jointattn_mj.perception.som import SOM
+from jointattn_mj.rendered.seeing import confusion, faces_looked_at
 from jointattn_mj.rendered.senses import ABRUPT, Gazed, SensesConfig, gazed, named_by_majority
 from jointattn_mj.rendered.stage import Stage, StageConfig
 from jointattn_mj.robots.developer import Developer, DeveloperConfig
@@ -32,7 +33,7 @@ from jointattn_mj.robots.life import Life, think_and_note
 from jointattn_mj.scene.camera import direction_of, directions_to, off_centre
 from jointattn_mj.scene.looker import places
 from jointattn_mj.symbolic.meaning import FACE, GAZE
-from jointattn_mj.symbolic.table import CAREGIVER, LOOKS_AT, OPTION, TableConfig, table_variables, table_witnessed, turn
+from jointattn_mj.symbolic.table import CAREGIVER, OPTION, TableConfig, table_variables, table_witnessed, turn
 
 
 @dataclass(frozen=True)
@@ -287,15 +288,13 @@ class ResolvedLife(Life):
         developer = Developer(variables, mind, np.random.SeedSequence(seed), reactive)
         super().__init__(developer, turns, sample_every, table_witnessed(self.body.table_config))
 
-    def faces(self) -> np.ndarray:
+    def faces(self, first: int = 0, last: int | None = None) -> np.ndarray:
         """See ``Life``."""
-        to_face = np.concatenate([[True], self.log(GAZE)[:-1] == len(self.directions)])[: self.lived]
-        return np.where(to_face, self.log(LOOKS_AT), self.spots + 1)
+        return faces_looked_at(self, len(self.directions), first, last)
 
     def named_variables(self) -> Variables:
         """See ``Life``: values of faces by what she mostly looked at, and regions by the place in them."""
-        counts = np.zeros((len(self.resolution.sensed) + 1, self.spots + 2), np.int64)
-        np.add.at(counts, (self.log(FACE), self.faces()), 1)
+        counts = confusion(self, FACE, self.faces, (len(self.resolution.sensed) + 1, self.spots + 2))
         truth = table_variables(self.body.table_config)
         variables, gaze = self.mind.variables, self.mind.variables.actions[0]
         names = list(gaze.values)
@@ -306,9 +305,9 @@ class ResolvedLife(Life):
         variables = replace(variables, actions=(Variable(gaze.name, tuple(names)), *variables.actions[1:]))
         return named_by_majority(variables, counts, truth.sensors[0].values)
 
-    def _advance(self, last: int, samples: np.ndarray, before: int) -> tuple[int, int]:
-        s, r = self._s, self._r
-        for t in range(self.lived, last):
+    def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
+        s, r, first = self._s, self._r, self.lived
+        for t in range(first, last):
             gaze, gesture = (int(value) for value in self.mind.mind.a[:2]) if t else (len(self.directions), 0)
             cell, there = self.body.turn(None if gaze == len(self.directions) else self.directions[gaze], gesture)
             s[0] = self.resolution.sensor(np.array([cell]))[0]
@@ -316,8 +315,8 @@ class ResolvedLife(Life):
             r[0] = self.frontal[s[0]]
             r[1:-1] = cell != NOTHING_SENSED and not r[0]
             r[-1] = there
-            found, _ = think_and_note(self.mind.mind, s, r, t, self._log, samples, before, self.sample_every)
-            self._log[t, -2:] = self.body.looks_at(), self.body.stage.table.state[OPTION]
+            found, _ = think_and_note(self.mind.mind, s, r, t, first, log, samples, self.sample_every)
+            log[t - first, -2:] = self.body.looks_at(), self.body.stage.table.state[OPTION]
             if found != NOTHING:
                 return t + 1, found
         return last, NOTHING

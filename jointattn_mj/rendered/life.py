@@ -77,21 +77,27 @@ class RenderedLife(SeeingLife):
         developer = Developer(self.senses.variables, mind, of_mind, reactive)
         super().__init__(developer, table, turns, sample_every)
 
+    def check(self) -> None:
+        """See ``Life``."""
+        super().check()
+        self.senses.check()
+        self.stage.world.check()
+
     def more(self) -> dict[str, Any]:
         """See ``Life``: who she was, and how well perception did."""
         who = {"caregiver": self.stage.world.config.scene.caregiver, "turns_watched_before": self.config.watching}
         return {**who, **super().more()}
 
-    def _advance(self, last: int, samples: np.ndarray, before: int) -> tuple[int, int]:
+    def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
         stage, first = self.stage, self.lived
         turns = _turns(
             stage.table, self.mind.mind, first, last, stage.sensors, stage.results, self._s, self._r,
-            self._log, samples, before, self.sample_every,
+            log, samples, self.sample_every,
         )  # fmt: skip
         for t in range(first, last):
             next(turns)
             self.see()
-            self._log[t, -3:] = stage.table.state[CAREGIVER], stage.table.state[OPTION], stage.sensors[1] == 0
+            log[t - first, -3:] = stage.table.state[CAREGIVER], stage.table.state[OPTION], stage.sensors[1] == 0
             found = next(turns)
             if found != NOTHING:
                 return t + 1, found
@@ -147,11 +153,11 @@ class RenderedLife(SeeingLife):
 
 
 @njit(cache=True)
-def _turns(table, mind, first, last, sensors, results, s, r, log, samples, before, every):
+def _turns(table, mind, first, last, sensors, results, s, r, log, samples, every):
     """Turns from ``first`` to ``last`` as a coroutine, for the call of a compiled function with a mind takes longer
     than its turn: stops when the table has lived a turn, so that ``s`` and ``r`` can be sensed, and again when the
     mind has thought, with what it has found."""
     for t in range(first, last):
         turn(table, mind.a, sensors, results)
         yield NOTHING
-        yield think_and_note(mind, s, r, t, log, samples, before, every)[0]
+        yield think_and_note(mind, s, r, t, first, log, samples, every)[0]

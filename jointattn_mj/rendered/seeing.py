@@ -1,10 +1,12 @@
 """What lives at a table that is seen have in common: an onlooker who knows what there was to be seen."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from jointattn_mj.contingency.events import Variables
+from jointattn_mj.recording.rows import spans
 from jointattn_mj.rendered.senses import named_by_majority
 from jointattn_mj.robots.developer import Developer
 from jointattn_mj.robots.life import Life
@@ -13,6 +15,8 @@ from jointattn_mj.symbolic.table import LOOKS_AT, TableConfig, table_variables, 
 
 OBJECT_THERE = "object at the centre"
 """Column of the log that the robot does not know; the last one."""
+PART_TURNS = 1 << 16
+"""Turns that are counted at a time."""
 
 
 class SeeingLife(Life):
@@ -28,11 +32,9 @@ class SeeingLife(Life):
         self.table, self.spots = table, table.spots
         self._truths = table_variables(table).sensors[0].values
 
-    def faces(self) -> np.ndarray:
+    def faces(self, first: int = 0, last: int | None = None) -> np.ndarray:
         """See ``Life``."""
-        to_face = len(self.mind.variables.joints[0].values) - 1
-        gaze = np.concatenate([[to_face], self.log(GAZE)[:-1]])[: self.lived]
-        return np.where(gaze == to_face, self.log(LOOKS_AT), self.spots + 1)
+        return faces_looked_at(self, len(self.mind.variables.joints[0].values) - 1, first, last)
 
     def named_variables(self) -> Variables:
         """See ``Life``: categories of faces by what she mostly looked at."""
@@ -50,12 +52,24 @@ class SeeingLife(Life):
 
     def confusion(self) -> np.ndarray:
         """(values of S1, spots + 2) how often each value was sensed under each truth; see ``faces``."""
-        counts = np.zeros((len(self.mind.variables.sensors[0].values), self.spots + 2), np.int64)
-        np.add.at(counts, (self.log(FACE), self.faces()), 1)
-        return counts
+        return confusion(self, FACE, self.faces, (len(self.mind.variables.sensors[0].values), self.spots + 2))
 
     def object_confusion(self) -> np.ndarray:
         """(2, 2) how often an object, or none, was sensed (rows) when there was one, or none (columns)."""
-        counts = np.zeros((2, 2), np.int64)
-        np.add.at(counts, (self.log(LOOKED_AT), 1 - self.log(OBJECT_THERE)), 1)
-        return counts
+        return confusion(self, LOOKED_AT, lambda first, last: 1 - self.log(OBJECT_THERE, first, last), (2, 2))
+
+
+def faces_looked_at(life: Life, to_face: int, first: int, last: int | None) -> np.ndarray:
+    """``Life.faces`` where the gaze command ``to_face`` turns to the caregiver's face, as the robot does at first."""
+    last = life.lived if last is None else last
+    before = life.log(GAZE, max(first - 1, 0), max(last - 1, 0))
+    gaze = np.concatenate([[to_face], before])[:last] if first == 0 else before
+    return np.where(gaze == to_face, life.log(LOOKS_AT, first, last), life.spots + 1)
+
+
+def confusion(life: Life, sensed: str, truth: Callable[[int, int], np.ndarray], shape: tuple[int, int]) -> np.ndarray:
+    """Counts (``shape``) of turns by what was sensed, a column of the log, and by ``truth`` of some turns."""
+    counts = np.zeros(shape, np.int64)
+    for first, last in spans(life.lived, PART_TURNS):
+        np.add.at(counts, (life.log(sensed, first, last), truth(first, last)), 1)
+    return counts

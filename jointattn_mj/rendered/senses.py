@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from jointattn_mj.contingency.events import Variable, Variables
+from jointattn_mj.finite import check_finite
 from jointattn_mj.options import Checked, Real
 from jointattn_mj.perception.categories import FaceCategories, GroupingConfig
 from jointattn_mj.perception.faces import FaceDetectorConfig
@@ -122,6 +123,14 @@ class Senses:
         greeted = np.bincount(votes, minlength=self._faces + 1)
         self.frontal = greeted > config.frontal_share * len(votes)
         self._likeliest = int(greeted.argmax())
+
+    def check(self) -> None:
+        """Go on only with finite numbers.
+
+        Raises:
+            NotFiniteError: The map of faces holds NaN or infinity.
+        """
+        check_finite({"map of faces": self.categories.som.weights})
 
     def read(self, gazed: Gazed, sensors: np.ndarray, results: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
         """Write the values of this turn.

@@ -18,6 +18,7 @@ from jointattn_mj.contingency.modules import Module, ReproductionConfig, make_mo
 from jointattn_mj.contingency.reactive import RandomModule, ReactiveModule
 from jointattn_mj.contingency.selector import NOBODY, Maps, SelectorConfig, flat_maps, select
 from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.finite import check_finite
 from jointattn_mj.one_type import one_type
 from jointattn_mj.options import Checked, Whole
 
@@ -211,6 +212,24 @@ class Developer:
         made = self._module(self.events[found])
         self._grow(found, made)
         return made
+
+    def check(self) -> None:
+        """Go on only with finite numbers.
+
+        Raises:
+            NotFiniteError: Counts, measures or maps hold NaN or infinity.
+        """
+        counts, maps = self.mind.counts, self.mind.maps
+        check_finite(
+            {
+                "counts": counts.cells,
+                "sums of counts": counts.contexts["sum"],
+                "contingency": self.mind.watch.values,
+                "reliability": maps.reliability,
+                "odds": maps.odds,
+                "trust": maps.trust,
+            }
+        )
 
     def drivers(self) -> list[str]:
         """Names of all modules, in the order that ``mind.driver`` counts them in."""

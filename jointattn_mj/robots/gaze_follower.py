@@ -12,7 +12,7 @@ from jointattn_mj.gaze import GazeConfig, HeadShift, gate_probability
 from jointattn_mj.learning import LearnerConfig, make_learner
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.percept import Perceiver, Percept
-from jointattn_mj.perception.som import SOM, SOMConfig
+from jointattn_mj.perception.som import SOM, SOMConfig, whole_number
 from jointattn_mj.scene.camera import direction_of, off_centre
 
 
@@ -228,8 +228,9 @@ class GazeFollower:
             som, size = SOM.from_arrays(arrays, self.config.som), self.perceiver.pattern_size
             if som.weights.shape[1] != size:
                 raise ConfigError(f"a map of faces of {size} numbers each is needed; got {som.weights.shape[1]}")
+            iterations = whole_number("iterations", weights["iterations"])
             self.learner.load(weights["learner"])
-            self.som, self.iterations = som, int(weights["iterations"])
+            self.som, self.iterations = som, iterations
         except KeyError as error:
             raise ConfigError(f"these weights lack {error}; {source}") from error
         except (ValueError, TypeError, IndexError) as error:

@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,8 @@ from jointattn_mj.contingency.detector import NOTHING
 from jointattn_mj.contingency.events import Event, Variables
 from jointattn_mj.contingency.modules import Module
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.recording.rows import RowStore
+from jointattn_mj.robots.contingency_log import ContingencyLog
 from jointattn_mj.robots.developer import Developer, think
 
 
@@ -35,6 +38,7 @@ class Life(ABC):
         lived: Turns so far, of ``turns``.
         found: What was found to be contingent, in its order.
         columns: Names in the log.
+        noted: The contingency of all events, now and then.
         witnessed: Those of them that the robot does not know, and what their values are called.
     """
 
@@ -57,20 +61,21 @@ class Life(ABC):
         names = [variable.name for variable in (*variables.sensors, *variables.results, *variables.joints)]
         drivers = [f"driver of {joint.name}" for joint in variables.joints]
         self.columns = (*names, *drivers, *witnessed)
-        self._log = np.zeros((turns, len(self.columns)), np.int8)
-        self._samples: list[np.ndarray] = [self._blank_samples()]
+        self._log = RowStore("turns", np.int8, len(self.columns))
+        self.noted = ContingencyLog(sample_every, len(mind.events))
 
     @abstractmethod
-    def _advance(self, last: int, samples: np.ndarray, before: int) -> tuple[int, int]:
+    def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
         """Live up to turn ``last``, or until something is found; returns how far it came, and which event.
 
-        Every turn writes its row of the log, and with ``think_and_note`` those of ``samples``.
+        Every turn writes its row of ``log``, whose first is that of turn ``lived``, and with ``think_and_note`` those
+        of ``samples``.
         """
 
     @abstractmethod
-    def faces(self) -> np.ndarray:
-        """(lived,) the caregiver's face as it was when the robot acted, in truth: 0 to spots - 1 looking at a spot,
-        ``spots`` looking at the robot, ``spots + 1`` not looked at by it."""
+    def faces(self, first: int = 0, last: int | None = None) -> np.ndarray:
+        """(last - first,) the caregiver's face as it was when the robot acted, in truth: 0 to spots - 1 looking at a
+        spot, ``spots`` looking at the robot, ``spots + 1`` not looked at by it; turns as in ``log``."""
 
     @property
     def spent(self) -> float:
@@ -85,13 +90,24 @@ class Life(ABC):
         """What else there is to say about this life, for the summary."""
         return {}
 
+    def check(self) -> None:
+        """Go on only with finite numbers; asked before every checkpoint and before results are written.
+
+        Raises:
+            NotFiniteError: What was learned, or the simulation, is NaN or infinite.
+        """
+        self.mind.check()
+
     def live(self, turns: int) -> list[Found]:
         """Live so many turns more, or what is left of them; returns what was found in them."""
         known, last = len(self.found), min(self.turns, self.lived + turns)
         while self.lived < last:
-            samples = self._samples[-1]
-            before = self.turns // self.sample_every - len(samples)
-            self.lived, found = self._advance(self._pause(last), samples, before)
+            first, log, samples = self.lived, self._log.free(), self.noted.free()
+            noted = first // self.sample_every
+            room = (noted + len(samples) + 1) * self.sample_every - 1
+            self.lived, found = self._advance(min(self._pause(last), first + len(log), room), log, samples)
+            self._log.fill(self.lived - first)
+            self.noted.fill(self.lived // self.sample_every - noted)
             self.take_in(found)
         return self.found[known:]
 
@@ -101,64 +117,54 @@ class Life(ABC):
         if found != NOTHING:
             self.found.append(Found(self.lived, self.mind.events[found], module))
         if module is not None:
-            self._samples[-1] = self._samples[-1][: self._sampled()].copy()  # without the rows that it will not fill
-            self._samples.append(self._blank_samples())
+            self.noted.widen(len(self.mind.events))
 
-    def log(self, column: str) -> np.ndarray:
-        """(lived,) values of a column, one a turn: positions among a variable's values, modules, spots or options."""
-        return self._log[: self.lived, self.columns.index(column)]
+    def log(self, column: str, first: int = 0, last: int | None = None) -> np.ndarray:
+        """(last - first,) values of a column, one a turn: positions among a variable's values, modules, spots or
+        options; of the turns from ``first`` to before ``last``, or all."""
+        return self._log.column(self.columns.index(column), first, last)
 
     def contingency(self) -> tuple[np.ndarray, np.ndarray]:
         """Turns (n,) after which it was noted, and each event's measure (n, events); NaN before an event existed."""
-        values = np.full((self.lived // self.sample_every, len(self.mind.events)), np.nan)
-        row = 0
-        for samples in self._samples:
-            part = samples[: len(values) - row]
-            values[row : row + len(part), : part.shape[1]] = part
-            row += len(part)
-        return (np.arange(len(values)) + 1) * self.sample_every, values
+        return self.noted.turns(), self.noted.values()
+
+    def attach(self, folder: Path) -> None:
+        """Keep what is written down in ``folder`` from now on, and not in memory (see ``RowStore``)."""
+        for rows in self._written_down():
+            rows.attach(folder)
+
+    def recall(self, folder: Path) -> None:
+        """Take what was written down in ``folder`` back into memory (see ``RowStore``)."""
+        for rows in self._written_down():
+            rows.recall(folder)
+
+    def _written_down(self) -> tuple[RowStore | ContingencyLog, ...]:
+        return self._log, self.noted
 
     def _pause(self, last: int) -> int:
         """Up to which turn the mind needs nothing but to think."""
         every = self.mind.config.refresh_every
         return min(last, (self.lived // every + 1) * every) if every else last
 
-    def _blank_samples(self) -> np.ndarray:
-        left = self.turns // self.sample_every - self.lived // self.sample_every
-        return np.empty((left, len(self.mind.events)))
-
-    def _sampled(self) -> int:
-        """How many rows of the last samples are filled."""
-        return len(self._samples[-1]) - (self.turns // self.sample_every - self.lived // self.sample_every)
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Only the rows that are filled."""
-        samples = [*self._samples[:-1], self._samples[-1][: self._sampled()]]
-        return {**self.__dict__, "_log": self._log[: self.lived], "_samples": samples}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        log, filled = self._log, self._samples[-1]
-        self._log = np.zeros((self.turns, len(self.columns)), np.int8)
-        self._log[: self.lived] = log
-        left = self.turns // self.sample_every - self.lived // self.sample_every
-        self._samples[-1] = np.empty((len(filled) + left, filled.shape[1]))
-        self._samples[-1][: len(filled)] = filled
-
 
 @njit(cache=True, forceinline=True)
-def think_and_note(mind, s, r, t, log, samples, before, every):
-    """Turn ``t`` of a mind, written down; returns the event that it found, and in which column the log goes on."""
+def think_and_note(mind, s, r, t, first, log, samples, every):
+    """Turn ``t`` of a mind, written down; returns the event that it found, and in which column the log goes on.
+
+    The rows of ``log`` and ``samples`` are those from turn ``first`` on.
+    """
     found = think(mind, s, r)
     joints, place = len(mind.driver), 0
+    row = log[t - first]
     for values in (s, r):
         for value in values:
-            log[t, place] = value
+            row[place] = value
             place += 1
     for joint in range(joints):
-        log[t, place + joint] = mind.a[joint]
-        log[t, place + joints + joint] = mind.driver[joint]
+        row[place + joint] = mind.a[joint]
+        row[place + joints + joint] = mind.driver[joint]
     if (t + 1) % every == 0:
+        note = samples[(t + 1) // every - 1 - first // every]
         for event in range(len(mind.watch.values)):
-            samples[(t + 1) // every - 1 - before, event] = mind.watch.values[event]
+            note[event] = mind.watch.values[event]
     return found, place + 2 * joints

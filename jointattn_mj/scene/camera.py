@@ -4,9 +4,8 @@ Pixels have x to the right and y down. Directions are pairs (pan, tilt) in degre
 the head angles that would bring a thing to the centre of view. Pan is positive to the robot's left, tilt upwards.
 """
 
-import os
 from math import atan2, cos, degrees, hypot, radians, sin, tan
-from typing import ClassVar
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -56,10 +55,22 @@ def directions_to(points: np.ndarray) -> np.ndarray:
 def pixels_of_points(points: np.ndarray, head: np.ndarray) -> np.ndarray:
     """Pixels (k, 2) at which points (k, 3) in the world, metres, appear while the head stands at ``head``, degrees."""
     pan, tilt = radians(head[0]), radians(head[1])
+    return _pixels(points, cos(pan), sin(pan), cos(tilt), sin(tilt))
+
+
+def pixels_of_point(point: np.ndarray, heads: np.ndarray) -> np.ndarray:
+    """Pixels (k, 2) at which a point (3,) in the world, metres, appears while the head stands at ``heads`` (k, 2),
+    degrees; the same numbers as one after the other."""
+    turns = [(cos(pan), sin(pan), cos(tilt), sin(tilt)) for pan, tilt in np.radians(heads.astype(float)).tolist()]
+    return _pixels(point[None], *np.array(turns).reshape(-1, 4).T)
+
+
+def _pixels(points: np.ndarray, cos_pan: Any, sin_pan: Any, cos_tilt: Any, sin_tilt: Any) -> np.ndarray:
+    """Pixels of many points under one turn of the head, or of one point under many."""
     x, y, z = (points - PIVOT).T
-    ahead = cos(pan) * x + sin(pan) * y
-    depth, up = cos(tilt) * ahead + sin(tilt) * z, cos(tilt) * z - sin(tilt) * ahead
-    left = cos(pan) * y - sin(pan) * x
+    ahead = cos_pan * x + sin_pan * y
+    depth, up = cos_tilt * ahead + sin_tilt * z, cos_tilt * z - sin_tilt * ahead
+    left = cos_pan * y - sin_pan * x
     return np.stack([CENTRE_X - FOCAL_PX * left / depth, CENTRE_Y - FOCAL_PX * up / depth], axis=1)
 
 
@@ -76,9 +87,6 @@ class Eye:
     own rendering context, so that dm_control's ``physics.render`` and wrappers work beside it. It makes the calls of
     dm_control's ``Camera.render`` that a plain picture needs, which saves 4 percent of it.
     """
-
-    _opened_in: ClassVar[int | None] = None
-    """The process that first rendered; its OpenGL does not survive in one that is forked from it."""
 
     def __init__(
         self, physics: Physics, camera: str = "robot/eye", width: int = PICTURE_WIDTH, height: int = PICTURE_HEIGHT
@@ -109,14 +117,11 @@ class Eye:
         mujoco.mjr_readPixels(self._read, None, self._rectangle, context)
 
     def _open(self) -> Camera:
-        if gl.rendering_disabled():
-            raise GLError(gl.why_not())
-        if Eye._opened_in not in (None, os.getpid()):
-            raise GLError("a process cannot render that was forked from one that has; start it by spawn or forkserver")
-        Eye._opened_in = os.getpid()
         try:
             camera = Camera(self._physics, *self._size, camera_id=self._name)
             camera.render()
+        except GLError:
+            raise
         except Exception as error:  # PyOpenGL, mujoco and dm_control raise a dozen kinds here
             raise GLError(f"The OpenGL library could not open an offscreen picture ({error}). {gl.INSTALL}") from error
         return camera

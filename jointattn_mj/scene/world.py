@@ -14,7 +14,11 @@ from dm_control.mujoco import Physics
 from dm_control.mujoco.wrapper import MjModel
 from numba import njit
 
+from jointattn_mj.closing import Closable
+from jointattn_mj.errors import NotFiniteError
+from jointattn_mj.finite import check_finite
 from jointattn_mj.options import Checked
+from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.camera import Eye
 from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer
 from jointattn_mj.scene.delay import Past
@@ -22,6 +26,7 @@ from jointattn_mj.scene.dressing import Conditions, Wardrobe, upload
 from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.model import SceneConfig, build_model, rest_height
 from jointattn_mj.scene.movement import ARM_JOINTS, Arm
+from jointattn_mj.scene.rendering import RenderingPhysics
 
 EYE_JOINTS = ("eye_left_yaw", "eye_left_pitch", "eye_right_yaw", "eye_right_pitch")
 SCRIPTED_JOINTS = tuple(f"caregiver/{name}" for name in ("neck_yaw", "neck_pitch", *EYE_JOINTS, *ARM_JOINTS))
@@ -29,7 +34,11 @@ HEAD_JOINTS = ("robot/pan", "robot/tilt")
 HEAD_STILL_DEG_S = 0.5
 """Below this speed the head counts as still: less than a tenth of a pixel from one picture to the next."""
 
+UNSTABLE = tuple(getattr(mujoco.mjtWarning, f"mjWARN_BAD{name}") for name in ("QPOS", "QVEL", "QACC", "CTRL"))
+"""What MuJoCo counts when it meets NaN or huge numbers."""
 _HEAD_STILL = np.radians(HEAD_STILL_DEG_S)
+_KEPT = ("caregiver", "rendered_frames", "_objects_before", "_points", "_past")
+"""Attributes of a world that are its state, beside ``config`` and ``conditions``; others look up what the model has."""
 
 
 @dataclass(frozen=True)
@@ -55,10 +64,10 @@ AS_USUAL = Conditions()
 
 def build_physics(config: WorldConfig, conditions: Conditions = AS_USUAL) -> Physics:
     """dm_control's physics over the compiled scene, with textures where ``conditions`` put patterns on them."""
-    return Physics.from_model(MjModel(build_model(config.scene, blank=conditions.surfaces.contrast > 0)))
+    return RenderingPhysics.from_model(MjModel(build_model(config.scene, blank=conditions.surfaces.contrast > 0)))
 
 
-class World:
+class World(Closable):
     """Body and script over a physics; one ``step`` is one camera frame of 1/30 s, or ``frames`` of them."""
 
     frames: int = 1
@@ -205,25 +214,56 @@ class World:
         moved[-1] = face > np.radians(face_above_deg_s)
         return moved
 
+    def check(self) -> None:
+        """Go on only with a simulation that is stable.
+
+        Raises:
+            NotFiniteError: Joints are where no number says, or MuJoCo has begun anew because they were.
+        """
+        check_finite({"joint angles": self.data.qpos, "joint velocities": self.data.qvel, "controls": self.data.ctrl})
+        if any(self.data.warning[kind].number for kind in UNSTABLE):
+            raise NotFiniteError(
+                "the simulation became unstable: some option of the caregiver's or the robot's movement is too large"
+            )
+
     def close(self) -> None:
-        """Free model, data and rendering context."""
-        self.physics.free()
+        """Free model, data and rendering context; whatever the world is asked for afterwards is a ``ClosedError``."""
+        if not self.closed:
+            self.physics.free()
+            self._shut()
+
+    def get_state(self) -> dict[str, Any]:
+        """Everything that the next frame depends on, as plain data; nothing that happens later changes it."""
+        return {name: snapshot.take(value) for name, value in self.__getstate__().items()}
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Be as a world with the same people and objects was at its ``get_state``; ``state`` can be used again."""
+        config, conditions = state["config"], state["conditions"]
+        if (config, conditions) != (self.config, self.conditions):
+            self.vary(config, conditions)
+        for name in _KEPT:
+            setattr(self, name, snapshot.put(getattr(self, name), state[name]))
+        self._integrate_from(state["integration"])
 
     def __getstate__(self) -> dict[str, Any]:
         """Everything that the next frame depends on; the model is built anew from the config."""
         integration = np.empty(mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_INTEGRATION))
         mujoco.mj_getState(self.model, self.data, integration, mujoco.mjtState.mjSTATE_INTEGRATION)
-        kept = ("config", "conditions", "caregiver", "rendered_frames", "_objects_before", "_points", "_past")
+        kept = ("config", "conditions", *_KEPT)
         return {"integration": integration, **{name: getattr(self, name) for name in kept}}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        integration = state.pop("integration")
         config, conditions = state["config"], state["conditions"]
         self._bind(config, build_physics(config, conditions))
         self.vary(config, conditions)
-        self.__dict__.update(state)
+        self.__dict__.update({name: state[name] for name in _KEPT})
+        self._integrate_from(state["integration"])
+
+    def _integrate_from(self, integration: np.ndarray) -> None:
+        """Let bodies stand and move as they did in another world with the same model."""
         mujoco.mj_setState(self.model, self.data, integration, mujoco.mjtState.mjSTATE_INTEGRATION)
         mujoco.mj_step1(self.model, self.data)
+        self._picture = None
 
 
 @njit(cache=True)

@@ -7,10 +7,13 @@ table it shifts to the caregiver, stays, or shifts to another spot. Each turn is
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.robots.life import Life
+from jointattn_mj.symbolic.meaning import GAZE
 
 FG, NFG, KEC, SC, SS, SO = range(6)
 BEHAVIOURS = (
@@ -52,7 +55,35 @@ def behaviours(face: np.ndarray, gaze: np.ndarray, spots: int) -> np.ndarray:
     return found
 
 
-def moving_rates(found: np.ndarray, turns: np.ndarray, window: int = WINDOW) -> np.ndarray:
+class Series(Protocol):
+    """An array, or what gives parts of one: (turns,) numbers of BEHAVIOURS."""
+
+    def __len__(self) -> int:
+        """Turns."""
+
+    def __getitem__(self, part: slice, /) -> np.ndarray:
+        """Some successive turns."""
+
+
+class BehaviourLog:
+    """What each turn of a life was, worked out from its log where it is asked for: ``BehaviourLog(life)[100:200]``."""
+
+    def __init__(self, life: Life):
+        self._life = life
+
+    def __len__(self) -> int:
+        """Turns that have been lived."""
+        return self._life.lived
+
+    def __getitem__(self, part: slice, /) -> np.ndarray:
+        """(turns,) int8 of some successive turns, what ``behaviours`` says."""
+        first, last, _ = part.indices(len(self))
+        before = max(first - 1, 0)
+        life = self._life
+        return behaviours(life.faces(before, last), life.log(GAZE, before, last), life.spots)[first - before :]
+
+
+def moving_rates(found: Series, turns: np.ndarray, window: int = WINDOW) -> np.ndarray:
     """Rate of each behaviour over the last ``window`` turns, (len(turns), 6); over fewer where there were not so many.
 
     Args:
@@ -60,13 +91,15 @@ def moving_rates(found: np.ndarray, turns: np.ndarray, window: int = WINDOW) -> 
         turns: After how many turns it is asked; each from 1 to all.
         window: Turns.
     """
-    turns = np.asarray(turns, np.int64)
-    first = np.maximum(turns - window, 0)
     rates = np.empty((len(turns), len(BEHAVIOURS)))
-    for number in range(len(BEHAVIOURS)):
-        upto = np.concatenate([np.zeros(1, np.int32), np.cumsum(found == number, dtype=np.int32)])
-        rates[:, number] = (upto[turns] - upto[first]) / (turns - first)
+    for row, turn in zip(rates, np.asarray(turns).tolist(), strict=True):
+        row[:] = _rates(found[max(turn - window, 0) : turn])
     return rates
+
+
+def _rates(found: np.ndarray) -> np.ndarray:
+    """How often each behaviour occurs in some turns, at least one, (6,)."""
+    return np.bincount(found, minlength=len(BEHAVIOURS)) / len(found)
 
 
 @dataclass(frozen=True)
@@ -81,7 +114,7 @@ class Phase:
     """Of each behaviour over its last turns, WINDOW of them or all that it has."""
 
 
-def phases(found: np.ndarray, made: Sequence[int], window: int = WINDOW) -> list[Phase]:
+def phases(found: Series, made: Sequence[int], window: int = WINDOW) -> list[Phase]:
     """The phases P1, P2, ... of Fig. 5.5: up to the first module, between two, and after the last.
 
     Args:
@@ -93,6 +126,5 @@ def phases(found: np.ndarray, made: Sequence[int], window: int = WINDOW) -> list
     parts = []
     for first, last in pairwise(bounds):
         if last > first:
-            counts = np.bincount(found[max(first, last - window) : last], minlength=len(BEHAVIOURS))
-            parts.append(Phase(first, last, tuple((counts / counts.sum()).tolist())))
+            parts.append(Phase(first, last, tuple(_rates(found[max(first, last - window) : last]).tolist())))
     return parts

@@ -13,7 +13,9 @@ from matplotlib.lines import Line2D
 from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
 from jointattn_mj.recording.pictures import save
-from jointattn_mj.symbolic.behaviour import BEHAVIOURS, SC, SHORT, WINDOW, Phase, moving_rates
+from jointattn_mj.recording.rows import PART_BYTES, spans
+from jointattn_mj.robots.contingency_log import ContingencyLog
+from jointattn_mj.symbolic.behaviour import BEHAVIOURS, SC, SHORT, WINDOW, Phase, Series, moving_rates
 
 INKS = ("#c0392b", "#2471a3", "#1e8449", "#b9770e", "#7d3c98", "#148f77", "#5d6d7e", "#d35400", "#2e4053", "#af7ac5")
 """Of modules, in the order in which they were made."""
@@ -46,36 +48,36 @@ class Made:
 
 
 def draw_contingency(
-    path: Path, turns: np.ndarray, values: np.ndarray, names: Sequence[str], made: Sequence[Made], measure: str
+    path: Path, noted: ContingencyLog, names: Sequence[str], made: Sequence[Made], measure: str
 ) -> None:
     """Contingency of every event that was ever one of the two highest (Fig. 5.3), on a logarithmic axis.
 
     Args:
         path: PNG file.
-        turns: (n,) after which the measure was noted.
-        values: (n, events) the measure; NaN before an event existed.
+        noted: The measure of all events over time.
         names: (events,) in words.
         made: Modules in their order; triangles mark where they were made.
         measure: Name and unit for the axis.
     """
-    shown = _ever_two_highest(values)
+    last = max(1, len(noted) * noted.every)
+    end = _end(made, last)
+    few = np.unique(np.linspace(0, min(len(noted), (end - 1) // noted.every), MOST_POINTS).astype(int))
+    few = few[few < len(noted)]
+    curves = _curves(noted, few)
+    shown, turns = curves.shown, (few + 1) * noted.every
     figure = Figure(figsize=(9, 4 + 0.18 * -(-len(shown) // 2)), layout="constrained")
     axes = figure.subplots()
     claimed = {one.event: number for number, one in enumerate(made)}
-    last = int(turns[-1]) if len(turns) else 1
-    end = _end(made, last)
-    few = np.unique(np.linspace(0, np.searchsorted(turns, end), MOST_POINTS).astype(int))
-    few = few[few < len(turns)]
     for event in [*(event for event in shown if event not in claimed), *claimed]:
         number = claimed.get(event)
-        curve = np.where(values[few, event] > 0, values[few, event], np.nan)
+        curve = np.where(curves.values[:, event] > 0, curves.values[:, event], np.nan)
         if number is None:
             others = len([other for other in axes.get_lines() if other.get_zorder() == 2])
             ink, dash = PALE[others % len(PALE)], ("-", "--", ":")[others // len(PALE) % 3]
-            axes.plot(turns[few], curve, lw=1, ls=dash, color=ink, label=names[event], zorder=2)
+            axes.plot(turns, curve, lw=1, ls=dash, color=ink, label=names[event], zorder=2)
         else:
             label = f"{number + 1}: {names[event]}"
-            axes.plot(turns[few], curve, lw=2.2, color=INKS[number % len(INKS)], label=label, zorder=3)
+            axes.plot(turns, curve, lw=2.2, color=INKS[number % len(INKS)], label=label, zorder=3)
     for number, one in enumerate(made):
         ink = INKS[number % len(INKS)]
         axes.axvline(one.turn, color=ink, lw=0.8, ls=":", zorder=1)
@@ -84,10 +86,9 @@ def draw_contingency(
             one.turn, 1.05, str(number + 1), transform=axes.get_xaxis_transform(), ha="center", va="bottom",
             color=ink, weight="bold",
         )  # fmt: skip
-    highest = np.nanmax(values, initial=0.0)
-    if highest > 0:
+    if curves.highest > 0:
         axes.set_yscale("log")
-        axes.set_ylim(highest * LEAST_SHARE, highest * 1.6)
+        axes.set_ylim(curves.highest * LEAST_SHARE, curves.highest * 1.6)
     axes.set(xlabel=_turns(end, last), ylabel=measure, xlim=(0, end))
     _thousands(axes)
     axes.grid(alpha=0.3)
@@ -101,7 +102,7 @@ def draw_contingency(
     save(figure, path)
 
 
-def draw_behaviour(path: Path, found: np.ndarray, parts: Sequence[Phase], made: Sequence[Made]) -> None:
+def draw_behaviour(path: Path, found: Series, parts: Sequence[Phase], made: Sequence[Made]) -> None:
     """Rates of the six behaviours over the last WINDOW turns (Fig. 5.5), with the phases between modules.
 
     Args:
@@ -211,16 +212,34 @@ def _draw_map(axes: Axes, one: MapPicture) -> None:
     axes.set_title(f"{textwrap.fill(one.title, 48)}\n{one.variables.describe(event)}", fontsize=9)
 
 
-def _ever_two_highest(values: np.ndarray) -> list[int]:
+@dataclass(frozen=True)
+class _Curves:
+    """What there is to draw of the contingency of all events."""
+
+    values: np.ndarray
+    """(points, events)."""
+    shown: list[int]
     """Events that were among the two highest at any time, the highest at the end first."""
-    filled = np.where(np.isnan(values), -np.inf, values)
-    if not filled.size:
-        return []
-    last = filled[-1].copy()
-    first = filled.argmax(axis=1)
-    filled[np.arange(len(filled)), first] = -np.inf
-    two = np.union1d(first, filled.argmax(axis=1))
-    return sorted((int(event) for event in two), key=lambda event: -last[event])
+    highest: float
+    """The highest value of all, at least 0."""
+
+
+def _curves(noted: ContingencyLog, points: np.ndarray) -> _Curves:
+    """Go through all that was noted, a part at a time, and keep the rows ``points``."""
+    kept, two, highest = list[np.ndarray](), set[int](), 0.0
+    last = np.full((1, noted.events), np.nan)
+    for first, end in spans(len(noted), max(1, PART_BYTES // (8 * noted.events))):
+        values = noted.values(first, end)
+        kept.append(values[points[(points >= first) & (points < end)] - first])
+        highest = np.nanmax(values, initial=highest)
+        values[np.isnan(values)] = -np.inf
+        last = values[-1:].copy() if len(values) else last
+        for _ in range(2):
+            best = values.argmax(axis=1)
+            two.update(best.tolist())
+            values[np.arange(len(values)), best] = -np.inf
+    shown = sorted(sorted(two), key=lambda event: -last[0, event])
+    return _Curves(np.concatenate(kept), shown, highest)
 
 
 def _end(made: Sequence[Made], lived: int) -> int:

@@ -43,25 +43,22 @@ class TableLife(Life):
         developer = Developer(table_variables(world), mind, of_mind, reactive)
         super().__init__(developer, turns, sample_every, table_witnessed(world))
 
-    def _advance(self, last: int, samples: np.ndarray, before: int) -> tuple[int, int]:
-        return _live(
-            self.table, self.mind.mind, self.lived, last, self._s, self._r, self._log, samples, before,
-            self.sample_every,
-        )  # fmt: skip
+    def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
+        return _live(self.table, self.mind.mind, self.lived, last, self._s, self._r, log, samples, self.sample_every)
 
-    def faces(self) -> np.ndarray:
+    def faces(self, first: int = 0, last: int | None = None) -> np.ndarray:
         """See ``Life``; here that is what the robot senses."""
-        return self.log(FACE)
+        return self.log(FACE, first, last)
 
 
 @njit(cache=True)
-def _live(table, mind, first, last, s, r, log, samples, before, every):
+def _live(table, mind, first, last, s, r, log, samples, every):
     """Turns from ``first`` to ``last``, or until something is found; returns how far it came, and which event."""
     for t in range(first, last):
         turn(table, mind.a, s, r)
-        found, place = think_and_note(mind, s, r, t, log, samples, before, every)
-        log[t, place] = table.state[CAREGIVER]
-        log[t, place + 1] = table.state[OPTION]
+        found, place = think_and_note(mind, s, r, t, first, log, samples, every)
+        log[t - first, place] = table.state[CAREGIVER]
+        log[t - first, place + 1] = table.state[OPTION]
         if found != NOTHING:
             return t + 1, found
     return last, NOTHING

@@ -6,43 +6,30 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
 from jointattn_mj.recording.columns import described
 from jointattn_mj.recording.files import write_whole
+from jointattn_mj.recording.parquet import write_parts
+from jointattn_mj.recording.rows import spans
 from jointattn_mj.robots.life import Life
-from jointattn_mj.symbolic.behaviour import SHORT
+from jointattn_mj.symbolic.behaviour import SHORT, BehaviourLog
 
-ROWS = 1 << 20
+ROWS = 1 << 17
 """Turns that are put into words at a time."""
+PART_BYTES = 1 << 23
+"""Of the contingency that is written at a time."""
 
 
-def write_turns(path: Path, life: Life, found: np.ndarray) -> None:
-    """Write the log as Parquet, a row a turn; ``found`` (turns,) is what ``behaviours`` says."""
-
-    def write(temporary: Path) -> None:
-        parts = _turns(life, found)
-        first = next(parts)
-        with pq.ParquetWriter(temporary, first.schema, compression="zstd") as writer:
-            writer.write_table(first)
-            for part in parts:
-                writer.write_table(part)
-
-    write_whole(path, write)
+def write_turns(path: Path, life: Life) -> None:
+    """Write the log as Parquet, a row a turn."""
+    write_parts(path, _turns(life))
 
 
 def write_contingency(path: Path, life: Life) -> None:
     """Write the measure of every event as Parquet, a row each time it was noted; null before the event existed."""
-    turns, values = life.contingency()
-    unit = f"{life.mind.config.detector.measure} in units of base {life.mind.config.detector.base:g}"
-    columns, meanings = {"turn": pa.array(turns)}, {"turn": "turns lived"}
-    for number, event in enumerate(life.mind.events):
-        name = life.mind.variables.describe(event)
-        columns[name], meanings[name] = pa.array(values[:, number], from_pandas=True), unit
-    table = described(pa.table(columns), meanings)
-    write_whole(path, lambda temporary: pq.write_table(table, temporary, compression="zstd"))
+    write_parts(path, _contingency(life))
 
 
 def write_map(path: Path, variables: Variables, module: Module) -> None:
@@ -65,7 +52,19 @@ def write_map(path: Path, variables: Variables, module: Module) -> None:
     write_whole(path, write)
 
 
-def _turns(life: Life, found: np.ndarray) -> Iterator[pa.Table]:
+def _contingency(life: Life) -> Iterator[pa.Table]:
+    """What was noted in parts of some turns; at least one, which may be empty."""
+    unit = f"{life.mind.config.detector.measure} in units of base {life.mind.config.detector.base:g}"
+    names = [life.mind.variables.describe(event) for event in life.mind.events]
+    meanings = {"turn": "turns lived", **dict.fromkeys(names, unit)}
+    for first, last in spans(len(life.noted), max(1, PART_BYTES // (8 * len(names)))):
+        values = life.noted.values(first, last)
+        columns = {"turn": pa.array(life.noted.turns(first, last))}
+        columns |= {name: pa.array(values[:, number], from_pandas=True) for number, name in enumerate(names)}
+        yield described(pa.table(columns), meanings)
+
+
+def _turns(life: Life) -> Iterator[pa.Table]:
     """The log in parts of ROWS turns; at least one, which may be empty."""
     variables, meanings = life.mind.variables, {"turn": "counted from 1"}
     worlds = variables.sensors[: len(variables.sensors) - variables.modules]
@@ -81,14 +80,15 @@ def _turns(life: Life, found: np.ndarray) -> Iterator[pa.Table]:
     drivers = {f"driver of {joint.name}": "module that gave the command" for joint in variables.joints}
     meanings |= {**drivers, "behaviour": behaviour}
     names, codes = _drivers(life)
-    for first in range(0, max(life.lived, 1), ROWS):
-        part = slice(first, min(first + ROWS, life.lived))
-        columns = {"turn": pa.array(np.arange(part.start, part.stop) + 1)}
-        columns |= {name: _in_words(life.log(name)[part], values) for name, values in words.items()}
-        made = np.searchsorted(_made(life), np.arange(part.start, part.stop), side="right")
+    done = BehaviourLog(life)
+    for first, last in spans(life.lived, ROWS):
+        turns = np.arange(first, last)
+        columns = {"turn": pa.array(turns + 1)}
+        columns |= {name: _in_words(life.log(name, first, last), values) for name, values in words.items()}
+        made = np.searchsorted(_made(life), turns, side="right")
         for name in drivers:
-            columns[name] = _in_words(codes[made, life.log(name)[part]], names)
-        columns["behaviour"] = _in_words(found[part], SHORT)
+            columns[name] = _in_words(codes[made, life.log(name, first, last)], names)
+        columns["behaviour"] = _in_words(done[first:last], SHORT)
         yield described(pa.table(columns), meanings)
 
 

@@ -13,8 +13,8 @@ from jointattn_mj.gaze import gate_probability
 from jointattn_mj.recording.composer import DOES, verdict_in_words
 from jointattn_mj.recording.paint import FAINT, GREEN, LEARNED, Colour
 from jointattn_mj.recording.panels import face_cells, lit
+from jointattn_mj.recording.shifts import ShiftRow
 from jointattn_mj.recording.summary import rate_of_success
-from jointattn_mj.recording.tables import ShiftRow
 from jointattn_mj.session import FRAMES_PER_MINUTE, Session
 
 TURNS = "turns its head"
@@ -83,11 +83,11 @@ class Mind:
 
     def _write_success(self, session: Session) -> None:
         """eq. 6.9 up to now; later shifts do not change what is written."""
-        rows = [row for row in session.shifts if row.face_to_object]
-        if rows and rows[-1] is session.shifts[-1]:
+        counts = session.shifts.column("face_to_object") == 1
+        if counts[-1]:
             now = np.array([session.frame / FRAMES_PER_MINUTE])
-            at_minutes = np.array([row.landing_s / 60 for row in rows])
-            rate = rate_of_success(now, at_minutes, np.array([bool(row.success) for row in rows]))
+            landed, success = (session.shifts.column(name)[counts] for name in ("landing_s", "success"))
+            rate = rate_of_success(now, landed / 60, success == 1)
             self._rows.log.log(at.SUCCESS, rr.Scalars(rate))
 
     def _write(self, path: str, value: Any, make: Callable[[], Any]) -> None:

@@ -1,0 +1,118 @@
+"""The classes that a session, a developing life or a watcher of videos consists of, by name.
+
+A checkpoint can hold objects of these and of the module that the caller names, and of nothing else: what is not on the
+list is neither written nor looked up. None of them does anything when it is made without its constructor; whatever
+opens files, starts programs or listens stays off the list.
+"""
+
+from importlib import import_module
+from types import MemberDescriptorType
+from typing import Any
+
+PACKAGE = __name__.split(".")[0]
+_CLASSES = """
+attention: AttentionConfig AttentionSelector
+contingency.counts: Counts
+contingency.detector: DetectorConfig Rule Watch
+contingency.events: Event Variable Variables
+contingency.modules: Module ReproductionConfig
+contingency.reactive: AvoidingModule RandomModule
+contingency.selector: Maps SelectorConfig
+footage.faces: FaceAlbum
+footage.fixations: Fixation Fixations
+footage.frame_map: FrameMap
+footage.watcher: Watcher
+gaze: GazeConfig HeadShift
+learning: LearnerConfig LinearLearner PopulationCode PopulationLearner
+network_learner: NetworkLearner
+perception.categories: FaceCategories GroupingConfig
+perception.faces: FaceDetector FaceDetectorConfig FaceFix
+perception.motion: Motion MotionConfig MotionDetector
+perception.objects: Areas ColourAreas ColourConfig
+perception.percept: Percept
+perception.pixels: PixelConfig PixelPerception
+perception.som: SOM SOMConfig
+perception.truth: TruthConfig TruthPerception
+perception.views: ViewBank
+realtime.life: RealtimeConfig RealtimeLife
+realtime.partner: Partner PartnerConfig PartnerWorld
+recording.rows: RowStore
+recording.shifts: Shifts
+recording.tables: FrameTable
+referee: Moment
+rendered.life: RenderedConfig RenderedLife
+rendered.senses: Senses SensesConfig
+rendered.stage: Stage StageConfig
+robots.contingency_log: ContingencyLog
+robots.developer: Developer DeveloperConfig Mind Past
+robots.gaze_follower: FamiliariseConfig GazeFollower GazeShift RobotConfig
+robots.life: Found
+scene.caregiver: CaregiverConfig ObjectTransfer Phase Plan
+scene.delay: Past
+scene.dressing: Conditions Lamp Surfaces
+scene.layout: Layout LayoutConfig
+scene.looker: Told TurnWorld
+scene.model: ObjectConfig SceneConfig
+scene.movement: Arm
+scene.people: FaceConfig
+scene.sensor: Sensor
+scene.world: Observation World WorldConfig
+session: Session
+symbolic.caregiver: CaregiverConfig Rules
+symbolic.life: TableLife
+symbolic.table: Table TableConfig
+varied_session: VariedSession
+"""
+PARTS = frozenset(
+    f"{PACKAGE}.{module}.{name}"
+    for module, _, names in (line.partition(": ") for line in _CLASSES.strip().splitlines())
+    for name in names.split()
+)
+"""Dotted names. Configs of a whole run are missing: they come from the caller (see ``codec``)."""
+
+
+class ForeignError(TypeError):
+    """A class has no place in a checkpoint."""
+
+
+def name_of(kind: type, own: str) -> str:
+    """The dotted name under which a class is written.
+
+    Raises:
+        ForeignError: It is not on the list, nor of the module ``own``.
+    """
+    name = f"{kind.__module__}.{kind.__qualname__}"
+    if class_named(name, own) is not kind:
+        raise ForeignError(f"{name} does not belong into a checkpoint")
+    return name
+
+
+def class_named(name: str, own: str) -> type:
+    """The class of a name that ``name_of`` gave.
+
+    Raises:
+        ForeignError: There is no such class, or it is not on the list, nor of the module ``own``.
+    """
+    module, _, short = name.rpartition(".")
+    if name in PARTS or (own and module == own and not own.startswith(f"{PACKAGE}.")):
+        kind = vars(import_module(module)).get(short)
+        if isinstance(kind, type) and kind.__module__ == module and kind.__qualname__ == short:
+            return kind
+    raise ForeignError(f"{name} does not belong into a checkpoint")
+
+
+def may_set(kind: type, name: Any) -> bool:
+    """Whether an object of a class can have an attribute of that name: one that hides no method of its class."""
+    if not isinstance(name, str) or not name.isidentifier() or name.startswith("__"):
+        return False
+    for base in kind.__mro__:
+        if name in vars(base):
+            there = vars(base)[name]
+            return isinstance(there, MemberDescriptorType) or not (callable(there) or hasattr(there, "__get__"))
+    return True
+
+
+
+def is_own(kind: type, method: str, own: str) -> bool:
+    """Whether the method of a class was written in the module ``own``."""
+    return any(method in vars(base) and base.__module__ == own for base in kind.__mro__)
