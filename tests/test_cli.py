@@ -75,7 +75,17 @@ BAD_OPTIONS = [
     (("--robot.gaze.gate-width", "nan"), ("gate_width", "nan")),
     (("--robot.learner.rate", "0"), ("rate", "0")),
     (("--robot.familiarise.minutes", "0"), ("familiarise", "0")),
-    (("--truth.face-miss", "2"), ("face_miss", "2")),
+    (("--truth.face-miss", "2"), ("truth.face_miss: expected a number in [0, 1]; got 2.0",)),
+    (("--robot.som.rate-start", "nan"), ("robot.som.rate_start: expected a number in (0, 1]; got nan",)),
+    (("--world.layout.cells", "-1", "1000000000"), ("world.layout.cells", "(-1, 1000000000)")),
+    (("--world.behaviour.wobble-m", "1e308"), ("wobble_m", "[0, 1] (metres)", "1e+308")),
+    (("--pixels.faces.side-px", "1_000"), ("side_px", "[8, 240] (pixels)", "1000")),
+    (("--pixels.motion.face-inset-px", "99999999999999999999"), ("face_inset_px", "99999999999999999999")),
+    (("--seed", "9" * 5000), ("--seed: expected a whole number in [0, 9e18]",)),
+    (("--seed", str(2**63)), ("seed: expected a whole number", str(2**63))),
+    (("--start-from", "x" * 300), ("start_from: expected a path",)),
+    (("--robot.learner.code", "Population"), ("(perhaps you meant 'population')",)),
+    (("--robot.gaze.gate-wdth", "3"), ("perhaps you meant --robot.gaze.gate-width",)),
 ]
 
 
@@ -86,12 +96,28 @@ def test_bad_options(jointattn, tmp_path, options, words):
     assert not (tmp_path / "out").exists()
 
 
+def test_a_misspelt_command(jointattn):
+    refused(jointattn("sesion", "--minutes", 1), 2, "no command 'sesion' (perhaps you meant 'session')", "develop")
+
+
+def test_a_complaint_is_made_once(jointattn):
+    outcome = jointattn("play", "moon", "--agent", "zero")
+    refused(outcome, 2, "'moon'", "'follow'")
+    assert outcome.err.lower().count("invalid choice") == 1
+
+
+def test_help_says_what_numbers_may_be(jointattn):
+    said = jointattn("session", "--help").out
+    for words in ("--robot.som.rate-start FLOAT(0,1]", "--seed INT[0,9e18]", "--caregiver {robin,noa,", "{min,max}"):
+        assert words in said
+
+
 def test_without_a_folder(jointattn):
     refused(jointattn("session", "--minutes", 1), 2, "--out")
 
 
 def test_more_memory_than_there_is(jointattn, tmp_path):
-    refused(jointattn("session", "--out", tmp_path / "out", *SHORT, "--minutes", 1e12), 1, "memory")
+    refused(jointattn("session", "--out", tmp_path / "out", *SHORT, "--minutes", 1e6), 1, "memory")
 
 
 def test_folder_holds_another_run(jointattn, run):

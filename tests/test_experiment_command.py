@@ -186,7 +186,7 @@ def test_our_own_claims_are_listed_in_no_time():
         (["run", "9.9", *TOYS, "--out", "x"], 2, "no claim has the id '9.9'; there are 1.1, 1.2"),
         (["run", *TOYS, "--out", "x"], 2, "expected ids of claims, or all; there are 1.1, 1.2"),
         (["run", "1.1", *TOYS, "--out", "x", "--setting", "bent"], 2, "no setting is called 'bent'"),
-        (["run", "1.1", *TOYS, "--out", "x", "--runs", "0"], 2, "runs must be 1 or more"),
+        (["run", "1.1", *TOYS, "--out", "x", "--runs", "0"], 2, "runs: expected a whole number in [1, 1e6]"),
         (["run", "1.1", *TOYS, "--out", "x", "--backend", "dask"], 2, "needs --address"),
         (["run", "1.1", *TOYS], 2, "--out"),
         (["run", "1.1", *TOYS, "--out", "/proc/x"], 2, "cannot make the folder"),

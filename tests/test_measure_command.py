@@ -15,7 +15,7 @@ import jointattn_mj.contingency as c
 from jointattn_mj import patience
 from jointattn_mj.contingency import read_recordings
 from jointattn_mj.discover_command import DiscoverOptions, run_discover
-from jointattn_mj.errors import ConfigError, OutputError, SeriesError
+from jointattn_mj.errors import ConfigError, OutputError
 from jointattn_mj.measure_command import MeasureOptions, run_measure
 from jointattn_mj.recording.results import bracket, number, share
 
@@ -237,7 +237,7 @@ def test_named_errors(seen):
         MeasureOptions(seen, (), ("object",))
     with pytest.raises(ConfigError):
         DiscoverOptions(seen, ("gaze",), (), ("object",))
-    with pytest.raises(SeriesError):
+    with pytest.raises(ConfigError, match="base"):
         MeasureOptions(seen, ("gaze",), ("object",), base=0)
     with pytest.raises(OutputError):
         run_measure(MeasureOptions(seen, ("gaze",), ("object",), out=seen))
