@@ -16,6 +16,7 @@ from numba import njit
 
 from jointattn_mj.errors import NotFiniteError
 from jointattn_mj.finite import check_finite
+from jointattn_mj.restored import check_array
 from jointattn_mj.scene.camera import Eye
 from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer
 from jointattn_mj.scene.delay import Past
@@ -232,7 +233,10 @@ class World:
         return {"integration": integration, **{name: getattr(self, name) for name in kept}}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a world. Raises ValueError: Its physics is in no state that MuJoCo could go on from."""
         integration = state.pop("integration")
+        most = mujoco.mjMAXVAL
+        check_array("the state of the physics", integration, integration.shape, float, -most, most)
         config, conditions = state["config"], state["conditions"]
         self._bind(config, build_physics(config, conditions))
         self.vary(config, conditions)
