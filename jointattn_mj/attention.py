@@ -5,12 +5,13 @@ saliency that grows while it moves. Candidates are the n objects and, last, the 
 """
 
 from dataclasses import dataclass
-from typing import Annotated, Literal, Protocol
+from typing import Annotated, Any, Literal, Protocol
 
 import numba
 import numpy as np
 
 from jointattn_mj.options import TOP_LEVEL, Checked, Positive, Real, Whole
+from jointattn_mj.restored import check_array
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,8 @@ def motion_saliency(motion: float, gain: float, delay: float, width: float) -> f
 def _advance(
     saliency, motion, interest, attended, moves, preference, decay, growth, toward_preference, gain, delay, width
 ):
+    if moves.size != saliency.size:
+        raise ValueError("attention needs to know of each candidate whether it moves")
     for i in range(saliency.size):
         motion[i] = motion[i] + 1 if moves[i] else max(motion[i] - 1, 0)  # eq. 6.3
         if i == attended:  # eq. 6.6
@@ -107,6 +110,12 @@ class AttentionSelector:
         self.interest = self._preference.copy()  # I_i
         self._dwelt = 0  # frames since the last shift
         self._gain = config.motion_gain if config.motion_cues else 0.0
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a selector. Raises ValueError: Its arrays are not of one length."""
+        self.__dict__.update(state)
+        for name in ("saliency", "motion", "interest", "_preference", "_decay", "_growth"):
+            check_array(name, getattr(self, name), (self.face + 1,), float)
 
     def advance(self, attended: int | None, moves: np.ndarray) -> None:
         """One frame: habituate to ``attended``, recover for the rest, count motion (eq. 6.1, 6.3, 6.6)."""

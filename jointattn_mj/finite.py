@@ -11,9 +11,7 @@ from jointattn_mj.errors import NotFiniteError
 def not_finite(arrays: Mapping[str, Any]) -> list[str]:
     """Names of the arrays that hold NaN or infinity; what is no float is finite."""
     return [
-        name
-        for name, array in arrays.items()
-        if np.asarray(array).dtype.kind in "fc" and not np.isfinite(array).all()
+        name for name, array in arrays.items() if np.asarray(array).dtype.kind in "fc" and not np.isfinite(array).all()
     ]
 
 

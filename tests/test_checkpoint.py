@@ -77,10 +77,10 @@ class TestRoundTrip:
         generator.random(5)
         generator.bit_generator.seed_seq.spawn(2)
         state = {
-            "scalars": (np.float32(1.5), np.int64(3), np.bool_(True), np.str_("é"), None, 1j, slice(1, 2), -0.0, 2**200),
+            "scalars": (np.float32(1.5), np.int64(3), np.bool_(True), np.str_("é"), None, 1j, slice(1), -0.0, 2**200),
             "floats": [float("inf"), -float("inf"), 0.1, 5e-324],
             "containers": [deque([1], maxlen=3), OrderedDict(a=1), {1, 2}, frozenset({3}), bytearray(b"x"), b"\xff"],
-            "keys": {1: 2, ("x", None): 3, Phase.LIFT: 4, 2.5: 5, True: 6},
+            "keys": {1: 2, ("x", None): 3, Phase.LIFT: 4, 2.5: 5, False: 6},
             "ours": (AttentionConfig(motion_gain=2.0), Phase.LIFT, CONFIG, Event(1, 2, 3)),
             "path": Path("weights.npz"),
             "range": range(3, 9, 2),
@@ -356,11 +356,8 @@ class TestOtherFormats:
 
     def test_states_of_other_versions(self, tmp_path):
         """It says with what the file was written where that differs."""
-        head = json.dumps(
-            {"format": FORMAT, "config": fingerprint(CONFIG), "versions": {"python": "3.99.1"} | dict.fromkeys("x", "1")}
-        )
-        text = json.loads(head)
-        text["versions"] |= {"jointattn_mj": "0.0.1", "numpy": np.__version__, "mujoco": "9.9"}
+        text = json.loads(header())
+        text["versions"] = {"python": "3.99.1", "jointattn_mj": "0.0.1", "numpy": np.__version__, "mujoco": "9.9"}
         state = {"root": [0], "entries": [["object", "jointattn_mj.attention.AttentionConfig", "cues", True]]}
         content = {"header.json": json.dumps(text).encode(), "state.json": json.dumps(state).encode()}
         (tmp_path / "c").write_bytes(sealed(content))

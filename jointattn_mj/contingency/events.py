@@ -60,6 +60,11 @@ class Variables:
             modules=self.modules + 1,
         )
 
+    def without_modules(self) -> "Variables":
+        """These variables as they were before any module was made."""
+        sensors, actions = self.sensors[: len(self.sensors) - self.modules], self.joints
+        return replace(self, sensors=sensors, actions=actions, modules=0)
+
     def events(self) -> Iterator[Event]:
         """Every (sensor, action, result), results innermost."""
         for sensor in range(len(self.sensors)):

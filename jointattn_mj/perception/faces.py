@@ -13,14 +13,15 @@ where the robot expects the face is taken for a pose not seen before; else no fa
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, NamedTuple, Protocol
+from typing import Annotated, Any, NamedTuple, Protocol
 
 import cv2
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Real, Share, Whole
-from jointattn_mj.perception.views import ViewBank, crop
+from jointattn_mj.perception.views import MOST_PX, ViewBank, crop
+from jointattn_mj.restored import check_array
 
 PATCH_SIDE = 32  # "a 32x32 pixel face-like region is extracted", section 6.4.1
 PATCH_MARGIN = 4  # pixels around it that its blur reads
@@ -147,6 +148,12 @@ class FaceDetector:
         self._streak = 0  # pictures in a row with a face, since the last view was added
         self._until_haar = 0
         self._until_search = 0
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a detector. Raises ValueError: Its face is in no place of a picture."""
+        self.__dict__.update(state)
+        if self._place is not None:
+            check_array("place", np.array(self._place), (2,), float, -MOST_PX, MOST_PX)
 
     @property
     def reach_px(self) -> int:

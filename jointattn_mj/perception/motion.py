@@ -15,14 +15,16 @@ that passes before it pulls the centroid, but takes pixels on one side without a
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numba import njit
 
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.flow import BLOCK, region_flow
-from jointattn_mj.perception.objects import Areas
+from jointattn_mj.perception.objects import Areas, check_areas
+from jointattn_mj.perception.views import MOST_PX
+from jointattn_mj.restored import check_array, check_whole
 
 MAX_BLOCKS = 1024  # flow vectors kept for one picture
 Box = tuple[int, int, int, int]  # x0, y0, x1, y1, the last two exclusive
@@ -199,6 +201,27 @@ class MotionDetector:
         self._kept: deque[tuple[np.ndarray, Box, Areas]] = deque(maxlen=self.config.frames_back)
         self._on, self._left, self._strength = np.zeros(1, bool), np.zeros(1, int), np.zeros(1)
         self._box: Box | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without working space."""
+        return {name: value for name, value in self.__dict__.items() if name not in ("_blocks", "_flow", "_owners")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a detector. Raises ValueError: It is none that compiled code can go on with."""
+        fresh = MotionDetector(state["config"])
+        self.__dict__.update({**fresh.__dict__, **state})
+        check_array("on", self._on, self._on.shape[:1], bool)
+        check_array("left", self._left, self._on.shape, int)
+        check_array("strength", self._strength, self._on.shape, float)
+        for box in (self._box, *(part for _, part, _ in self._kept)):
+            for edge in box or ():
+                check_whole("an edge", edge, -MOST_PX, MOST_PX)
+
+    def check_kept(self, gray: np.ndarray, areas: Areas) -> None:
+        """Refuse what is kept of other pictures than such. Raises ValueError."""
+        for before, _, found in self._kept:
+            check_array("a picture", before, gray.shape, np.uint8)
+            check_areas(found, areas)
 
     def reset(self) -> None:
         """Forget all pictures: the head has moved, and a fixation begins (section 6.3.2: no flow while it turns)."""

@@ -11,7 +11,7 @@ resolution, so a few stray pixels elsewhere (skin, hair, wood) do not bend the c
 
 import colorsys
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import cv2
 import numpy as np
@@ -20,8 +20,10 @@ from numba import njit, uintp
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Real, Share, Whole
 from jointattn_mj.perception.gray import fill_gray
+from jointattn_mj.restored import check_array, check_whole
 
 LEVEL_BITS = 6  # the look-up table has 2^6 levels a channel: 256 kB, and a level is 4 grey values wide
+MOST_COLOURS = 254
 CELL_BITS = 4  # cells of 16 x 16 pixels
 STRIDE = 4  # the first pass reads every fourth pixel of every fourth row, by turns from 0 and 2: no 2x8 area slips by
 
@@ -63,6 +65,16 @@ class Areas:
         )  # fmt: skip
 
 
+def check_areas(areas: Areas, model: Areas) -> None:
+    """Refuse areas from a checkpoint that are not laid out as ``model``.
+
+    Raises:
+        ValueError: They are not.
+    """
+    for name, own in vars(model).items():
+        check_array(f"the areas' {name}", getattr(areas, name), own.shape, own.dtype)
+
+
 def colour_table(rgb: np.ndarray, config: ColourConfig) -> np.ndarray:
     """Label of every colour on a cube of 64 levels a channel.
 
@@ -77,7 +89,7 @@ def colour_table(rgb: np.ndarray, config: ColourConfig) -> np.ndarray:
         ConfigError: A colour has too little saturation or brightness, or two have the same hue.
     """
     rgb = np.asarray(rgb, float)
-    if rgb.ndim != 2 or rgb.shape[1] != 3 or not 1 <= len(rgb) <= 254 or rgb.min() < 0 or rgb.max() > 1:
+    if rgb.ndim != 2 or rgb.shape[1] != 3 or not 1 <= len(rgb) <= MOST_COLOURS or rgb.min() < 0 or rgb.max() > 1:
         raise ConfigError(f"object colours: expected (n, 3) numbers from 0 to 1, came {rgb.tolist()}")
     hsv = np.array([colorsys.rgb_to_hsv(*colour) for colour in rgb])
     hue, saturation, value = hsv[:, 0] * 360, hsv[:, 1], hsv[:, 2]
@@ -218,11 +230,26 @@ class ColourAreas:
         """``rgb``: (n, 3) nominal colours of the objects, 0..1, in the objects' order."""
         self.config = config or ColourConfig()
         self._table = colour_table(rgb, self.config)
-        n = len(rgb)
+        self._lay_out(len(rgb))
+
+    def _lay_out(self, n: int) -> None:
+        """Working space for ``n`` colours."""
         self._clusters = np.zeros((n, 3), np.int32)
         self._shape = (0, 0, 3)  # of pictures, for which these two are laid out
         self._votes = np.zeros((n, 0, 0, 3), np.int32)
         self._hits = np.zeros((0, 3), np.int32)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without working space."""
+        return {"config": self.config, "_table": self._table, "colours": len(self._clusters)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a finder. Raises ValueError: Its table is none that compiled code can look up."""
+        self.config, self._table = state["config"], state["_table"]
+        check_whole("colours", state["colours"], 1, MOST_COLOURS)
+        check_array("table of colours", self._table, (1 << 3 * LEVEL_BITS,), np.uint8, 0, state["colours"])
+        self._lay_out(state["colours"])
+
     def nothing(self) -> Areas:
         """Areas to be found by `find`."""
         return Areas.empty(len(self._clusters), self.config.reach_px)

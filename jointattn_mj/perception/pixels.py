@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -11,8 +12,9 @@ from jointattn_mj.options import Checked
 from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig, FaceFinder
 from jointattn_mj.perception.gray import fill_gray
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
-from jointattn_mj.perception.objects import Areas, ColourAreas, ColourConfig
+from jointattn_mj.perception.objects import Areas, ColourAreas, ColourConfig, check_areas
 from jointattn_mj.perception.percept import Percept
+from jointattn_mj.restored import check_array
 from jointattn_mj.scene import camera
 
 MEMORY_RATE = 0.02
@@ -81,6 +83,20 @@ class PixelPerception:
         self.motion: Motion | None = None
         count = len(rgb) + 1
         self._percept = Percept(np.zeros(count, bool), np.full((count, 2), np.nan), np.zeros(count, bool))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a perceiver. Raises ValueError: It is none that compiled code can go on with."""
+        self.__dict__.update(state)
+        areas, count = self.colours.nothing(), len(self.colours.nothing().seen) + 1
+        check_array("the face's direction", self._face_direction, (2,), float, -360, 360)
+        check_array("seen", self._percept.seen, (count,), bool)
+        check_array("moves", self._percept.moves, (count,), bool)
+        check_array("px", self._percept.px, (count, 2), float)
+        for gray, found in self._looks:
+            check_array("a grey picture", gray, self._gray.shape, np.uint8)
+            check_areas(found, areas)
+        check_array("the grey picture", self._gray, self._gray.shape, np.uint8)
+        self._motion.check_kept(self._gray, areas)
 
     def look(self, observation: Mapping[str, np.ndarray], landed: bool) -> Percept:
         """Face, colour areas and motion of this picture; ``landed`` begins a new history of motion."""

@@ -8,10 +8,15 @@ Views are cropped so that the face's centre is the template's centre; a match th
 face whichever view fits.
 """
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numba import njit, uintp
 
+from jointattn_mj.restored import check_array, check_whole
+
+MOST_PX = 1 << 15  # of a picture's side, and so of a template's
 FLAT = 5.0  # standard deviation of grey values below which a region has no pattern to correlate
 NEAR = 0.05  # a view that scores this much less than the best at a place may still win when it is moved a little
 
@@ -190,6 +195,23 @@ class ViewBank:
         self._norm = np.zeros((2 * radius + 1, 2 * radius + 1), np.float32)
         self._penalty = np.zeros((2 * radius + 1, 2 * radius + 1), np.float32)
         self._out = np.zeros(3)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a bank. Raises ValueError: It is none that compiled code can search."""
+        self.__dict__.update(state)
+        side, radius, capacity = self.side, self.radius, self.capacity
+        window, offsets = side + 2 * radius, 2 * radius + 1
+        check_whole("side", side, 1, MOST_PX)
+        check_whole("radius", radius, 0, MOST_PX)
+        check_whole("views", self.n, 0, capacity)
+        check_whole("the last view", self._last, 0, max(self.n - 1, 0))
+        check_array("views", self._views, (capacity, side * side), np.float32)
+        check_array("used", self._used, (capacity,), np.int64)
+        check_array("region", self._region, (window, window), np.float32)
+        check_array("shifted", self._shifted, (offsets, window * side), np.float32)
+        check_array("norm", self._norm, (offsets, offsets), np.float32)
+        check_array("penalty", self._penalty, (offsets, offsets), np.float32)
+        check_array("out", self._out, (3,), float)
 
     @property
     def views(self) -> np.ndarray:

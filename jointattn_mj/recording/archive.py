@@ -5,7 +5,7 @@ import io
 import os
 import zipfile
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 
@@ -65,7 +65,7 @@ def aligned(dtype: np.dtype) -> np.dtype:
     Raises:
         ValueError: Its fields are not where an aligned dtype has them.
     """
-    fields = dtype.fields or {}
+    fields: Any = dtype.fields or {}
     names = dtype.names or ()
     layout = {
         "names": list(names),

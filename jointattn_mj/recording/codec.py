@@ -201,7 +201,8 @@ class Decoder:
         kind = class_named(name, self._own)
         if hasattr(kind, "__setstate__") or issubclass(kind, Enum):
             raise ValueError(f"{name} is not made of attributes")
-        made = self._made[number] = object.__new__(kind)
+        made: Any = object.__new__(kind)
+        self._made[number] = made
         attributes = dict(zip(flat[::2], self._values(flat[1::2]), strict=True))
         if is_dataclass(kind) and attributes.keys() != _names(kind):
             raise ValueError(f"{name} has other fields")
@@ -214,7 +215,8 @@ class Decoder:
 
     def _state(self, number: int, name: str, state: Any) -> Any:
         kind = class_named(name, self._own)
-        made = self._made[number] = object.__new__(kind)
+        made: Any = object.__new__(kind)
+        self._made[number] = made
         given = self.value(state)
         _check_state(kind, given, self._own)
         kind.__setstate__(made, given)  # type: ignore[attr-defined]

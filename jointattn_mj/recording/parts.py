@@ -112,7 +112,6 @@ def may_set(kind: type, name: Any) -> bool:
     return True
 
 
-
 def is_own(kind: type, method: str, own: str) -> bool:
     """Whether the method of a class was written in the module ``own``."""
     return any(method in vars(base) and base.__module__ == own for base in kind.__mro__)

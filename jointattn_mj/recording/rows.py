@@ -65,6 +65,11 @@ class RowStore:
         """Numbers in a row."""
         return self._buffer.shape[1]
 
+    @property
+    def dtype(self) -> np.dtype:
+        """Of the numbers."""
+        return self._buffer.dtype
+
     def beside(self, name: str, columns: int) -> "RowStore":
         """A new store of such numbers, in the same folder if this one has a file."""
         store = RowStore(name, self._buffer.dtype, columns)

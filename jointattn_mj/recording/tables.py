@@ -45,6 +45,8 @@ def _write(row, numbers, head, face, objects, saliency, motion, interest):
             row[column] = objects[k, axis]
             column += 1
     n = len(saliency)
+    if column + 3 * n > len(row) or n != len(motion) or n != len(interest):
+        raise ValueError("a row of the table is too short for the objects")
     row[column : column + n] = saliency
     row[column + n : column + 2 * n] = motion
     row[column + 2 * n : column + 3 * n] = interest
@@ -54,6 +56,8 @@ def _write(row, numbers, head, face, objects, saliency, motion, interest):
 def _write_percept(row, seen, moves, px):
     """The columns of what was seen, the last of a row."""
     n = len(seen)
+    if 4 * n > len(row) or n > len(moves) or n > len(px):
+        raise ValueError("a row of the table is too short for the candidates")
     for k in range(n):
         row[k], row[n + k], row[2 * n + 2 * k], row[2 * n + 2 * k + 1] = seen[k], moves[k], px[k, 0], px[k, 1]
 

@@ -26,6 +26,11 @@ class ContingencyLog:
         """Events that there are by now."""
         return self._stages[-1].columns
 
+    @property
+    def dtype(self) -> np.dtype:
+        """Of the numbers."""
+        return self._stages[-1].dtype
+
     def widen(self, events: int) -> None:
         """From now on a row has so many events."""
         self._stages.append(self._stages[-1].beside(f"contingency_{len(self._stages) + 1}", events))

@@ -6,7 +6,7 @@ results, (S, R), and chooses actions, A.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -21,6 +21,7 @@ from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.finite import check_finite
 from jointattn_mj.one_type import one_type
 from jointattn_mj.options import Checked, Whole
+from jointattn_mj.robots.restored_mind import check_mind, check_module
 
 
 @dataclass(frozen=True)
@@ -230,6 +231,25 @@ class Developer:
                 "trust": maps.trust,
             }
         )
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a mind.
+
+        Raises:
+            ValueError: It is none that compiled code can live with.
+        """
+        self.__dict__.update(state)
+        check_mind(self.mind, self._unlived().mind, self.variables)
+
+    def _unlived(self) -> "Developer":
+        """A mind of the same variables and modules that has lived nothing."""
+        other = Developer(self.variables.without_modules(), self.config, 0, self.reactive)
+        for module in self.modules:
+            check_module(module, other.variables)
+            other._grow(other.events.index(module.event), module)
+        if (other.variables, other.events) != (self.variables, self.events):
+            raise ValueError("the mind's events are others than those of its modules")
+        return other
 
     def drivers(self) -> list[str]:
         """Names of all modules, in the order that ``mind.driver`` counts them in."""

@@ -14,6 +14,7 @@ from jointattn_mj.contingency.events import Event, Variables
 from jointattn_mj.contingency.modules import Module
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.recording.rows import RowStore
+from jointattn_mj.restored import check_array, check_whole
 from jointattn_mj.robots.contingency_log import ContingencyLog
 from jointattn_mj.robots.developer import Developer, think
 
@@ -58,9 +59,7 @@ class Life(ABC):
             raise ConfigError(f"a variable can have 127 values, and a mind 127 modules, at most; got {most}")
         self._s = np.zeros(len(variables.sensors), np.int64)
         self._r = np.zeros(len(variables.results), np.int64)
-        names = [variable.name for variable in (*variables.sensors, *variables.results, *variables.joints)]
-        drivers = [f"driver of {joint.name}" for joint in variables.joints]
-        self.columns = (*names, *drivers, *witnessed)
+        self.columns = self._columns()
         self._log = RowStore("turns", np.int8, len(self.columns))
         self.noted = ContingencyLog(sample_every, len(mind.events))
 
@@ -97,6 +96,35 @@ class Life(ABC):
             NotFiniteError: What was learned, or the simulation, is NaN or infinite.
         """
         self.mind.check()
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a life.
+
+        Raises:
+            ValueError: It is none that compiled code can live.
+        """
+        self.__dict__.update(state)
+        variables, most = self.mind.variables, np.iinfo(np.int64).max
+        if variables.without_modules() != self._sensed():
+            raise ValueError("the mind's variables are others than what is sensed and done in its world")
+        for name, least in (("lived", 0), ("turns", 1), ("sample_every", 1)):
+            check_whole(name, getattr(self, name), least, most)
+        base = variables.without_modules()
+        check_array("s", self._s, (len(base.sensors),), np.int64)
+        check_array("r", self._r, (len(base.results),), np.int64)
+        if self.columns != self._columns() or self._log.columns != len(self.columns):
+            raise ValueError("the log has other columns")
+        if (self._log.dtype, self.noted.dtype, self.noted.events) != (np.int8, np.float64, len(self.mind.events)):
+            raise ValueError("the log holds other numbers")
+
+    def _columns(self) -> tuple[str, ...]:
+        variables = self.mind.variables.without_modules()
+        names = [variable.name for variable in (*variables.sensors, *variables.results, *variables.joints)]
+        return *names, *(f"driver of {joint.name}" for joint in variables.joints), *self.witnessed
+
+    def _sensed(self) -> Variables:
+        """Variables of the world, as the mind had them before it made modules."""
+        return self.mind.variables.without_modules()
 
     def live(self, turns: int) -> list[Found]:
         """Live so many turns more, or what is left of them; returns what was found in them."""

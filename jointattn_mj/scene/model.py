@@ -126,9 +126,7 @@ def _add_mesh(spec: mujoco.MjSpec, name: str, mesh: Mesh | FaceMesh, texture: np
         _add_texture(spec, name, texture)
 
 
-def _add_texture(
-    spec: mujoco.MjSpec, name: str, texture: np.ndarray, rgb: tuple[float, ...] = (1.0, 1.0, 1.0)
-) -> None:
+def _add_texture(spec: mujoco.MjSpec, name: str, texture: np.ndarray, rgb: tuple[float, ...] = (1.0, 1.0, 1.0)) -> None:
     """A dull material `name` with a texture of the same name, whose colours are multiplied by rgb."""
     height, width, _ = texture.shape
     image = spec.add_texture(name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, height=height, width=width, nchannel=3)

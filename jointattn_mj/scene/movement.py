@@ -11,6 +11,8 @@ import mujoco
 import numpy as np
 from numba import njit
 
+from jointattn_mj.restored import check_array
+
 ARM_JOINTS = ("shoulder_yaw", "shoulder_pitch", "shoulder_roll", "elbow", "wrist_yaw", "wrist_pitch", "wrist_roll")
 
 
@@ -100,6 +102,10 @@ class Arm:
     fore: float
     grasp: np.ndarray  # (3,) from the wrist to a held object's centre, in the hand's frame
     hand: np.ndarray  # (3, 3) the hand's orientation
+
+    def __post_init__(self) -> None:
+        for name, shape in (("shoulder", (3,)), ("grasp", (3,)), ("hand", (3, 3))):
+            check_array(f"the arm's {name}", getattr(self, name), shape, float)
 
     @classmethod
     def from_model(cls, model: mujoco.MjModel, hand_pitch: float) -> "Arm":

@@ -18,6 +18,7 @@ from jointattn_mj.closing import Closable
 from jointattn_mj.errors import NotFiniteError
 from jointattn_mj.finite import check_finite
 from jointattn_mj.options import Checked
+from jointattn_mj.restored import check_array
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.camera import Eye
 from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer
@@ -253,11 +254,15 @@ class World(Closable):
         return {"integration": integration, **{name: getattr(self, name) for name in kept}}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a world. Raises ValueError: Its physics is in no state that MuJoCo could go on from."""
+        integration = state["integration"]
+        most = mujoco.mjMAXVAL
+        check_array("the state of the physics", integration, integration.shape, float, -most, most)
         config, conditions = state["config"], state["conditions"]
         self._bind(config, build_physics(config, conditions))
         self.vary(config, conditions)
         self.__dict__.update({name: state[name] for name in _KEPT})
-        self._integrate_from(state["integration"])
+        self._integrate_from(integration)
 
     def _integrate_from(self, integration: np.ndarray) -> None:
         """Let bodies stand and move as they did in another world with the same model."""

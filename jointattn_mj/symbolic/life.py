@@ -1,11 +1,13 @@
 """A mind at a table, turn after turn: the compiled loop of chapters 4 and 5."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numba import njit
 
 from jointattn_mj.contingency.detector import NOTHING
+from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.reactive import ReactiveModule
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.robots.developer import Developer, DeveloperConfig
@@ -15,6 +17,7 @@ from jointattn_mj.symbolic.table import (
     CAREGIVER,
     OPTION,
     TableConfig,
+    check_table,
     new_table,
     table_variables,
     table_witnessed,
@@ -45,6 +48,17 @@ class TableLife(Life):
 
     def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
         return _live(self.table, self.mind.mind, self.lived, last, self._s, self._r, log, samples, self.sample_every)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """See ``Life``."""
+        super().__setstate__(state)
+        check_table(self.table, self.world)
+        if self.witnessed != table_witnessed(self.world):
+            raise ValueError("what is witnessed is another than at this table")
+
+    def _sensed(self) -> Variables:
+        """See ``Life``."""
+        return table_variables(self.world)
 
     def faces(self, first: int = 0, last: int | None = None) -> np.ndarray:
         """See ``Life``; here that is what the robot senses."""

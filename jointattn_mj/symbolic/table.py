@@ -10,6 +10,7 @@ from jointattn_mj.contingency.events import Variable, Variables
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.one_type import one_type
 from jointattn_mj.options import Checked, Whole
+from jointattn_mj.restored import check_alike, check_array
 from jointattn_mj.symbolic.caregiver import NOWHERE, OPTIONS, CaregiverConfig, Rules, rules, shift_gaze
 
 ROBOT, CAREGIVER, RETURNS_TO, OPTION, TURN = range(5)
@@ -121,6 +122,26 @@ def new_table(config: TableConfig, seed: np.random.SeedSequence) -> Table:
         world_random=world,
         caregiver_random=caregiver,
     )
+
+
+def check_table(table: Table, config: TableConfig) -> None:
+    """Refuse a table from a checkpoint that compiled code cannot live with.
+
+    Raises:
+        ValueError: It is not one of ``config``, or things are where there is no place.
+    """
+    model = new_table(config, np.random.SeedSequence(0))
+    check_alike(table, model)
+    face = config.spots
+    largest = [face, face, face - 1, len(OPTIONS) - 1, np.iinfo(np.int64).max]
+    check_array("state of the table", table.state, (5,), np.int64, [0, 0, NOWHERE, 0, 0], largest)
+    check_array("kinds on the table", table.kind, (face,), np.int64, 0, config.kinds - 1)
+    check_array("layout of the table", table.layout, (5,), np.int64, model.layout, model.layout)
+    for name, order in (("spots", table.order), ("kinds", table.kinds)):
+        if not np.array_equal(np.sort(order), np.arange(len(order))):
+            raise ValueError(f"{name} of the table must be there once each")
+    if table.rules != model.rules:
+        raise ValueError("rules of the table are others than its config's")
 
 
 @njit(cache=True, forceinline=True)
