@@ -14,7 +14,7 @@ from jointattn_mj.recording import checkpoint
 from jointattn_mj.recording.files import claimed, write_whole
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.provenance import write_config
-from jointattn_mj.recording.rows import forget_log, log_folder
+from jointattn_mj.recording.rows import forget_log, log_folder, summary_of_ended
 from jointattn_mj.recording.space import check_free
 from jointattn_mj.robots.developer import DeveloperConfig
 from jointattn_mj.robots.life import Found, Life
@@ -166,9 +166,8 @@ def _run(
     every = options.checkpoint_every or config.checkpoint_every
     if options.resume:
         life: Life = checkpoint.load(frozen, config, kind=config.kind)
-        if (out / "summary.json").exists():
-            forget_log(out)
-            return json.loads((out / "summary.json").read_text("utf-8"))
+        if (summary := summary_of_ended(out)) is not None:
+            return summary
         life.attach(log_folder(out))
     else:
         life = config.new_life()

@@ -14,7 +14,7 @@ from jointattn_mj.recording import checkpoint, figures
 from jointattn_mj.recording.files import claimed, free_name, write_whole
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.provenance import write_config
-from jointattn_mj.recording.rows import forget_log, log_folder
+from jointattn_mj.recording.rows import forget_log, log_folder, summary_of_ended
 from jointattn_mj.recording.shifts import write_shifts
 from jointattn_mj.recording.space import check_free
 from jointattn_mj.recording.tables import write_frames
@@ -96,9 +96,8 @@ def _run(
         checkpoint.save(frozen, (spent + time.perf_counter() - started, session), config, kind.__module__)
 
     try:
-        if options.resume and (out / "summary.json").exists():
-            forget_log(out)
-            return json.loads((out / "summary.json").read_text())
+        if options.resume and (summary := summary_of_ended(out)) is not None:
+            return summary
         if not options.resume:
             session.begin()
         session.attach(log_folder(out))

@@ -255,13 +255,14 @@ class World(Closable):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Restore a world. Raises ValueError: Its physics is in no state that MuJoCo could go on from."""
-        integration = state["integration"]
+        state = dict(state)
+        integration = state.pop("integration")
         most = mujoco.mjMAXVAL
         check_array("the state of the physics", integration, integration.shape, float, -most, most)
         config, conditions = state["config"], state["conditions"]
         self._bind(config, build_physics(config, conditions))
         self.vary(config, conditions)
-        self.__dict__.update({name: state[name] for name in _KEPT})
+        self.__dict__.update(state)
         self._integrate_from(integration)
 
     def _integrate_from(self, integration: np.ndarray) -> None:
