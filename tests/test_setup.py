@@ -142,7 +142,7 @@ def test_progress_is_told_and_pip_is_not(setup, capsys):
     setup.main(["demo"])
     said = capsys.readouterr().out
     assert "downloaded 3 of about 435 MB" in said
-    assert "installed 0 of about 1380 MB" in said
+    assert "installed 0 of about 1440 MB" in said
     assert "WARNING" not in said
     assert not setup.LOG.exists() and not setup.TEMPORARY.exists()
 

@@ -57,9 +57,9 @@ class Part:
         return any(VENV.glob(f"lib/python*/site-packages/{self.package}/__init__.py"))
 
 
-BASE = Part("what the demo needs", "mujoco", 435, 1380)
-TORCH = Part("PyTorch, in PyPI's build for CUDA", "torch", 2740, 4720)
-TOOLS = Part("tools for tests and documentation", "pytest", 85, 380)
+BASE = Part("what the demo needs", "mujoco", 435, 1440)
+TORCH = Part("PyTorch, in PyPI's build for CUDA", "torch", 2740, 4940)
+TOOLS = Part("tools for tests and documentation", "pytest", 85, 400)
 KINDS = {"demo": (BASE,), "test": (BASE, TORCH, TOOLS)}
 EXTRAS = {"demo": "", "test": "[dev]"}
 
@@ -213,12 +213,11 @@ def install(kind: str, missing: list[Part]) -> None:
         fail(f"{sys.executable} -m venv {VENV} fails")
     shutil.rmtree(TEMPORARY, ignore_errors=True)
     TEMPORARY.mkdir()
-    before = megabytes(VENV)
+    before = megabytes(VENV / "lib")
 
     def how_far() -> str:
         if CHANGES in LOG.read_text(errors="replace"):
-            done, total = megabytes(VENV) - megabytes(TEMPORARY) - before, sum(part.installed for part in missing)
-            return f"installed {done} of about {total} MB"
+            return f"installed {megabytes(VENV / 'lib') - before} of about {sum(part.installed for part in missing)} MB"
         return f"downloaded {megabytes(TEMPORARY)} of about {sum(part.download for part in missing)} MB"
 
     pip = [str(VENV / "bin" / "python"), "-m", "pip", "install", "--disable-pip-version-check", "--progress-bar=off"]
