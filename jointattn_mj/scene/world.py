@@ -32,8 +32,6 @@ HEAD_STILL_DEG_S = 0.5
 """Below this speed the head counts as still: less than a tenth of a pixel from one picture to the next."""
 
 _HEAD_STILL = np.radians(HEAD_STILL_DEG_S)
-_KEPT = ("caregiver", "rendered_frames", "_objects_before", "_points", "_past")
-"""Attributes of a world that are its state, beside ``config`` and ``conditions``; others look up what the model has."""
 
 
 @dataclass(frozen=True)
@@ -224,7 +222,7 @@ class World(Closable):
         config, conditions = state["config"], state["conditions"]
         if (config, conditions) != (self.config, self.conditions):
             self.vary(config, conditions)
-        for name in _KEPT:
+        for name in state.keys() - {"integration", "config", "conditions"}:
             setattr(self, name, snapshot.put(getattr(self, name), state[name]))
         self._integrate_from(state["integration"])
 
@@ -232,15 +230,16 @@ class World(Closable):
         """Everything that the next frame depends on; the model is built anew from the config."""
         integration = np.empty(mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_INTEGRATION))
         mujoco.mj_getState(self.model, self.data, integration, mujoco.mjtState.mjSTATE_INTEGRATION)
-        kept = ("config", "conditions", *_KEPT)
+        kept = ("config", "conditions", "caregiver", "rendered_frames", "_objects_before", "_points", "_past")
         return {"integration": integration, **{name: getattr(self, name) for name in kept}}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
+        integration = state.pop("integration")
         config, conditions = state["config"], state["conditions"]
         self._bind(config, build_physics(config, conditions))
         self.vary(config, conditions)
-        self.__dict__.update({name: state[name] for name in _KEPT})
-        self._integrate_from(state["integration"])
+        self.__dict__.update(state)
+        self._integrate_from(integration)
 
     def _integrate_from(self, integration: np.ndarray) -> None:
         """Let bodies stand and move as they did in another world with the same model."""
