@@ -13,6 +13,10 @@ class ActionError(JointAttnError, ValueError):
     """An action is not what the task takes: not finite, of another shape, or no numbers."""
 
 
+class ObservationError(JointAttnError, ValueError):
+    """What is to be perceived, counted or learned from is not what is taken: shape, kind, or values out of range."""
+
+
 class StateError(JointAttnError, ValueError):
     """A saved state cannot be restored here."""
 

@@ -6,7 +6,9 @@ from typing import Annotated, Literal, NamedTuple
 import numpy as np
 from numba import njit
 
+from jointattn_mj.border import checked_by
 from jointattn_mj.contingency.counts import ALONE, OF_ACTION, OF_SENSOR, OWN, Counts, local_variance
+from jointattn_mj.errors import ObservationError
 from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Whole
 
 NOTHING = -1
@@ -153,6 +155,12 @@ def _is_certain(watch, counts):
     return True
 
 
+def _check_look(watch, counts):
+    if not len(watch.values) == len(watch.claimed) == len(counts.of_event):
+        raise ObservationError(f"a detector of {len(watch.values)} events looks at counts of {len(counts.of_event)}")
+
+
+@checked_by(_check_look)
 @njit(cache=True, forceinline=True)
 def look(watch: Watch, counts: Counts) -> int:
     """Work out all measures after a transition; the number of an event that has just been found, or NOTHING."""

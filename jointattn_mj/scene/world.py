@@ -38,8 +38,6 @@ HEAD_STILL_DEG_S = 0.5
 UNSTABLE = tuple(getattr(mujoco.mjtWarning, f"mjWARN_BAD{name}") for name in ("QPOS", "QVEL", "QACC", "CTRL"))
 """What MuJoCo counts when it meets NaN or huge numbers."""
 _HEAD_STILL = np.radians(HEAD_STILL_DEG_S)
-_KEPT = ("caregiver", "rendered_frames", "_objects_before", "_points", "_past")
-"""Attributes of a world that are its state, beside ``config`` and ``conditions``; others look up what the model has."""
 
 
 @dataclass(frozen=True)
@@ -242,7 +240,7 @@ class World(Closable):
         config, conditions = state["config"], state["conditions"]
         if (config, conditions) != (self.config, self.conditions):
             self.vary(config, conditions)
-        for name in _KEPT:
+        for name in state.keys() - {"integration", "config", "conditions"}:
             setattr(self, name, snapshot.put(getattr(self, name), state[name]))
         self._integrate_from(state["integration"])
 
@@ -250,7 +248,7 @@ class World(Closable):
         """Everything that the next frame depends on; the model is built anew from the config."""
         integration = np.empty(mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_INTEGRATION))
         mujoco.mj_getState(self.model, self.data, integration, mujoco.mjtState.mjSTATE_INTEGRATION)
-        kept = ("config", "conditions", *_KEPT)
+        kept = ("config", "conditions", "caregiver", "rendered_frames", "_objects_before", "_points", "_past")
         return {"integration": integration, **{name: getattr(self, name) for name in kept}}
 
     def __setstate__(self, state: dict[str, Any]) -> None:

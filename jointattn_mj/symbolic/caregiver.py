@@ -3,8 +3,11 @@
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+import numpy as np
 from numba import njit
 
+from jointattn_mj.border import checked_by, require_array
+from jointattn_mj.errors import ObservationError
 from jointattn_mj.options import Checked, Share
 
 NEUTRAL, RJA, IJA, IJA_BACK, AFTER_JOINT_ATTENTION, CARELESS = range(6)
@@ -82,6 +85,16 @@ def _some(allowed, random):
     return NOWHERE
 
 
+def _check_shift(rules, full, robot, gaze, returns_to, random, allowed):
+    require_array("whether an object lies on a spot", full, (-1,), "b")
+    require_array("working space", allowed, full.shape, "b")
+    looks = np.array([robot, gaze, returns_to])
+    require_array("where robot and caregiver look, and where she returns to", looks, (3,), "iu", NOWHERE, len(full))
+    if min(robot, gaze) < 0 or returns_to == len(full):
+        raise ObservationError(f"nobody looks {NOWHERE}, and she returns to a spot; got {robot}, {gaze}, {returns_to}")
+
+
+@checked_by(_check_shift)
 @njit(cache=True, forceinline=True)
 def shift_gaze(rules, full, robot, gaze, returns_to, random, allowed):
     """Her next gaze shift.

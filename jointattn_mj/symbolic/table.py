@@ -6,8 +6,9 @@ from typing import Annotated, Literal, NamedTuple
 import numpy as np
 from numba import njit
 
+from jointattn_mj.border import checked_by, require_array
 from jointattn_mj.contingency.events import Variable, Variables
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.one_type import one_type
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.restored import check_alike, check_array
@@ -176,6 +177,16 @@ def _see_results(table, r):
     r[len(r) - 1] = not at_face and table.full[state[ROBOT]]
 
 
+def _check_turn(table, a, s, r):
+    if not isinstance(table, Table):
+        raise ObservationError(f"expected a Table, as new_table makes it; got {type(table).__name__}")
+    require_array("where the robot looks, and its gesture", a, (2,), "iu")
+    require_array("where the robot looks", a[:1], (1,), "iu", 0, len(table.full))
+    require_array("sensors to be written", s, (2,), "i")
+    require_array("results to be written", r, (2 + int(table.layout[3]),), "i")
+
+
+@checked_by(_check_turn)
 @njit(cache=True, forceinline=True)
 def turn(table, a, s, r):
     """Let the robot act and the caregiver answer, in the configured order.
