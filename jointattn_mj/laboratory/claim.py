@@ -29,6 +29,19 @@ class Verdict(StrEnum):
     """Too few runs to say."""
 
     @classmethod
+    def of_share(cls, ours: Estimate, published: float) -> Verdict:
+        """What our share says of a published one above one half: partly where the whole interval lies below it,
+        undecided where the interval holds one half too, for then as few as that would have given the same."""
+        if ours.high < published:
+            return cls.PARTLY
+        return cls.REPRODUCED if ours.low > 0.5 else cls.UNDECIDED
+
+    @classmethod
+    def of_most(cls, ours: Estimate) -> Verdict:
+        """Whether our share is that of most, or of less than half; undecided where the interval holds one half."""
+        return cls.REPRODUCED if ours.low > 0.5 else cls.NOT if ours.high < 0.5 else cls.UNDECIDED
+
+    @classmethod
     def of_all(cls, verdicts: Iterable[Verdict]) -> Verdict:
         """What several come to: the one that all share of those that decide something, partly where they differ."""
         given = set(verdicts)

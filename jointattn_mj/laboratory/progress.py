@@ -44,7 +44,7 @@ class Progress(Watcher):
             print("\r" + " " * self._width + "\r", end="", file=self.stream)
         self._line(self.state(tally, None, time.monotonic() - self._started))
         for task, error, alone in tally.failed[:MOST_FAILURES]:
-            self._line(f"  {task}: {error}\n    alone: {alone}")
+            self._line(f"  {task}: {' '.join(error.split())}\n    alone: {alone}")
         if len(tally.failed) > MOST_FAILURES:
             self._line(f"  and {len(tally.failed) - MOST_FAILURES} more, each with its traceback in the folder failed/")
 
