@@ -14,14 +14,14 @@ def run_with_bar(config: VariedSessionConfig, options: RunOptions) -> None:
     """Run the session, and say in a line what came of it; errors are :func:`runner.run_session`'s."""
     shown = Progress("getting to know the face", config.minutes, "simulated min", digits=1)
 
-    last, counted, of_all = deque[bool](maxlen=20), 0, 0
+    recent, counted, of_all = deque[bool](maxlen=20), 0, 0
 
     def progress(session: Session) -> None:
         nonlocal counted, of_all
         new = [bool(row.success) for row in session.shifts[of_all:] if row.face_to_object]
-        last.extend(new)
+        recent.extend(new)
         counted, of_all = counted + len(new), len(session.shifts)
-        rate = f"success {sum(last) / len(last):.0%} of the last {len(last)}" if last else "no success yet"
+        rate = f"success {sum(recent) / len(recent):.0%} of the last {len(recent)}" if recent else "no success yet"
         shown.doing("session")
         shown.to(session.frame / FRAMES_PER_MINUTE, f"{counted} gaze shifts, {rate}")
 
