@@ -35,7 +35,7 @@ class DiscoverOptions(ReadOptions):
     """Contingency by SAC (eq. 5.2), or by T^C (eq. 4.3)."""
     correction: Adjust = "holm"
     """Correction of p for the number of events."""
-    alpha: Annotated[float, Real("(0, 1)")] = 0.05
+    alpha: Annotated[float, Real("[1e-9, 1)")] = 0.05
     """Level of significance."""
     explain: Annotated[int, Whole("[0, 1e6]")] = 3
     """So many of the first events, if significant, also tell which values carry them."""
