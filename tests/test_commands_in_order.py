@@ -146,7 +146,6 @@ def test_every_command_in_reading_order(tmp_path, monkeypatch):
     clone_into(tmp_path)
     with ExitStack() as background:
         monkeypatch.chdir(tmp_path)
-        monkeypatch.setenv("PYTHONPATH", str(tmp_path))
         monkeypatch.setattr(sys, "path", [*sys.path])
         shell = Shell(tmp_path)
         background.callback(shell.close)

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from tools.reliability import calls, files, kills, options, together
+from tools.reliability import kills, together
 from tools.reliability.folders import contents, differences
 from tools.reliability.hours import FLAT_MB, Course
+from tools.reliability.inputs import calls, checkpoints, options, tables
 from tools.reliability.malformed import Input, numbers, refused, summary, verdict
 from tools.reliability.report import BEGIN, END, PAGE, page
 from tools.reliability.results import load, save, table
@@ -159,8 +160,8 @@ def test_inputs_are_the_same_for_a_seed(listed, monkeypatch, tmp_path):
     monkeypatch.setattr(options, "options_of", lambda shell, base, places: listed[base])
     for make in (
         lambda chance: options.inputs(None, chance, 100, tmp_path, {}),
-        lambda chance: [*calls.calls(chance, 50)],
-        lambda chance: [*files.tables(chance, 40, tmp_path)],
+        lambda chance: [*calls.inputs(chance, 50)],
+        lambda chance: [*tables.inputs(chance, 40, tmp_path)],
     ):
         one, other = ([given.what for given in make(random.Random(3))] for _ in range(2))
         assert one == other and len(one) >= 40
@@ -186,7 +187,7 @@ def test_a_made_up_checkpoint_is_right_but_for_what_it_holds(tmp_path):
 
     path, config = tmp_path / "c", SessionConfig(minutes=1, perception="truth")
     checkpoint.save(path, [1.0, "a"], config)
-    made = files.made_up(path.read_bytes(), random.Random(0))
+    made = checkpoints.made_up(path.read_bytes(), random.Random(0))
     if made is None:
         pytest.skip("checkpoints are of a format of which none are made up")
     path.write_bytes(made[1])

@@ -6,7 +6,9 @@ import subprocess
 import sys
 from collections import Counter
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from queue import SimpleQueue
 
 from tools.shell import HUNG, ROOT, Outcome, Shell
 
@@ -112,6 +114,26 @@ def signature(failure: Failure) -> str:
         return re.sub(r" = .*", "", failure.what)[:110]
     last = failure.said.splitlines()[-1] if failure.said else ""
     return re.sub(r"0x[0-9a-f]+|\d+|/[\w./-]+|'[^']*'", "_", last)[:110]
+
+
+def try_all(inputs: list[Input], shells: list[Shell], seconds: float) -> list[Failure]:
+    """Try each, as many at once as there are shells; what takes longer than ``seconds`` hangs."""
+    free: SimpleQueue[Shell] = SimpleQueue()
+    for shell in shells:
+        free.put(shell)
+
+    def tried(given: Input) -> Failure | None:
+        shell = free.get()
+        try:
+            failure = verdict(given, given.put(shell, seconds))
+        finally:
+            free.put(shell)
+        if failure is not None:
+            print(f"{failure.failure}: {given.kind}, {given.what}", file=sys.stderr)
+        return failure
+
+    with ThreadPoolExecutor(len(shells)) as pool:
+        return [failure for failure in pool.map(tried, inputs) if failure is not None]
 
 
 def summary(inputs: list[Input], failures: list[Failure]) -> dict[str, object]:

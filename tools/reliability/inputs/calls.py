@@ -110,7 +110,7 @@ def _measure(name: str, *arguments: str) -> str:
     return f"from jointattn_mj.contingency import {name}; print({name}({', '.join(arguments)}))"
 
 
-def calls(chance: random.Random, many: int) -> Iterator[Input]:
+def inputs(chance: random.Random, many: int) -> Iterator[Input]:
     """``many`` of them, as many of each kind."""
     for kind, listed in KINDS.items():
         found = list(listed())
