@@ -116,8 +116,8 @@ def test_without_a_folder(jointattn):
     refused(jointattn("session", "--minutes", 1), 2, "--out")
 
 
-def test_more_memory_than_there_is(jointattn, tmp_path):
-    refused(jointattn("session", "--out", tmp_path / "out", *SHORT, "--minutes", 1e6), 1, "memory")
+def test_more_room_than_there_is(jointattn, tmp_path):
+    refused(jointattn("session", "--out", tmp_path / "out", *SHORT, "--minutes", 1e9), 2, "GB", "fewer --minutes")
 
 
 def test_folder_holds_another_run(jointattn, run):
