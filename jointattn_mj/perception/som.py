@@ -157,7 +157,8 @@ class SOM:
         Raises:
             ConfigError: The weights are of another sheet than ``config``'s.
         """
-        weights = np.asarray(arrays["weights"], np.float32)
+        with np.errstate(over="ignore"):
+            weights = np.asarray(arrays["weights"], np.float32)
         som = cls(weights.shape[-1], config)
         if weights.shape != som.weights.shape or not np.isfinite(weights).all():
             raise ConfigError(f"som: expected weights {som.weights.shape} of finite numbers, came {weights.shape}")
