@@ -3,14 +3,18 @@
 PYTHON ?= python3
 BIN := .venv/bin
 OUT ?= out/demo
-SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
-RENDERS := $(BIN)/python -c "import jointattn_mj, mujoco; mujoco.GLContext(8, 8).make_current()" >/dev/null 2>&1
+SETUP := command -v $(PYTHON) >/dev/null || { echo "setup: there is no $(PYTHON); Python 3.11 or later is needed"; exit 1; }; \
+  $(PYTHON) tools/setup.py
 
-.PHONY: demo test setup trained check docs
+.PHONY: demo from-pictures from-state test setup ready-to-test trained check docs
 .DEFAULT_GOAL := demo
 
 demo: setup
-	rm -rf $(OUT)
+	@rm -rf $(OUT)
+	@if $(PYTHON) tools/setup.py renders; then $(MAKE) --no-print-directory from-pictures; \
+	  else $(MAKE) --no-print-directory from-state; fi
+
+from-pictures:
 	$(BIN)/jointattn session --minutes 3 --seed 0 --video --video-every 2 --out $(OUT)
 	$(BIN)/jointattn session --minutes 0.5 --seed 1 --start-from assets/trained/robin.npz --video --video-every 2 --out $(OUT)/trained
 	@echo
@@ -18,15 +22,22 @@ demo: setup
 	@echo "The same robot after 26 minutes of learning:    $(OUT)/trained/video.mp4"
 	@echo "Success over time, faces it knows, numbers:     $(OUT)/success.png  $(OUT)/som.png  $(OUT)/summary.json"
 
-test: setup
+# Where nothing can be rendered.
+from-state:
+	@echo "No pictures can be rendered here: this demo runs from the simulator's state, and leaves no video."
+	$(BIN)/jointattn session --minutes 26 --seed 0 --perception truth --out $(OUT)
+	@echo
+	@echo "26 minutes of a robot that learns:              $(OUT)/success.png  $(OUT)/som.png  $(OUT)/summary.json"
+
+test: ready-to-test
 	$(BIN)/python -m pytest -n 2
 
-check: setup
+check: ready-to-test
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 
 # The site, in out/site; a warning is an error.
-docs: setup
+docs: ready-to-test
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	@echo "Documentation: out/site/index.html"
 
@@ -35,14 +46,8 @@ trained: setup
 	$(BIN)/jointattn session --minutes 26 --seed 0 --out out/trained
 	mkdir -p assets/trained && cp out/trained/weights.npz assets/trained/robin.npz
 
-# Software OpenGL renders without a screen; pip cannot bring it.
-setup: .venv/.ready
-	@$(RENDERS) || { \
-	  command -v apt-get >/dev/null || { echo "Please install Mesa's EGL or OSMesa: pictures are rendered with it."; exit 1; }; \
-	  $(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq --no-install-recommends libegl1 libopengl0 libgl1-mesa-dri; \
-	  $(RENDERS) || { echo "OpenGL is installed, but nothing can be rendered: see README, Troubles."; exit 1; }; }
+setup:
+	@$(SETUP) demo
 
-.venv/.ready: pyproject.toml
-	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --disable-pip-version-check --quiet --editable '.[dev]'
-	touch $@
+ready-to-test:
+	@$(SETUP) test

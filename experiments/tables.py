@@ -1,12 +1,13 @@
 """What the experiments of chapters 4 and 5 have in common: a mind lives at a table, and what is kept of that."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from jointattn_mj.contingency.events import Event
 from jointattn_mj.contingency.reactive import AvoidingModule
+from jointattn_mj.options import Checked, Share, Whole
 from jointattn_mj.robots.developer import DeveloperConfig
 from jointattn_mj.robots.life import Life
 from jointattn_mj.symbolic.behaviour import behaviours, phases
@@ -19,15 +20,15 @@ STAGES = ("(S1, A1, R3)", "(Π1, A1, R1)", "(Π1, A1, R2)")
 
 
 @dataclass(frozen=True)
-class Run:
+class Run(Checked):
     """A mind at a table for some turns."""
 
     world: TableConfig
     mind: DeveloperConfig
-    turns: int = 100_000
-    stop_after: int = 100
+    turns: Annotated[int, Whole("[1, 1e10]")] = 100_000
+    stop_after: Annotated[int, Whole("[0, 1e10]")] = 100
     """Modules after which it may stop."""
-    avoids_faces: float | None = field(default=None)
+    avoids_faces: Share | None = field(default=None)
     """Share of gaze shifts to the face that an avoiding reactive module leaves; None: the random module."""
 
 

@@ -10,51 +10,40 @@ from typing import Annotated, Any, Literal, Protocol
 import numba
 import numpy as np
 
-from jointattn_mj.errors import ConfigError
-from jointattn_mj.options import TOP_LEVEL
+from jointattn_mj.options import TOP_LEVEL, Checked, Positive, Real, Whole
 from jointattn_mj.restored import check_array
 
 
 @dataclass(frozen=True)
-class AttentionConfig:
+class AttentionConfig(Checked):
     """Table 6.1, the constants of section 6.4.1, and what the text leaves open."""
 
     motion_cues: Annotated[bool, TOP_LEVEL] = True
     """Without them the motion saliency is 1 for every candidate (the comparison of section 6.4.3)."""
-    face_preference: float = 1500.0
+    face_preference: Positive = 1500.0
     """C of the face, Table 6.1."""
-    object_preference: float = 800.0
+    object_preference: Positive = 800.0
     """C of each object, Table 6.1."""
-    face_decay: float = 2.0e-2
+    face_decay: Annotated[float, Real("[0, 100]")] = 2.0e-2
     """alpha of the face is exp(-this) per frame, Table 6.1."""
-    object_decay: float = 1.0e-2
+    object_decay: Annotated[float, Real("[0, 100]")] = 1.0e-2
     """alpha of an object is exp(-this) per frame, Table 6.1."""
-    face_growth: float = 1.2e-2
+    face_growth: Annotated[float, Real("[0, 1]")] = 1.2e-2
     """beta of the face is exp(this) per frame, Table 6.1."""
-    object_growth: float = 2.0e-3
+    object_growth: Annotated[float, Real("[0, 1]")] = 2.0e-3
     """beta of an object is exp(this) per frame, Table 6.1."""
     recovery: Literal["min", "max"] = "min"
     """How an unattended candidate's saliency is bounded by C in eq. 6.6. The text prints max, under which nothing
     recovers towards C and interest grows without the bound that Fig. 6.3b draws; min says "recovers"."""
-    motion_gain: float = 4.5
+    motion_gain: Annotated[float, Real("[0, 1e6]")] = 4.5
     """a of eq. 6.4."""
-    motion_delay: float = 20.0
+    motion_delay: Annotated[float, Real("[0, 1e6]")] = 20.0
     """d of eq. 6.4, frames."""
-    motion_width: float = 1.4
+    motion_width: Positive = 1.4
     """T of eq. 6.4, frames."""
-    selection_period: int = 18
+    selection_period: Annotated[int, Whole("[1, 1e6]")] = 18
     """Frames of dwell from one draw by eq. 6.7 to the next. The text gives none; 0.6 s with shifts of about a second
     gives its number of shifts, a draw at every frame gives half as many again and destroys the effect of cues."""
-
-    def __post_init__(self) -> None:
-        if self.selection_period < 1:
-            raise ConfigError(f"attention.selection_period must be at least 1 frame; got {self.selection_period}")
-        for name in ("face_preference", "object_preference", "motion_width"):
-            if not getattr(self, name) > 0:
-                raise ConfigError(f"attention.{name} must be positive; got {getattr(self, name)}")
-        for name in ("face_decay", "object_decay", "face_growth", "object_growth", "motion_gain"):
-            if not getattr(self, name) >= 0:
-                raise ConfigError(f"attention.{name} must be 0 or more; got {getattr(self, name)}")
 
 
 @numba.njit(cache=True)

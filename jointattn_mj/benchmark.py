@@ -4,12 +4,12 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import mujoco
 import numpy as np
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.world import World
 from jointattn_mj.session import Session, SessionConfig
@@ -19,23 +19,19 @@ CARTPOLE_STEPS = 50
 
 
 @dataclass(frozen=True)
-class BenchmarkOptions:
+class BenchmarkOptions(Checked):
     """How long to measure."""
 
     what: Literal["scene", "turns", "contingency", "all"] = "scene"
     """``scene``: closed loop, rendering alone, truth and cartpole. ``turns``: turns of chapter 5 from pictures,
     rendering these alone, and turns at the symbolic table. ``contingency``: the detector beside recomputation
     in numpy, whole lives at the table, compiling, transfer entropy beside pyinform."""
-    blocks: int = 8
+    blocks: Annotated[int, Whole("[1, 100000]")] = 8
     """How often everything takes its turn; the medians are reported."""
-    seconds: float = 30.0
+    seconds: Annotated[float, Real("[1, 1e6]")] = 30.0
     """Simulated seconds of each closed-loop block."""
     out: Path | None = None
     """Also write the figures to this JSON file."""
-
-    def __post_init__(self) -> None:
-        if not (self.blocks >= 1 and 1 <= self.seconds < float("inf")):
-            raise ConfigError(f"benchmark needs blocks >= 1 and seconds >= 1; got {self.blocks}, {self.seconds}")
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,13 @@
 
 import io
 import json
-import re
+import os
 import sys
+import tempfile
+import traceback
 from collections.abc import Callable, Sequence
 from contextlib import redirect_stderr
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any
 
 import tyro
 
@@ -19,28 +21,96 @@ from jointattn_mj.errors import (
     OutputError,
     SeriesError,
 )
+from jointattn_mj.options import meant, shown
+from jointattn_mj.terminal import INTERRUPTED, stopped_like_ctrl_c, unbroken_streams
+from jointattn_mj.usage import complaint, without_class
 
-BAD_USAGE, FAILED, INTERRUPTED = 2, 1, 130
+BAD_USAGE, FAILED = 2, 1
+LESS = {
+    "session": "fewer minutes",
+    "develop": "fewer steps or minutes",
+    "perceive": "a shorter video",
+    "measure": "fewer surrogates, or a shorter file",
+    "discover": "fewer surrogates or events, or a shorter file",
+    "benchmark": "fewer seconds",
+    "experiment": "fewer jobs at once",
+    "play": "a shorter episode",
+}
+"""What to ask for where memory is short."""
+TRACEBACK = "JOINTATTN_TRACEBACK"
+"""Environment variable: 1 shows the traceback of what nobody had foreseen."""
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run a sub-command. Exits with 2 where what was asked for cannot be done, 130 when interrupted."""
+    """Run a sub-command. Exits with 2 where what was asked for cannot be done, 1 where it failed, 130 when interrupted,
+    and with nothing else; what is wrong is said in one line."""
+    given = sys.argv[1:] if arguments is None else arguments
+    with unbroken_streams() as output:
+        code = _run(given)
+        output.flush()
+        trouble = output.trouble
+        if trouble is not None and not isinstance(trouble, BrokenPipeError):  # who reads no further needs no message
+            _say(f"cannot write to the standard output: {getattr(trouble, 'strerror', None) or trouble}")
+            code = code or FAILED
+    if code:
+        sys.exit(code)
+
+
+def _run(arguments: list[str]) -> int:
+    """The exit code of a command line."""
     try:
-        _parse(sys.argv[1:] if arguments is None else arguments)()
-    except (ConfigError, OutputError, CheckpointError, SeriesError, FootageError, ExtraError) as error:
-        _leave(str(error), BAD_USAGE)
-    except JointAttnError as error:
-        _leave(str(error), FAILED)
-    except MemoryError as error:
-        _leave(f"this machine has too little memory ({error}); ask for fewer minutes", FAILED)
+        with stopped_like_ctrl_c():
+            _parse(arguments)()
+        return 0
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else FAILED if stop.code else 0
     except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
+        return INTERRUPTED
+    except (ConfigError, OutputError, CheckpointError, SeriesError, FootageError, ExtraError) as error:
+        _say(str(error))
+        return BAD_USAGE
+    except JointAttnError as error:
+        _say(str(error))
+    except MemoryError as error:
+        less = LESS.get(arguments[0] if arguments else "", "less")
+        _say(f"this machine has too little memory{f' ({error})' if str(error) else ''}; ask for {less}")
+    except OSError as error:
+        _say(f"{error.filename}: {error.strerror}" if error.filename is not None else str(error))
+    except Exception as error:
+        _say(_unforeseen(error))
+    return FAILED
+
+
+def _unforeseen(error: Exception) -> str:
+    """One line for a fault of this program; the traceback is kept in a file, or shown where that is asked for."""
+    told = "".join(traceback.format_exception(error))
+    where = f"{TRACEBACK}=1 shows where"
+    if os.environ.get(TRACEBACK):
+        print(told, end="", file=sys.stderr)
+        where = "its traceback stands above"
+    else:
+        try:
+            with tempfile.NamedTemporaryFile("w", prefix="jointattn-", suffix=".txt", delete=False) as file:
+                file.write(f"{sys.argv}\n{told}")
+            where = f"its traceback is in {file.name}"
+        except OSError:
+            pass
+    said = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}".removesuffix(": ")
+    return f"{said}. This is a fault of jointattn; please report it, {where}"
+
+
+def _say(message: str) -> None:
+    print(f"jointattn: {message}", file=sys.stderr)
 
 
 def _parse(arguments: list[str]) -> Callable[[], None]:
     """The command that the arguments ask for; bad usage ends in one line instead of tyro's boxes."""
     said = io.StringIO()
     asked = [arguments[0]] if arguments and arguments[0] in COMMANDS else list(COMMANDS)
+    if arguments and arguments[0] not in COMMANDS and not arguments[0].startswith("-"):
+        known = ", ".join(COMMANDS)
+        _say(f"no command {shown(arguments[0])}{meant(arguments[0], COMMANDS)}; there are {known}")
+        raise SystemExit(BAD_USAGE)
     try:
         with redirect_stderr(said):
             return tyro.extras.subcommand_cli_from_dict(
@@ -49,17 +119,14 @@ def _parse(arguments: list[str]) -> Callable[[], None]:
                 description="A robot that learns to look where somebody else is looking, in a 3D world without humans.",
                 args=arguments,
             )
+    except ConfigError as error:
+        _say(without_class(str(error)))
+        raise SystemExit(BAD_USAGE) from error
     except SystemExit as stop:
         if stop.code == 0:
             raise
-        text = re.sub(r"[\u2500-\u257f]+|\x1b\[[0-9;]*m|Error parsing \S+: ", " ", said.getvalue())
-        complaint, _, help_hint = " ".join(text.split()).partition("For full helptext, ")
-        _leave(f"{complaint.strip()} ({help_hint.strip() or 'see jointattn --help'})", BAD_USAGE)
-
-
-def _leave(message: str, code: int) -> NoReturn:
-    print(f"jointattn: {message}", file=sys.stderr)
-    sys.exit(code)
+        _say(complaint(said.getvalue()))
+        raise SystemExit(BAD_USAGE) from stop
 
 
 def _session(arguments: Sequence[str] = ()) -> Callable[..., Any]:
@@ -132,17 +199,21 @@ def _perceive(arguments: Sequence[str] = ()) -> Callable[..., Any]:
 def _benchmark(arguments: Sequence[str] = ()) -> Callable[..., Any]:
     from jointattn_mj.benchmark import BenchmarkOptions, as_text, run_benchmark
     from jointattn_mj.contingency_benchmark import run_contingency_benchmark
+    from jointattn_mj.progress import Progress
     from jointattn_mj.recording.files import write_whole
     from jointattn_mj.turns_benchmark import run_turns_benchmark
 
     def run(options: BenchmarkOptions) -> None:
+        parts: dict[str, Callable[[], Any]] = {
+            "scene": lambda: run_benchmark(options),
+            "turns": lambda: run_turns_benchmark(options.blocks),
+            "contingency": lambda: run_contingency_benchmark(options.blocks),
+        }
         rows: dict[str, Any] = {}
-        if options.what in ("scene", "all"):
-            rows |= run_benchmark(options).rows()
-        if options.what in ("turns", "all"):
-            rows |= run_turns_benchmark(options.blocks).rows()
-        if options.what in ("contingency", "all"):
-            rows |= run_contingency_benchmark(options.blocks).rows()
+        with Progress("measuring") as shown:
+            for name in parts if options.what == "all" else [options.what]:
+                shown.doing(f"measuring {name}")
+                rows |= parts[name]().rows()
         print(as_text(rows))
         if options.out is not None:
             text = json.dumps(rows, indent=1) + "\n"
@@ -162,7 +233,7 @@ def _measure(arguments: Sequence[str] = ()) -> Callable[..., Any]:
 
     def measure(options: Annotated[MeasureOptions, tyro.conf.arg(name="")]) -> Callable[[], None]:
         """Measure how much a recorded variable says about what another does next: transfer entropy, T^C, SAC."""
-        return lambda: _print_with_bar(run_measure, options)
+        return lambda: _print_with_progress(run_measure, options)
 
     return measure
 
@@ -172,7 +243,7 @@ def _discover(arguments: Sequence[str] = ()) -> Callable[..., Any]:
 
     def discover(options: Annotated[DiscoverOptions, tyro.conf.arg(name="")]) -> Callable[[], None]:
         """Find which events (sensor, action) -> result in a recording are contingent, and which values carry them."""
-        return lambda: _print_with_bar(run_discover, options)
+        return lambda: _print_with_progress(run_discover, options)
 
     return discover
 
@@ -239,11 +310,11 @@ def _with_one_thread(run: Callable[..., None], *arguments: Any) -> None:
     run(*arguments)
 
 
-def _print_with_bar(run: Callable[..., Any], options: Any) -> None:
-    from tqdm import tqdm
+def _print_with_progress(run: Callable[..., Any], options: Any) -> None:
+    from jointattn_mj.progress import Progress
 
-    with tqdm(total=options.draws, desc="surrogates", leave=False, disable=None) as bar:
-        result = run(options, bar.update)
+    with Progress("reading", options.draws, "surrogates") as shown:
+        result = run(options, lambda done: shown.add(done, "drawing"))
     print(result.text())
 
 

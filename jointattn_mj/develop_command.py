@@ -1,38 +1,31 @@
-"""``jointattn develop`` with its bar, which names each module as it is found."""
+"""``jointattn develop``, which shows how it goes and names each module as it is found."""
 
 import sys
 import time
 from collections.abc import Sequence
 from typing import Any
 
-from tqdm import tqdm
-
 from jointattn_mj.development import DevelopConfig, DevelopOptions, run_development
+from jointattn_mj.progress import Progress, count
 from jointattn_mj.robots.life import Found, Life
 from jointattn_mj.symbolic.meaning import Meaning
 
 
 def run_with_bar(config: DevelopConfig, options: DevelopOptions) -> None:
-    """Live a life with a bar on stderr, and say on stdout what came of it."""
+    """Live a life, show on stderr how it goes, and say on stdout what came of it."""
     started = time.perf_counter()
-    bar = tqdm(total=config.length, desc="life", unit=f" {config.unit}", unit_scale=True, disable=None)
+    shown = Progress("developing", config.length, config.unit)
 
     def progress(life: Life, found: Sequence[tuple[Found, Meaning | None]]) -> None:
-        bar.set_description_str("life", refresh=False)
         for one, meaning in found:
-            if meaning is not None and not bar.disable:
-                event = life.mind.variables.describe(one.event)
-                bar.write(f"turn {one.turn:,}: {meaning.label}  [{event}]", file=sys.stderr)
+            if meaning is not None:
+                shown.say(f"turn {one.turn:,}: {meaning.label}  [{life.mind.variables.describe(one.event)}]")
         modules = len(life.mind.modules)
-        bar.set_postfix_str(f"{modules} module{'s' * (modules != 1)}", refresh=False)
-        bar.update(life.spent - bar.n)
-
-    def compiling() -> None:
-        bar.set_description_str("compiling, once on this machine, up to 20 s")
+        shown.to(life.spent, count(modules, "module"))
 
     try:
-        with bar:
-            summary = run_development(config, options, progress, compiling)
+        with shown:
+            summary = run_development(config, options, progress)
     except KeyboardInterrupt:
         if (options.out / "checkpoint.bin").exists():
             print(f"jointattn: stopped; the same command with --resume goes on from {options.out}", file=sys.stderr)

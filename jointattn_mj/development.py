@@ -7,15 +7,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
-import tyro
-
 from jointattn_mj.contingency.reactive import AvoidingModule, RandomModule, ReactiveModule
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Choice, Seed, Whole
 from jointattn_mj.recording import checkpoint
-from jointattn_mj.recording.files import claim, forget_partial, write_whole
+from jointattn_mj.recording.files import claimed, write_whole
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.provenance import write_config
-from jointattn_mj.recording.rows import forget_log, log_folder
+from jointattn_mj.recording.rows import forget_log, log_folder, summary_of_ended
 from jointattn_mj.recording.space import check_free
 from jointattn_mj.robots.developer import DeveloperConfig
 from jointattn_mj.robots.life import Found, Life
@@ -31,24 +30,24 @@ LIKELY_MODULES = 8
 
 
 @dataclass(frozen=True)
-class DevelopConfig:
+class DevelopConfig(Checked):
     """What makes a life: the same config, the same life."""
 
     world: Literal["table", "rendered"] = "table"
     """Where the robot lives: at a table with spots, objects and a caregiver, in turns (chapters 4 and 5), which is
     told to it (table) or which it sees (rendered; --world rendered --help lists the options that come with it)."""
-    preset: Annotated[str, tyro.conf.arg(metavar="{" + ",".join(PRESETS) + "}")] = "thesis"
+    preset: Annotated[str, Choice(PRESETS)] = "thesis"
     """A reading of the text that gives --table.* and --mind.* their defaults; each can still be set by itself. thesis:
     chapter 5 as it is written. thesis_robot_first: the robot acts first in a turn. fast: finds the same in a fraction
     of the turns, by standard errors. chapter4: finds, and makes no modules."""
-    steps: int = 100_000
+    steps: Annotated[int, Whole("[1, 1e10]")] = 100_000
     """Turns to live."""
-    seed: int = 0
+    seed: Seed = 0
     """Random seed of table, caregiver and robot."""
     reactive: Literal["random", "face_avoiding"] = "random"
     """What the robot is born with: random movements, or with few looks at the caregiver (a model of autism, section
     5.4)."""
-    sample_every: int = 100
+    sample_every: Annotated[int, Whole("[1, 1e10]")] = 100
     """Turns between two notes of every event's contingency."""
     table: TableConfig = field(default_factory=TableConfig)
     mind: DeveloperConfig = field(default_factory=DeveloperConfig)
@@ -63,13 +62,6 @@ class DevelopConfig:
     """Whether there is anything to be filmed."""
     unit: ClassVar[str] = "turns"
     """Of ``Life.spent``."""
-
-    def __post_init__(self) -> None:
-        if self.preset not in PRESETS:
-            raise ConfigError(f"preset must be one of {', '.join(PRESETS)}; got {self.preset!r}")
-        for name, least in (("steps", 1), ("seed", 0), ("sample_every", 1)):
-            if getattr(self, name) < least:
-                raise ConfigError(f"{name} must be {least} or more; got {getattr(self, name)}")
 
     @classmethod
     def of(cls, preset: str) -> "DevelopConfig":
@@ -101,21 +93,17 @@ class DevelopConfig:
 
 
 @dataclass(frozen=True)
-class DevelopOptions:
+class DevelopOptions(Checked):
     """Where a life leaves its results."""
 
     out: Path
     """Folder for the results; made when missing, refused when it holds another run."""
     resume: bool = False
     """Go on from the checkpoint in the folder, to the same final result."""
-    checkpoint_every: int | None = None
+    checkpoint_every: Annotated[int, Whole("[1, 1e10]")] | None = None
     """Turns between checkpoints: at most so much is lost by a kill. None: 2,000,000, or 10,000 of a rendered world."""
     video: bool = False
     """Film some turns before, and after each module (world rendered only), and leave a video."""
-
-    def __post_init__(self) -> None:
-        if self.checkpoint_every is not None and self.checkpoint_every < 1:
-            raise ConfigError(f"checkpoint_every must be 1 turn or more; got {self.checkpoint_every}")
 
 
 def preset_in(arguments: Sequence[str], default: str = "thesis") -> str:
@@ -159,26 +147,34 @@ def run_development(
         CheckpointError: ``resume`` without a fitting checkpoint.
         NotFiniteError: What is learned or simulated has become NaN; the last checkpoint stays.
     """
-    out, frozen = options.out, options.out / "checkpoint.bin"
-    every = options.checkpoint_every or config.checkpoint_every
     if not options.resume:
-        check_space(config, out)
+        check_space(config, options.out)
     if options.video and not config.films:
         raise ConfigError(f"world {config.world} has nothing to be filmed; choose --world rendered, or no --video")
+    with claimed(options.out, options.resume):
+        return _run(config, options, progress, compiling)
+
+
+def _run(
+    config: DevelopConfig,
+    options: DevelopOptions,
+    progress: Callable[[Life, Sequence[tuple[Found, Meaning | None]]], object],
+    compiling: Callable[[], object],
+) -> dict[str, Any]:
+    """Live a life in a folder that is held for it."""
+    out, frozen = options.out, options.out / "checkpoint.bin"
+    every = options.checkpoint_every or config.checkpoint_every
     if options.resume:
         life: Life = checkpoint.load(frozen, config, kind=config.kind)
-        forget_partial(out)
-        if (out / "summary.json").exists():
-            forget_log(out)
-            return json.loads((out / "summary.json").read_text("utf-8"))
+        if (summary := summary_of_ended(out)) is not None:
+            return summary
         life.attach(log_folder(out))
     else:
         life = config.new_life()
-        claim(out)
         life.attach(log_folder(out))
-        _keep(frozen, life, config)
         if options.video:
             _keep(_moment(out, 0), life, config)
+        _keep(frozen, life, config)
     if not (out / "config.yaml").exists():
         write_config(out / "config.yaml", config)
     with deferred() as interrupts, _told_of_compiling(compiling):

@@ -3,23 +3,24 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import tyro
 
 from jointattn_mj.contingency.discovery import Finding, discover, least_surrogates
-from jointattn_mj.contingency.recordings import Missing, read_recordings
-from jointattn_mj.contingency.series import check_base
+from jointattn_mj.contingency.recordings import ReadOptions
 from jointattn_mj.contingency.significance import Adjust, TestOptions
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.measure_command import check_seed, exchange_notes
+from jointattn_mj.measure_command import exchange_notes
+from jointattn_mj.options import Real, Seed, Whole
+from jointattn_mj.patience import patient
 from jointattn_mj.recording.results import bracket, number, result_paths, share, write_results
 
 MEASURES = {"sac": "state_action_contingency", "tc": "combined_transfer_entropy"}
 
 
 @dataclass(frozen=True)
-class DiscoverOptions:
+class DiscoverOptions(ReadOptions):
     """Which events are compared, and how they are tested."""
 
     file: tyro.conf.Positional[Path]
@@ -34,35 +35,29 @@ class DiscoverOptions:
     """Contingency by SAC (eq. 5.2), or by T^C (eq. 4.3)."""
     correction: Adjust = "holm"
     """Correction of p for the number of events."""
-    alpha: float = 0.05
+    alpha: Annotated[float, Real("[1e-9, 1)")] = 0.05
     """Level of significance."""
-    explain: int = 3
+    explain: Annotated[int, Whole("[0, 1e6]")] = 3
     """So many of the first events, if significant, also tell which values carry them."""
-    base: float = 2
+    base: Annotated[float, Real("(1, 1e6]")] = 2
     """Base of the logarithm: 2 for bits."""
-    surrogates: int = 1000
+    surrogates: Annotated[int, Whole("[1, 1e9]")] = 1000
     """Permutations of the sensor within (r, a), behind effective values and p."""
-    resamples: int = 500
+    resamples: Annotated[int, Whole("[0, 1e9]")] = 500
     """Bootstrap resamples behind the intervals; 0 leaves these out."""
-    seed: int = 0
+    seed: Seed = 0
     """Random seed of both."""
-    recording: str | None = None
-    """Column that tells independent recordings apart: no step leads from one into another."""
-    missing: Missing = "error"
-    """What a missing value does: an error, or a break in the recording."""
     across_recordings: bool = False
     """Permute among all recordings: for many short ones of the same kind."""
     out: Path | None = None
     """Also write the rows here, as .csv and, with config and versions, as .json."""
+    yes: bool = False
+    """Go on however long the surrogates take; without, more than half an hour is refused."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not (self.sensors and self.actions and self.results):
             raise ConfigError("discover needs at least one column each for --sensors, --actions and --results")
-        if not (0 < self.alpha < 1 and self.explain >= 0):
-            raise ConfigError(f"discover needs 0 < alpha < 1 and explain >= 0; got {self.alpha}, {self.explain}")
-        check_seed(self.seed)
-        check_base(self.base)
-        self.test()
 
     def test(self) -> TestOptions:
         """How significance is found."""
@@ -145,11 +140,11 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
 
     Raises:
         SeriesError: The file or a column cannot be measured.
+        ConfigError: The surrogates would take more than half an hour, and ``yes`` is not said.
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "events")
-    names = list(dict.fromkeys([*options.sensors, *options.actions, *options.results]))
-    data = read_recordings(options.file, names, options.recording, options.missing)
+    data = options.read(options.file, [*options.sensors, *options.actions, *options.results])
     findings = discover(
         data.columns,
         options.sensors,
@@ -163,7 +158,7 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
         seed=options.seed,
         explain=options.explain,
         groups=data.groups,
-        progress=progress,
+        progress=patient(progress, options.draws, options.yes),
     )
     notes = [*data.notes(), *exchange_notes([one.significance for one in findings])]
     needed = least_surrogates(options.events, options.alpha)

@@ -9,6 +9,26 @@ class ConfigError(JointAttnError, ValueError):
     """An option has a value that cannot work."""
 
 
+class ActionError(JointAttnError, ValueError):
+    """An action is not what the task takes: not finite, of another shape, or no numbers."""
+
+
+class ObservationError(JointAttnError, ValueError):
+    """What is to be perceived, counted or learned from is not what is taken: shape, kind, or values out of range."""
+
+
+class StateError(JointAttnError, ValueError):
+    """A saved state cannot be restored here."""
+
+
+class EpisodeError(JointAttnError, RuntimeError):
+    """A step was asked for before an episode began, or after it was over."""
+
+
+class ClosedError(JointAttnError, RuntimeError):
+    """What was closed was used again."""
+
+
 class GLError(JointAttnError, RuntimeError):
     """No picture can be rendered on this machine as it is."""
 

@@ -5,42 +5,35 @@ Directions are pairs (pan, tilt) in degrees, as in ``scene.camera``.
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Positive, Real, Whole
 from jointattn_mj.scene.movement import minimum_jerk
 
 
 @dataclass(frozen=True)
-class GazeConfig:
+class GazeConfig(Checked):
     """How gaze shifts are commanded and carried out."""
 
     gate: Literal["sigmoid", "shut", "open"] = "sigmoid"
     """Who commands a shift from the face to an object: eq. 6.8, always visual feedback (a baseline), or always the
     learner."""
-    gate_midpoint: float = 150.0
+    gate_midpoint: Annotated[float, Real("[-1e9, 1e9]")] = 150.0
     """p of eq. 6.8, learning iterations."""
-    gate_width: float = 22.5
+    gate_width: Positive = 22.5
     """q of eq. 6.8, learning iterations."""
-    shift_frames: int = 26
+    shift_frames: Annotated[int, Whole("[1, 10000]")] = 26
     """Frames over which the head's reference moves; with the servo's settling a shift takes 26 to 27 frames ("about
     one second", 6.4.1)."""
     attends: Literal["nearest", "centred"] = "nearest"
     """What is attended after a shift that ended beside everything: the nearest candidate all the same, or nothing."""
-    feedback_frames: tuple[int, ...] = (17,)
+    feedback_frames: tuple[Annotated[int, Whole("[0, 10000]")], ...] = (17,)
     """Frames of a shift at which visual feedback looks again and corrects its aim; a carried object moves on in the
     0.8 s of a shift. Colour areas can be seen while the head turns, flow cannot. Empty: one open-loop command."""
-    centre_radius_deg: float = 3.5
+    centre_radius_deg: Annotated[float, Real("(0, 180]")] = 3.5
     """An object this near to the centre of view is being gazed at: "around the center of the view" (6.3.1)."""
-
-    def __post_init__(self) -> None:
-        if not (self.shift_frames >= 1 and self.gate_width > 0 and self.centre_radius_deg > 0):
-            raise ConfigError(
-                "gaze needs shift_frames >= 1, gate_width > 0 and centre_radius_deg > 0; got "
-                f"{self.shift_frames}, {self.gate_width}, {self.centre_radius_deg}"
-            )
 
 
 def gate_probability(config: GazeConfig, iterations: int) -> float:

@@ -5,31 +5,32 @@ robot's own motor command as reference. "Two-layered" leaves the output's code o
 """
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Annotated, Literal, Protocol
 
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Angle, Checked, Real, Whole
 
 
 @dataclass(frozen=True)
-class LearnerConfig:
+class LearnerConfig(Checked):
     """The online contingency learning module."""
 
     code: Literal["population", "linear", "network"] = "population"
     """Output code. With two linear outputs right and wrong pairs average to the middle of the table; a population of
     output units tuned to directions keeps them apart and lets the more frequent, the right one, win. "network" puts a
     hidden layer before the population, in torch (see ``network_learner``, also for networks of your own)."""
-    rate: float = 0.02
+    rate: Annotated[float, Real("(0, 1]")] = 0.02
     """Learning rate of the delta rule, normalised by the squared length of the input."""
-    context: float = 0.5
+    context: Annotated[float, Real("[0, 1000]")] = 0.5
     """Activity of one more input that is always on and takes no part in prediction (the context of Rescorla and
     Wagner's rule; the bias of a perceptron). What comes often whatever the face, such as an object that lies still for
     long, is put down to it, and a face keeps what it tells beyond that. 0 is without; the difference over a session is
     smaller than 8 sessions can show (``experiments/README.md``)."""
-    hidden: int = 60
+    hidden: Annotated[int, Whole("[1, 10000]")] = 60
     """Hidden units of the "network" code."""
-    network_rate: float = 0.02
+    network_rate: Annotated[float, Real("(0, 10]")] = 0.02
     """Learning rate of its gradient descent."""
     directions: Literal["both", "face_to_object"] = "both"
     """Which shifts are learned from: section 6.3.1 learns from object-to-face shifts too "to have double chances"."""
@@ -37,23 +38,21 @@ class LearnerConfig:
     """Which learned pairs advance l of the gate, eq. 6.8."""
     reference: Literal["object", "executed"] = "object"
     """Reference signal: the command that would have centred the object, or the head's turn as carried out."""
-    pan_range_deg: tuple[float, float] = (-25.0, 25.0)
+    pan_range_deg: tuple[Angle, Angle] = (-25.0, 25.0)
     """Preferred directions of the output units, pan; covers the table as seen from the face."""
-    tilt_range_deg: tuple[float, float] = (-30.0, 0.0)
+    tilt_range_deg: tuple[Angle, Angle] = (-30.0, 0.0)
     """The same for tilt."""
-    units: tuple[int, int] = (21, 11)
+    units: tuple[Annotated[int, Whole("[3, 128]")], Annotated[int, Whole("[3, 128]")]] = (21, 11)
     """Output units along pan and tilt."""
-    tuning_deg: float = 1.5
+    tuning_deg: Annotated[float, Real("[0.01, 180]")] = 1.5
     """Standard deviation of the reference pattern about the reference command."""
 
     def __post_init__(self) -> None:
-        if not (0 < self.rate <= 1 and self.tuning_deg > 0 and self.context >= 0 and min(self.units) >= 3):
-            raise ConfigError(
-                "learner needs 0 < rate <= 1, tuning_deg > 0, context >= 0 and at least 3 units an axis; got "
-                f"{self.rate}, {self.tuning_deg}, {self.context}, {self.units}"
-            )
-        if not (self.hidden >= 1 and self.network_rate > 0):
-            raise ConfigError(f"learner needs hidden >= 1, network_rate > 0; got {self.hidden}, {self.network_rate}")
+        super().__post_init__()
+        for name in ("pan_range_deg", "tilt_range_deg"):
+            low, high = getattr(self, name)
+            if not low < high:
+                raise ConfigError(f"learner.{name} must be a lower and a higher angle; got {low}, {high}")
 
 
 class Learner(Protocol):

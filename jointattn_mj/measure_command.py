@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import tyro
@@ -16,11 +17,13 @@ from jointattn_mj.contingency.information import (
     TRANSFER,
     Measure,
 )
-from jointattn_mj.contingency.recordings import Missing, Recordings, read_recordings
+from jointattn_mj.contingency.recordings import ReadOptions, Recordings
 from jointattn_mj.contingency.series import check_base
 from jointattn_mj.contingency.significance import Significance, TestOptions, assess_steps
 from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.options import Real, Seed, Whole
+from jointattn_mj.patience import patient
 from jointattn_mj.recording.results import bracket, number, result_paths, share, write_results
 
 ALONE = (TRANSFER, MUTUAL)
@@ -28,7 +31,7 @@ CONDITIONED = (CONTINGENCY, COMBINED, TRANSFER, MUTUAL, CONDITIONAL_MUTUAL)
 
 
 @dataclass(frozen=True)
-class MeasureOptions:
+class MeasureOptions(ReadOptions):
     """What is measured, and how it is tested."""
 
     file: tyro.conf.Positional[Path]
@@ -39,29 +42,25 @@ class MeasureOptions:
     """Column that may be influenced, the result."""
     condition: tuple[str, ...] = ()
     """Column that is known anyway, such as an action: gives T^C (eq. 4.3) and SAC (eq. 5.2) too."""
-    base: float = 2
+    base: Annotated[float, Real("(1, 1e6]")] = 2
     """Base of the logarithm: 2 for bits."""
-    surrogates: int = 1000
+    surrogates: Annotated[int, Whole("[1, 1e9]")] = 1000
     """Permutations behind effective values and p."""
-    resamples: int = 500
+    resamples: Annotated[int, Whole("[0, 1e9]")] = 500
     """Bootstrap resamples behind the intervals; 0 leaves these out."""
-    seed: int = 0
+    seed: Seed = 0
     """Random seed of both."""
-    recording: str | None = None
-    """Column that tells independent recordings apart: no step leads from one into another."""
-    missing: Missing = "error"
-    """What a missing value does: an error, or a break in the recording."""
     across_recordings: bool = False
     """Permute among all recordings: for many short ones of the same kind."""
     out: Path | None = None
     """Also write the rows here, as .csv and, with config and versions, as .json."""
+    yes: bool = False
+    """Go on however long the surrogates take; without, more than half an hour is refused."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not (self.source and self.target):
             raise ConfigError("measure needs at least one column each for --source and --target")
-        check_seed(self.seed)
-        check_base(self.base)
-        self.test()
 
     def test(self) -> TestOptions:
         """How significance is found."""
@@ -144,15 +143,15 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
 
     Raises:
         SeriesError: The file or a column cannot be measured.
+        ConfigError: The surrogates would take more than half an hour, and ``yes`` is not said.
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "measures")
-    data = read_recordings(
-        options.file, [*options.source, *options.target, *options.condition], options.recording, options.missing
-    )
+    data = options.read(options.file, [*options.source, *options.target, *options.condition])
     source, target = data.joined(options.source)[0], data.joined(options.target)[0]
     condition = data.joined(options.condition)[0] if options.condition else None
     given = steps(source, target, condition, data.groups)
+    progress = patient(progress, options.draws, options.yes)
     streams = np.random.SeedSequence(options.seed).spawn(len(CONDITIONED))
     measured = tuple(
         _measured(given, measure, options, np.random.default_rng(stream), progress)
@@ -179,16 +178,6 @@ def exchange_notes(found: list[Significance]) -> list[str]:
         f"only {least:.0%} of the steps have another value of the source in the same context and recording to change "
         "places with, so p says little; fewer values, longer recordings or --across-recordings help"
     ]
-
-
-def check_seed(seed: int) -> None:
-    """Refuse seeds that numpy does not take.
-
-    Raises:
-        ConfigError: It is negative.
-    """
-    if seed < 0:
-        raise ConfigError(f"seed must be 0 or more; got {seed}")
 
 
 def _measured(

@@ -6,10 +6,13 @@ Give ``NetworkLearner`` a module of your own that maps a face's description (k,)
 from typing import Any
 
 import numpy as np
-import torch
 
+from jointattn_mj.adapters.extras import extra
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.learning import LearnerConfig, PopulationCode, same_shape
+
+extra("torch", "torch")
+import torch  # noqa: E402
 
 
 class HiddenLayer(torch.nn.Sequential):

@@ -1,6 +1,269 @@
-"""Marks on config fields that the command line reads; to everybody else they are comments."""
+"""How a config says what its fields may be, and the one place where that is checked.
 
+A config is a frozen dataclass that inherits from :class:`Checked`. The annotation of a field says all: its type,
+``Literal`` choices, or a marker in ``Annotated``, such as ``Annotated[float, Real("(0, 1]")]``. The command line lists
+choices and intervals in ``--help``. What concerns several fields at once stays in the config's own ``__post_init__``,
+after ``super().__post_init__()``.
+"""
+
+import os
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
 import tyro
+from tyro.constructors import PrimitiveConstructorSpec
+
+from jointattn_mj.errors import ConfigError
 
 TOP_LEVEL = tyro.conf.arg(prefix_name=False)
 """An option that many use: `--caregiver`, not `--world.scene.caregiver`."""
+
+UNITS = {
+    "deg_s": "degrees per second", "m_s": "metres per second", "deg": "degrees", "px": "pixels", "s": "seconds",
+    "m": "metres", "hz": "hertz", "minutes": "minutes", "frames": "frames",
+}  # fmt: skip
+"""What the end of a field's name says about its unit."""
+LONGEST_NAME, LONGEST_PATH = 255, 4095
+"""Bytes in a file's name and in a path on Linux."""
+
+
+class Interval(PrimitiveConstructorSpec[Any]):
+    """Marks a number that lies in an interval, written as ``(0, 1]``: without 0, with 1. Its bounds are finite."""
+
+    kind: ClassVar[type]
+    name: ClassVar[str]
+
+    def __init__(self, interval: str):
+        found = re.fullmatch(r"([\[(]) *(\S+), *(\S+?)([\])])", interval)
+        if found is None:
+            raise ValueError(f"an interval is written as [0, 1) or (0, 1]; got {interval!r}")
+        self.low, self.high = (self.kind(float(bound)) for bound in found.group(2, 3))
+        self.closed = found[1] == "[", found[4] == "]"
+        self.words = f"a {self.name} in {interval}"
+        super().__init__(
+            nargs=1,
+            metavar=("INT" if self.kind is int else "FLOAT") + interval.replace(" ", ""),
+            instance_from_str=lambda texts: self._read(texts[0]),
+            is_instance=lambda value: self.fit(value) is not UNFIT,
+            str_from_instance=lambda value: [str(value)],
+        )
+
+    def fit(self, value: Any) -> Any:
+        """The number as a config keeps it, or UNFIT."""
+        if isinstance(value, np.generic):
+            value = value.item()
+        if isinstance(value, bool) or not isinstance(value, int if self.kind is int else (int, float)):
+            return UNFIT
+        above = value >= self.low if self.closed[0] else value > self.low
+        below = value <= self.high if self.closed[1] else value < self.high
+        return value if above and below else UNFIT  # NaN is neither
+
+    def _read(self, text: str) -> Any:
+        try:
+            return self.kind(text)
+        except ValueError:
+            raise ValueError(f"expected {self.words}; got {shown(text)}") from None
+
+
+class Real(Interval):
+    """Marks a ``float`` field; whole numbers stay as they are."""
+
+    kind, name = float, "number"
+
+
+class Whole(Interval):
+    """Marks an ``int`` field."""
+
+    kind, name = int, "whole number"
+
+
+class Choice(PrimitiveConstructorSpec[str]):
+    """Marks a ``str`` field that is one of the names in a registry. Where they can be written out, use ``Literal``."""
+
+    def __init__(self, names: Iterable[str]):
+        choices = tuple(names)
+        super().__init__(
+            nargs=1,
+            metavar=f"{{{','.join(choices)}}}",
+            instance_from_str=lambda texts: texts[0],
+            is_instance=lambda value: value in choices,
+            str_from_instance=lambda value: [value],
+            choices=choices,
+        )
+
+
+Share = Annotated[float, Real("[0, 1]")]
+Positive = Annotated[float, Real("(0, 1e9]")]
+NotNegative = Annotated[float, Real("[0, 1e9]")]
+Angle = Annotated[float, Real("[-180, 180]")]
+"""Degrees."""
+Spread = Annotated[float, Real("[0, 180]")]
+"""Degrees: a standard deviation, a distance or a tolerance."""
+Count = Annotated[int, Whole("[1, 1e9]")]
+Seed = Annotated[int, Whole("[0, 9e18]")]
+Seconds = Annotated[float, Real("(0, 3600]")]
+"""How long a movement or a phase of behaviour takes."""
+Metres = Annotated[float, Real("[-10, 10]")]
+"""In the world frame."""
+Colour = tuple[Share, Share, Share]
+"""Red, green, blue."""
+
+
+class Checked:
+    """Base of every config: when one is made, each field is held against its annotation."""
+
+    def __post_init__(self) -> None:
+        """Check every field.
+
+        Raises:
+            ConfigError: One is of another type, out of its interval or none of its choices.
+        """
+        config: Any = type(self)  # mypy takes no class for hashable whose metaclass is not named
+        for name, rule in _rules(config):
+            value = getattr(self, name)
+            kept = rule.fit(value)
+            if kept is UNFIT:
+                raise ConfigError(
+                    f"{config.__name__}.{name}: expected {rule.words}{_unit(name, rule)}; got {shown(value)}"
+                    + meant(value, rule.choices)
+                )
+            if kept is not value:
+                object.__setattr__(self, name, kept)
+
+
+def shown(value: Any) -> str:
+    """A value in an error message: on one line, and not long."""
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:  # Python writes no integer of more than 4300 digits
+        text = f"a {type(value).__name__} of very many digits"
+    return text if len(text) <= 80 else f"{text[:60]}... ({len(text)} characters)"
+
+
+def meant(value: Any, choices: Iterable[str]) -> str:
+    """``(perhaps you meant 'min')``; nothing where no choice is like ``value``, or like the first of it that is odd."""
+    choices = tuple(choices)
+    for given in value if isinstance(value, tuple) else (value,):
+        if isinstance(given, str) and given not in choices:
+            known = {choice.lower(): choice for choice in choices}
+            near = get_close_matches(given.lower(), known, n=1)
+            return f" (perhaps you meant {known[near[0]]!r})" if near else ""
+    return ""
+
+
+class _Unfit:
+    """What :attr:`_Rule.fit` gives for a value that is not allowed; None may be."""
+
+
+UNFIT = _Unfit()
+
+
+@dataclass(frozen=True)
+class _Rule:
+    words: str
+    """What is expected."""
+    fit: Callable[[Any], Any]
+    """The value as it is kept, or UNFIT."""
+    choices: tuple[str, ...] = ()
+    number: bool = False
+    """Whether a unit makes sense."""
+
+
+@cache
+def _rules(config: type) -> tuple[tuple[str, _Rule], ...]:
+    hints = get_type_hints(config, include_extras=True)
+    return tuple((field.name, rule_of(hints[field.name])) for field in fields(config))  # type: ignore[arg-type]
+
+
+def rule_of(hint: Any) -> _Rule:
+    """What an annotation allows."""
+    if get_origin(hint) is Annotated:
+        return _marked(*get_args(hint))
+    if get_origin(hint) is Literal:
+        return _one_of(get_args(hint))
+    if get_origin(hint) in (Union, UnionType):
+        return _any_of([rule_of(option) for option in get_args(hint)])
+    if get_origin(hint) is tuple:
+        return _tuple_of(get_args(hint))
+    if hint is Path:
+        return _Rule(f"a path, each part at most {LONGEST_NAME} bytes long", _path)
+    if hint is str:
+        return _Rule("text without NUL", lambda text: text if isinstance(text, str) and "\0" not in text else UNFIT)
+    if hint is bool:
+        return _Rule("True or False", lambda value: bool(value) if isinstance(value, (bool, np.bool_)) else UNFIT)
+    if hint is NoneType:
+        return _Rule("None", lambda value: value if value is None else UNFIT)
+    if hint in (int, float):
+        raise TypeError(f"a number needs an interval, such as Annotated[{hint.__name__}, Real('[0, 1]')]")
+    kind = get_origin(hint) or hint
+    if kind is Any or not isinstance(kind, type):
+        return _Rule("anything", lambda value: value)
+    article = "an" if kind.__name__[0] in "AEIOU" else "a"
+    return _Rule(f"{article} {kind.__name__}", lambda value: value if isinstance(value, kind) else UNFIT)
+
+
+def _marked(hint: Any, *marks: Any) -> _Rule:
+    for mark in marks:
+        if isinstance(mark, Interval):
+            return _Rule(mark.words, mark.fit, number=True)
+        if isinstance(mark, Choice):
+            return _one_of(mark.choices or ())
+    return rule_of(hint)
+
+
+def _one_of(choices: tuple[Any, ...]) -> _Rule:
+    words = f"one of {', '.join(map(str, choices))}"
+    return _Rule(words, lambda value: value if isinstance(value, str) and value in choices else UNFIT, choices)
+
+
+def _any_of(options: list[_Rule]) -> _Rule:
+    def fit(value: Any) -> Any:
+        return next((kept for kept in (option.fit(value) for option in options) if kept is not UNFIT), UNFIT)
+
+    choices = tuple(choice for option in options for choice in option.choices)
+    words = " or ".join(option.words for option in options)
+    return _Rule(words, fit, choices, any(option.number for option in options))
+
+
+def _tuple_of(hints: tuple[Any, ...]) -> _Rule:
+    if hints[-1] is Ellipsis:
+        item = rule_of(hints[0])
+        words, rules = f"a tuple, each {item.words}", None
+    else:
+        rules = [rule_of(hint) for hint in hints]
+        item = rules[0]
+        words = f"a tuple of {len(rules)}, each {item.words}"
+
+    def fit(value: Any) -> Any:
+        if not isinstance(value, tuple) or (rules is not None and len(value) != len(rules)):
+            return UNFIT
+        kept = tuple(rule.fit(part) for rule, part in zip(rules or [item] * len(value), value, strict=True))
+        if any(part is UNFIT for part in kept):
+            return UNFIT
+        return value if all(new is old for new, old in zip(kept, value, strict=True)) else kept
+
+    return _Rule(words, fit, item.choices, item.number)
+
+
+def _path(value: Any) -> Any:
+    if not isinstance(value, (str, os.PathLike)):
+        return UNFIT
+    path = Path(value)
+    name = os.fsencode(path)
+    fits = b"\0" not in name and len(name) <= LONGEST_PATH
+    return path if fits and all(len(part) <= LONGEST_NAME for part in name.split(os.sep.encode())) else UNFIT
+
+
+def _unit(name: str, rule: _Rule) -> str:
+    if rule.number:
+        for end, unit in UNITS.items():
+            if name == end or name.endswith(f"_{end}"):
+                return f" ({unit})"
+    return ""

@@ -1,37 +1,34 @@
-"""``jointattn perceive`` with its bar."""
+"""``jointattn perceive``, which shows how it goes."""
 
 import sys
-
-from tqdm import tqdm
 
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.run import run_perceive
 from jointattn_mj.footage.viewing import Viewing
+from jointattn_mj.progress import Progress
 
 
 def run_with_bar(config: PerceiveConfig, options: PerceiveOptions) -> None:
     """Watch the video, and say in a few lines what came of it; errors are :func:`footage.run.run_perceive`'s."""
-    bar = tqdm(
-        desc="looking for a face",
-        unit=" s",
-        bar_format="{l_bar}{bar}| {n:.0f}/{total_fmt} s of video [{elapsed}<{remaining}{postfix}]",
-        disable=None,
-    )
+    shown = Progress("going back to where it was" if options.resume else "looking for a face", unit="s of video")
 
     def progress(viewing: Viewing) -> None:
-        bar.total = _seconds(viewing)
-        bar.set_description_str("watching", refresh=False)
         found = viewing.seen / viewing.frames
-        bar.set_postfix_str(f"face in {found[-1]:.0%}, {len(viewing.fixations.all)} fixations", refresh=False)
-        bar.update(viewing.frames / RATE - bar.n)
+        words = f"face in {found[-1]:.0%}, {len(viewing.fixations.all)} fixations"
+        shown.doing("watching")
+        shown.to(viewing.frames / RATE, words, _seconds(viewing))
 
     try:
-        with bar:
+        with shown:
             summary = run_perceive(config, options, progress)
     except KeyboardInterrupt:
-        done = (options.out / "summary.json").exists()
-        left = f"what was watched is in {options.out}" if done else "nothing was written"
+        if (options.out / "summary.json").exists():
+            left = f"what was watched is in {options.out}; the same command with --resume goes on"
+        elif (options.out / "checkpoint.bin").exists():
+            left = f"the same command with --resume goes on from {options.out}"
+        else:
+            left = "nothing was written"
         print(f"jointattn: stopped; {left}", file=sys.stderr)
         raise
     found = ", ".join(f"{name} {share:.0%}" for name, share in summary["found"].items())

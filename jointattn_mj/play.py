@@ -4,35 +4,37 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import tyro
-from tqdm import tqdm
 
 from jointattn_mj.agents import AGENTS
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.laboratory.statistics import Estimate, mean_interval
+from jointattn_mj.options import Checked, Choice, Real, Seed, Whole
+from jointattn_mj.progress import Progress
+from jointattn_mj.recording.files import free_name, held
 from jointattn_mj.recording.results import result_paths, write_results
-from jointattn_mj.tasks import load
+from jointattn_mj.tasks import TASKS_BY_DOMAIN, load
 from jointattn_mj.tasks.environment import Environment
 
 DOMAIN = "joint_attention"
 
 
 @dataclass(frozen=True)
-class PlayOptions:
+class PlayOptions(Checked):
     """Who plays what."""
 
-    task: tyro.conf.Positional[str]
-    """Task of the suite, such as object_transfer, follow or turn_taking."""
+    task: tyro.conf.Positional[Annotated[str, Choice(TASKS_BY_DOMAIN[DOMAIN])]]
+    """Task of the suite."""
     agent: Literal["zero", "random", "oracle", "gaze_follower", "developer"]
     """zero and random know nothing, the oracle everything; gaze_follower is the robot of chapter 6 after one session
     (in object_transfer), developer the mind of chapter 5 (in turn_taking, told the truth of its variables)."""
-    episodes: int = 10
+    episodes: Annotated[int, Whole("[1, 1e6]")] = 10
     """How many are played."""
-    seed: int = 0
+    seed: Seed = 0
     """All randomness comes from it."""
-    time_limit: float | None = None
+    time_limit: Annotated[float, Real("(0, 1e9]")] | None = None
     """Seconds in an episode; the task's own where not given."""
     out: Path | None = None
     """Folder for the results; made when missing."""
@@ -40,8 +42,7 @@ class PlayOptions:
     """Also leave a video of the first episode there."""
 
     def __post_init__(self) -> None:
-        if self.episodes < 1 or self.seed < 0:
-            raise ConfigError(f"episodes start at 1 and seeds at 0; got {self.episodes}, {self.seed}")
+        super().__post_init__()
         if self.video and self.out is None:
             raise ConfigError("--video needs a folder to leave the video in; name one with --out")
 
@@ -69,14 +70,15 @@ def play(options: PlayOptions) -> None:
     """
     environment = environment_for(options)
     agent = AGENTS[options.agent](environment, options.seed)
-    paths = None if options.out is None else result_paths(options.out / "episodes", "episodes")
-    with tqdm(total=options.episodes, desc="episodes", leave=False, disable=None) as bar:
-        episodes = play_episodes(environment, agent, options, bar.update)
-    environment.close()
-    rows = [vars(episode) for episode in episodes]
-    if paths is not None:
-        write_results(paths, rows, options, mean_return=mean_return(episodes))
-    print(table(options, episodes))
+    with nullcontext() if options.out is None else held(options.out):
+        paths = None if options.out is None else result_paths(options.out / "episodes", "episodes")
+        with Progress("playing", options.episodes, "episodes") as shown:
+            episodes = play_episodes(environment, agent, options, shown.add)
+        environment.close()
+        if paths is not None:
+            rows = [vars(episode) for episode in episodes]
+            write_results(paths, rows, options, mean_return=mean_return(episodes))
+        print(table(options, episodes))
 
 
 def environment_for(options: PlayOptions) -> Environment:
@@ -122,7 +124,7 @@ def _film(environment: Environment, options: PlayOptions) -> Any:
     from jointattn_mj.viewing.film import TaskFilm
 
     assert options.out is not None
-    return TaskFilm(options.out / "video.mp4", environment.control_timestep())
+    return TaskFilm(free_name(options.out / "video.mp4"), environment.control_timestep())
 
 
 def _episode(environment: Environment, agent: Any, number: int, film: Any) -> Episode:

@@ -1,12 +1,13 @@
 """``jointattn develop --world rendered --mode realtime``: what differs from a life in turns."""
 
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from jointattn_mj.development import DevelopConfig
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Choice, Real, Whole
 from jointattn_mj.realtime.life import RealtimeConfig, RealtimeLife
 from jointattn_mj.robots.life import Life
+from jointattn_mj.symbolic.presets import PRESETS
 
 
 @dataclass(frozen=True)
@@ -17,11 +18,11 @@ class RealtimeDevelopConfig(DevelopConfig):
     """Where the robot lives: at a table that it sees in pictures."""
     mode: Literal["turns", "realtime"] = "realtime"
     """How time goes on: 30 frames a second, whatever the robot does."""
-    preset: str = "fast"
+    preset: Annotated[str, Choice(PRESETS)] = "fast"
     """As at the symbolic table. An hour has some thousand steps: the preset that needs fewest is the default."""
-    minutes: float = 60.0
+    minutes: Annotated[float, Real("(0, 1e6]")] = 60.0
     """Simulated minutes to live."""
-    steps: int = 20_000
+    steps: Annotated[int, Whole("[1, 1e10]")] = 20_000
     """Fixations that it can have at most."""
     realtime: RealtimeConfig = field(default_factory=RealtimeConfig)
 
@@ -29,11 +30,6 @@ class RealtimeDevelopConfig(DevelopConfig):
     at_a_time: ClassVar[int] = 1
     checkpoint_every: ClassVar[int] = 500
     unit: ClassVar[str] = "min"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not self.minutes > 0:
-            raise ConfigError(f"minutes must be above 0; got {self.minutes}")
 
     @property
     def length(self) -> float:

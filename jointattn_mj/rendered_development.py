@@ -3,13 +3,15 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from jointattn_mj.development import DevelopConfig
+from jointattn_mj.options import Choice, Whole
 from jointattn_mj.rendered.film import LifeFilm
 from jointattn_mj.rendered.life import RenderedConfig, RenderedLife
 from jointattn_mj.robots.life import Life
 from jointattn_mj.symbolic.meaning import meanings
+from jointattn_mj.symbolic.presets import PRESETS
 
 
 @dataclass(frozen=True)
@@ -20,9 +22,9 @@ class RenderedDevelopConfig(DevelopConfig):
     """Where the robot lives: at a table that it sees in pictures, one a turn, and at which bodies are imprecise."""
     mode: Literal["turns", "realtime"] = "turns"
     """How time goes on: in turns, or at 30 frames a second (realtime; with it --help lists other options)."""
-    preset: str = "fast"
+    preset: Annotated[str, Choice(PRESETS)] = "fast"
     """As at the symbolic table. A turn takes a picture's time, so the one that needs fewest turns is the default."""
-    steps: int = 20_000
+    steps: Annotated[int, Whole("[1, 1e10]")] = 20_000
     """Turns to live; half a minute without a GPU."""
     rendered: RenderedConfig = field(default_factory=RenderedConfig)
 

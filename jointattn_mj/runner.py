@@ -6,14 +6,15 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from jointattn_mj.errors import ConfigError, OutputError
+from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.recording import checkpoint, figures
-from jointattn_mj.recording.files import claim, forget_partial, write_whole
+from jointattn_mj.recording.files import claimed, free_name, write_whole
 from jointattn_mj.recording.interrupts import deferred
 from jointattn_mj.recording.provenance import write_config
-from jointattn_mj.recording.rows import forget_log, log_folder
+from jointattn_mj.recording.rows import forget_log, log_folder, summary_of_ended
 from jointattn_mj.recording.shifts import write_shifts
 from jointattn_mj.recording.space import check_free
 from jointattn_mj.recording.tables import write_frames
@@ -25,7 +26,7 @@ BYTES_A_FRAME = 400
 
 
 @dataclass(frozen=True)
-class RunOptions:
+class RunOptions(Checked):
     """Where a session leaves its results, and how much of it is shown."""
 
     out: Path
@@ -34,18 +35,15 @@ class RunOptions:
     """Go on from the checkpoint in the folder, to the same final result."""
     video: bool = False
     """Also leave a video that shows what the robot attends to and why (slower: every frame is rendered twice)."""
-    video_every: int = 1
+    video_every: Annotated[int, Whole("[1, 1e6]")] = 1
     """Frames of the session for one of the video: 1 is 30 a second, 2 is 15 and takes half the time."""
     rerun: Path | None = None
     """Also write a log for Rerun's viewer, FILE.rrd; needs the extra ``rerun``."""
-    checkpoint_minutes: float = 2.0
+    checkpoint_minutes: Annotated[float, Real("(0, 1e6]")] = 2.0
     """Simulated minutes between checkpoints: at most so much is lost by a kill."""
 
     def __post_init__(self) -> None:
-        if not 0 < self.checkpoint_minutes < float("inf"):
-            raise ConfigError(f"checkpoint_minutes must be a positive number of minutes; got {self.checkpoint_minutes}")
-        if self.video_every < 1:
-            raise ConfigError(f"video_every must be at least 1 frame; got {self.video_every}")
+        super().__post_init__()
         if self.rerun is not None and self.rerun.suffix != ".rrd":
             raise ConfigError(f"rerun must be a file that ends in .rrd, as its viewer expects; got {self.rerun}")
 
@@ -71,19 +69,26 @@ def run_session(
         ExtraError: A log is asked for, and the package that writes it is missing.
         NotFiniteError: What is learned or simulated has become NaN; the last checkpoint stays.
     """
-    out, frozen = options.out, options.out / "checkpoint.bin"
-    started = time.perf_counter()
     if options.video:
         _check_ffmpeg()
     if options.rerun is not None:
         _check_rerun(options.rerun, options.resume)
+    if not options.resume:
+        needed = round(BYTES_A_FRAME * config.minutes * FRAMES_PER_MINUTE)
+        check_free(options.out, needed, f"--minutes {config.minutes:g}", "fewer --minutes")
+    with claimed(options.out, options.resume):
+        return _run(config, options, progress, kind)
+
+
+def _run(
+    config: SessionConfig, options: RunOptions, progress: Callable[[Session], None], kind: type[Session]
+) -> dict[str, Any]:
+    """Run a session in a folder that is held for it."""
+    out, frozen = options.out, options.out / "checkpoint.bin"
+    started = time.perf_counter()
     if options.resume:
         spent, session = checkpoint.load(frozen, config, kind.__module__, kind=(float, kind))
-        forget_partial(out)
     else:
-        frames = config.minutes * FRAMES_PER_MINUTE
-        check_free(out, round(BYTES_A_FRAME * frames), f"--minutes {config.minutes:g}", "fewer --minutes")
-        claim(out)
         spent, session = 0.0, kind(config)
 
     def freeze() -> None:
@@ -91,9 +96,8 @@ def run_session(
         checkpoint.save(frozen, (spent + time.perf_counter() - started, session), config, kind.__module__)
 
     try:
-        if options.resume and (out / "summary.json").exists():
-            forget_log(out)
-            return json.loads((out / "summary.json").read_text())
+        if options.resume and (summary := summary_of_ended(out)) is not None:
+            return summary
         if not options.resume:
             session.begin()
         session.attach(log_folder(out))
@@ -143,24 +147,18 @@ def _watchers(session: Session, options: RunOptions) -> Iterator[Callable[[Sessi
         if options.video and session.frame < session.total:
             from jointattn_mj.recording.video import Film
 
-            film = Film(_free_name(options.out / "video.mp4"), session, options.video_every)
+            film = Film(free_name(options.out / "video.mp4"), session, options.video_every)
             watchers.append(stack.enter_context(film))
         if options.rerun is not None and session.frame < session.total:
             from jointattn_mj.adapters.rerun import SessionLog
 
-            watchers.append(stack.enter_context(SessionLog(_free_name(options.rerun), session)))
+            watchers.append(stack.enter_context(SessionLog(free_name(options.rerun), session)))
 
         def watch(session: Session) -> None:
             for watcher in watchers:
                 watcher(session)
 
         yield watch if watchers else None
-
-
-def _free_name(path: Path) -> Path:
-    """``path``, or with a number where an earlier part of a resumed run already has it."""
-    names = [path, *(path.with_stem(f"{path.stem}_{part}") for part in range(2, 1000))]
-    return next(name for name in names if not name.exists())
 
 
 def _leave_results(session: Session, out: Path, wall_seconds: float) -> dict[str, Any]:

@@ -6,12 +6,12 @@ A session can be stored at any frame and taken up again; ``runner`` gives it a f
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from jointattn_mj.errors import ConfigError
 from jointattn_mj.finite import check_finite
+from jointattn_mj.options import Checked, Real, Seed
 from jointattn_mj.perception.percept import Perceiver
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.truth import TruthConfig, TruthPerception
@@ -29,12 +29,12 @@ FRAMES_PER_MINUTE = 60 * FRAMES_PER_SECOND
 
 
 @dataclass(frozen=True)
-class SessionConfig:
+class SessionConfig(Checked):
     """Everything that decides what happens in a session."""
 
-    minutes: float = 26.0
+    minutes: Annotated[float, Real("(0, 1e9]")] = 26.0
     """Simulated minutes; "each session lasted approximately 26 minutes" (6.4.3)."""
-    seed: int = 0
+    seed: Seed = 0
     """All randomness comes from it, one stream a component."""
     perception: Literal["pixels", "truth"] = "pixels"
     """Rendered pictures, or the simulator's state with the errors that the pixel path was measured to make."""
@@ -50,12 +50,6 @@ class SessionConfig:
     """How it perceives pictures."""
     truth: TruthConfig = field(default_factory=TruthConfig)
     """What stands for that with ``perception truth``."""
-
-    def __post_init__(self) -> None:
-        if not 0 < self.minutes < float("inf"):
-            raise ConfigError(f"minutes must be a positive number of simulated minutes; got {self.minutes}")
-        if self.seed < 0:
-            raise ConfigError(f"seed must be a whole number of 0 or more; got {self.seed}")
 
 
 class Session:

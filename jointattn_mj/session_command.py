@@ -1,10 +1,10 @@
-"""``jointattn session``: a session with a bar that shows how it goes."""
+"""``jointattn session``: a session that shows how it goes."""
 
 import sys
 from collections import deque
 
-from tqdm import tqdm
-
+from jointattn_mj.progress import Progress
+from jointattn_mj.recording.summary import LATE_MINUTES
 from jointattn_mj.runner import RunOptions, run_session
 from jointattn_mj.session import FRAMES_PER_MINUTE, Session
 from jointattn_mj.varied_session import VariedSession, VariedSessionConfig
@@ -12,27 +12,21 @@ from jointattn_mj.varied_session import VariedSession, VariedSessionConfig
 
 def run_with_bar(config: VariedSessionConfig, options: RunOptions) -> None:
     """Run the session, and say in a line what came of it; errors are :func:`runner.run_session`'s."""
-    bar = tqdm(
-        total=config.minutes,
-        desc="getting to know the face",
-        bar_format="{l_bar}{bar}| {n:.1f}/{total:g} simulated min [{elapsed}<{remaining}{postfix}]",
-        disable=None,
-    )
+    shown = Progress("getting to know the face", config.minutes, "simulated min", digits=1)
 
-    last, counted, of_all = deque[bool](maxlen=20), 0, 0
+    recent, counted, of_all = deque[bool](maxlen=20), 0, 0
 
     def progress(session: Session) -> None:
         nonlocal counted, of_all
         new = [bool(row.success) for row in session.shifts[of_all:] if row.face_to_object]
-        last.extend(new)
+        recent.extend(new)
         counted, of_all = counted + len(new), len(session.shifts)
-        rate = f"success {sum(last) / len(last):.0%} of the last {len(last)}" if last else "no success yet"
-        bar.set_description_str("session", refresh=False)
-        bar.set_postfix_str(f"{counted} gaze shifts, {rate}", refresh=False)
-        bar.update(session.frame / FRAMES_PER_MINUTE - bar.n)
+        rate = f"success {sum(recent) / len(recent):.0%} of the last {len(recent)}" if recent else "no success yet"
+        shown.doing("session")
+        shown.to(session.frame / FRAMES_PER_MINUTE, f"{counted} gaze shifts, {rate}")
 
     try:
-        with bar:
+        with shown:
             summary = run_session(config, options, progress, VariedSession)
     except KeyboardInterrupt:
         if (options.out / "checkpoint.bin").exists():
@@ -41,8 +35,9 @@ def run_with_bar(config: VariedSessionConfig, options: RunOptions) -> None:
             print("jointattn: stopped before the session began; nothing was written", file=sys.stderr)
         raise
     late = summary["late_rate"]
+    last = f" over the last {LATE_MINUTES:g} minutes" if config.minutes > LATE_MINUTES else ""
     print(
         f"{summary['gaze_shifts']} gaze shifts from the face to an object, {summary['successes']} to where "
-        f"the caregiver looked ({'-' if late is None else format(late, '.0%')} over the last 6 minutes), "
+        f"the caregiver looked ({'-' if late is None else format(late, '.0%')}{last}), "
         f"in {summary['wall_seconds']:.0f} s. Results: {options.out}"
     )

@@ -1,17 +1,22 @@
-"""``jointattn view``: an agent in a task, live in a window or in a browser."""
+"""``jointattn view``: an agent in a task, live in a window or in a browser.
+
+What takes seconds to import is imported once it was said that the view is starting.
+"""
 
 import socket
 import sys
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-from jointattn_mj.agents import AGENTS
+from jointattn_mj.adapters.registration import IDS
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Choice, Seed, Whole
 from jointattn_mj.recording.interrupts import deferred
-from jointattn_mj.tasks import load
-from jointattn_mj.viewing.show import Show
+
+if TYPE_CHECKING:
+    from jointattn_mj.viewing.show import Show
 
 HERE = "127.0.0.1"
 """This machine alone."""
@@ -19,27 +24,21 @@ DOMAIN = "joint_attention"
 
 
 @dataclass(frozen=True)
-class ViewOptions:
+class ViewOptions(Checked):
     """What is shown, and where."""
 
-    task: tyro.conf.Positional[str]
-    """Task of the suite, such as object_transfer, follow or turn_taking."""
+    task: tyro.conf.Positional[Annotated[str, Choice(IDS.values())]]
+    """Task of the suite."""
     agent: Literal["zero", "random", "oracle", "gaze_follower"] | None = None
     """Who acts. Not given: the gaze follower of chapter 6 where the task gives pictures in time, else the oracle."""
-    seed: int = 0
+    seed: Seed = 0
     """All randomness comes from it."""
     browser: bool = False
     """Serve the browser's viewer even where there is a display; needs the extra ``view``."""
     host: str = HERE
     """Interface on which to serve it. Any other than this machine's own lets others watch, and stop the show."""
-    port: int = 8080
+    port: Annotated[int, Whole("[1, 65535]")] = 8080
     """The first port to try; the next free one is taken."""
-
-    def __post_init__(self) -> None:
-        if self.seed < 0:
-            raise ConfigError(f"seed must be a whole number of 0 or more; got {self.seed}")
-        if not 0 < self.port < 65536:
-            raise ConfigError(f"port must lie in 1 to 65535; got {self.port}")
 
 
 def view(options: ViewOptions) -> None:
@@ -50,6 +49,7 @@ def view(options: ViewOptions) -> None:
         ExtraError: No display, and the package for the browser is missing.
         GLError: The robot's pictures cannot be rendered here.
     """
+    print(f"jointattn: the view of {options.task} is starting", file=sys.stderr, flush=True)
     if options.browser or options.host != HERE or not _has_display():
         _serve(options)
         return
@@ -64,6 +64,7 @@ def _serve(options: ViewOptions) -> None:
     from jointattn_mj.adapters.mjviser import Browser
 
     _check(options.host)
+    print("jointattn: starting the viewer, in some seconds", file=sys.stderr)
     browser = Browser(_show(options), options.host, options.port)
     if options.host != HERE:
         print(f"jointattn: warning: whoever reaches {options.host} can watch this and stop it", file=sys.stderr)
@@ -72,7 +73,11 @@ def _serve(options: ViewOptions) -> None:
         browser.run(lambda: not interrupts.requested)
 
 
-def _show(options: ViewOptions) -> Show:
+def _show(options: ViewOptions) -> "Show":
+    from jointattn_mj.agents import AGENTS
+    from jointattn_mj.tasks import load
+    from jointattn_mj.viewing.show import Show
+
     pictures = options.agent in (None, "gaze_follower")
     environment = load(DOMAIN, options.task, task_kwargs={"random": options.seed, "camera": pictures})
     sees = "head_moves" in environment.observation_spec()

@@ -142,6 +142,38 @@ def test_dask_computes_the_same_and_survives_a_killed_worker(tmp_path, monkeypat
     assert [result["heads"] for result in there] == [result["heads"] for result in here]
 
 
+@pytest.fixture
+def slow(monkeypatch):
+    """Coins take their time; for workers that are started after it."""
+    monkeypatch.setenv("TOY_TROUBLE", "sleep:.2")
+
+
+def test_a_killed_scheduler_is_one_line(tmp_path, slow, scheduler):
+    """No stack trace before it, and what was computed is there."""
+    address, processes = scheduler
+    out = tmp_path / "out"
+    command = f"experiment run 1.1 --registry toys.registry --runs 200 --backend dask --address {address} --out {out}"
+    with subprocess.Popen(
+        [sys.executable, "-m", "jointattn_mj.cli", *command.split()],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        while not (out / "cells" / "1.1").is_dir() or len(list((out / "cells" / "1.1").glob("[!.]*"))) < 3:
+            assert process.poll() is None, process.stderr.read()
+            time.sleep(0.05)
+        processes[0].kill()
+        said, err = process.communicate(timeout=120)
+    assert (process.returncode, said) == (1, "")
+    first, state, last = err.splitlines()
+    assert first == "400 cells to compute, 0 stored already"
+    assert "/400 cells" in state
+    assert last.startswith("jointattn: nobody computes any more (")
+    assert last.endswith("then the same command goes on")
+    assert len(Store(out).read(COIN).cells["fair"]) >= 1
+
+
 def test_cells_that_wait_when_all_is_stopped_say_nothing(monkeypatch):
     """loky's own thread would: it looks up what it has thrown away."""
     heard = []

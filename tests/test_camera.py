@@ -135,7 +135,7 @@ def test_other_cameras_and_sizes(physics):
 def test_without_opengl_the_error_says_what_to_install(physics, monkeypatch):
     monkeypatch.setenv("MUJOCO_GL", "disable")
     with pytest.raises(GLError, match="apt-get install"):
-        Eye(physics).look()
+        Eye(physics.copy()).look()
 
 
 def test_model_is_left_alone(physics):

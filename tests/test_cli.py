@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from shell import Outcome, Shell
 
+from jointattn_mj import cli
 from jointattn_mj.scene import gl
 
 SHORT = ("--minutes", 0.2, "--perception", "truth", "--robot.familiarise.minutes", 0.05)
@@ -74,7 +75,17 @@ BAD_OPTIONS = [
     (("--robot.gaze.gate-width", "nan"), ("gate_width", "nan")),
     (("--robot.learner.rate", "0"), ("rate", "0")),
     (("--robot.familiarise.minutes", "0"), ("familiarise", "0")),
-    (("--truth.face-miss", "2"), ("face_miss", "2")),
+    (("--truth.face-miss", "2"), ("truth.face_miss: expected a number in [0, 1]; got 2.0",)),
+    (("--robot.som.rate-start", "nan"), ("robot.som.rate_start: expected a number in (0, 1]; got nan",)),
+    (("--world.layout.cells", "-1", "1000000000"), ("world.layout.cells", "(-1, 1000000000)")),
+    (("--world.behaviour.wobble-m", "1e308"), ("wobble_m", "[0, 1] (metres)", "1e+308")),
+    (("--pixels.faces.side-px", "1_000"), ("side_px", "[8, 240] (pixels)", "1000")),
+    (("--pixels.motion.face-inset-px", "99999999999999999999"), ("face_inset_px", "99999999999999999999")),
+    (("--seed", "9" * 5000), ("--seed: expected a whole number in [0, 9e18]",)),
+    (("--seed", str(2**63)), ("seed: expected a whole number", str(2**63))),
+    (("--start-from", "x" * 300), ("start_from: expected a path",)),
+    (("--robot.learner.code", "Population"), ("(perhaps you meant 'population')",)),
+    (("--robot.gaze.gate-wdth", "3"), ("perhaps you meant --robot.gaze.gate-width",)),
 ]
 
 
@@ -85,12 +96,29 @@ def test_bad_options(jointattn, tmp_path, options, words):
     assert not (tmp_path / "out").exists()
 
 
+def test_a_misspelt_command(jointattn):
+    refused(jointattn("sesion", "--minutes", 1), 2, "no command 'sesion' (perhaps you meant 'session')", "develop")
+
+
+def test_a_complaint_is_made_once(jointattn):
+    outcome = jointattn("play", "moon", "--agent", "zero")
+    refused(outcome, 2, "'moon'", "'follow'")
+    assert outcome.err.lower().count("invalid choice") == 1
+
+
+def test_help_says_what_numbers_may_be(jointattn):
+    said = jointattn("session", "--help").out
+    for words in ("--robot.som.rate-start FLOAT(0,1]", "--seed INT[0,9e18]", "--caregiver {robin,noa,", "{min,max}"):
+        assert words in said
+
+
 def test_without_a_folder(jointattn):
     refused(jointattn("session", "--minutes", 1), 2, "--out")
 
 
-def test_more_memory_than_there_is(jointattn, tmp_path):
-    refused(jointattn("session", "--out", tmp_path / "out", *SHORT, "--minutes", 1e12), 1, "memory")
+def test_more_than_the_disk_holds(jointattn, tmp_path):
+    refused(jointattn("session", "--out", tmp_path / "out", *SHORT, "--minutes", 1e9), 2, "GB", "fewer --minutes")
+    assert not (tmp_path / "out").exists()
 
 
 def test_folder_holds_another_run(jointattn, run):
@@ -263,9 +291,9 @@ def test_no_opengl(tmp_path, case):
         assert (done.returncode, done.stderr) == (0, "")
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_stopped_from_outside(tmp_path, number):
-    """Ctrl-C, or the kind signal of a scheduler: a checkpoint, one line that says how to go on, 130."""
+    """Ctrl-C, the kind signal of a scheduler, a closed terminal: a checkpoint, one line that says how to go on, 130."""
     arguments = ["session", "--out", str(tmp_path), *map(str, SHORT), "--minutes", "600"]
     with subprocess.Popen(
         [sys.executable, "-m", "jointattn_mj.cli", *arguments],
@@ -280,7 +308,7 @@ def test_stopped_from_outside(tmp_path, number):
         process.send_signal(number)
         out, err = process.communicate(timeout=30)
     refused(Outcome(process.returncode, out, err), 130, "--resume", str(tmp_path))
-    assert {path.name for path in tmp_path.iterdir()} == {"checkpoint.bin", "config.yaml"}
+    assert {path.name for path in tmp_path.iterdir()} - {"log"} == {"checkpoint.bin", "config.yaml"}
 
 
 def test_bad_benchmark(jointattn):
@@ -293,3 +321,105 @@ def test_help(jointattn):
     assert outcome.code == 0
     for option in ("--minutes", "--seed", "--motion-cues", "--caregiver", "--resume", "--video", "--start-from"):
         assert option in outcome.out
+
+
+@pytest.fixture(scope="module")
+def measure(tmp_path_factory) -> str:
+    path = tmp_path_factory.mktemp("codes") / "codes.csv"
+    path.write_text("mother,infant\n" + "".join(f"{k % 3},{k % 5 // 2}\n" for k in range(60)))
+    return f"measure {path} --source mother --target infant --surrogates 20 --resamples 0"
+
+
+class TestStreams:
+    """In processes of their own, for a shell's redirections."""
+
+    JOINTATTN = f"{sys.executable} -m jointattn_mj.cli"
+
+    def shell(self, line: str, **environment: str) -> Outcome:
+        done = subprocess.run(
+            ["bash", "-c", f"set -o pipefail; {line}"], env=os.environ | environment, capture_output=True, text=True
+        )
+        return Outcome(done.returncode, done.stdout, done.stderr)
+
+    @pytest.mark.parametrize("what", ["measure", "--help", "session --help"])
+    def test_a_reader_that_has_enough(self, measure, what):
+        line = measure if what == "measure" else what
+        outcome = self.shell(f"{self.JOINTATTN} {line} | head -1")
+        assert (outcome.code, outcome.err) == (0, "")
+        assert outcome.out.count("\n") == 1
+
+    @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is full")
+    @pytest.mark.parametrize("what", ["measure", "--help"])
+    def test_a_full_disk(self, measure, what):
+        outcome = self.shell(f"{self.JOINTATTN} {measure if what == 'measure' else what} > /dev/full")
+        refused(outcome, 1, "standard output", "No space left")
+
+    @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-"])
+    def test_closed(self, measure, closed):
+        outcome = self.shell(f"{self.JOINTATTN} {measure} {closed}")
+        assert (outcome.code, outcome.err) == (0, "")
+
+    def test_a_log_that_nobody_reads_any_more(self, tmp_path):
+        """Progress has nowhere to go; the session does its work all the same."""
+        short = " ".join(map(str, SHORT))
+        outcome = self.shell(f"{self.JOINTATTN} session --out {tmp_path / 'out'} {short} 2>&1 >/dev/null | true")
+        assert (outcome.code, outcome.err) == (0, "")
+        assert (tmp_path / "out" / "summary.json").exists()
+
+    def test_letters_that_a_terminal_does_not_have(self, tmp_path):
+        path = tmp_path / "codes.csv"
+        path.write_text("mère,infant\n" + "".join(f"{k % 3},{k % 5 // 2}\n" for k in range(60)))
+        line = f"measure {path} --source mère --target infant --surrogates 20 --resamples 0"
+        outcome = self.shell(f"{self.JOINTATTN} {line}", PYTHONIOENCODING="ascii")
+        assert (outcome.code, outcome.err) == (0, "")
+        assert outcome.out.startswith("m\\xe8re -> infant")
+
+
+class TestUnforeseen:
+    @pytest.fixture
+    def broken(self, monkeypatch):
+        def fails(error):
+            monkeypatch.setitem(cli.COMMANDS, "play", lambda arguments: self.command(error))
+
+        return fails
+
+    @staticmethod
+    def command(error):
+        def play(episodes: int = 1):
+            def run():
+                raise error
+
+            return run
+
+        return play
+
+    def end(self, capsys) -> Outcome:
+        with pytest.raises(SystemExit) as stop:
+            cli.main(["play"])
+        return Outcome(stop.value.code, *capsys.readouterr())
+
+    def test_a_fault_is_said_in_a_line(self, broken, capsys):
+        broken(KeyError("gaze\nmap"))
+        outcome = self.end(capsys)
+        refused(outcome, 1, "KeyError: 'gaze\\nmap'", "fault of jointattn", "report")
+        path = Path(outcome.err.split("its traceback is in ")[1].strip())
+        assert "raise error\nKeyError" in path.read_text()
+        path.unlink()
+
+    def test_its_traceback_can_be_shown(self, broken, capsys, monkeypatch):
+        monkeypatch.setenv("JOINTATTN_TRACEBACK", "1")
+        broken(KeyError("map"))
+        outcome = self.end(capsys)
+        assert outcome.code == 1
+        assert outcome.err.startswith("Traceback")
+        assert outcome.err.splitlines()[-1].startswith("jointattn: KeyError: 'map'. This is a fault")
+
+    def test_what_the_system_refuses(self, broken, capsys):
+        broken(PermissionError(13, "Permission denied", "/there"))
+        outcome = self.end(capsys)
+        refused(outcome, 1, "/there: Permission denied")
+        assert "fault" not in outcome.err
+
+    def test_no_memory(self, broken, capsys):
+        broken(MemoryError("Unable to allocate 8 TiB"))
+        refused(self.end(capsys), 1, "8 TiB", "ask for a shorter episode")

@@ -1,72 +1,32 @@
-"""Every code block of README and docs: Python is run, commands are parsed, and run where that is quick."""
+"""Every command of README and docs could be typed as it stands, and links lead somewhere.
+
+``test_commands_in_order`` runs them.
+"""
 
 import contextlib
 import io
 import re
 import runpy
-import shlex
 import subprocess
 import sys
 import tomllib
-from pathlib import Path
-from types import ModuleType
 
 import pytest
+from documented import ROOT, Block, blocks, commands, pages
 
 from jointattn_mj import cli
 from jointattn_mj.errors import ConfigError
 
-ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", ROOT / "experiments" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.M | re.S)
 OPTION = re.compile(r"^--[a-z][\w.-]*")
-FREE = ("apt-get", "rerun", "taskset")
+FREE = ("apt-get", "rerun", "dask")
 """Programs of other people: only the syntax of these lines is checked."""
-QUICK_MINUTES, QUICK_STEPS, QUICK_PICTURES = 2, 40_000, 500
-
-
-def blocks(page: Path) -> list[tuple[str, str]]:
-    """Language and text of each fenced block."""
-    return BLOCK.findall(page.read_text("utf-8"))
-
-
-def commands(text: str) -> list[list[str]]:
-    """The words of every line that is one, without comments, settings of the environment and ``taskset -c 0``."""
-    lines = [shlex.split(re.sub(r"(^|\s)#.*", "", line)) for line in text.replace("\\\n", " ").splitlines()]
-    found = []
-    for words in filter(None, lines):
-        while "=" in words[0]:
-            words = words[1:]
-        found.append(words[3:] if words[0] == "taskset" else words)
-    return found
-
-
-def after(words: list[str], option: str, otherwise: float) -> float:
-    """The number that follows an option."""
-    return float(words[words.index(option) + 1]) if option in words else otherwise
-
-
-def quick(words: list[str]) -> bool:
-    """Whether a ``jointattn`` command takes seconds, and has what it needs."""
-    match words[0]:
-        case "measure" | "discover":
-            return Path(words[1]).exists()
-        case "session":
-            return "truth" in words and "--start-from" not in words and after(words, "--minutes", 26) <= QUICK_MINUTES
-        case "develop":
-            return after(words, "--steps", 100_000) <= (QUICK_PICTURES if "rendered" in words else QUICK_STEPS)
-        case "experiment":
-            return words[1] == "list" or "my_claims.registry" in words
-    return False
 
 
 def check(words: list[str]) -> None:
     """Fail for a command that could not be typed as it stands."""
     match words:
         case ["jointattn", *arguments]:
-            if quick(arguments):
-                cli.main(arguments)
-            elif "--help" not in arguments:
+            if "--help" not in arguments:
                 cli._parse(arguments)
         case ["make", *targets]:
             known = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.M)
@@ -82,7 +42,7 @@ def check(words: list[str]) -> None:
         case ["pytest", *arguments]:
             assert all((ROOT / word).exists() for word in arguments if word.startswith("tests"))
         case [program, *_]:
-            assert program in FREE, f"{program}: tests/test_docs.py does not know how to check it"
+            assert program in FREE, f"{program}: no test knows how to check it"
 
 
 def help_of(module: str) -> str:
@@ -98,28 +58,16 @@ def help_of(module: str) -> str:
     return said.getvalue()
 
 
-@pytest.fixture
-def namespace(tmp_path, monkeypatch):
-    """An empty folder to work in, and a module of which the page's classes can be, as pickles need."""
+@pytest.mark.parametrize("page", pages(), ids=lambda page: str(page.relative_to(ROOT)))
+def test_commands(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    module = ModuleType("page")
-    monkeypatch.setitem(sys.modules, "page", module)
     monkeypatch.setattr(sys, "path", [*sys.path])
-    return module.__dict__
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_code_blocks(page, namespace):
-    for language, text in blocks(page):
-        match language:
-            case "python":
-                exec(compile(text, f"{page.name}: {text.splitlines()[0]}", "exec"), namespace)
-            case "" | "bash":
-                assert subprocess.run(["bash", "-n"], input=text, text=True, capture_output=True).stderr == ""
-                for words in commands(text):
-                    check(words)
-            case _:
-                pytest.fail(f"no test knows how to check a block of {language}")
+    for block in blocks(page):
+        assert block.language in ("", "bash", "python"), f"{block.place}: no test runs {block.language}"
+        if block.language != "python":
+            assert subprocess.run(["bash", "-n"], input=block.text, text=True, capture_output=True).stderr == ""
+            for command in commands(block):
+                check([*command.words])
 
 
 def test_what_could_not_be_typed_is_found():
@@ -132,14 +80,14 @@ def test_what_could_not_be_typed_is_found():
         "pytest tests/test_nothing.py",
         "cook dinner",
     ):
-        (words,) = commands(bad)
+        (command,) = commands(Block(ROOT / "README.md", 1, "", bad))
         with pytest.raises((AssertionError, SystemExit, ConfigError)):
-            check(words)
+            check([*command.words])
 
 
 def test_links_between_files_lead_somewhere():
     """Within README and experiments; mkdocs checks those of docs."""
-    for page in PAGES[:2]:
+    for page in (ROOT / "README.md", ROOT / "experiments" / "README.md"):
         for target in re.findall(r"\]\(([^)#]+)", page.read_text("utf-8")):
             if not target.startswith("http"):
                 assert (page.parent / target).exists(), f"{page.name}: {target}"

@@ -13,12 +13,13 @@ from shell import Outcome, Shell
 HERE = Path(__file__).parent
 FILES = ("report.html", "claims.json", "claims.csv", "claims.md", "figures/1.1-heads.png")
 TOYS = ("--registry", "toys.registry")
-ENVIRONMENT = os.environ | {"PYTHONPATH": str(HERE)}
+PATH = os.pathsep.join(filter(None, [str(HERE), os.environ.get("PYTHONPATH")]))
+ENVIRONMENT = os.environ | {"PYTHONPATH": PATH}
 
 
 @pytest.fixture(scope="module")
 def jointattn():
-    os.environ["PYTHONPATH"], before = str(HERE), os.environ.get("PYTHONPATH")
+    os.environ["PYTHONPATH"], before = PATH, os.environ.get("PYTHONPATH")
     shell = Shell()
     yield shell
     shell.close()
@@ -73,14 +74,14 @@ def undisturbed(jointattn, tmp_path_factory) -> dict[str, bytes]:
 def reported(jointattn: Shell, out: Path) -> dict[str, bytes]:
     outcome = jointattn("experiment", "report", out, *TOYS)
     assert (outcome.code, outcome.out, outcome.err) == (0, f"{out / 'report.html'}\n", "")
-    return {name: (out / name).read_bytes() for name in FILES}
+    return {name: (out / name).read_bytes().replace(str(out).encode(), b"OUT") for name in FILES}
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_stopped_and_started_again(jointattn, undisturbed, tmp_path, number):
     process = start(tmp_path, trouble="sleep:0.05")
     wait_for_cells(tmp_path, process)
-    if number == signal.SIGINT:
+    if number in (signal.SIGINT, signal.SIGHUP):
         os.killpg(process.pid, number)  # as a terminal does: the workers get it too
     else:
         process.send_signal(number)
@@ -126,6 +127,39 @@ def test_a_full_disk(jointattn, undisturbed, tmp_path):
     assert reported(jointattn, tmp_path) == undisturbed
 
 
+def test_a_damaged_note_of_a_failure(jointattn, tmp_path):
+    """It is counted and named, and goes away once its cell has succeeded."""
+    go(jointattn, tmp_path, "--runs", 2, trouble="error:1")
+    note = next((tmp_path / "failed" / "1.1").glob("*.json"))
+    whole = note.read_text()
+    for damaged in ("{bad", "[]", "\x00", whole[:40], '{"setting": "fair"}', "[" * 100_000):
+        note.write_text(damaged)
+        outcome = jointattn("experiment", "list", *TOYS, "--out", tmp_path)
+        assert (outcome.code, outcome.err) == (0, "")
+        assert "2/16, 2 failed" in outcome.out
+        outcome = jointattn("experiment", "report", tmp_path, *TOYS)
+        assert (outcome.code, outcome.err) == (0, "")
+        assert f"Notes of failures that cannot be read: 1 ({note.name})" in (tmp_path / "report.html").read_text()
+    go(jointattn, tmp_path, "--runs", 2)
+    assert not note.exists()
+
+
+def test_folders_in_the_place_of_files(jointattn, tmp_path):
+    go(jointattn, tmp_path, "--runs", 2, trouble="error:1")
+    cell, note = (next((tmp_path / kind / "1.1").glob("[!.]*.json")) for kind in ("cells", "failed"))
+    for path in (cell, note):
+        path.unlink()
+        path.mkdir()
+    outcome = jointattn("experiment", "report", tmp_path, *TOYS)
+    assert (outcome.code, outcome.err) == (0, "")
+    page = (tmp_path / "report.html").read_text()
+    assert f"Files that hold no cell: 1 ({cell.name})" in page
+    assert "2 failed" in jointattn("experiment", "list", *TOYS, "--out", tmp_path).out
+    outcome = go(jointattn, tmp_path, "--runs", 2)
+    assert outcome.code == 2
+    assert f"\njointattn: cannot write {cell}: Is a directory" in outcome.err
+
+
 def test_list(jointattn, tmp_path):
     outcome = jointattn("experiment", "list", *TOYS)
     assert [line.split()[0] for line in outcome.out.splitlines()] == ["id", "1.1", "1.2"]
@@ -152,13 +186,23 @@ def test_our_own_claims_are_listed_in_no_time():
         (["run", "9.9", *TOYS, "--out", "x"], 2, "no claim has the id '9.9'; there are 1.1, 1.2"),
         (["run", *TOYS, "--out", "x"], 2, "expected ids of claims, or all; there are 1.1, 1.2"),
         (["run", "1.1", *TOYS, "--out", "x", "--setting", "bent"], 2, "no setting is called 'bent'"),
-        (["run", "1.1", *TOYS, "--out", "x", "--runs", "0"], 2, "runs must be 1 or more"),
+        (["run", "1.1", *TOYS, "--out", "x", "--runs", "0"], 2, "runs: expected a whole number in [1, 1e6]"),
         (["run", "1.1", *TOYS, "--out", "x", "--backend", "dask"], 2, "needs --address"),
         (["run", "1.1", *TOYS], 2, "--out"),
         (["run", "1.1", *TOYS, "--out", "/proc/x"], 2, "cannot make the folder"),
         (["report", "nowhere", *TOYS], 2, "nowhere holds no cells"),
         (["list", "--registry", "no.such.thing"], 1, "cannot import no.such.thing; expected a module"),
         (["list", "--registry", "toys.coin.sweep"], 1, "has no REGISTRY"),
+        (["list", "--registry", "shell"], 1, "shell has no REGISTRY"),
+        (["list", "--registry", "toys.faulty"], 1, "cannot import toys.faulty: ZeroDivisionError: division by zero"),
+        (["list", "--registry", ".."], 1, "'..' is no name of a module"),
+        (["list", "--registry", ""], 1, "'' is no name of a module"),
+        (["list", "--registry", "../x"], 1, "'../x' is no name of a module"),
+        (["list", "--registry", "a\nb"], 1, "is no name of a module"),
+        (["list", "--registry", "x" * 5000], 1, "is no name of a module"),
+        (["list", *TOYS, "--out", "/proc/self/mem"], 2, "is no folder of results that can be read: Not a directory"),
+        (["list", *TOYS, "--out", "x" * 5000], 2, "File name too long"),
+        (["report", "/proc/self/mem", *TOYS], 2, "is no folder of results that can be read: Not a directory"),
     ],
 )
 def test_what_cannot_be_done(jointattn, arguments, code, words):

@@ -36,7 +36,20 @@ def test_a_backend_is_chosen_for_the_user():
     assert look().stdout.strip() == "(240, 320, 3) True"
 
 
-@pytest.mark.parametrize("choice", ["disable", "nonsense"])
+@pytest.mark.parametrize("backend", [name for name in gl.LIBRARIES if gl.available(name)])
+def test_capitals_and_blanks_are_no_matter(backend):
+    assert look(MUJOCO_GL=f" {backend.upper()} ").stdout.strip() == "(240, 320, 3) True"
+
+
+@pytest.mark.parametrize("choice", ["glfw", "GLFW", "glx", "on"])
+def test_without_a_display_windows_are_one_named_error(choice):
+    done = look(MUJOCO_GL=choice, DISPLAY="")
+    assert done.returncode == 1
+    assert "GLError" in done.stderr and "no display" in done.stderr
+    assert "Exception ignored" not in done.stderr and "Warning" not in done.stderr
+
+
+@pytest.mark.parametrize("choice", ["disable", "nonsense", "Off"])
 def test_no_backend_is_one_named_error(choice):
     done = look(MUJOCO_GL=choice)
     assert done.returncode == 1

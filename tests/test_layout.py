@@ -73,5 +73,5 @@ def test_a_table_that_is_too_full_is_an_error():
 
 @pytest.mark.parametrize("wrong", [{"spacing": 0}, {"evenness": 0}, {"x_range": (1.0, 1.0)}, {"y_range": (0.3, -0.3)}])
 def test_impossible_settings_are_errors(wrong):
-    with pytest.raises(ConfigError, match="a layout needs"):
-        Layout(LayoutConfig(**wrong), np.random.default_rng(0))
+    with pytest.raises(ConfigError, match=next(iter(wrong))):
+        LayoutConfig(**wrong)

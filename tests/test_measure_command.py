@@ -3,6 +3,8 @@
 import csv
 import json
 import math
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -10,9 +12,10 @@ import pytest
 from shell import Outcome, Shell
 
 import jointattn_mj.contingency as c
+from jointattn_mj import patience
 from jointattn_mj.contingency import read_recordings
 from jointattn_mj.discover_command import DiscoverOptions, run_discover
-from jointattn_mj.errors import ConfigError, OutputError, SeriesError
+from jointattn_mj.errors import ConfigError, OutputError
 from jointattn_mj.measure_command import MeasureOptions, run_measure
 from jointattn_mj.recording.results import bracket, number, share
 
@@ -194,6 +197,28 @@ def test_refuses(jointattn, seen, options, words):
     refused(jointattn("measure", seen, *options), *words)
 
 
+def test_a_misspelt_column_never_aborts(seen):
+    """Native threads of a reader that were alive when Python ended aborted every second process on a busy machine."""
+    command = [sys.executable, "-m", "jointattn_mj.cli", "measure", seen, "--source", "gazes", "--target", "object"]
+    for _ in range(5):
+        done = subprocess.run(command, capture_output=True, text=True)
+        refused(Outcome(done.returncode, done.stdout, done.stderr), "no column 'gazes'", "did you mean 'gaze'?")
+
+
+def test_more_surrogates_than_one_can_wait_for(seen, tmp_path, monkeypatch):
+    """Refused before anything is written; with ``yes`` they are drawn."""
+    monkeypatch.setattr(patience, "KNOWN_AFTER_S", 0.0)
+    monkeypatch.setattr(patience, "LONG_S", 0.0)
+    measure = MeasureOptions(seen, ("gaze",), ("object",), surrogates=200, out=tmp_path / "x")
+    discover = DiscoverOptions(seen, ("gaze",), ("turn",), ("object",), surrogates=200, out=tmp_path / "y")
+    for run, options in ((run_measure, measure), (run_discover, discover)):
+        with pytest.raises(ConfigError, match=rf"{options.draws:,} surrogates and resamples would take .*--yes"):
+            run(options)
+    assert list(tmp_path.iterdir()) == []
+    run_measure(replace(measure, yes=True))
+    assert (tmp_path / "x.csv").exists()
+
+
 def test_refuses_files(jointattn, seen, tmp_path):
     refused(jointattn("measure", tmp_path / "none.csv", *GAZE), "none.csv", "No such file")
     (tmp_path / "empty.csv").write_text("")
@@ -203,6 +228,7 @@ def test_refuses_files(jointattn, seen, tmp_path):
     assert (tmp_path / "mine.json").read_text() == "mine"
     assert not (tmp_path / "mine.csv").exists()
     refused(jointattn("measure", seen, *GAZE, *FEW, "--out", seen / "below" / "x"), "cannot make the folder")
+    refused(jointattn("measure", seen, *GAZE, *FEW, "--out", "x" * 10_000), "File name too long", "--out")
     refused(jointattn("discover", seen, *PARTS, "--alpha", 2), "alpha")
     refused(jointattn("discover", seen, "--sensors", "gaze", "--actions", "gaze", "--results", "object"), "both")
 
@@ -212,7 +238,7 @@ def test_named_errors(seen):
         MeasureOptions(seen, (), ("object",))
     with pytest.raises(ConfigError):
         DiscoverOptions(seen, ("gaze",), (), ("object",))
-    with pytest.raises(SeriesError):
+    with pytest.raises(ConfigError, match="base"):
         MeasureOptions(seen, ("gaze",), ("object",), base=0)
     with pytest.raises(OutputError):
         run_measure(MeasureOptions(seen, ("gaze",), ("object",), out=seen))

@@ -175,11 +175,15 @@ def test_third_person_sees_both(model, data):
         ({"caregiver": "nobody"}, "nobody"),
         ({"quality": "best"}, "best"),
         ({"objects": (OBJECTS[0], OBJECTS[0])}, "distinct"),
-        ({"objects": (ObjectConfig("red", (1, 0, 0), "torus"),)}, "torus"),
-        ({"objects": (ObjectConfig("red", (2, 0, 0)),)}, "red"),
         ({"object_size": 0.5}, "object_size"),
     ],
 )
 def test_bad_configurations_are_named(options, says):
     with pytest.raises(ConfigError, match=says):
         SceneConfig(**options)
+
+
+@pytest.mark.parametrize(("rgb", "shape", "says"), [((1, 0, 0), "torus", "torus"), ((2, 0, 0), "box", r"rgb.*\(2, 0")])
+def test_bad_objects_are_named(rgb, shape, says):
+    with pytest.raises(ConfigError, match=says):
+        ObjectConfig("red", rgb, shape)

@@ -41,7 +41,7 @@ def test_the_source_archive_has_what_builds_tests_and_documents_it(tmp_path):
     path = Path(next(archives.SdistBuilder(str(ROOT)).build(directory=str(tmp_path), versions=["standard"])))
     with tarfile.open(path) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
-    assert tracked("jointattn_mj", "assets", "experiments", "tests", "docs") <= names
+    assert tracked("jointattn_mj", "assets", "experiments", "tests", "docs", "tools") <= names
     assert {"pyproject.toml", "README.md", "LICENSE", "CITATION.cff", "Makefile", "mkdocs.yml"} <= names
     assert not any("__pycache__" in name or name.startswith((".venv", "out")) for name in names)
 

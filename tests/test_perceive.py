@@ -16,6 +16,7 @@ import yaml
 from clips import Clip, counted, encode
 from shell import Outcome, Shell
 
+from jointattn_mj.errors import CheckpointError
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.overlay import HEIGHT, WIDTH
 from jointattn_mj.footage.run import run_perceive
@@ -165,7 +166,7 @@ def test_files(jointattn, clip, tmp_path):
     assert "sun 100%" in outcome.out and str(out) in outcome.out
     assert {path.name for path in out.iterdir()} == {
         "config.yaml", "summary.json", "percepts.parquet", "fixations.parquet", "fixations.png", "faces.parquet",
-        "som.png", "overlay.mp4",
+        "som.png", "overlay.mp4", "checkpoint.bin",
     }  # fmt: skip
     assert yaml.safe_load((out / "config.yaml").read_text())["config"]["seed"] == 2
     summary = json.loads((out / "summary.json").read_text())
@@ -193,8 +194,7 @@ def test_files(jointattn, clip, tmp_path):
     for name in ("fixations.png", "som.png"):
         assert cv2.imread(str(out / name)).std() > 20
     again = jointattn("perceive", video, "--out", out)
-    refused(again, 2, "already holds a run")
-    assert "--resume" not in again.err
+    refused(again, 2, "already holds a run", "--resume")
 
 
 @needs_gl
@@ -252,24 +252,122 @@ def test_only_the_first_minutes(tmp_path):
     assert perceive(video, tmp_path / "all", max_minutes=1)[0]["complete"]
 
 
+def long_video(tmp_path: Path) -> Path:
+    return encode(tmp_path / "a.mkv", np.concatenate([counted(60)] * 60))
+
+
+def started(video: Path, out: Path, *options: str) -> subprocess.Popen:
+    """``jointattn perceive`` in a process group of its own, which has begun to watch."""
+    arguments = ["--out", str(out), "--scale", "1", "--som.updates", "10", *options]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "jointattn_mj.cli", "perceive", str(video), *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    part = out / "log" / "video_000000000000.mp4"
+    while not part.exists() or part.stat().st_size < 3000:
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.02)
+    return process
+
+
+def shown_frames(path: Path) -> int:
+    shown = cv2.VideoCapture(str(path))
+    return sum(iter(shown.grab, False))
+
+
 def test_stopped_from_outside(tmp_path):
-    """What was watched is there, whole, and the rest is not missing anywhere."""
-    video, out = encode(tmp_path / "a.mkv", np.concatenate([counted(60)] * 60)), tmp_path / "out"
-    options = ["--out", str(out), "--scale", "1", "--som.updates", "10"]
-    command = [sys.executable, "-m", "jointattn_mj.cli", "perceive", str(video), *options]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    ) as process:
-        while not (out / "overlay.mp4").exists() or (out / "overlay.mp4").stat().st_size < 3000:
-            assert process.poll() is None
-            time.sleep(0.02)
+    """What was watched is there, whole, and the rest is not missing anywhere; it can be gone on with."""
+    video, out = long_video(tmp_path), tmp_path / "out"
+    with started(video, out) as process:
         os.killpg(process.pid, signal.SIGINT)
         said, err = process.communicate(timeout=60)
-    refused(Outcome(process.returncode, said, err), 130, "stopped", str(out))
+    refused(Outcome(process.returncode, said, err), 130, "stopped", str(out), "--resume")
     summary = json.loads((out / "summary.json").read_text())
     assert not summary["complete"] and "stopped after" in summary["notes"][0]
     frames = pq.read_table(out / "percepts.parquet").num_rows
     assert 0 < frames == summary["frames"] < 3600
     assert not [path for path in out.iterdir() if path.name.startswith(".")]
-    shown = cv2.VideoCapture(str(out / "overlay.mp4"))
-    assert sum(iter(shown.grab, False)) == frames
+    assert shown_frames(out / "overlay.mp4") == frames
+    options = PerceiveOptions(out, resume=True, overlay=False)
+    with pytest.raises(CheckpointError, match="--overlay-every 1"):
+        run_perceive(PerceiveConfig(video, scale=1, som=SOMConfig(updates=10)), options)
+
+
+KILLED = """
+import os, signal, sys
+from jointattn_mj import cli
+from jointattn_mj.footage import viewing
+at, see = int(sys.argv[1]), viewing.Viewing.see
+def killing(self, still):
+    if self.frames == at:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return see(self, still)
+viewing.Viewing.see = killing
+cli.main(sys.argv[2:])
+"""
+"""``jointattn``, but it is killed before it sees a frame."""
+FILES = ("config.yaml", "percepts.parquet", "fixations.parquet", "faces.parquet", "fixations.png", "som.png")
+
+
+@needs_gl
+def test_killed_and_resumed(jointattn, clip, tmp_path):
+    """Killed twice, before and after a checkpoint: the same bytes as of a viewing that nothing disturbs."""
+    video = encode(tmp_path / "a.mp4", clip.pictures, "-c:v", "libx264")
+    options = ["perceive", str(video), "--seed", "3", "--som.updates", "200", "--checkpoint-minutes", str(40 / 1800)]
+    straight, out = tmp_path / "straight", tmp_path / "on"
+    assert jointattn(*options, "--out", straight).code == 0
+    for at, more in ((20, ()), (70, ("--resume",))):
+        killed = subprocess.run([sys.executable, "-c", KILLED, str(at), *options, "--out", str(out), *more])
+        assert killed.returncode == -signal.SIGKILL
+        assert not (out / "summary.json").exists()
+    refused(jointattn(*options, "--out", out), 2, "already holds a run", "--resume")
+    outcome = jointattn(*options, "--out", out, "--resume")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert {path.name for path in out.iterdir()} == {path.name for path in straight.iterdir()}
+    for name in FILES:
+        assert (out / name).read_bytes() == (straight / name).read_bytes(), name
+    summaries = [json.loads((folder / "summary.json").read_text()) for folder in (straight, out)]
+    assert summaries[0] | {"wall_seconds": 0} == summaries[1] | {"wall_seconds": 0}
+    films = [cv2.VideoCapture(str(folder / "overlay.mp4")) for folder in (straight, out)]
+    for _ in range(FRAMES):
+        one, other = (film.read()[1] for film in films)
+        np.testing.assert_array_equal(one, other)
+    assert not films[0].read()[0] and not films[1].read()[0]
+    again = jointattn(*options, "--out", out, "--resume")  # its results once more
+    assert (again.code, again.err) == (0, "")
+    assert json.loads((out / "summary.json").read_text()) == summaries[1]
+
+
+def test_another_video_under_the_same_name(tmp_path):
+    video, out = encode(tmp_path / "a.mkv", counted(60)), tmp_path / "out"
+    config = PerceiveConfig(video, scale=1)
+
+    def stop(viewing) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_perceive(config, PerceiveOptions(out, overlay=False), stop)
+    encode(video, counted(64))
+    with pytest.raises(CheckpointError, match=r"a\.mkv had \d+ bytes"):
+        run_perceive(config, PerceiveOptions(out, overlay=False, resume=True))
+
+
+def interlaced(path: Path, pictures: np.ndarray) -> Path:
+    """As a camcorder writes it."""
+    return encode(path, pictures, "-c:v", "libx264", "-flags", "+ildct+ilme", "-x264-params", "tff=1")
+
+
+@needs_gl
+def test_interlaced(clip, tmp_path):
+    """Found where it is, as in the same pictures progressive; and it says what was done."""
+    summary, found = perceive(interlaced(tmp_path / "a.mp4", clip.pictures), tmp_path / "out")
+    assert summary["frames"] == FRAMES
+    assert len(summary["notes"]) == 1 and "interlaced" in summary["notes"][0]
+    assert min(summary["found"].values()) >= 0.97
+    assert np.sqrt(np.nanmean(off(found, "face", clip.places[:, 4]) ** 2)) < 1.5
+    for number, label in enumerate(NAMES[:-1]):
+        wrong = np.linalg.norm(off(found, label, clip.places[:, number]), axis=1)
+        assert np.nanmedian(wrong) < 1.5, label

@@ -1,5 +1,6 @@
 """The growing table of percepts: complete, in order, described, and flat in memory."""
 
+import pickle
 from types import SimpleNamespace
 
 import numpy as np
@@ -30,19 +31,16 @@ def watcher(frame: int) -> SimpleNamespace:
 
 @pytest.mark.parametrize("frames", [0, 1, BLOCK, 2 * BLOCK + 2 * RECENT + 7])
 def test_every_frame_once(tmp_path, frames):
-    log = PerceptLog(tmp_path / "percepts.parquet", NAMES)
-    held = log._values.nbytes
+    log = PerceptLog(tmp_path, NAMES)
+    held = log._recent.nbytes
     for frame in range(frames):
         log.add(watcher(frame), frame // 2, frame % 2 == 0)
         if frame % 500 == 0:
-            recent = log.column("interest", 1)
-            assert recent[-1] == frame + 1
-            assert len(recent) >= min(frame + 1, RECENT)
-            np.testing.assert_array_equal(np.diff(recent), 1)
-    assert log._values.nbytes == held
+            check_recent(log, frame)
+    assert log._recent.nbytes == held
     assert not (tmp_path / "percepts.parquet").exists()
-    log.close()
-    assert [path.name for path in tmp_path.iterdir()] == ["percepts.parquet"]
+    log.write(tmp_path / "percepts.parquet")
+    assert {path.name for path in tmp_path.iterdir()} == {"percepts.parquet", "log"}
     table = pq.read_table(tmp_path / "percepts.parquet")
     assert all(field.metadata[b"description"] for field in table.schema)
     columns = table.to_pydict()
@@ -59,7 +57,37 @@ def test_every_frame_once(tmp_path, frames):
     assert columns["red_moves"] == (number % 3 == 0).tolist()
 
 
+def check_recent(log: PerceptLog, frame: int) -> None:
+    """The last rows can be looked back at."""
+    recent = log.column("interest", 1)
+    assert recent[-1] == frame + 1
+    assert len(recent) >= min(frame + 1, RECENT)
+    np.testing.assert_array_equal(np.diff(recent), 1)
+
+
+def test_going_on_from_a_checkpoint(tmp_path):
+    """What was written after it is cut off; the file is the same, and the last rows can be looked back at at once."""
+    for name in ("straight", "on"):
+        (tmp_path / name).mkdir()
+    straight, log = (PerceptLog(tmp_path / name, NAMES) for name in ("straight", "on"))
+    for frame in range(3000):
+        straight.add(watcher(frame), frame, True)
+        log.add(watcher(frame if frame < 2500 else 9), frame, True)
+        if frame == 2499:
+            kept = pickle.dumps(log.rows)
+    again = PerceptLog(tmp_path / "on", NAMES, pickle.loads(kept))
+    assert again.frames == 2500
+    check_recent(again, 2499)
+    for frame in range(2500, 3000):
+        again.add(watcher(frame), frame, True)
+    check_recent(again, 2999)
+    for one, name in ((straight, "straight"), (again, "on")):
+        one.write(tmp_path / name / "percepts.parquet")
+    assert (tmp_path / "straight" / "percepts.parquet").read_bytes() == (
+        tmp_path / "on" / "percepts.parquet"
+    ).read_bytes()
+
+
 def test_a_place_that_cannot_be_written(tmp_path):
-    (tmp_path / "file").write_text("mine")
-    with pytest.raises(OutputError, match=r"percepts.parquet.*--out"):
-        PerceptLog(tmp_path / "file" / "percepts.parquet", NAMES)
+    with pytest.raises(OutputError, match=r"percepts.*--out"):
+        PerceptLog(tmp_path / "nowhere", NAMES)

@@ -1,10 +1,17 @@
 """What is said while a run goes."""
 
 import io
+import time
 
+import numpy as np
+from numba import njit
+
+import jointattn_mj.progress
 from jointattn_mj.laboratory import progress
-from jointattn_mj.laboratory.progress import MOST_FAILURES, Progress, duration, rate
+from jointattn_mj.laboratory.progress import MOST_FAILURES, Progress, rate
 from jointattn_mj.laboratory.run import Tally
+from jointattn_mj.progress import COMPILING, duration
+from jointattn_mj.progress import Progress as Shown
 
 HALF = Tally(todo=10, stored=3, done=4, running=2, seconds={("a", "b"): (4, 40.0)})
 HALF.left["a", "b"] = 6
@@ -18,6 +25,7 @@ class Screen(io.StringIO):
 def test_numbers_to_read():
     assert [rate(1200.0), rate(0.5), rate(0.001)] == ["1.2e+03/s", "30/min", "3.6/h"]
     assert [duration(7.4), duration(200), duration(7500)] == ["7 s", "3 min 20 s", "2 h 5 min"]
+    assert [duration(20 * 86400), duration(4e9)] == ["20 days", "126 years"]
 
 
 def test_a_line():
@@ -57,3 +65,94 @@ def test_failures_are_listed_but_not_without_end():
     assert "  cell 0: ValueError: no\n    alone: do 0\n" in log.getvalue()
     assert log.getvalue().count("alone:") == MOST_FAILURES
     assert "and 3 more" in log.getvalue()
+
+
+class TestLog:
+    """Where there is no terminal."""
+
+    def test_lines(self):
+        shown = Shown("session", 26, "simulated min", digits=1, stream=io.StringIO())
+        assert shown.line(12) == "session, 0.0 of 26.0 simulated min, 12 s so far"
+        shown.to(6.5, "9 gaze shifts")
+        assert shown.line(60) == "session, 6.5 of 26.0 simulated min, 3 min 0 s left, 9 gaze shifts, 1 min 0 s so far"
+        shown.to(26)
+        assert shown.line(240).startswith("writing what came of it, 26.0 of 26.0")
+        shown.doing("drawing")
+        assert Shown("reading", stream=io.StringIO()).line(5) == "reading, 5 s so far"
+
+    def test_somebody_says_that_it_goes_on(self, monkeypatch):
+        """Also while nothing is told: a line first after some seconds, and then now and then."""
+        monkeypatch.setattr(jointattn_mj.progress, "FIRST_S", 0.02)
+        monkeypatch.setattr(jointattn_mj.progress, "LINE_S", 0.03)
+        log = io.StringIO()
+        with Shown("waiting", stream=log):
+            until = time.monotonic() + 20
+            while log.getvalue().count("\n") < 3 and time.monotonic() < until:
+                time.sleep(0.01)
+        assert log.getvalue().splitlines()[2].startswith("waiting, ")
+        said = log.getvalue()
+        time.sleep(0.1)
+        assert log.getvalue() == said
+
+    def test_a_short_command_says_nothing(self):
+        log = io.StringIO()
+        with Shown("short", 3, stream=log) as shown:
+            shown.add(3)
+        assert log.getvalue() == ""
+
+
+class TestBar:
+    """On a terminal."""
+
+    def test_it_tells_how_far(self):
+        screen = Screen()
+        with Shown("playing", 4, "episodes", stream=screen) as shown:
+            shown.add()
+            shown.say("a line above it")
+            shown.to(4, "all well")
+        assert "a line above it\n" in screen.getvalue()
+        assert "4/4 episodes" in screen.getvalue()
+        assert "all well" in screen.getvalue()
+        assert "playing: 100%" in screen.getvalue()
+
+    def test_a_screen_that_goes_away_ends_nothing(self):
+        class Gone(Screen):
+            def write(self, text):
+                raise OSError(5, "Input/output error")
+
+        with Shown("playing", 4, "episodes", stream=Gone()) as shown:
+            shown.add()
+            shown.say("lost")
+
+    def test_compiling_is_announced(self):
+        """What is in the cache, or compiled already, is not."""
+
+        @njit
+        def inner(x):
+            return x + 1
+
+        @njit
+        def outer(x):
+            return inner(x) * 2
+
+        said = []
+        for _ in range(2):
+            screen = Screen()
+            with Shown("life", 4, stream=screen):
+                assert outer(np.int64(1)) == 4
+            said.append(COMPILING in screen.getvalue())
+        assert said == [True, False]
+
+
+def test_compiling_is_told_in_a_log(monkeypatch):
+    @njit
+    def outer(x):
+        return x + 2
+
+    shown, during = Shown("life", stream=io.StringIO()), []
+    told = shown._compiling
+    monkeypatch.setattr(shown, "_compiling", lambda: (told(), during.append(shown.line(1)))[0])
+    with shown:
+        assert outer(np.int64(1)) == 3
+    assert during == [f"{COMPILING}, 1 s so far"]
+    assert shown.line(1) == "life, 1 s so far"

@@ -9,11 +9,13 @@ from jointattn_mj.development import DevelopOptions, run_development
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.realtime.life import RealtimeConfig
 from jointattn_mj.realtime_development import RealtimeDevelopConfig
+from jointattn_mj.recording import rows
 
 SHORT = RealtimeDevelopConfig(minutes=0.6, realtime=RealtimeConfig(perception="truth", familiarise_minutes=1.0))
 
 
-def test_it_lives_as_many_minutes_as_asked_for_and_resumes_to_the_same(tmp_path):
+def test_it_lives_as_many_minutes_as_asked_for_and_resumes_to_the_same(tmp_path, monkeypatch):
+    monkeypatch.setattr(rows, "BUFFER_BYTES", 36)  # three steps
     seen = []
     summary = run_development(SHORT, DevelopOptions(tmp_path / "whole"), lambda life, found: seen.append(life.spent))
     assert seen == sorted(seen) and 0.6 <= seen[-1] < 0.7

@@ -43,6 +43,14 @@ SAME = {
     "blank lines at the end": "a,b\nx,1\ny,0\nx,1\n\n\n",
     "no newline at the end": "a,b\nx,1\ny,0\nx,1",
     "a column more": "z,a,b\n,x,1\n,y,0\n0.5,x,1\n",
+    "old Macintosh": "a,b\rx,1\ry,0\rx,1\r",
+    "a line for Excel": "sep=;\na;b\nx;1\ny;0\nx;1\n",
+    "delimiters inside quotes": 'a;"c, d, e";b\nx;1,5;1\ny;2,5;0\nx;"3;5";1\n',
+    "a line break inside quotes": 'a,"c\nd",b\nx,"1\n2",1\ny,,0\nx,,1\n',
+    "UTF-8 with a mark": b"\xef\xbb\xbfa,b\nx,1\ny,0\nx,1\n",
+    "UTF-16 with a mark": "a\tb\nx\t1\ny\t0\nx\t1\n".encode("utf-16"),
+    "UTF-16 with its other mark": b"\xfe\xff" + "a\tb\r\nx\t1\r\ny\t0\r\nx\t1\r\n".encode("utf-16-be"),
+    "UTF-32 with a mark": "a;b\nx;1\ny;0\nx;1\n".encode("utf-32"),
 }
 
 
@@ -72,7 +80,7 @@ class TestParquet:
 
     def test_none(self, write, tmp_path):
         with pytest.raises(SeriesError, match="no Parquet file"):
-            read_recordings(write("a,b\n1,2\n", "seen.parquet"), ["a"])
+            read_recordings(write(b"PAR1" + b"no more", "seen.parquet"), ["a"])
         with pytest.raises(SeriesError, match="No such file"):
             read_recordings(tmp_path / "nothing.parquet", ["a"])
 
@@ -102,8 +110,19 @@ BAD = {
     "fractions": ("a,b\n1,0.25\n1,0.5\n", ["b"], "bins"),
     "missing": ("a,b\n1,2\n,2\n1,2\nNA,2\n", ["a"], "2 missing values, the first in data row 2"),
     "blank line": ("a,b\n1,2\n\n1,2\n", ["a", "b"], "1 missing values"),
-    "short row": ("a,b\n1,2\n1\n1,2\n", ["a"], "Expected 2 columns"),
-    "not text": (b"a,b\n1,\xff\xfe\n1,2\n", ["b"], "UTF8"),
+    "short row": ("a,b\n1,2\n1\n1,2\n", ["a"], "data row 2: Expected 2 columns"),
+    "another encoding": (b"a,b\n1,\xff\xfe\n1,2\n", ["b"], r"not in UTF-8 \(byte 0xFF in line 2\).*--encoding cp1252"),
+    "UTF-16 without a mark": ("a,b\n1,2\n1,2\n".encode("utf-16-le"), ["a"], "--encoding utf-16-le"),
+    "Excel": (b"PK\x03\x04\x14\0\x06\0" + bytes(200), ["a"], "Excel workbook.*save the table as CSV"),
+    "compressed": (b"\x1f\x8b\x08\0" + bytes(200), ["a"], "gzip"),
+    "binary": (bytes(range(256)), ["a"], "no text file"),
+    "a header of its own": ("id;3\nwhen;now\na;b\n1;2\n1;2\n", ["a", "b"], "Line 3 names them: say --skip-rows 2"),
+    "nearly the name": ("mother,infant\n1,2\n1,2\n", ["mothr"], "did you mean 'mother'"),
+    "onset and offset": ("a,onset,offset\n1,0,2\n2,2,3\n", ["a"], "'onset' and 'offset'.*--rows-are-steps"),
+    "begin and end": ("Begin Time - ms\tEnd Time - ms\ta\n0\t2\t1\n2\t3\t1\n", ["a"], "lists events"),
+    "two people's events": ("m.onset,m.offset,m.a\n0,2,1\n2,3,1\n", ["m.a"], "'m.onset' and 'm.offset'"),
+    "onset and duration": ("onset,duration,a\n0,2,1\n2,1,1\n", ["a"], "lists events"),
+    "fractions with a comma": ("a;b\n1;0,25\n1;0,5\n", ["b"], "numbers with fractions, such as 0,25.*bins"),
 }
 
 
@@ -116,9 +135,100 @@ def test_what_cannot_be_read(write, tmp_path, case):
     assert "\n" not in str(caught.value)
 
 
-def test_a_folder(tmp_path):
+@pytest.mark.parametrize("name", [".", "a\0b", "x" * 5000, "/proc/self/mem", "/dev/zero"], ids=lambda name: name[:5])
+def test_what_is_no_file(tmp_path, name):
     with pytest.raises(SeriesError, match="cannot read"):
-        read_recordings(tmp_path, ["a"])
+        read_recordings(tmp_path / name, ["a"])
+
+
+class TestEncoding:
+    TEXT = "mère;b\nà;1\né;0\nà;1\n"
+
+    @pytest.mark.parametrize("encoding", ["cp1252", "latin-1", "mac-roman", "utf-16-le", "utf-8"])
+    def test_told(self, write, encoding):
+        path = write(self.TEXT.encode(encoding))
+        data = read_recordings(path, ["mère", "b"], encoding=encoding)
+        assert codes(data, "mère") == [[0, 1, 0]]
+        assert data.labels["mère"] == ("à", "é")
+
+    @pytest.mark.parametrize("encoding", ["utf-8", "ascii", "utf-16", "klingon", "rot13", "hex"])
+    def test_told_wrong(self, write, encoding):
+        with pytest.raises(SeriesError, match=encoding):
+            read_recordings(write(self.TEXT.encode("cp1252")), ["b"], encoding=encoding)
+
+    def test_bytes_that_are_no_text_in_it(self, write):
+        with pytest.raises(SeriesError, match="NUL"):
+            read_recordings(write(self.TEXT.encode("utf-16-le")), ["b"], encoding="latin-1")
+
+
+def test_what_a_file_holds_counts_and_not_its_name(write, tmp_path):
+    parquet.write_table(pa.table({"a": ["x", "y", "x"]}), tmp_path / "table.csv")
+    assert codes(read_recordings(tmp_path / "table.csv", ["a"]), "a") == [[0, 1, 0]]
+    assert codes(read_recordings(write("a,b\nx,1\ny,0\nx,1\n", "text.parquet"), ["a"]), "a") == [[0, 1, 0]]
+
+
+def test_lines_above_the_header(write):
+    path = write("Observation;dyad 3\n\na;b\nx;1\ny;0\nx;1\n")
+    assert codes(read_recordings(path, ["a", "b"], skip_rows=2), "b") == [[1, 0, 1]]
+    with pytest.raises(SeriesError, match="below the 9 rows"):
+        read_recordings(path, ["a"], skip_rows=9)
+    with pytest.raises(SeriesError, match="skip_rows must be 0 or more"):
+        read_recordings(path, ["a"], skip_rows=-1)
+
+
+def test_rows_that_are_steps_with_begin_and_end(write):
+    """What looks like a list of events is read where somebody knows better."""
+    path = write("start,end,a\n0,1,x\n1,2,y\n2,3,x\n")
+    with pytest.raises(SeriesError, match="'start' and 'end'"):
+        read_recordings(path, ["a"])
+    assert codes(read_recordings(path, ["a"], rows_are_steps=True), "a") == [[0, 1, 0]]
+
+
+@pytest.mark.parametrize("code", [" NA", "NA", "NA ", '"NA"', '" NA"', " ", '""', "nan", " null", "#N/A"])
+def test_missing_codes_with_blanks_around_them(write, code):
+    path = write(f"a, b\nx, 1\ny,{code}\nx, 1\ny, 0\n")
+    data = read_recordings(path, ["a", "b"], missing="break")
+    assert codes(data, "b") == [[1, 0]]
+    assert data.labels["b"] == ("0", "1")
+    with pytest.raises(SeriesError, match="1 missing values, the first in data row 2"):
+        read_recordings(path, ["a", "b"])
+
+
+def test_missing_codes_in_parquet(tmp_path):
+    table = pa.table({"a": ["x", " NA", "y", "x"], "b": [1.0, float("nan"), 0.0, 1.0]})
+    parquet.write_table(table, tmp_path / "seen.parquet")
+    for name in "ab":
+        assert len(read_recordings(tmp_path / "seen.parquet", [name], missing="break").columns[name][0]) == 2
+
+
+def test_names_of_recordings_may_look_like_numbers(write):
+    """An id is a name: the same ones as text give the same."""
+    ids, text = ("12.1", "12.2", "13.1", "13.10"), "who,a,b\n"
+    rows = [(one, step % 2, step % 3) for one in ids for step in range(4)]
+    data = read_recordings(write(text + "".join(f"{i},{a},{b}\n" for i, a, b in rows)), ["a", "b"], recording="who")
+    named = read_recordings(write(text + "".join(f"d{i},{a},{b}\n" for i, a, b in rows)), ["a", "b"], recording="who")
+    assert (data.transitions, len(set(data.groups))) == (12, 4)
+    assert [codes(data, name) for name in "ab"] == [codes(named, name) for name in "ab"]
+    assert data.groups == named.groups
+
+
+@pytest.mark.parametrize(
+    ("written", "labels"),
+    [
+        (("1,0", "2,0", "1"), ("1", "2")),
+        (("10", "9,0", "-1,0"), ("-1", "9", "10")),
+        (("0,5", "low", "0,7"), ("0,5", "0,7", "low")),
+        (("1" * 400, "2", "1e400"), ("1" * 400, "1e400", "2")),
+    ],
+)
+def test_numbers_with_a_comma_are_numbers(write, written, labels):
+    path = write("a;b\n" + "".join(f"{one};1\n" for one in written))
+    assert read_recordings(path, ["a"]).labels["a"] == labels
+
+
+def test_missing_is_checked_from_python(write):
+    with pytest.raises(SeriesError, match="missing must be one of"):
+        read_recordings(write("a\n1\n2\n"), ["a"], missing="ignore")
 
 
 def test_recordings_by_column(write):

@@ -10,6 +10,7 @@ from jointattn_mj.contingency.detector import DetectorConfig
 from jointattn_mj.development import DevelopOptions, run_development
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.percept import Percept
+from jointattn_mj.recording import rows
 from jointattn_mj.rendered.life import RenderedConfig, RenderedLife
 from jointattn_mj.rendered.senses import PARTS, SensesConfig, named_by_majority
 from jointattn_mj.rendered.stage import StageConfig
@@ -117,7 +118,8 @@ def test_parts_of_perception_have_names():
         SensesConfig(truth=("ears",))
 
 
-def test_the_command_leaves_results_and_a_film_and_resumes_to_the_same(tmp_path):
+def test_the_command_leaves_results_and_a_film_and_resumes_to_the_same(tmp_path, monkeypatch):
+    monkeypatch.setattr(rows, "BUFFER_BYTES", 24)  # two turns
     config = RenderedDevelopConfig(steps=6, mind=HASTY, rendered=replace(SHORT, stage=StageConfig(variation="none")))
     summary = run_development(config, DevelopOptions(tmp_path / "whole", video=True))
     assert (tmp_path / "whole" / "video.mp4").stat().st_size > 10_000

@@ -1,5 +1,8 @@
 """A session's log for Rerun's viewer: what is in it, that it leaves the session alone, and how it is refused."""
 
+import errno
+import io
+import os
 import subprocess
 import sys
 import time
@@ -241,3 +244,38 @@ class TestRefusal:
 def test_costs_nothing_when_not_asked_for():
     code = "import sys, jointattn_mj.runner; sys.exit('rerun' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+@needs_rerun
+@needs_gl
+def test_full_disk(tmp_path, monkeypatch, capfd):
+    """It says so once, ends its file there, and the session goes on to the same end; how often it is tried."""
+    from jointattn_mj.adapters.rerun import outlet
+
+    config, plain = replace(CONFIG, minutes=0.1, perception="truth"), tmp_path / "plain"
+    run_session(config, RunOptions(plain))
+    for number, room in enumerate((0, 8192, 102_400, 102_401)):
+        out, path = tmp_path / str(number), tmp_path / f"{number}.rrd"
+        monkeypatch.setattr(outlet, "FileIO", lambda path, how, room=room: SmallDisk(path, room))
+        run_session(config, RunOptions(out, rerun=path))
+        assert path.stat().st_size == room
+        assert capfd.readouterr().err == (
+            f"jointattn: cannot write {path}: No space left on device; the session goes on without it\n"
+        )
+        for name in ("frames.parquet", "gaze_shifts.parquet", "weights.npz"):
+            assert (out / name).read_bytes() == (plain / name).read_bytes()
+
+
+class SmallDisk(io.FileIO):
+    """A file on a disk with so many bytes left."""
+
+    def __init__(self, path: Path, room: int):
+        super().__init__(path, "xb")
+        self.room = room
+
+    def write(self, piece: bytes) -> int:
+        if not self.room:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        written = super().write(piece[: self.room])
+        self.room -= written
+        return written

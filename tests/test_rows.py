@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from jointattn_mj.errors import CheckpointError, OutputError
 from jointattn_mj.recording import rows as module
-from jointattn_mj.recording.rows import RowStore, forget_log, log_folder, spans
+from jointattn_mj.recording.rows import RowStore, forget_log, log_folder, spans, summary_of_ended
 
 COLUMNS = 3
 
@@ -156,7 +156,7 @@ def test_a_copy_without_its_file(tmp_path):
 )
 def test_a_state_from_somebody_else(change):
     """Names no file outside of the folder, and takes no more memory than its rows."""
-    with pytest.raises(ValueError, match="numbers|no store"):
+    with pytest.raises(ValueError, match=r"numbers|no store"):
         RowStore.__new__(RowStore).__setstate__(store(13).__getstate__() | change)
 
 
@@ -210,7 +210,7 @@ def test_beside(tmp_path):
         for number in range(20):
             made.append([number, 0])
         assert made.column(0).tolist() == list(range(20))
-    assert {path.name for path in tmp_path.iterdir()} == {"numbers.rows", "others.rows"}
+    assert [path.name for path in tmp_path.iterdir()] == ["others.rows"]
 
 
 def test_the_log_of_a_finished_run(tmp_path):
@@ -218,6 +218,19 @@ def test_the_log_of_a_finished_run(tmp_path):
     forget_log(tmp_path)
     assert not list(tmp_path.iterdir())
     forget_log(tmp_path)
+
+
+def test_a_run_that_has_ended(tmp_path):
+    """It has its summary; what a kill has left of its log goes."""
+    store(20, log_folder(tmp_path))
+    assert summary_of_ended(tmp_path) is None
+    assert log_folder(tmp_path).exists()
+    (tmp_path / "summary.json").write_text('{"steps": 20}')
+    assert summary_of_ended(tmp_path) == {"steps": 20}
+    assert not log_folder(tmp_path).exists()
+    (tmp_path / "summary.json").write_text("{")
+    with pytest.raises(CheckpointError, match=r"summary\.json"):
+        summary_of_ended(tmp_path)
 
 
 def test_spans():

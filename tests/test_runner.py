@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
+from jointattn_mj.recording import checkpoint, rows, space
 from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
 from jointattn_mj.runner import RunOptions, run_session
 from jointattn_mj.scene import gl
@@ -105,7 +106,7 @@ def test_killed_and_resumed(straight, tmp_path):
     perception, out = straight
     killed = command(perception, tmp_path / "on", how="kill", at=3)
     assert killed.returncode == -signal.SIGKILL
-    assert len([*(tmp_path / "on").iterdir()]) == 4  # config, log, the second checkpoint, and half of the third
+    assert len([*(tmp_path / "on").iterdir()]) == 5  # config, log, two checkpoints, one of them half, a void lock
     resumed = command(perception, tmp_path / "on", "--resume", hash_seed=3)
     assert (resumed.returncode, resumed.stderr) == (0, "")
     assert_same(out, tmp_path / "on")
@@ -161,6 +162,59 @@ def test_wall_time_goes_on(tmp_path):
     assert 0 < summary["wall_seconds"] <= again["wall_seconds"]
 
 
+def test_a_checkpoint_holds_no_frames_twice(tmp_path, monkeypatch):
+    """What a session has written down is in its log; all checkpoints together add little to it."""
+    monkeypatch.setattr(rows, "BUFFER_BYTES", 1 << 13)
+    sizes, save = [], checkpoint.save
+
+    def weighed(path, *arguments):
+        save(path, *arguments)
+        sizes.append(path.stat().st_size)
+
+    monkeypatch.setattr(checkpoint, "save", weighed)
+    run_session(config(minutes=2.0), RunOptions(tmp_path, checkpoint_minutes=0.25))
+    assert len(sizes) == 10
+    assert max(sizes) - sizes[0] < 60_000  # frames alone are 864,000 bytes
+
+
+@pytest.mark.parametrize("at", ["summary.json", "frames.parquet"])
+def test_killed_while_results_are_left(tmp_path, monkeypatch, at):
+    """Before the log is deleted, or before all results are there: nothing is lost."""
+    run_session(config(), RunOptions(tmp_path / "straight"))
+    replace = os.replace
+
+    def killing(source, target):
+        replace(source, target)
+        if Path(target).name == at:
+            raise SystemExit(9)
+
+    monkeypatch.setattr(os, "replace", killing)
+    with pytest.raises(SystemExit):
+        run_session(config(), RunOptions(tmp_path / "on"))
+    monkeypatch.undo()
+    assert (tmp_path / "on" / "log").exists()
+    run_session(config(), RunOptions(tmp_path / "on", resume=True))
+    assert_same(tmp_path / "straight", tmp_path / "on")
+
+
+def test_log_that_is_gone(tmp_path, monkeypatch):
+    """A named error, and what a finished session has left stays."""
+    monkeypatch.setattr(rows, "BUFFER_BYTES", 1 << 13)
+    summary = run_session(config(), RunOptions(tmp_path))
+    assert run_session(config(), RunOptions(tmp_path, resume=True)) == summary
+    (tmp_path / "summary.json").unlink()
+    with pytest.raises(CheckpointError, match="frames"):
+        run_session(config(), RunOptions(tmp_path, resume=True))
+    assert (tmp_path / "frames.parquet").exists()
+
+
+def test_too_little_space(tmp_path, monkeypatch):
+    monkeypatch.setattr(space, "free_bytes", lambda folder: 1_000_000)
+    with pytest.raises(ConfigError, match="fewer --minutes"):
+        run_session(config(minutes=26), RunOptions(tmp_path / "out"))
+    assert not (tmp_path / "out").exists()
+
+
 def test_named_errors(tmp_path):
     with pytest.raises(CheckpointError, match="without --resume"):
         run_session(config(), RunOptions(tmp_path, resume=True))
@@ -179,11 +233,12 @@ def resident_mb() -> float:
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="no /proc")
 @pytest.mark.parametrize(("perception", "seconds"), [("truth", 240), pytest.param("pixels", 60, marks=needs_gl)])
-def test_memory_stays_flat(perception, seconds):
+def test_memory_stays_flat(tmp_path, perception, seconds):
     """After a warm-up of a quarter of the time. Over 26 minutes even 1 MB a minute would be little; here it is less."""
     robot = RobotConfig(familiarise=FamiliariseConfig(minutes=0.1))
     session = Session(SessionConfig(minutes=seconds / 60, perception=perception, robot=robot))
     session.begin()
+    session.attach(tmp_path / "log")
     sizes = []
     while session.frame < session.total:
         session.step()

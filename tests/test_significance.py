@@ -15,7 +15,7 @@ from jointattn_mj.contingency.information import COMBINED, CONTINGENCY, TRANSFER
 from jointattn_mj.contingency.significance import MEASURES, generator
 from jointattn_mj.contingency.surrogates import plan
 from jointattn_mj.contingency.table import steps
-from jointattn_mj.errors import SeriesError
+from jointattn_mj.errors import ConfigError, SeriesError
 
 
 def independent(seed, n, values=(5, 3, 2)):
@@ -202,7 +202,7 @@ def test_bad_use():
         c.assess("transfer_entropy", s, r, a)
     assert all(hasattr(c, name) for name in MEASURES)
     for wrong in ({"surrogates": 0}, {"resamples": -1}, {"block": 0}, {"level": 1.0}):
-        with pytest.raises(SeriesError, match=next(iter(wrong))):
+        with pytest.raises(ConfigError, match=next(iter(wrong))):
             c.TestOptions(**wrong)
     n = 6000
     with pytest.raises(SeriesError, match="fewer bins"):

@@ -3,6 +3,7 @@
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -20,6 +21,7 @@ from jointattn_mj.recording.paint import GREEN
 from jointattn_mj.scene import gl
 from jointattn_mj.tasks import load
 from jointattn_mj.view_command import HERE, ViewOptions
+from jointattn_mj.viewing.guard import names_of, refusal
 from jointattn_mj.viewing.show import Show, in_real_time
 
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
@@ -160,7 +162,7 @@ class TestRefusal:
         """It is asked for by name, before anything is loaded."""
         monkeypatch.delitem(sys.modules, "jointattn_mj.adapters.mjviser", raising=False)
         monkeypatch.setitem(sys.modules, "mjviser", None)
-        monkeypatch.setattr("jointattn_mj.view_command.load", lambda *arguments: pytest.fail("was loaded"))
+        monkeypatch.setattr("jointattn_mj.tasks.load", lambda *arguments: pytest.fail("was loaded"))
         with pytest.raises(SystemExit) as stop:
             main(["view", "follow", "--browser"])
         assert stop.value.code == 2
@@ -186,6 +188,16 @@ class TestRefusal:
         assert "http://somewhere" in out
         assert ("warning" in err and host in err) == warns
 
+    def test_it_says_that_it_starts_before_anything_slow(self):
+        code = """
+import sys
+from jointattn_mj import view_command
+view_command._serve = lambda options: print({"numpy", "mujoco", "cv2", "numba"} & set(sys.modules))
+view_command.view(view_command.ViewOptions("follow", browser=True))
+"""
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+        assert (done.stdout, done.stderr) == ("set()\n", "jointattn: the view of follow is starting\n")
+
     def test_this_machine_alone_unless_asked(self):
         assert ViewOptions("follow").host == "127.0.0.1"
 
@@ -207,6 +219,47 @@ def served():
             process.kill()
 
 
+OWN = {"Upgrade": "websocket", "Host": "127.0.0.1:8080", "Origin": "http://127.0.0.1:8080"}
+
+
+class TestGuard:
+    @pytest.mark.parametrize(
+        "change",
+        [
+            {},
+            {"Upgrade": "WebSocket", "Host": "localhost:8080", "Origin": "http://localhost:8080"},
+            {"Host": "[::1]:8080", "Origin": "http://[::1]:8080"},
+            {"Host": "localhost:9000", "Origin": "http://localhost:9000"},  # through a tunnel
+            {"Host": "lab:8080", "Origin": "https://lab:8080"},
+            {"Upgrade": "", "Origin": ""},
+            {"Upgrade": "", "Origin": "http://evil.example"},  # a link to our page
+        ],
+    )
+    def test_own(self, change):
+        assert refusal(OWN | change, {"Lab"}) is None
+
+    @pytest.mark.parametrize(
+        "change",
+        [
+            {"Origin": "http://evil.example"},
+            {"Origin": "http://127.0.0.1:3000"},
+            {"Origin": "http://127.0.0.1:8080.evil.example"},
+            {"Origin": "null"},
+            {"Origin": ""},
+            {"Host": "evil.example:8080", "Origin": "http://evil.example:8080"},
+            {"Host": "evil.example:8080", "Upgrade": ""},
+            {"Host": "", "Origin": "http://"},
+            {"Host": "[:8080", "Origin": "http://[:8080"},
+        ],
+    )
+    def test_others(self, change):
+        assert refusal(OWN | change, {"lab"})
+
+    def test_names(self):
+        assert names_of("127.0.0.1") == {"127.0.0.1"}
+        assert names_of("0.0.0.0") == {"0.0.0.0", socket.gethostname()}
+
+
 @needs_gl
 @needs_mjviser
 class TestServer:
@@ -223,6 +276,27 @@ class TestServer:
         _, err = process.communicate(timeout=15)
         assert process.returncode == 0
         assert "Traceback" not in err
+
+    def test_own_pages_only(self, served):
+        """Another page in the same browser, or a name that somebody lets point here, is refused; nothing is sent."""
+        import viser
+        from websockets.exceptions import InvalidStatus
+        from websockets.sync.client import connect
+
+        _, address = served
+        where, protocol = address.replace("http", "ws"), [f"viser-v{viser.__version__}"]
+        port = where.rsplit(":", 1)[1]
+        with connect(where, origin=address, subprotocols=protocol) as own:
+            assert own.recv(timeout=20)
+        with connect(f"ws://localhost:{port}", origin=f"http://localhost:{port}", subprotocols=protocol) as own:
+            assert own.recv(timeout=20)
+        for origin in ("http://evil.example", "http://127.0.0.1:1", f"http://localhost:{port}", "null", None):
+            with pytest.raises(InvalidStatus) as refused:
+                connect(where, origin=origin, subprotocols=protocol)
+            assert refused.value.response.status_code == 403
+        with socket.create_connection(("127.0.0.1", int(port)), timeout=20) as rebound:
+            rebound.sendall(f"GET / HTTP/1.1\r\nHost: evil.example:{port}\r\n\r\n".encode())
+            assert b" 403 " in rebound.recv(100)
 
     def test_nothing_is_shared(self):
         """viser offers an address for everybody; here nobody gets one."""
@@ -271,4 +345,4 @@ def test_in_a_window():
             process.terminate()
             said, _ = process.communicate(timeout=15)
         display.terminate()
-    assert (process.returncode, said) == (0, b"")
+    assert (process.returncode, said) == (0, b"jointattn: the view of follow is starting\n")

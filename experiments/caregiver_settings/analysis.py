@@ -46,15 +46,15 @@ def analyse(cells: Cells) -> list[Finding]:
         known = {1.0: "most settings", 0.0: "not in general: others come under some settings"}.get(
             answer, "a high p_e promotes them"
         )
-        holds = {1.0: all_three.mean > 0.6, 0.0: all_three.mean < 0.5}.get(answer, True)
+        others = proportion(sum(not set(STAGES) <= set(symbols) for symbols in made), len(made))
+        holds = {1.0: Verdict.of_most(all_three), 0.0: Verdict.of_most(others)}.get(answer, Verdict.REPRODUCED)
         findings += [
             Finding(
                 f"settings in which gaze following comes first, p_e = {answer}", "most settings", first,
-                Verdict.REPRODUCED if first.mean > 0.6 else Verdict.NOT,
+                Verdict.of_most(first),
             ),
             Finding(
-                f"settings with FG, SCf and SC, p_e = {answer}", known, all_three,
-                Verdict.REPRODUCED if holds else Verdict.NOT,
+                f"settings with FG, SCf and SC, p_e = {answer}", known, all_three, holds,
             ),
             Finding(f"runs with all three first and in order, p_e = {answer}", "not given", ordered, Verdict.EXTENSION),
             Finding(

@@ -4,7 +4,7 @@ learned from what they saw."""
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from jointattn_mj.contingency.modules import OFFERS_NOTHING
 from jointattn_mj.contingency.reactive import RandomModule
 from jointattn_mj.laboratory.claim import Setting
 from jointattn_mj.learning import Learner, LearnerConfig, make_learner
+from jointattn_mj.options import Checked, Whole
 from jointattn_mj.rendered.continuous import FORWARD, SCATTERED, ContinuousConfig, ContinuousLife, Pair
 from jointattn_mj.rendered.life import RenderedConfig
 from jointattn_mj.scene.camera import directions_to, off_centre
@@ -28,16 +29,16 @@ LINEAR = LearnerConfig(code="linear", rate=0.1)
 
 
 @dataclass(frozen=True)
-class Trial:
+class Trial(Checked):
     """A life, and what is asked of its maps."""
 
     world: RenderedConfig = SCATTERED
     continuous: ContinuousConfig = field(default_factory=ContinuousConfig)
-    most: int = 20_000
+    most: Annotated[int, Whole("[1, 1e10]")] = 20_000
     """Turns in which gaze following may be found."""
-    after: int = CHECKPOINTS[-1]
+    after: Annotated[int, Whole("[1, 1e10]")] = CHECKPOINTS[-1]
     """Turns that follow."""
-    looks: int = 200
+    looks: Annotated[int, Whole("[1, 1e6]")] = 200
     """Held-out faces."""
 
 

@@ -23,7 +23,7 @@ def analyse(cells: Cells) -> list[Finding]:
         if setting == "chapter4":
             findings.append(Finding(
                 "(S1, A1, R2) has the highest T^C when the robot stops", "so in the run shown", right,
-                Verdict.REPRODUCED if right.mean == 1 else Verdict.PARTLY,
+                Verdict.of_share(right, 1.0),
             ))  # fmt: skip
             since = median_interval([np.inf if r["right_since"] is None else r["right_since"] for r in results])
             findings.append(Finding("turn since which it has had it (median)", "not given", since, Verdict.EXTENSION))

@@ -1,13 +1,14 @@
 """PPO of Stable-Baselines3 on the task ``follow`` and its hard form, by what the learner observes."""
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.options import Checked, Real, Share, Whole
 
 
 @dataclass(frozen=True)
-class Training:
+class Training(Checked):
     """What is learned, what is observed, and where PPO departs from the defaults of Stable-Baselines3.
 
     Angles of the robot's head are observed in any case.
@@ -17,30 +18,30 @@ class Training:
     """Name in Gymnasium's registry."""
     truth: bool
     """Whether yaw and pitch of the caregiver's head are observed: which object she looks at follows from them."""
-    picture_height: int | None = None
+    picture_height: Annotated[int, Whole("[1, 1000]")] | None = None
     """Height of the grey picture that is observed, in pixels; None: no picture. Pictures are not stacked: her gaze
     rests, and her face stays in view while the robot looks at the table."""
-    steps: int = 12_288
+    steps: Annotated[int, Whole("[1, 1e10]")] = 12_288
     """Of experience, over all copies of the environment."""
-    every: int = 1024
+    every: Annotated[int, Whole("[1, 1e10]")] = 1024
     """Steps between two tests; a multiple of ``copies * rollout``."""
-    episodes: int = 50
+    episodes: Annotated[int, Whole("[1, 1e6]")] = 50
     """Of each test, the same each time; the learner practises in others."""
-    copies: int = 8
+    copies: Annotated[int, Whole("[1, 1024]")] = 8
     """Environments at once, one after the other in one process."""
-    learning_rate: float = 1e-3
+    learning_rate: Annotated[float, Real("(0, 1]")] = 1e-3
     """Three times the default: with the truth, little is to be learned."""
-    rollout: int = 64
+    rollout: Annotated[int, Whole("[1, 1e6]")] = 64
     """Steps in each copy between two updates: two episodes of ``follow``."""
-    batch: int = 128
+    batch: Annotated[int, Whole("[1, 1e6]")] = 128
     """Steps in a batch; a quarter of an update."""
-    epochs: int = 10
+    epochs: Annotated[int, Whole("[1, 1e6]")] = 10
     """How often an update goes through its steps; the default."""
-    discount: float = 0.8
+    discount: Share = 0.8
     """gamma; the head has turned after some three steps, and then an action has brought what it brings."""
-    trace: float = 0.9
+    trace: Share = 0.9
     """lambda of the advantage's estimate."""
-    spread: float = 0.37
+    spread: Annotated[float, Real("(0, 100]")] = 0.37
     """Standard deviation of actions at the beginning; their bounds are -1 and 1."""
 
 

@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import torch
 
 from jointattn_mj.adapters.extras import extra
 from jointattn_mj.adapters.registration import IDS
@@ -13,6 +12,7 @@ from jointattn_mj.tasks import load
 
 extra("rl", "stable_baselines3")
 import gymnasium  # noqa: E402
+import torch  # noqa: E402
 from stable_baselines3 import PPO  # noqa: E402
 from stable_baselines3.common.evaluation import evaluate_policy  # noqa: E402
 from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv, VecNormalize  # noqa: E402

@@ -69,6 +69,7 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
                 )  # fmt: skip
     axes.axhline(0, color="k", lw=0.8)
     axes.set(xlabel="objects on 9 spots", ylabel="lead of $(S_1, A_1, R_2)$ in $T^C$ (millibits)")
-    axes.legend(fontsize=8, ncols=3, title="mean and standard deviation")
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(fontsize=8, ncols=3, title="mean and standard deviation")
     axes.grid(alpha=0.3)
     return {"many_objects": figure}

@@ -6,13 +6,16 @@
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import tyro
 
+from jointattn_mj.options import Checked, Choice, Real, Whole
 from jointattn_mj.perception.som import standardised
 from jointattn_mj.recording.files import write_whole
 from jointattn_mj.scene.camera import in_picture, pixels_of_points
+from jointattn_mj.scene.people import IDENTITIES
 from jointattn_mj.session import Session, SessionConfig
 
 NEIGHBOURS = 5
@@ -20,16 +23,16 @@ NEIGHBOURS = 5
 
 
 @dataclass(frozen=True)
-class Options:
+class Options(Checked):
     """What to measure."""
 
     out: Path | None = None
     """JSON file for the result."""
-    minutes: float = 8.0
+    minutes: Annotated[float, Real("(0, 1e6]")] = 8.0
     """Simulated minutes a session."""
-    seeds: int = 2
+    seeds: Annotated[int, Whole("[1, 1e6]")] = 2
     """Sessions a caregiver."""
-    caregivers: tuple[str, ...] = ("robin", "noa", "kai", "amara", "elin", "tove")
+    caregivers: tuple[Annotated[str, Choice(IDENTITIES)], ...] = ("robin", "noa", "kai", "amara", "elin", "tove")
     """Whose faces."""
 
 

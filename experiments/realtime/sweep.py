@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.realtime.life import RealtimeConfig, RealtimeLife
 from jointattn_mj.robots.life import Life
 from jointattn_mj.symbolic.life import TableLife
@@ -22,19 +23,19 @@ STEPS_AN_HOUR = 6_000
 
 
 @dataclass(frozen=True)
-class Hour:
+class Hour(Checked):
     """A mind of the preset ``fast`` and a caregiver, for so many simulated minutes."""
 
     realtime: RealtimeConfig
-    minutes: float = 60.0
+    minutes: Annotated[float, Real("(0, 1e6]")] = 60.0
 
 
 @dataclass(frozen=True)
-class Turns:
+class Turns(Checked):
     """The same mind at the symbolic table for as many steps as real time has in ``Hour``."""
 
     table: TableConfig
-    steps: int
+    steps: Annotated[int, Whole("[1, 1e10]")]
 
 
 def _hour(perception: Literal["pixels", "truth"], cues: bool, minutes: float = 60.0, **changes: Any) -> Hour:

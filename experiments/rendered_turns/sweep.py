@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.options import Checked, Choice, Whole
 from jointattn_mj.rendered.life import RenderedConfig, RenderedLife
 from jointattn_mj.rendered.stage import StageConfig
 from jointattn_mj.robots.life import Life
@@ -15,11 +16,11 @@ from jointattn_mj.symbolic.presets import PRESETS
 
 
 @dataclass(frozen=True)
-class Seen:
+class Seen(Checked):
     """A mind of a preset at the table of chapter 5."""
 
-    preset: str
-    turns: int
+    preset: Annotated[str, Choice(PRESETS)]
+    turns: Annotated[int, Whole("[1, 1e10]")]
     """It has so many to make three modules."""
     rendered: RenderedConfig = field(default_factory=RenderedConfig)
 

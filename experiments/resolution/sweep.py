@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -11,20 +11,21 @@ from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
 from jointattn_mj.contingency.reactive import RandomModule
 from jointattn_mj.contingency.resolution import Growth, Step, contingency
 from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.options import Checked, Whole
 from jointattn_mj.rendered.growing import Babbling, Body, GrowingConfig, RecallingBody, ResolvedLife
 from jointattn_mj.symbolic.meaning import FACE, GAZE, OBJECT
 from jointattn_mj.symbolic.presets import PRESETS
 
 
 @dataclass(frozen=True)
-class Trial:
+class Trial(Checked):
     """Some turns of babbling, and then a mind for some turns."""
 
-    spots: int
+    spots: Annotated[int, Whole("[2, 120]")]
     pictures: bool = False
     """Whether every turn is seen; else her faces come from an album of pictures, objects from geometry."""
-    turns: int = 40_000
-    mind_turns: int = 20_000
+    turns: Annotated[int, Whole("[1, 1e10]")] = 40_000
+    mind_turns: Annotated[int, Whole("[0, 1e10]")] = 20_000
     growing: GrowingConfig = field(default_factory=GrowingConfig)
 
 

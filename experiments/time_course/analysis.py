@@ -30,11 +30,11 @@ def analyse(cells: Cells) -> list[Finding]:
     return [
         Finding(
             "SAC of gaze following is lower when SCf-m is made than when FG-m was", "it gradually decreased",
-            proportion(sinks, runs), Verdict.REPRODUCED if sinks > 0.8 * runs else Verdict.PARTLY,
+            (share := proportion(sinks, runs)), Verdict.of_share(share, 0.8),
         ),
         Finding(
             "SAC of alternation is higher when SC-m is made than when SCf-m was", "promoted increase of it",
-            proportion(rises, runs), Verdict.REPRODUCED if rises > 0.8 * runs else Verdict.PARTLY,
+            (share := proportion(rises, runs)), Verdict.of_share(share, 0.8),
         ),
     ]  # fmt: skip
 

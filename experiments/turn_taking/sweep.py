@@ -2,10 +2,12 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cache
+from typing import Annotated
 
 import numpy as np
 
 from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.options import Checked, Whole
 from jointattn_mj.robots.turn_taker import TurnTaker, TurnTakerConfig
 from jointattn_mj.turn_taking.attempts import Outcomes, Situations, live
 from jointattn_mj.turn_taking.faces import FaceBank, FaceBankConfig, FaceInputs, render_faces
@@ -17,7 +19,7 @@ TEST_FACES = FaceBankConfig(faces=1000)
 
 
 @dataclass(frozen=True)
-class Life:
+class Life(Checked):
     """A life."""
 
     table: TableConfig = field(default_factory=TableConfig)
@@ -26,11 +28,11 @@ class Life:
     """The robot."""
     faces: FaceBankConfig = field(default_factory=FaceBankConfig)
     """The faces it sees."""
-    attempts: int = 300_000
+    attempts: Annotated[int, Whole("[1, 1e10]")] = 300_000
     """Learning time; the axis of the earlier work."""
-    tables: int = 10_000
+    tables: Annotated[int, Whole("[1, 1e8]")] = 10_000
     """Tables that attempts draw from."""
-    tests: int = 3000
+    tests: Annotated[int, Whole("[1, 1e8]")] = 3000
     """Attempts at the end of a life with the gate open, nothing learned, on new tables, before and with new faces."""
 
 

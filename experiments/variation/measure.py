@@ -7,11 +7,13 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import cv2
 import numpy as np
 import tyro
 
+from jointattn_mj.options import Checked, Seed, Whole
 from jointattn_mj.perception.faces import FaceDetectorConfig, haar_faces
 from jointattn_mj.perception.objects import ColourAreas
 from jointattn_mj.recording.files import write_whole
@@ -30,16 +32,16 @@ SHOWN, WIDTH, HEIGHT = 6, 200, 150
 
 
 @dataclass(frozen=True)
-class Options:
+class Options(Checked):
     """What to leave where."""
 
     figure: Path | None = None
     """JPEG file for a sheet with a row a preset."""
     out: Path | None = None
     """JSON file for the rates."""
-    draws: int = 60
+    draws: Annotated[int, Whole("[1, 1e6]")] = 60
     """Episodes a preset."""
-    seed: int = 100
+    seed: Seed = 100
     """Of the episodes."""
 
 

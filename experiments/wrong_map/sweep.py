@@ -13,6 +13,7 @@ import numpy as np
 
 from experiments.sessions.sweep import session_config
 from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.options import Checked
 from jointattn_mj.robots.gaze_follower import GazeFollower, GazeShift
 from jointattn_mj.scene.camera import directions_to, off_centre
 from jointattn_mj.session import Session, SessionConfig
@@ -72,7 +73,7 @@ def _face(session: Session) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Condition:
+class Condition(Checked):
     """A session's config, and what is done to the pairs before they are learned."""
 
     config: SessionConfig

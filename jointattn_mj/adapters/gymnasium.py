@@ -7,8 +7,12 @@ from dm_control.mujoco.wrapper import MjvOption
 from dm_env import TimeStep, specs
 
 from jointattn_mj.adapters.extras import extra
+from jointattn_mj.errors import ConfigError, EpisodeError
 from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH, ROBOT_GROUP
 from jointattn_mj.tasks import load
+from jointattn_mj.tasks.actions import checked
+from jointattn_mj.tasks.arguments import unknown
+from jointattn_mj.tasks.state import EnvironmentState
 
 extra("gym", "gymnasium")
 import gymnasium  # noqa: E402
@@ -30,12 +34,19 @@ class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 30}  # noqa: RUF012
 
     def __init__(self, task: str, render_mode: str | None = None, **task_kwargs: Any):
-        """``task_kwargs``: those of the task, such as ``camera``, ``truth``, ``people``, ``time_limit``, ``random``."""
+        """``task_kwargs``: those of the task, such as ``camera``, ``truth``, ``people``, ``time_limit``, ``random``.
+
+        Raises:
+            ConfigError: There is no such task, render mode or argument.
+        """
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise unknown("render_mode", render_mode, self.metadata["render_modes"])
         self.environment = load(DOMAIN, task, task_kwargs=task_kwargs)
         fps = max(1, round(1 / self.environment.control_timestep()))
         self.metadata = {**self.metadata, "render_fps": fps}
         self.render_mode = render_mode
         self._bounds = self.environment.action_spec()
+        self._scaled = specs.BoundedArray(self._bounds.shape, np.float32, -1, 1, self._bounds.name)
         self._chooses = np.issubdtype(self._bounds.dtype, np.integer)
         self.action_space = (
             _space(self._bounds) if self._chooses else spaces.Box(-1.0, 1.0, self._bounds.shape, np.float32)
@@ -45,16 +56,35 @@ class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
         )
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict]:
-        """Begin an episode; with a ``seed``, the first of that seed."""
+        """Begin an episode; with a ``seed``, the first of that seed.
+
+        Raises:
+            ConfigError: ``seed`` is no whole number of 0 or more, or ``options`` are given: there are none.
+        """
+        if options:
+            raise ConfigError(f"reset takes no options; got {options!r}")
+        if seed is not None:
+            seed = _whole(seed)
         super().reset(seed=seed)
         if seed is not None:
             self.environment.task.seed(seed)
         return self._observed(self.environment.reset()), {}
 
     def step(self, action: np.ndarray) -> tuple[dict[str, Any], float, bool, bool, dict]:
-        """Observation, reward, whether a terminal state was reached (never), whether time is up, nothing else."""
-        low, high = self._bounds.minimum, self._bounds.maximum
-        timestep = self.environment.step(action if self._chooses else low + (high - low) * (np.asarray(action) + 1) / 2)
+        """Observation, reward, whether a terminal state was reached (never), whether time is up, nothing else.
+
+        Actions beyond the bounds are clipped to them; choices that are not whole numbers are rounded.
+
+        Raises:
+            ActionError: Not finite, of another shape, or no numbers; nothing has changed then.
+            EpisodeError: Before ``reset``, or after the end of an episode.
+        """
+        if self.environment.over:
+            raise EpisodeError("no episode is going on: it has ended, or none has begun; call reset()")
+        if not self._chooses:
+            low, high = self._bounds.minimum, self._bounds.maximum
+            action = low + (high - low) * (checked(action, self._scaled) + 1) / 2
+        timestep = self.environment.step(action)
         terminated = timestep.last() and timestep.discount == 0
         return self._observed(timestep), float(timestep.reward), terminated, timestep.last() and not terminated, {}
 
@@ -68,6 +98,14 @@ class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
             PICTURE_HEIGHT, PICTURE_WIDTH, camera_id="third_person", scene_option=option
         )
 
+    def get_state(self) -> EnvironmentState:
+        """See ``jointattn_mj.tasks.environment.Environment``; with wrappers it is ``env.unwrapped.get_state()``."""
+        return self.environment.get_state()
+
+    def set_state(self, state: EnvironmentState) -> None:
+        """Go back to ``state``; what wrappers keep for themselves stays as it is."""
+        self.environment.set_state(state)
+
     def close(self) -> None:
         """Free models, data and rendering contexts."""
         self.environment.close()
@@ -78,6 +116,13 @@ class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
             name: value if value.ndim else np.atleast_1d(value).astype(np.int8)
             for name, value in timestep.observation.items()
         }
+
+
+def _whole(seed: Any) -> int:
+    """A seed as Gymnasium wants it; numpy's whole numbers are welcome too."""
+    if isinstance(seed, (int, np.integer)) and not isinstance(seed, bool) and seed >= 0:
+        return int(seed)
+    raise ConfigError(f"seed: expected a whole number of 0 or more, or None; got {seed!r}")
 
 
 def _space(spec: specs.Array) -> spaces.Space:

@@ -1,15 +1,18 @@
 """The browser's viewer: mjviser draws the scene, which can be turned about; beside it the robot's view."""
 
 import copy
-from collections.abc import Callable
-from contextlib import redirect_stdout
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stdout
+from http import HTTPStatus
 from io import StringIO
 from typing import Any
 
 import numpy as np
 
 from jointattn_mj.adapters.extras import extra
+from jointattn_mj.errors import ExtraError
 from jointattn_mj.scene.model import ROBOT_GROUP
+from jointattn_mj.viewing.guard import names_of, refusal
 from jointattn_mj.viewing.show import Show, in_real_time
 
 viser = extra("view", "viser")
@@ -30,13 +33,43 @@ class _Server(viser.ViserServer):  # type: ignore[name-defined]
         return None
 
 
+@contextmanager
+def _guarded(host: str) -> Iterator[None]:
+    """A server of viser's that is started in the block answers its own pages only: viser itself has no option for it.
+
+    Raises:
+        ExtraError: This version of viser starts its server in some other way.
+    """
+    from websockets.asyncio import server
+
+    names, serve, guarded = names_of(host), server.serve, []
+
+    def guarded_serve(*arguments: Any, process_request: Any = None, **options: Any) -> Any:
+        def process(connection: Any, request: Any) -> Any:
+            reason = refusal(request.headers, names)
+            if reason is not None:
+                return connection.respond(HTTPStatus.FORBIDDEN, f"Refused: {reason}.\n")
+            return process_request(connection, request)
+
+        guarded.append(process)
+        return serve(*arguments, process_request=process, **options)
+
+    server.serve = guarded_serve  # type: ignore[assignment, misc]
+    try:
+        yield
+    finally:
+        server.serve = serve  # type: ignore[misc]
+    if not guarded:
+        raise ExtraError("this version of viser cannot be kept from other pages; pip install 'jointattn-mj[view]'")
+
+
 class Browser:
     """Serves a show at ``address``, to whoever can reach the interface ``host``."""
 
     def __init__(self, show: Show, host: str, port: int):
         """``port``: the first one to try; the next free one is taken."""
         self._show = show
-        with redirect_stdout(StringIO()):  # it draws a box around the address
+        with _guarded(host), redirect_stdout(StringIO()):  # it draws a box around the address
             self._server: Any = _Server(host=host, port=port, label="jointattn view")
         self.address = f"http://{host}:{self._server.get_port()}"
         gui, camera = self._server.gui, self._server.initial_camera

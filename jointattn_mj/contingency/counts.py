@@ -23,7 +23,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from jointattn_mj.border import checked_by, require_array
 from jointattn_mj.contingency.events import Event, Variables
+from jointattn_mj.errors import ObservationError
 
 NONE = -1
 CONTEXT = np.dtype(
@@ -121,7 +123,12 @@ def _cells(counts: Counts, context: np.void) -> np.ndarray:
 
 
 def set_joint_table(counts: Counts, event: int, table: np.ndarray) -> None:
-    """Give an event the counts (R, S, A, R'), and work out all that follows from them anew."""
+    """Give an event the counts (R, S, A, R'), and work out all that follows from them anew.
+
+    Raises:
+        ObservationError: Another shape, or counts that are negative, NaN or infinite.
+    """
+    require_array("counts", table, joint_table(counts, event).shape, "iuf", 0, np.finfo(float).max)
     by_context = (table, table.sum(1), table.sum(2), table.sum((1, 2)))
     for number, followed in zip(counts.of_event[event], by_context, strict=True):
         context = counts.contexts[number]
@@ -165,6 +172,39 @@ def _place(context, r, s, a):
     return context.offset + r * context.per_result + s * context.per_sensor + a * context.per_action
 
 
+def _check_add(counts, s, a, r, r_next, weight, contexts):
+    if not 0 <= contexts <= len(counts.contexts):
+        raise ObservationError(f"there are {len(counts.contexts)} contexts; got {contexts}")
+    of = counts.contexts[: int(contexts)]
+    outer = np.where(of["per_sensor"] > 0, of["per_sensor"], of["per_result"])
+    sizes = {  # 0 where a context does not look at any
+        "sensor": np.where(of["per_sensor"] > 0, of["per_result"] // np.maximum(of["per_sensor"], 1), 0),
+        "action": np.where(of["per_action"] > 0, outer // of["width"], 0),
+        "result": of["width"] - 1,
+    }
+    for name, kind, values in (
+        ("s", "sensor", s),
+        ("a", "action", a),
+        ("r", "result", r),
+        ("r_next", "result", r_next),
+    ):
+        require_array(name, values, (-1,), "iub")
+        if of[kind].max(initial=-1) >= len(values):
+            raise ObservationError(f"{name}: expected {of[kind].max() + 1} values or more; got {len(values)}")
+        looks = sizes[kind] > 0
+        codes = values[of[kind][looks]].astype(np.int64)
+        require_array(name, codes, codes.shape, "i", 0, sizes[kind][looks] - 1)
+    whole = isinstance(weight, (int, np.integer))
+    if not (weight in (1, -1) if whole else 0 < weight < np.inf):
+        raise ObservationError(f"weight: expected 1, -1, or a float above 0; got {weight!r}")
+    if whole and weight < 0:
+        places = of["offset"] + r[of["result"]] * of["per_result"]
+        places += s[of["sensor"]] * of["per_sensor"] + a[of["action"]] * of["per_action"]
+        if (counts.cells[places + 1 + r_next[of["result"]]] < 1).any():
+            raise ObservationError("a transition that was never counted cannot be taken out again")
+
+
+@checked_by(_check_add)
 @njit(cache=True, forceinline=True)
 def add(counts, s, a, r, r_next, weight, contexts):
     """Count a transition in the first ``contexts`` contexts.
@@ -189,6 +229,12 @@ def add(counts, s, a, r, r_next, weight, contexts):
         c.n += weight
 
 
+def _check_divide(counts, weight):
+    if not 0 < weight < np.inf:
+        raise ObservationError(f"weight: expected a number above 0; got {weight!r}")
+
+
+@checked_by(_check_divide)
 @njit(cache=True)
 def divide(counts, weight):
     """Make all weights smaller; the measures stay, since the logarithms of ``weight`` cancel in each difference."""
@@ -199,6 +245,12 @@ def divide(counts, weight):
         counts.contexts[number].n /= weight
 
 
+def _check_event(counts, event, single):
+    if not (isinstance(event, (int, np.integer)) and 0 <= event < len(counts.of_event)):
+        raise ObservationError(f"events are numbered from 0 to {len(counts.of_event) - 1}; got {event!r}")
+
+
+@checked_by(_check_event)
 @njit(cache=True)
 def local_variance(counts, event, single):
     """Variance, nats squared, of the measure's value from transition to transition: n times that of the estimate.

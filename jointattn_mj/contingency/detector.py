@@ -1,26 +1,21 @@
 """The contingency detector: which event is the most contingent, and since when that can be said (section 5.2.1)."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from numba import njit
 
+from jointattn_mj.border import checked_by
 from jointattn_mj.contingency.counts import ALONE, OF_ACTION, OF_SENSOR, OWN, Counts, local_variance
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import ObservationError
+from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Whole
 
 NOTHING = -1
-CHOICES = {
-    "measure": ("sac", "tc"),
-    "correction": ("none", "miller_madow"),
-    "rule": ("still", "certain"),
-    "of": ("all", "gap"),
-    "claimed": ("block", "drop"),
-}
 
 
 @dataclass(frozen=True)
-class DetectorConfig:
+class DetectorConfig(Checked):
     """Which measure ranks the events, and when the first of them has been found.
 
     Rule ``still`` is the dissertation's: the estimates hardly move any more. How much an estimate moves in a step goes
@@ -33,50 +28,35 @@ class DetectorConfig:
     is in some world, or on how many values its variables have.
     """
 
-    measure: str = "sac"
+    measure: Literal["sac", "tc"] = "sac"
     """``sac`` (eq. 5.2) or ``tc`` (eq. 4.3)."""
-    correction: str = "none"
+    correction: Literal["none", "miller_madow"] = "none"
     """``none``, or ``miller_madow`` against the bias of estimates from few transitions."""
-    base: float = 2.0
+    base: Annotated[float, Real("(1, 1e6]")] = 2.0
     """Of the logarithm; the text does not say. With 2, theta of rule ``still`` gives the dissertation's times."""
-    rule: str = "still"
+    rule: Literal["still", "certain"] = "still"
     """``still`` or ``certain``, see above."""
-    claimed: str = "block"
+    claimed: Literal["block", "drop"] = "block"
     """What becomes of an event that has its module: it stays in the ranking and can ``block`` others, or they ``drop``
     out, and the mind then makes modules of whatever is left, one after the other."""
-    warm_up: int = 100
+    warm_up: Annotated[int, Whole("[0, 1e10]")] = 100
     """Transitions before anything can be found: of next to nothing, nothing changes either."""
-    threshold: float = 5e-5
+    threshold: Positive = 5e-5
     """Rule still: theta, section 5.3.1."""
-    hold: int = 30
+    hold: Count = 30
     """Rule still: T^C, section 5.3.1, steps on end for which the same event is the first, and all is still."""
-    of: str = "all"
+    of: Literal["all", "gap"] = "all"
     """Rule still: what changes by less than theta in a step; ``all`` measures, as in chapter 4, or the ``gap`` between
     the two highest, which the words of chapter 5 may mean."""
-    deviations: float = 3.0
+    deviations: Positive = 3.0
     """Rule certain: standard errors to either side, one in a thousand for one look at one pair of estimates."""
-    precision: float = 0.5
+    precision: Positive = 0.5
     """Rule certain: the map that is read off the event splits it among many cells; each must be more than noise."""
-    tolerance: float = 0.25
+    tolerance: NotNegative = 0.25
     """Rule certain: an event that is nearly as contingent may come second; telling such apart takes for ever."""
-    look_again: float = 0.1
+    look_again: Positive = 0.1
     """Rule certain: it looks when there are more transitions by this share than at the last look, so that the number of
     looks, and with it that of chances to be wrong, grows only with the logarithm of time."""
-
-    def __post_init__(self) -> None:
-        for name, allowed in CHOICES.items():
-            if getattr(self, name) not in allowed:
-                raise ConfigError(f"{name} must be {' or '.join(allowed)}; got {getattr(self, name)!r}")
-        if not (1 < self.base < np.inf and self.threshold > 0 and self.hold >= 1 and self.warm_up >= 0):
-            raise ConfigError(
-                "the detector needs base > 1, threshold > 0, hold >= 1 and warm_up >= 0; "
-                f"got {self.base}, {self.threshold}, {self.hold}, {self.warm_up}"
-            )
-        if not (self.deviations > 0 and self.precision > 0 and self.tolerance >= 0 and self.look_again > 0):
-            raise ConfigError(
-                "rule certain needs deviations, precision and look_again > 0 and tolerance >= 0; "
-                f"got {self.deviations}, {self.precision}, {self.look_again}, {self.tolerance}"
-            )
 
 
 class Rule(NamedTuple):
@@ -175,6 +155,12 @@ def _is_certain(watch, counts):
     return True
 
 
+def _check_look(watch, counts):
+    if not len(watch.values) == len(watch.claimed) == len(counts.of_event):
+        raise ObservationError(f"a detector of {len(watch.values)} events looks at counts of {len(counts.of_event)}")
+
+
+@checked_by(_check_look)
 @njit(cache=True, forceinline=True)
 def look(watch: Watch, counts: Counts) -> int:
     """Work out all measures after a transition; the number of an event that has just been found, or NOTHING."""

@@ -1,30 +1,25 @@
 """Contingency reproduction modules: what to do under which observables, read off a contingent event (section 5.2.2)."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from jointattn_mj.contingency.events import Event
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, NotNegative
 
 OFFERS_NOTHING = -1
 
 
 @dataclass(frozen=True)
-class ReproductionConfig:
+class ReproductionConfig(Checked):
     """How a module is made from the counts of its event."""
 
-    reliability_gap: float = 0.5
+    reliability_gap: NotNegative = 0.5
     """Z_theta, rule 4 of section 5.2.2: least distance of the two highest z-scores under a pair of observables."""
-    mean_over: str = field(default="positive", metadata={"choices": ("positive", "not_negative")})
+    mean_over: Literal["positive", "not_negative"] = "positive"
     """What rule 1 averages. "Positive or null" taken by the word lets the many pairs that never happened pull the mean
     to 0, so that chance passes rule 2; positive ones only is our default."""
-
-    def __post_init__(self) -> None:
-        if self.mean_over not in ("positive", "not_negative"):
-            raise ConfigError(f"mean_over must be positive or not_negative; got {self.mean_over!r}")
-        if not self.reliability_gap >= 0:
-            raise ConfigError(f"reliability_gap must be 0 or more; got {self.reliability_gap}")
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import numpy as np
 
 from jointattn_mj.contingency.events import Variables
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Positive, Share
 
 
 @dataclass(frozen=True)
@@ -36,11 +37,11 @@ class ReactiveModule(Protocol):
 
 
 @dataclass(frozen=True)
-class RandomModule:
+class RandomModule(Checked):
     """Every command of a joint is as likely as every other: the one that section 5.3 uses."""
 
     joint: str
-    trust: float = 1.0
+    trust: Positive = 1.0
 
     def table(self, variables: Variables) -> ReactiveTable:
         """The same row for every value of the first sensor."""
@@ -50,19 +51,15 @@ class RandomModule:
 
 
 @dataclass(frozen=True)
-class AvoidingModule:
+class AvoidingModule(Checked):
     """Random, but one command is rarer than the others: with the gaze on faces, the autism model of section 5.4."""
 
     joint: str
     avoided: str
     """Value of the joint, such as ``caregiver's face``."""
-    share: float = 0.1
+    share: Share = 0.1
     """How likely the avoided command is, in comparison with each of the others; 0 to 1."""
-    trust: float = 1.0
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.share <= 1:
-            raise ConfigError(f"share must be from 0 to 1; got {self.share}")
+    trust: Positive = 1.0
 
     def table(self, variables: Variables) -> ReactiveTable:
         """The same row for every value of the first sensor."""

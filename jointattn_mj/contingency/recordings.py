@@ -1,22 +1,40 @@
 """Reads observations from a CSV or Parquet file: a row a step, a column a variable, labels of any kind."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
+from jointattn_mj.contingency.labels import coded
 from jointattn_mj.contingency.series import joint
+from jointattn_mj.contingency.table_files import read_columns
 from jointattn_mj.errors import SeriesError
+from jointattn_mj.options import Checked, Whole
 
 Missing = Literal["error", "break"]
 """What a missing value does: it is an ``error``, or it ends the recording there, and the next row begins another."""
 
-_WHOLE = re.compile(r"-?(0|[1-9]\d*)")
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
+@dataclass(frozen=True, kw_only=True)
+class ReadOptions(Checked):
+    """How a file of observations is read."""
+
+    recording: str | None = None
+    """Column that tells independent recordings apart: no step leads from one into another."""
+    missing: Missing = "error"
+    """What a missing value does: an error, or a break in the recording."""
+    encoding: str | None = None
+    """Encoding of a text file, such as cp1252; UTF-8 where nothing is said, or what its byte order mark says."""
+    skip_rows: Annotated[int, Whole("[0, 1e9]")] = 0
+    """Lines above the header to leave out."""
+    rows_are_steps: bool = False
+    """Take rows as steps although columns such as onset and offset look like a list of events."""
+
+    def read(self, path: Path | str, columns: Sequence[str]) -> "Recordings":
+        """The columns as :func:`read_recordings` reads them with these options."""
+        return _read(Path(path), list(dict.fromkeys(columns)), self)
 
 
 @dataclass(frozen=True)
@@ -65,153 +83,62 @@ class Recordings:
 
 
 def read_recordings(
-    path: Path | str, columns: Sequence[str], recording: str | None = None, missing: Missing = "error"
+    path: Path | str,
+    columns: Sequence[str],
+    recording: str | None = None,
+    missing: Missing = "error",
+    *,
+    encoding: str | None = None,
+    skip_rows: int = 0,
+    rows_are_steps: bool = False,
 ) -> Recordings:
-    """Read ``columns`` of a CSV file with a header, separated by commas, semicolons or tabs, as the header is; or of a
-    Parquet file, whose name ends with .parquet.
+    """Read ``columns`` of a text file with a header, separated by commas, semicolons or tabs, or of a Parquet file.
 
-    Rows with the same value of the column ``recording`` are one recording, in their order in the file. Labels lose
-    blanks around them; 1.0 is the same as 1. What pyarrow takes as missing is missing: nothing, NA, NaN, null and such.
+    What the file holds counts, not its name. Rows with the same value of the column ``recording`` are one recording, in
+    their order in the file; such values are names. Labels lose blanks around them; 1.0 and 1,0 are the same as 1.
+    Nothing, NA, NaN, null and such are missing. For the other arguments see :class:`ReadOptions`.
 
     Raises:
-        SeriesError: No such file or column, nothing in it, missing values, numbers with fractions, or no transition.
+        SeriesError: No such file or column, nothing in it, another encoding, missing values, numbers with fractions,
+            a list of events, or no transition.
     """
+    options = ReadOptions(
+        recording=recording, missing=missing, encoding=encoding, skip_rows=skip_rows, rows_are_steps=rows_are_steps
+    )
+    return options.read(path, columns)
+
+
+def _read(path: Path, columns: list[str], options: ReadOptions) -> Recordings:
+    recording = options.recording
     wanted = list(dict.fromkeys([*columns, *([recording] if recording is not None else [])]))
-    table = _read(Path(path), wanted)
+    table = read_columns(path, wanted, options.encoding, options.skip_rows, options.rows_are_steps)
     rows = table.num_rows
     if rows < 2:
         raise SeriesError(f"{path} has {rows or 'no'} row{'s' * (rows != 1)} below its header; at least 2 are needed")
-    coded = {name: _coded(table.column(i), name) for i, name in enumerate(wanted)}
+    codes = {name: coded(table.column(i), name) for i, name in enumerate(wanted) if name in columns}
+    marks = None if recording is None else coded(table.column(wanted.index(recording)), recording, identifies=True)[0]
     absent = np.zeros(rows, bool)
     for name in wanted:
-        gaps = coded[name][0] < 0
-        if gaps.any() and (missing == "error" or name == recording):
+        gaps = (marks if marks is not None and name == recording else codes[name][0]) < 0
+        if gaps.any() and (options.missing == "error" or name == recording):
             hint = "" if name == recording else "; fill them in, or cut recordings there with --missing break"
             raise SeriesError(
                 f"column {name!r} of {path} has {int(gaps.sum())} missing values, the first in data row "
                 f"{int(np.argmax(gaps)) + 1}{hint}"
             )
         absent |= gaps
-    pieces = _pieces(absent, None if recording is None else coded[recording][0])
+    pieces = _pieces(absent, marks)
     kept = [piece for piece in pieces if len(piece) > 1]
     if not kept:
         raise SeriesError(f"{path} has no two rows in one recording, so nothing follows anything")
     return Recordings(
-        {name: [coded[name][0][piece] for piece in kept] for name in columns},
-        {name: coded[name][1] for name in columns},
-        [0 if recording is None else int(coded[recording][0][piece[0]]) for piece in kept],
+        {name: [codes[name][0][piece] for piece in kept] for name in columns},
+        {name: codes[name][1] for name in columns},
+        [0 if marks is None else int(marks[piece[0]]) for piece in kept],
         rows,
         int(absent.sum()),
         sum(len(piece) == 1 for piece in pieces),
     )
-
-
-def _read(path: Path, wanted: list[str]) -> Any:
-    """The wanted columns as a table of dictionary-encoded text."""
-    import pyarrow as pa  # here, so that measures of arrays do without it
-    from pyarrow import csv
-
-    if path.suffix == ".parquet":
-        return _read_parquet(path, wanted)
-    try:
-        parse = csv.ParseOptions(delimiter=_delimiter(path), ignore_empty_lines=False, newlines_in_values=True)
-        try:
-            header = csv.open_csv(path, parse_options=_lenient(csv, parse)).schema.names
-        except pa.ArrowInvalid as error:
-            if "mpty CSV" in str(error):
-                raise SeriesError(f"{path} is empty; expected a header and a row for every step") from error
-            raise
-        found = _found(header, wanted, path)
-        text = pa.dictionary(pa.int32(), pa.string())
-        table = csv.read_csv(
-            path,
-            read_options=csv.ReadOptions(use_threads=False),  # errors then name the row
-            parse_options=parse,
-            convert_options=csv.ConvertOptions(
-                include_columns=found, column_types=dict.fromkeys(found, text), strings_can_be_null=True
-            ),
-        )
-    except pa.ArrowInvalid as error:
-        raise SeriesError(f"{path} is no CSV file that can be read: {' '.join(str(error).split())}") from error
-    except OSError as error:
-        raise SeriesError(f"cannot read {path}: {error.strerror or error}") from error
-    return table.slice(0, table.num_rows - min(_blank_lines_at_the_end(path), table.num_rows))
-
-
-def _read_parquet(path: Path, wanted: list[str]) -> Any:
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    try:
-        with path.open("rb") as file:
-            found = _found(parquet.read_schema(file).names, wanted, path)
-            columns = [
-                column.cast(pa.string()) for column in parquet.read_table(file, columns=found).select(found).columns
-            ]
-    except (pa.ArrowInvalid, pa.ArrowNotImplementedError) as error:
-        raise SeriesError(f"{path} is no Parquet file that can be read: {' '.join(str(error).split())}") from error
-    except OSError as error:
-        raise SeriesError(f"cannot read {path}: {error.strerror or error}") from error
-    return pa.table([column.dictionary_encode() for column in columns], names=found)
-
-
-def _lenient(csv: Any, parse: Any) -> Any:
-    """The same, for the header only: rows of another length are complained about later."""
-    return csv.ParseOptions(delimiter=parse.delimiter, newlines_in_values=True, invalid_row_handler=lambda row: "skip")
-
-
-def _delimiter(path: Path) -> str:
-    """The most frequent one of the header."""
-    with path.open("rb") as file:
-        header = file.readline()
-    return max(",;\t", key=lambda mark: header.count(mark.encode()))
-
-
-def _found(header: list[str], wanted: list[str], path: Path) -> list[str]:
-    """Names as the file spells them, with the blanks around them."""
-    stripped = [name.strip() for name in header]
-    for name in wanted:
-        if stripped.count(name) == 0:
-            raise SeriesError(f"{path} has no column {name!r}; its columns are: {', '.join(stripped)}")
-        if stripped.count(name) > 1:
-            raise SeriesError(f"{path} has {stripped.count(name)} columns {name!r}; names must differ")
-    return [header[stripped.index(name)] for name in wanted]
-
-
-def _blank_lines_at_the_end(path: Path) -> int:
-    with path.open("rb") as file:
-        file.seek(max(0, path.stat().st_size - 4096))
-        tail = file.read()
-    return max(0, tail[len(tail.rstrip(b"\r\n")) :].count(b"\n") - 1)
-
-
-def _coded(column: Any, name: str) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Codes (rows,), -1 where missing, and their labels."""
-    array = column.unify_dictionaries().combine_chunks()
-    if hasattr(array, "num_chunks"):  # some versions keep the wrapper
-        array = array.chunk(0)
-    indices = array.indices.fill_null(-1).to_numpy(zero_copy_only=False).astype(np.int64)
-    written = [label.strip() for label in array.dictionary.to_pylist()]
-    labels = _ordered({label for label in written if label}, name)
-    number = {label: i for i, label in enumerate(dict.fromkeys(labels.values()))}
-    codes = np.array([number[labels[label]] if label else -1 for label in written] + [-1], np.int64)
-    return codes[indices], tuple(number)
-
-
-def _ordered(labels: set[str], name: str) -> dict[str, str]:
-    """From labels as written to labels as they count, in order."""
-    if not labels or not all(_WHOLE.fullmatch(label) for label in labels):
-        if not all(_NUMBER.fullmatch(label) for label in labels) or any(re.match(r"[+-]?0\d", one) for one in labels):
-            return {label: label for label in sorted(labels)}
-        numbers = {label: Decimal(label) for label in labels}
-        for label in sorted(labels):
-            if numbers[label] != numbers[label].to_integral_value():
-                raise SeriesError(
-                    f"column {name!r} holds numbers with fractions, such as {label}; sort them into bins first, "
-                    "and give each bin a label"
-                )
-        return {label: str(int(numbers[label])) for label in sorted(labels, key=numbers.__getitem__)}
-    return {label: label for label in sorted(labels, key=int)}
 
 
 def _pieces(absent: np.ndarray, recording: np.ndarray | None) -> list[np.ndarray]:

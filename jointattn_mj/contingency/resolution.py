@@ -10,45 +10,35 @@ nothing as long as A is coarse, and A nothing as long as S is, only a pair can b
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from scipy.cluster.hierarchy import linkage
 
-from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.errors import SeriesError
+from jointattn_mj.options import Checked, Count, NotNegative, Positive, Whole
 
 NOTHING_SENSED = -1
 
 
 @dataclass(frozen=True)
-class ResolutionConfig:
+class ResolutionConfig(Checked):
     """When a split is worth it."""
 
-    deviations: float = 4.0
+    deviations: NotNegative = 4.0
     """A split's gain must exceed this many of its standard errors. Some ten thousand splits compete at each look, so
     that the best of them gains three by chance."""
-    least_gain: float = 0.1
+    least_gain: NotNegative = 0.1
     """The gain must also exceed this share of the contingency that there is: with time any border could be followed
     ever more closely."""
-    cuts: int = 15
+    cuts: Annotated[int, Whole("[1, 10000]")] = 15
     """Places along each axis of a box of commands where a cut is tried, with as many commands between two of them."""
-    look_again: float = 0.2
+    look_again: Positive = 0.2
     """It looks for splits when there are more transitions by this share than at the last look."""
-    warm_up: int = 500
+    warm_up: Count = 500
     """Transitions before the first look."""
-    linkage: str = "average"
+    linkage: Literal["average", "complete", "single", "ward"] = "average"
     """Distance of two groups of prototypes, for the tree: ``average``, ``complete``, ``single`` or ``ward``."""
-
-    def __post_init__(self) -> None:
-        if self.linkage not in ("average", "complete", "single", "ward"):
-            raise ConfigError(f"linkage must be average, complete, single or ward; got {self.linkage!r}")
-        if not (self.deviations >= 0 and self.least_gain >= 0 and self.look_again > 0):
-            raise ConfigError(
-                "deviations and least_gain must be 0 or more, look_again more than 0; "
-                f"got {self.deviations}, {self.least_gain}, {self.look_again}"
-            )
-        if self.cuts < 1 or self.warm_up < 1:
-            raise ConfigError(f"cuts and warm_up start at 1; got {self.cuts}, {self.warm_up}")
 
 
 class Transitions(NamedTuple):

@@ -2,35 +2,31 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numba import njit
 
+from jointattn_mj.border import checked_by, require_array
 from jointattn_mj.contingency.events import Variables
 from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
 from jointattn_mj.contingency.reactive import ReactiveModule, ReactiveTable
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import ConfigError, ObservationError
+from jointattn_mj.options import Checked, NotNegative
 
 NOBODY = -1
 
 
 @dataclass(frozen=True)
-class SelectorConfig:
+class SelectorConfig(Checked):
     """How modules compete for a joint."""
 
-    habituation: float = 0.5
+    habituation: NotNegative = 0.5
     """beta, eq. 5.6: how fast a module loses reliability that goes on under the same observables; 0 turns it off."""
-    habituates: str = "driven"
+    habituates: Literal["driven", "observed"] = "driven"
     """What t' of eq. 5.6 counts: ``driven``, turns on end in which the module itself drove the joint under these very
     observables ("producing the same behavior continuously"), or ``observed``, in which they were the same. Only
     ``driven`` gives the behaviour of Fig. 5.5: with ``observed``, a module that has not acted yet tires of waiting."""
-
-    def __post_init__(self) -> None:
-        if self.habituates not in ("driven", "observed"):
-            raise ConfigError(f"habituates must be driven or observed; got {self.habituates!r}")
-        if not self.habituation >= 0:
-            raise ConfigError(f"habituation must be 0 or more; got {self.habituation}")
 
 
 class Maps(NamedTuple):
@@ -137,6 +133,21 @@ def _offer(maps, m, s, r):
         m = maps.uses[m]
 
 
+def _check_select(maps, s, r, random, strength, a, driver):
+    joints, made = len(maps.commands), maps.made
+    require_array("s", s, (-1,), "iu")
+    require_array("r", r, (-1,), "iu")
+    require_array("strength", strength, maps.sensor.shape, "f")
+    require_array("a", a, (joints + made,), "i")
+    require_array("driver", driver, (joints,), "i")
+    rows = np.diff(np.append(maps.offset[:made], len(maps.command))) // maps.size[:made]
+    for name, values, numbers, sizes in (("s", s, maps.sensor, maps.size), ("r", r, maps.result[:made], rows)):
+        if numbers.max(initial=-1) >= len(values):
+            raise ObservationError(f"{name}: expected {numbers.max() + 1} values or more; got {len(values)}")
+        require_array(name, values[numbers], numbers.shape, "iu", 0, sizes - 1)
+
+
+@checked_by(_check_select)
 @njit(cache=True, forceinline=True)
 def select(maps, s, r, random, strength, a, driver):
     """Choose a module for each joint, and carry out what it offers.

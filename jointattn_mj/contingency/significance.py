@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Annotated, Literal, get_args
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.surrogates import Permute, plan
 from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import SeriesError
+from jointattn_mj.options import Checked, Count, Real, Whole
 
 MEASURES: dict[str, Measure] = {
     "transfer_entropy": information.TRANSFER,
@@ -29,35 +30,26 @@ ones among those that are called significant."""
 
 
 @dataclass(frozen=True)
-class TestOptions:
+class TestOptions(Checked):
     """How a measure is tested."""
 
     __test__ = False  # no test case, whatever its name looks like
 
-    surrogates: int = 1000
+    surrogates: Annotated[int, Whole("[1, 1e9]")] = 1000
     """Permutations of the source; p cannot be smaller than 1 / (surrogates + 1)."""
     permute: Permute = "context"
     """See ``surrogates.Permute``."""
     across_recordings: bool = False
     """Permute among all recordings instead of within each: more powerful where they are short, wrong where they
     differ."""
-    resamples: int = 500
+    resamples: Annotated[int, Whole("[0, 1e9]")] = 500
     """Bootstrap resamples for the interval; 0 leaves it out."""
     resample: Resample = "auto"
     """See ``bootstrap.Resample``."""
-    block: int | None = None
+    block: Count | None = None
     """Transitions in a block; none is the cube root of their number."""
-    level: float = 0.95
+    level: Annotated[float, Real("(0, 1)")] = 0.95
     """Coverage of the interval."""
-
-    def __post_init__(self) -> None:
-        if self.surrogates < 1 or self.resamples < 0 or (self.block is not None and self.block < 1):
-            raise SeriesError(
-                "a test needs surrogates >= 1, resamples >= 0 and block >= 1; got "
-                f"{self.surrogates}, {self.resamples}, {self.block}"
-            )
-        if not 0 < self.level < 1:
-            raise SeriesError(f"level of the interval must lie between 0 and 1; got {self.level}")
 
 
 @dataclass(frozen=True)

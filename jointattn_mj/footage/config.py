@@ -2,14 +2,15 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
 import tyro
 
 from jointattn_mj.attention import AttentionConfig
-from jointattn_mj.errors import ConfigError
 from jointattn_mj.footage.colours import object_colours
 from jointattn_mj.footage.frame_map import Fit
 from jointattn_mj.gaze import GazeConfig
+from jointattn_mj.options import Checked, Real, Seed, Whole
 from jointattn_mj.perception.motion import MotionConfig
 from jointattn_mj.perception.objects import colour_table
 from jointattn_mj.perception.pixels import PixelConfig
@@ -22,7 +23,7 @@ move in 14 and 4 % of the pictures (41 and 13 % with the defaults for renderings
 
 
 @dataclass(frozen=True)
-class PerceiveConfig:
+class PerceiveConfig(Checked):
     """Everything that decides what is perceived and attended to."""
 
     video: tyro.conf.Positional[Path]
@@ -31,23 +32,23 @@ class PerceiveConfig:
     """Things that interest the robot, by colour: names that it knows (red, yellow, blue, green, magenta, cyan, orange,
     violet, lime, azure), or names of your own with a colour as picked from the picture, cup=#c03a2b. Saturated colours
     only, hues 8 degrees apart or more; --pixels.colours says how near a colour must be."""
-    max_minutes: float | None = None
+    max_minutes: Annotated[float, Real("(0, 1e6]")] | None = None
     """Minutes of the video to watch; all of it if not given."""
-    fps: float | None = None
+    fps: Annotated[float, Real("[0.01, 1000]")] | None = None
     """Pictures a second, where the file's timestamps are wrong or missing; they are not looked at then."""
     fit: Fit = "whole"
     """How the video comes into the robot's picture of 320x240: the whole of it with black bars, or its middle, which
     fills it."""
-    scale: float | None = None
+    scale: Annotated[float, Real("[0.001, 10]")] | None = None
     """Pixels of the robot's picture for one of the video. If not given, so that it fits, and less where the face would
     be larger than the robot's templates."""
-    face_follow: float = 0.4
+    face_follow: Annotated[float, Real("(0, 1]")] = 0.4
     """Share of each look in the remembered place of the face, where it is searched for. The caregiver of chapter 6
     turns her head in one place (0.02). Faces that swayed by 25 pixels in 5 s were followed to a pixel, with 0.1 to
     ten."""
-    shift_frames: int = GazeConfig.shift_frames
+    shift_frames: Annotated[int, Whole("[0, 10000]")] = GazeConfig.shift_frames
     """Frames that a shift of attention takes, as a turn of the robot's head would; 0 shifts at once."""
-    seed: int = 0
+    seed: Seed = 0
     """All randomness comes from it: the draws of attention, the map of faces."""
     attention: AttentionConfig = field(default_factory=AttentionConfig)
     """Where and when to look (6.3.2)."""
@@ -57,29 +58,21 @@ class PerceiveConfig:
     """The map of faces (6.3.3, 6.4.1)."""
 
     def __post_init__(self) -> None:
-        for name in ("max_minutes", "fps", "scale"):
-            value = getattr(self, name)
-            if value is not None and not 0 < value < float("inf"):
-                raise ConfigError(f"{name} must be a positive number; got {value}")
-        if not 0 < self.face_follow <= 1:
-            raise ConfigError(f"face_follow must be above 0, and 1 at most; got {self.face_follow}")
-        for name in ("shift_frames", "seed"):
-            if getattr(self, name) < 0:
-                raise ConfigError(f"{name} must be 0 or more; got {getattr(self, name)}")
+        super().__post_init__()
         colour_table(object_colours(self.objects)[1], self.pixels.colours)
 
 
 @dataclass(frozen=True)
-class PerceiveOptions:
+class PerceiveOptions(Checked):
     """Where the results go, and how much of them."""
 
     out: Path
     """Folder for the results; made when missing, refused when it holds another run."""
+    resume: bool = False
+    """Go on from the checkpoint in the folder, to the same final result."""
     overlay: bool = True
     """Leave a video with everything that is perceived drawn on it; it takes most of the time."""
-    overlay_every: int = 1
+    overlay_every: Annotated[int, Whole("[1, 1e6]")] = 1
     """Frames for one picture of that video: 1 is 30 a second."""
-
-    def __post_init__(self) -> None:
-        if self.overlay_every < 1:
-            raise ConfigError(f"overlay_every must be at least 1 frame; got {self.overlay_every}")
+    checkpoint_minutes: Annotated[float, Real("(0, 1e6]")] = 2.0
+    """Minutes of the video between checkpoints: at most so much is lost by a kill."""

@@ -4,6 +4,8 @@ The map's schedules run over 1800 patterns, three minutes of a session. Videos a
 patterns are kept, 1800 at the most and each with the same chance, and drawn from until the schedules are over.
 """
 
+from typing import Any
+
 import numpy as np
 import pyarrow as pa
 
@@ -48,6 +50,18 @@ class FaceAlbum:
     def times(self) -> np.ndarray:
         """When they were seen, (m,), s."""
         return np.sort(self._times[: min(self.seen, len(self._times))])
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Only the patterns that are kept, in the order of their slots."""
+        kept = min(self.seen, len(self._times))
+        filled = {"_patterns": self._patterns[:kept], "_times": self._times[:kept]}
+        return {**vars(self), **filled, "_capacity": len(self._times)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        patterns, times, capacity = (state.pop(name) for name in ("_patterns", "_times", "_capacity"))
+        self.__init__(capacity, patterns.shape[1], state["_rng"])  # type: ignore[misc]
+        self.seen = state["seen"]
+        self._patterns[: len(patterns)], self._times[: len(times)] = patterns, times
 
     def learn(self, config: SOMConfig) -> SOM:
         """A map of the patterns that are kept; there is one at least."""

@@ -1,24 +1,24 @@
-"""A row for every frame of a video, as Parquet; however long the video, memory holds a minute of it.
+"""A row for every frame of a video; however long the video, memory holds some seconds of it.
 
-The file is written under another name and put in place when it is closed.
+Rows are kept as a run's log (see ``recording.rows``) and become a Parquet file when the run ends or is stopped.
 """
 
-import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
-from jointattn_mj.errors import OutputError
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.watcher import Watcher
 from jointattn_mj.recording.columns import described
+from jointattn_mj.recording.parquet import write_parts
+from jointattn_mj.recording.rows import RowStore, log_folder
 
 RECENT = 10 * RATE
 """Rows that can always be looked back at."""
 BLOCK = 60 * RATE
-"""Rows that are written at a time."""
+"""Rows of a row group of the file; the first one has ``RECENT`` more."""
 FRAME = {
     "time_s": "time in the video; frames are a thirtieth of a second apart",
     "picture": "picture of the video that the frame shows, counted from 0",
@@ -38,80 +38,80 @@ _KINDS = {
 
 
 class PerceptLog:
-    """The table of percepts, growing; places are pixels of the robot's picture."""
+    """The table of percepts, growing; places are pixels of the robot's picture.
 
-    def __init__(self, path: Path, candidates: tuple[str, ...]):
-        """``candidates``: names of the objects and, last, the face.
+    Attributes:
+        candidates: Names of the objects and, last, the face.
+        rows: What has been written down, for a checkpoint.
+    """
+
+    def __init__(self, out: Path, candidates: tuple[str, ...], rows: RowStore | None = None):
+        """``out``: the run's folder; ``rows``: those of a checkpoint, to go on with.
 
         Raises:
-            OutputError: The file cannot be written.
+            OutputError: The log cannot be written.
+            CheckpointError: It has not got the rows of the checkpoint.
         """
-        self.path, self.candidates = path, candidates
-        self.frames = 0
+        self.candidates = candidates
         names: list[tuple[str, int | None]] = [(name, None) for name in FRAME if name != "time_s"]
         names += [(name, k) for name in PER_CANDIDATE for k in range(len(candidates))]
         self._index = {name: index for index, name in enumerate(names)}
-        self._values = np.full((RECENT + BLOCK, len(names)), np.nan)
-        self._filled = self._written = 0  # of the rows above
-        self._temporary = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
-        try:
-            self._writer = pq.ParquetWriter(self._temporary, self._table(0, 0).schema, compression="zstd")
-        except OSError as error:
-            raise self._trouble(error) from error
+        self.rows = RowStore("percepts", np.float64, len(names)) if rows is None else rows
+        self.rows.attach(log_folder(out))
+        recent = self.rows.read(max(0, self.frames - RECENT))
+        self._recent = np.full((2 * RECENT, len(names)), np.nan)
+        self._recent[: len(recent)] = recent
+        self._filled = len(recent)
+
+    @property
+    def frames(self) -> int:
+        """Rows so far."""
+        return len(self.rows)
 
     def add(self, watcher: Watcher, picture: int, fresh: bool) -> None:
         """Write down what the watcher made of this frame.
 
         Raises:
-            OutputError: The file cannot be written.
+            OutputError: The log cannot be written.
         """
-        if self._filled == len(self._values):
-            self._write()
-            self._values[:RECENT] = self._values[-RECENT:]
-            self._filled = self._written = RECENT
         attention, percept, fix = watcher.attention, watcher.percept, watcher.perceiver.fix
         if percept is None:
             raise ValueError("a watcher that has seen nothing has nothing to write down")
         attended = np.nan if watcher.attended is None else watcher.attended
-        row = (picture, fresh, attended, watcher.goal is not None, fix.score)
-        self._values[self._filled] = np.concatenate(
-            [row, attention.saliency, attention.motion, attention.interest, percept.seen, percept.moves, *percept.px.T]
-        )
+        frame = (picture, fresh, attended, watcher.goal is not None, fix.score)
+        interest = (attention.saliency, attention.motion, attention.interest)
+        row = np.concatenate([frame, *interest, percept.seen, percept.moves, *percept.px.T])
+        self.rows.append(row)
+        if self._filled == len(self._recent):
+            self._recent[:RECENT] = self._recent[RECENT:]
+            self._filled = RECENT
+        self._recent[self._filled] = row
         self._filled += 1
-        self.frames += 1
 
     def column(self, name: str, candidate: int | None = None) -> np.ndarray:
         """Values of a column in the last frames, at least ``RECENT`` where there were so many."""
-        return self._values[: self._filled, self._index[name, candidate]]
+        return self._recent[: self._filled, self._index[name, candidate]]
 
-    def close(self) -> None:
-        """Write the rest and put the file in place.
+    def write(self, path: Path) -> None:
+        """Write all rows as a Parquet file.
 
         Raises:
             OutputError: It cannot be written.
         """
-        try:
-            self._write()
-            self._writer.close()
-            os.replace(self._temporary, self.path)
-        except OSError as error:
-            raise self._trouble(error) from error
-        finally:
-            self._temporary.unlink(missing_ok=True)
+        write_parts(path, self._parts())
 
-    def _write(self) -> None:
-        try:
-            self._writer.write_table(self._table(self._written, self._filled))
-        except OSError as error:
-            raise self._trouble(error) from error
-        self._written = self._filled
+    def _parts(self) -> Iterator[pa.Table]:
+        first = 0
+        while first < self.frames or first == 0:
+            last = min(self.frames, first + BLOCK if first else RECENT + BLOCK)
+            yield self._table(first, self.rows.read(first, last))
+            first = max(last, 1)
 
-    def _table(self, start: int, stop: int) -> pa.Table:
-        times = (self.frames - self._filled + np.arange(start, stop)) / RATE
-        columns: dict[str, pa.Array] = {"time_s": pa.array(times)}
+    def _table(self, first: int, values: np.ndarray) -> pa.Table:
+        columns: dict[str, pa.Array] = {"time_s": pa.array(np.arange(first, first + len(values)) / RATE)}
         for (name, candidate), index in self._index.items():
             label = name if candidate is None else f"{self.candidates[candidate]}_{name}"
-            columns[label] = self._array(name, self._values[start:stop, index])
+            columns[label] = self._array(name, values[:, index])
         return described(pa.table(columns), FRAME, self.candidates)
 
     def _array(self, name: str, values: np.ndarray) -> pa.Array:
@@ -122,6 +122,3 @@ class PerceptLog:
         if name in _KINDS:
             return pa.array(values.astype(np.int32)).cast(_KINDS[name])
         return pa.array(values.astype(np.float32), mask=missing)
-
-    def _trouble(self, error: OSError) -> OutputError:
-        return OutputError(f"cannot write {self.path}: {error.strerror or error}; free space or choose another --out")

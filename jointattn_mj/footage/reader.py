@@ -7,7 +7,7 @@ for longer; repetitions are marked, since whoever looks for motion must not take
 import math
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 
 from jointattn_mj.errors import FootageError
+from jointattn_mj.footage.interlaced import deinterlaced, interlaced_pictures
 
 RATE = 30
 """Frames a second, section 6.4.1."""
@@ -25,6 +26,10 @@ LONGEST_HOLD_S = 10.0
 DECODERS = 2
 """Threads that decode. Each holds pictures of its own, and one of the largest has 100 MB."""
 TEXT = int.from_bytes(b"ansi", "little")  # ffmpeg plays text files, as an old terminal would show them
+PROBED_S = 2.0
+"""Seconds in which interlaced pictures are looked for."""
+DOUBTFUL_EVERY_S = 10.0
+"""Least time between two doubts whether pictures that are the same were read at all."""
 FASTEST = 1000.0
 """Declared rates above this (pictures a second) are units of a container's clock."""
 
@@ -51,6 +56,7 @@ class Footage:
         seconds: When the last of them was taken.
         jumps: Jumps in the timestamps that it met.
         timed: Whether it went by timestamps.
+        interlaced: Whether it is interlaced, so that each other line is filled in.
     """
 
     def __init__(self, path: Path, fps: float | None = None):
@@ -67,6 +73,7 @@ class Footage:
         self.declared_s = count / self.fps if self.fps and 0 < count < 1e9 else None
         self.aspect = _pixel_aspect(capture)
         capture.release()
+        self.interlaced = interlaced_pictures(path, 0.0, PROBED_S)
         self.pictures, self.seconds, self.jumps, self.timed = 0, 0.0, 0, fps is None
 
     def __iter__(self) -> Iterator[Still]:
@@ -75,11 +82,10 @@ class Footage:
         Raises:
             FootageError: No picture can be decoded, or there are neither timestamps nor a rate.
         """
-        capture = self._open()
-        try:
+        with ExitStack() as stack:
+            capture = _capture(stack.enter_context(deinterlaced(self.path))) if self.interlaced else self._open()
+            stack.callback(capture.release)
             yield from self._stills(capture)
-        finally:
-            capture.release()
 
     def _stills(self, capture: cv2.VideoCapture) -> Iterator[Still]:
         frame, held, shown, cut = 0, None, -1, True
@@ -102,11 +108,16 @@ class Footage:
         """Every picture, and whether the timestamps jumped before it; keeps the attributes up to date."""
         self.pictures, self.seconds, self.jumps, self.timed = 0, 0.0, 0, self._given is None
         start = last = 0.0
+        before, doubted = None, -DOUBTFUL_EVERY_S
         while capture.grab():
             there, picture = capture.retrieve()
             if not there or picture is None or not picture.size:
                 continue
             stamp, jumped = capture.get(cv2.CAP_PROP_POS_MSEC) / 1000, False
+            if _same(picture, before) and abs(stamp - doubted) >= DOUBTFUL_EVERY_S:
+                doubted = stamp
+                self._check_read(stamp)
+            before = picture
             if self.pictures == 0:
                 start = last = stamp
             elif self.pictures == 1 and stamp == start:
@@ -121,6 +132,14 @@ class Footage:
                 last, self.seconds = stamp, max(self.seconds, stamp - start)
             self.pictures += 1
             yield picture, jumped
+
+    def _check_read(self, stamp: float) -> None:
+        """Whether pictures that are the same as those before were read: OpenCV skips interlaced ones in silence."""
+        if not self.interlaced and interlaced_pictures(self.path, max(0.0, stamp - PROBED_S / 2), PROBED_S):
+            raise FootageError(
+                f"{self.path} is interlaced from about {stamp:.0f} s on, but not from its beginning, so it cannot be "
+                f"read; make a copy that is not: ffmpeg -i {self.path.name} -vf yadif -c:v libx264 copy.mp4"
+            )
 
     def _interval(self) -> float:
         if not self.fps:
@@ -140,8 +159,7 @@ class Footage:
             raise FootageError(f"cannot read {self.path}: {error.strerror}") from error
         if empty:
             raise FootageError(f"{self.path} is empty; give a video file")
-        with _quiet_and_local():
-            capture = cv2.VideoCapture(str(self.path), cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, DECODERS])
+        capture = _capture(os.fspath(self.path.absolute()))  # a bare name with a colon would be that of a protocol
         if not capture.isOpened() or int(capture.get(cv2.CAP_PROP_FOURCC)) == TEXT:
             capture.release()
             raise FootageError(
@@ -151,13 +169,26 @@ class Footage:
         return capture
 
 
+def _capture(name: str) -> cv2.VideoCapture:
+    """OpenCV's reader of a file, or of a pipe."""
+    with _quiet_and_local():
+        return cv2.VideoCapture(name, cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, DECODERS])
+
+
+def _same(picture: np.ndarray, before: np.ndarray | None) -> bool:
+    """Whether two pictures are the same to the last bit; most are told apart by a few of their rows."""
+    if before is None or picture.shape != before.shape:
+        return False
+    return np.array_equal(picture[::16], before[::16]) and np.array_equal(picture, before)
+
+
 @contextmanager
 def _quiet_and_local() -> Iterator[None]:
-    """Lets OpenCV and its ffmpeg say nothing on stderr, and open nothing but files (a playlist can name others)."""
+    """Lets OpenCV and its ffmpeg say nothing on stderr, and open files and pipes alone (a playlist can name others)."""
     kept = {name: os.environ.get(name) for name in ("OPENCV_FFMPEG_LOGLEVEL", "OPENCV_FFMPEG_CAPTURE_OPTIONS")}
     level = cv2.utils.logging.getLogLevel()
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
-    os.environ["OPENCV_FFMPEG_CAPTURE_OPTIONS"] = "protocol_whitelist;file"
+    os.environ["OPENCV_FFMPEG_CAPTURE_OPTIONS"] = "protocol_whitelist;file,pipe"
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
         yield

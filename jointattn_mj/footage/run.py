@@ -2,21 +2,25 @@
 
 import json
 import time
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from itertools import islice
+from pathlib import Path
 from typing import Any
 
+from jointattn_mj.errors import CheckpointError
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
-from jointattn_mj.footage.frame_map import FrameMap
 from jointattn_mj.footage.log import PerceptLog
 from jointattn_mj.footage.overlay import HEIGHT, WIDTH, FootageOverlay
 from jointattn_mj.footage.reader import RATE, Still
 from jointattn_mj.footage.summary import summarise
 from jointattn_mj.footage.viewing import Viewing
-from jointattn_mj.recording.files import claim, forget_partial, write_whole
-from jointattn_mj.recording.interrupts import deferred
+from jointattn_mj.recording import checkpoint
+from jointattn_mj.recording.files import claimed, write_whole
+from jointattn_mj.recording.interrupts import Interrupts, deferred
+from jointattn_mj.recording.parted import PartedReel
 from jointattn_mj.recording.provenance import plain, write_config
-from jointattn_mj.recording.reel import Reel, find_ffmpeg
+from jointattn_mj.recording.reel import find_ffmpeg
+from jointattn_mj.recording.rows import forget_log, log_folder
 
 
 def run_perceive(
@@ -25,71 +29,109 @@ def run_perceive(
     """Watch a video and leave the results in ``options.out``; returns the summary.
 
     ``progress`` is called after every second of video. On Ctrl-C or SIGTERM the frame is finished, and what was watched
-    so far leaves all its results before KeyboardInterrupt goes on.
+    so far leaves a checkpoint and all its results before KeyboardInterrupt goes on.
 
     Raises:
         FootageError: The file is no video, or has no picture.
         OutputError: The folder holds another run, or cannot be written.
+        CheckpointError: ``resume`` without a fitting checkpoint.
         VideoError: The overlay cannot be written.
     """
-    out, started = options.out, time.perf_counter()
     if options.overlay:
         find_ffmpeg()
     viewing = Viewing(config)
-    claim(out, resumable=False)
-    forget_partial(out)
-    viewing.measure_face()
-    write_config(out / "config.yaml", config)
-    log = PerceptLog(out / "percepts.parquet", viewing.names)
-    stopped = False
-    try:
-        with deferred() as interrupts, ExitStack() as open_files:
-            show = _overlay(viewing, options, log, open_files)
-            for still in viewing.footage:
-                mapped = viewing.see(still)
-                log.add(viewing.watcher, still.number, still.fresh)
-                show(still, mapped)
-                if viewing.frames % RATE == 0:
-                    progress(viewing)
-                stopped = interrupts.requested
-                if stopped or viewing.frames >= viewing.total:
-                    break
-    finally:
-        log.close()
-    summary = _leave_results(viewing, options, stopped, time.perf_counter() - started)
-    if stopped:
+    with claimed(options.out, options.resume):
+        return _run(viewing, options, progress)
+
+
+def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing], object]) -> dict[str, Any]:
+    """Watch a video in a folder that is held for it."""
+    out, config, started = options.out, viewing.config, time.perf_counter()
+    every = options.overlay_every if options.overlay else None
+    spent, rows = 0.0, None
+    if options.resume:
+        spent, finished, overlay, state, rows = checkpoint.load(out / "checkpoint.bin", config)
+        if finished:
+            return _read_summary(out)
+        if overlay != every:
+            asked = "--no-overlay" if overlay is None else f"--overlay-every {overlay}"
+            raise CheckpointError(f"the viewing in {out} was begun with {asked}; resume with that")
+        viewing.restore(state)
+    log = PerceptLog(out, viewing.names, rows)
+    film = PartedReel(log_folder(out), HEIGHT, WIDTH, RATE / (every or 1), viewing.frames)
+    drawing = FootageOverlay(viewing.names, viewing.rgb, config.attention)
+
+    def wall_seconds() -> float:
+        return spent + time.perf_counter() - started
+
+    def freeze(finished: bool = False) -> None:
+        film.cut()
+        state = wall_seconds(), finished, every, viewing.state(), log.rows
+        checkpoint.save(out / "checkpoint.bin", state, config)
+
+    if not options.resume:
+        viewing.measure_face()
+        freeze()
+    if not (out / "config.yaml").exists():
+        write_config(out / "config.yaml", config)
+    pause = max(1, round(options.checkpoint_minutes * 60 * RATE))
+    with deferred() as interrupts, film:
+        for still in _unseen(viewing, interrupts):
+            mapped = viewing.see(still)
+            log.add(viewing.watcher, still.number, still.fresh)
+            if every is not None and (viewing.frames - 1) % every == 0:
+                film.add(drawing.compose(still.picture, mapped, viewing.watcher, log), viewing.frames - 1)
+            if viewing.frames % RATE == 0:
+                progress(viewing)
+            if viewing.frames % pause == 0:
+                freeze()
+        freeze()
+    log.write(out / "percepts.parquet")
+    if every is not None:
+        film.join(out / "overlay.mp4")
+    summary = _leave_results(viewing, out, interrupts.requested, wall_seconds())
+    if interrupts.requested:
         raise KeyboardInterrupt
+    freeze(finished=True)
+    forget_log(out)
     return summary
 
 
-def _overlay(
-    viewing: Viewing, options: PerceiveOptions, log: PerceptLog, open_files: ExitStack
-) -> Callable[[Still, FrameMap], None]:
-    """What shows a frame to the overlay video, if there is to be one."""
-    if not options.overlay:
-        return lambda still, mapped: None
-    drawing = FootageOverlay(viewing.names, viewing.rgb, viewing.config.attention)
-    reel = open_files.enter_context(Reel(options.out / "overlay.mp4", HEIGHT, WIDTH, RATE / options.overlay_every))
+def _unseen(viewing: Viewing, interrupts: Interrupts) -> Iterator[Still]:
+    """The frames that were not seen yet, until enough are seen or somebody stops; at least one of a new viewing.
 
-    def show(still: Still, mapped: FrameMap) -> None:
-        if (viewing.frames - 1) % options.overlay_every == 0:
-            reel.add(drawing.compose(still.picture, mapped, viewing.watcher, log))
+    Going on means to read the video from its beginning: that alone leads to the same pictures.
+    """
+    stills = iter(viewing.footage)
+    for _ in islice(stills, viewing.frames):
+        if interrupts.requested:
+            raise KeyboardInterrupt
+    while viewing.frames < viewing.total and not (interrupts.requested and viewing.frames):
+        still = next(stills, None)
+        if still is None:
+            return
+        yield still
 
-    return show
+
+def _read_summary(out: Path) -> dict[str, Any]:
+    """Of a viewing that is finished."""
+    try:
+        return json.loads((out / "summary.json").read_text())
+    except (OSError, ValueError) as error:
+        raise CheckpointError(f"the viewing in {out} is finished, but its summary.json is gone or damaged") from error
 
 
-def _leave_results(viewing: Viewing, options: PerceiveOptions, stopped: bool, wall_seconds: float) -> dict[str, Any]:
+def _leave_results(viewing: Viewing, out: Path, stopped: bool, wall_seconds: float) -> dict[str, Any]:
     from jointattn_mj.footage.figures import draw_fixations
     from jointattn_mj.recording.figures import draw_som
     from jointattn_mj.recording.parquet import write_parquet
 
-    out = options.out
     write_parquet(out / "fixations.parquet", viewing.fixations.table(viewing.names))
     draw_fixations(
         out / "fixations.png",
         viewing.sample,
         viewing.fixations.all,
-        out / "percepts.parquet",
+        out.absolute() / "percepts.parquet",
         viewing.names,
         viewing.rgb,
     )

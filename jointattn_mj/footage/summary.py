@@ -63,6 +63,8 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
         )
     if not footage.timed and viewing.config.fps is None:
         said.append(f"no timestamps in the file: {footage.fps:g} pictures a second were assumed; --fps says otherwise")
+    if footage.interlaced:
+        said.append("the video is interlaced: each other line was filled in from those around it, in space and time")
     if footage.jumps:
         said.append(f"the timestamps jumped {footage.jumps} times; the time between is left out")
     if frames > RATE and footage.pictures / (frames / RATE) < FEWEST_FPS:

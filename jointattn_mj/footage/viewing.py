@@ -3,9 +3,11 @@
 import math
 from collections import deque
 from itertools import islice
+from typing import Any
 
 import numpy as np
 
+from jointattn_mj.errors import CheckpointError
 from jointattn_mj.footage.colours import object_colours
 from jointattn_mj.footage.config import PerceiveConfig
 from jointattn_mj.footage.face_size import face_side, largest_scale
@@ -16,6 +18,11 @@ from jointattn_mj.footage.reader import RATE, Footage, Still
 from jointattn_mj.footage.watcher import Watcher
 from jointattn_mj.perception.pixels import PixelPerception
 
+STATE = (
+    "watcher", "mapped", "fixations", "album", "frames", "face_side", "seen", "moves", "sample", "coloured", "sizes",
+    "_faces",
+)  # fmt: skip
+"""Attributes that change from frame to frame; the rest follows from the config."""
 GREY_SPREAD = 16
 """Grey values between the channels of a pixel, below which it has no colour; compression makes some."""
 
@@ -95,6 +102,26 @@ class Viewing:
         self.fixations.note(self.watcher, self.frames, mapped)
         self.frames += 1
         return mapped
+
+    def state(self) -> dict[str, Any]:
+        """What a viewing of the same config needs to go on from here (see ``restore``)."""
+        return {"bytes": self._bytes(), **{name: getattr(self, name) for name in STATE}}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Take over what ``state`` gave.
+
+        Raises:
+            CheckpointError: The video is another one by now.
+        """
+        if state["bytes"] != self._bytes():
+            raise CheckpointError(
+                f"{self.footage.path} had {state['bytes']} bytes when it was watched, and has {self._bytes()}; choose "
+                "another --out to watch it anew"
+            )
+        vars(self).update({name: state[name] for name in STATE})
+
+    def _bytes(self) -> int:
+        return self.footage.path.stat().st_size
 
     def _map(self, still: Still) -> FrameMap:
         height, width = still.picture.shape[:2]

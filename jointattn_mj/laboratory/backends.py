@@ -4,7 +4,9 @@ Both take a function and its arguments and hand back a ``concurrent.futures.Futu
 worker shows, and what is left after it.
 """
 
+import logging
 import os
+import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, Future
@@ -13,6 +15,7 @@ from typing import Any, Protocol
 
 from joblib import cpu_count
 from joblib.externals.loky import ProcessPoolExecutor
+from joblib.externals.loky.backend.resource_tracker import ensure_running
 from joblib.externals.loky.process_executor import BrokenProcessPool
 
 from jointattn_mj.errors import ConfigError, LaboratoryError
@@ -60,6 +63,8 @@ class Loky:
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
         if self._executor is None:
+            with _hangup_ignored():
+                ensure_running()
             environment = {name: os.environ.get(name, value) for name, value in SINGLE_THREADED.items()}
             self._executor = ProcessPoolExecutor(self.jobs, env=environment, initializer=start)
         return self._executor.submit(function, *arguments)
@@ -72,6 +77,20 @@ class Loky:
             with _manager_unheard():
                 self._executor.shutdown(wait=True, kill_workers=True)
             self._executor = None
+
+
+@contextmanager
+def _hangup_ignored() -> Iterator[None]:
+    """loky's process that counts semaphores is started so that the end of the terminal does not end it before us: it
+    would be missed, with a stack trace."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    kept = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGHUP, kept)
 
 
 @contextmanager
@@ -104,6 +123,7 @@ class Dask:
             from distributed.scheduler import KilledWorker
         except ImportError as error:
             raise LaboratoryError("--backend dask needs dask: pip install 'jointattn-mj[cluster]'") from error
+        _silence("distributed", "tornado")
         self.deaths: tuple[type[BaseException], ...] = (KilledWorker,)
         try:
             self._client = Client(address, timeout=patience_s, set_as_default=False)
@@ -115,10 +135,16 @@ class Dask:
         self._executor: Executor = self._client.get_executor(pure=False)
 
     def slots(self) -> int:
-        return sum(self._client.nthreads().values())
+        try:
+            return sum(self._client.nthreads().values())
+        except Exception as error:
+            raise gone(error) from error
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        return self._executor.submit(function, *arguments)
+        try:
+            return self._executor.submit(function, *arguments)
+        except Exception as error:
+            raise gone(error) from error
 
     def restart(self) -> None:
         pass
@@ -126,6 +152,21 @@ class Dask:
     def close(self) -> None:
         self._executor.shutdown(wait=False)
         self._client.close(timeout=2)
+
+
+def _silence(*names: str) -> None:
+    """Log nothing of these libraries: they would print stack traces before this one says in a line what is wrong."""
+    for logger in map(logging.getLogger, [*logging.Logger.manager.loggerDict]):
+        if logger.name.split(".")[0] in names:
+            logger.setLevel(logging.CRITICAL + 1)
+
+
+def gone(error: BaseException) -> LaboratoryError:
+    """What to say where nobody is there any more to compute."""
+    return LaboratoryError(
+        f"nobody computes any more ({type(error).__name__}); start scheduler and workers again, then the same command "
+        "goes on"
+    )
 
 
 def lost_touch(error: BaseException) -> bool:

@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,6 +29,19 @@ class Verdict(StrEnum):
     """Too few runs to say."""
 
     @classmethod
+    def of_share(cls, ours: Estimate, published: float) -> Verdict:
+        """What our share says of a published one above one half: partly where the whole interval lies below it,
+        undecided where the interval holds one half too, for then as few as that would have given the same."""
+        if ours.high < published:
+            return cls.PARTLY
+        return cls.REPRODUCED if ours.low > 0.5 else cls.UNDECIDED
+
+    @classmethod
+    def of_most(cls, ours: Estimate) -> Verdict:
+        """Whether our share is that of most, or of less than half; undecided where the interval holds one half."""
+        return cls.REPRODUCED if ours.low > 0.5 else cls.NOT if ours.high < 0.5 else cls.UNDECIDED
+
+    @classmethod
     def of_all(cls, verdicts: Iterable[Verdict]) -> Verdict:
         """What several come to: the one that all share of those that decide something, partly where they differ."""
         given = set(verdicts)
@@ -40,12 +54,12 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True)
-class Setting:
+class Setting(Checked):
     """One condition of an experiment."""
 
     config: Any
     """A dataclass or a plain dict: all that a cell needs but its seed."""
-    runs: int
+    runs: Annotated[int, Whole("[0, 1e6]")]
     """Seeds by default."""
 
 
@@ -103,6 +117,3 @@ class Claim:
     def __post_init__(self) -> None:
         if not self.settings:
             raise ConfigError(f"claim {self.id} needs at least one setting")
-        for name, setting in self.settings.items():
-            if setting.runs < 0:
-                raise ConfigError(f"claim {self.id}, setting {name}: runs must be 0 or more; got {setting.runs}")

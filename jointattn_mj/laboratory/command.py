@@ -1,10 +1,6 @@
 """``jointattn experiment``: list claims, run what is missing of them, report what is stored."""
 
-import signal
 import sys
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -14,8 +10,10 @@ import tyro
 
 from jointattn_mj.errors import ConfigError, LaboratoryError
 from jointattn_mj.laboratory.registry import Registry
+from jointattn_mj.options import Checked, Seed, Whole
 
 EXPERIMENTS = "experiments.registry"
+LONGEST_NAME = 200
 CHECKOUT = (
     "experiments are part of the source checkout, not of the installed package: clone the repository of jointattn-mj "
     "and run the command in its folder"
@@ -23,7 +21,7 @@ CHECKOUT = (
 
 
 @dataclass(frozen=True)
-class ListOptions:
+class ListOptions(Checked):
     """Say which claims there are, and with --out how much of each is stored."""
 
     out: Path | None = None
@@ -33,20 +31,20 @@ class ListOptions:
 
 
 @dataclass(frozen=True)
-class RunOptions:
+class RunOptions(Checked):
     """Compute what is missing of some claims. It can be stopped at any time; the same command goes on."""
 
     claims: tyro.conf.Positional[tuple[str, ...]]
     """Ids of claims, or all."""
     out: Path
     """Folder for the results; what it holds already is not computed again."""
-    runs: int | None = None
+    runs: Annotated[int, Whole("[1, 1e6]")] | None = None
     """Runs of each setting, instead of its own number."""
-    seed: int | None = None
+    seed: Seed | None = None
     """Seed of the first run."""
     setting: str | None = None
     """Only this setting, or those whose ids begin so."""
-    jobs: int = 0
+    jobs: Annotated[int, Whole("[0, 1024]")] = 0
     """Cells at once on this machine; 0 for one a core."""
     backend: Literal["loky", "dask"] = "loky"
     """Processes of this machine, or the workers of a dask scheduler."""
@@ -57,7 +55,7 @@ class RunOptions:
 
 
 @dataclass(frozen=True)
-class ReportOptions:
+class ReportOptions(Checked):
     """Write what is stored as one page (report.html), as claims.json, claims.csv and figures."""
 
     folder: Annotated[Path, tyro.conf.Positional]
@@ -91,17 +89,22 @@ def load_registry(module: str) -> Registry:
     Raises:
         LaboratoryError: They are not there.
     """
+    expected = CHECKOUT if module == EXPERIMENTS else "expected a module that Python finds, such as my_claims.registry"
+    if not all(part.isidentifier() for part in module.split(".")) or len(module) > LONGEST_NAME:
+        raise LaboratoryError(f"{module[:60]!r} is no name of a module; {expected}")
     if (Path.cwd() / module.split(".")[0]).is_dir() and str(Path.cwd()) not in sys.path:
         sys.path.append(str(Path.cwd()))
     try:
-        return import_module(module).REGISTRY
+        registry = getattr(import_module(module), "REGISTRY", None)
     except ModuleNotFoundError as error:
         if error.name is None or not module.startswith(error.name):
-            raise
-        known = CHECKOUT if module == EXPERIMENTS else "expected a module that Python finds, such as my_claims.registry"
-        raise LaboratoryError(f"cannot import {module}; {known}") from error
-    except AttributeError as error:
-        raise LaboratoryError(f"{module} has no REGISTRY; see jointattn_mj.laboratory.registry.Registry") from error
+            raise LaboratoryError(f"cannot import {module}: {error}") from error
+        raise LaboratoryError(f"cannot import {module}; {expected}") from error
+    except Exception as error:
+        raise LaboratoryError(f"cannot import {module}: {type(error).__name__}: {error}") from error
+    if not isinstance(registry, Registry):
+        raise LaboratoryError(f"{module} has no REGISTRY; see jointattn_mj.laboratory.registry.Registry")
+    return registry
 
 
 def chosen(registry: Registry, ids: tuple[str, ...]) -> list[str]:
@@ -147,17 +150,17 @@ def _stored(registry: Registry, claim: str, folder: Path) -> str:
 
 def _run(registry: Registry, options: RunOptions) -> None:
     from jointattn_mj.laboratory.backends import new_backend
-    from jointattn_mj.laboratory.progress import Progress, count
+    from jointattn_mj.laboratory.progress import Progress
     from jointattn_mj.laboratory.run import Selection, run
+    from jointattn_mj.progress import count
 
     ids = chosen(registry, options.claims)
     selection = Selection(options.setting, options.runs, options.seed)
     try:
-        with _stoppable():
-            claims = [registry[claim] for claim in ids]
-            backend = new_backend(options.backend, options.jobs, options.address)
-            always = {} if options.registry == EXPERIMENTS else {"registry": options.registry}
-            tally = run(claims, selection, options.out, backend, Progress(), **always)
+        claims = [registry[claim] for claim in ids]
+        backend = new_backend(options.backend, options.jobs, options.address)
+        always = {} if options.registry == EXPERIMENTS else {"registry": options.registry}
+        tally = run(claims, selection, options.out, backend, Progress(), **always)
     except KeyboardInterrupt:
         print(f"jointattn: stopped; the same command goes on with what is in {options.out}", file=sys.stderr)
         raise
@@ -171,20 +174,3 @@ def _report(registry: Registry, options: ReportOptions) -> None:
 
     ids = chosen(registry, options.claims) if options.claims else list(registry)
     print(write_report(registry, ids, options.folder))
-
-
-@contextmanager
-def _stoppable() -> Iterator[None]:
-    """SIGTERM, with which schedulers end what they started, stops like Ctrl-C."""
-
-    def stop(number: int, frame: object) -> None:
-        raise KeyboardInterrupt
-
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    kept = signal.signal(signal.SIGTERM, stop)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, kept)

@@ -2,11 +2,13 @@
 
 import sys
 import time
-from typing import TextIO
+from typing import Any, TextIO
 
 from jointattn_mj.laboratory.run import Tally, Watcher
+from jointattn_mj.progress import LINE_S, count, duration
+from jointattn_mj.terminal import Unbroken
 
-SCREEN_S, LOG_S = 0.1, 30.0
+SCREEN_S = 0.1
 MOST_FAILURES = 20
 """Failed cells that are shown one by one."""
 
@@ -15,7 +17,7 @@ class Progress(Watcher):
     """Writes to ``stream``, stderr by default."""
 
     def __init__(self, stream: TextIO | None = None):
-        self.stream = stream or sys.stderr
+        self.stream: Any = Unbroken(stream or sys.stderr)
         self.live = self.stream.isatty()
         self._width = 0
         self._started = self._told = time.monotonic()
@@ -27,7 +29,7 @@ class Progress(Watcher):
 
     def tick(self, tally: Tally, slots: int) -> None:
         now = time.monotonic()
-        if now - self._told < (SCREEN_S if self.live else LOG_S):
+        if now - self._told < (SCREEN_S if self.live else LINE_S):
             return
         self._told = now
         text = self.state(tally, slots, now - self._started)
@@ -42,7 +44,7 @@ class Progress(Watcher):
             print("\r" + " " * self._width + "\r", end="", file=self.stream)
         self._line(self.state(tally, None, time.monotonic() - self._started))
         for task, error, alone in tally.failed[:MOST_FAILURES]:
-            self._line(f"  {task}: {error}\n    alone: {alone}")
+            self._line(f"  {task}: {' '.join(error.split())}\n    alone: {alone}")
         if len(tally.failed) > MOST_FAILURES:
             self._line(f"  and {len(tally.failed) - MOST_FAILURES} more, each with its traceback in the folder failed/")
 
@@ -68,22 +70,9 @@ class Progress(Watcher):
         print(text, file=self.stream, flush=True)
 
 
-def count(number: int, noun: str) -> str:
-    """``1 cell``, ``2 cells``."""
-    return f"{number} {noun}{'s' * (number != 1)}"
-
-
 def rate(per_second: float) -> str:
     """Cells a second, a minute or an hour, whichever makes a number to read."""
     for unit, seconds in (("s", 1), ("min", 60)):
         if per_second * seconds >= 1:
             return f"{per_second * seconds:.3g}/{unit}"
     return f"{per_second * 3600:.2g}/h"
-
-
-def duration(seconds: float) -> str:
-    """``7 s``, ``3 min 20 s``, ``2 h 5 min``."""
-    whole = round(seconds)
-    if whole < 60:
-        return f"{whole} s"
-    return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole % 3600 // 60} min"

@@ -4,8 +4,9 @@ import base64
 import csv
 import io
 import json
+import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,13 @@ from jointattn_mj.laboratory.claim import Claim, Finding, Verdict
 from jointattn_mj.laboratory.registry import Entry, Registry
 from jointattn_mj.laboratory.run import command
 from jointattn_mj.laboratory.store import Store, Stored
+from jointattn_mj.progress import count
 from jointattn_mj.recording.files import write_whole
 from jointattn_mj.recording.provenance import plain
 from jointattn_mj.recording.results import without_nan
 
-FOLDER = Path("out/experiments")
-"""Stands for the folder of results in the commands that are shown, wherever it really is."""
+FEWEST = 5
+"""With fewer runs, and fewer than a claim asks for, nothing is decided."""
 LARGEST_SVG = 300_000
 """Bytes; a larger drawing is shown as PNG."""
 DPI = 150
@@ -81,7 +83,7 @@ def write_report(registry: Registry, ids: Sequence[str], folder: Path) -> Path:
         "claims.json": json.dumps(without_nan([_facts(one) for one in chapters]), indent=1, ensure_ascii=False) + "\n",
         "claims.csv": _csv(chapters),
         "claims.md": _markdown(chapters),
-        "report.html": _page(chapters, pictures),
+        "report.html": _page(chapters, pictures, folder),
     }
     for name, text in tables.items():
         _write(folder / name, text.encode())
@@ -111,24 +113,33 @@ def chapter(registry: Registry, claim_id: str, store: Store) -> Chapter:
     seeds = {name: [cell.seed for cell in stored.cells.get(name, ())] for name in claim.settings}
     return Chapter(
         entry=entry,
-        findings=findings,
+        findings=[weighed(finding, claim, max(map(len, seeds.values()))) for finding in findings],
         figures=figures,
         seeds=seeds,
         configs={name: plain(setting.config) for name, setting in claim.settings.items()},
-        commands=commands(claim, seeds),
+        commands=commands(claim, seeds, store.folder),
         versions=stored.versions,
         film=claim.film if claim.film is not None and claim.film.exists() else None,
-        notes=_notes(stored, len(store.failures(claim_id))),
+        notes=_notes(stored, store.failures(claim_id)),
         trouble=trouble,
     )
 
 
-def commands(claim: Claim, seeds: Mapping[str, Sequence[int]]) -> list[str]:
-    """Command lines that compute exactly the cells with these seeds."""
+def weighed(finding: Finding, claim: Claim, runs: int) -> Finding:
+    """The finding, undecided where too few runs stand behind it; ``runs``: the most that any setting has."""
+    enough = min(FEWEST, max(setting.runs for setting in claim.settings.values()))
+    n = runs if finding.ours is None else min(finding.ours.n, runs)
+    if n >= enough or finding.verdict in (Verdict.EXTENSION, Verdict.UNDECIDED):
+        return finding
+    return replace(finding, verdict=Verdict.UNDECIDED, note=f"too few to say: {count(n, 'run')}")
+
+
+def commands(claim: Claim, seeds: Mapping[str, Sequence[int]], folder: Path) -> list[str]:
+    """Command lines that compute exactly the cells with these seeds into ``folder``."""
     wanted = {name: _ranges(found) for name, found in seeds.items() if found}
     usual = {name: [range(claim.first_seed, claim.first_seed + one.runs)] for name, one in claim.settings.items()}
     if wanted == {name: ranges for name, ranges in usual.items() if ranges[0]}:
-        return [command([claim.id], FOLDER)]
+        return [command([claim.id], folder)]
     groups: dict[tuple[int, int], list[str]] = {}
     for name, ranges in wanted.items():
         for one in ranges:
@@ -138,7 +149,7 @@ def commands(claim: Claim, seeds: Mapping[str, Sequence[int]]) -> list[str]:
         every = names == list(claim.settings)
         seed = None if first == claim.first_seed else first
         meant: Sequence[str | None] = [None] if every else names
-        lines += [command([claim.id], FOLDER, setting=name, seed=seed, runs=runs) for name in meant]
+        lines += [command([claim.id], folder, setting=name, seed=seed, runs=runs) for name in meant]
     return lines
 
 
@@ -152,10 +163,13 @@ def _ranges(seeds: Sequence[int]) -> list[range]:
     return found
 
 
-def _notes(stored: Stored, failed: int) -> list[str]:
+def _notes(stored: Stored, failures: Sequence[Mapping[str, Any]]) -> list[str]:
     notes = []
-    if failed:
-        notes.append(f"Cells that failed: {failed}; the same command tries them again")
+    if failures:
+        notes.append(f"Cells that failed: {len(failures)}; the same command tries them again")
+    unread = [failure["damaged"].name for failure in failures if "damaged" in failure]
+    if unread:
+        notes.append(f"Notes of failures that cannot be read: {len(unread)} ({', '.join(unread[:3])}); delete them")
     if stored.others:
         notes.append(f"Cells of other settings, or of another version, that are not used: {stored.others}")
     if stored.damaged:
@@ -235,11 +249,17 @@ def _markdown(chapters: Sequence[Chapter]) -> str:
             ours, n = ("", "") if finding.ours is None else (str(finding.ours), str(finding.ours.n))
             verdict = f"{finding.verdict}: {finding.note}" if finding.note else str(finding.verdict)
             cells = (one.entry.id, finding.what, finding.dissertation, ours, n, verdict)
-            lines.append(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |")
+            lines.append(f"| {' | '.join(map(_plain_in_markdown, cells))} |")
     return "\n".join(lines) + "\n"
 
 
-def _page(chapters: Sequence[Chapter], pictures: Mapping[str, Mapping[str, str]]) -> str:
+def _plain_in_markdown(text: str) -> str:
+    """On one line, and with nothing in it that would be read as a column, as code, as a link or as HTML."""
+    marks = str.maketrans({"\\": "\\\\", "|": "\\|", "`": "\\`", "&": "&amp;", "<": "&lt;"})
+    return " ".join(text.split()).translate(marks).replace("](", "]\\(")
+
+
+def _page(chapters: Sequence[Chapter], pictures: Mapping[str, Mapping[str, str]], folder: Path) -> str:
     environment = Environment(
         loader=PackageLoader("jointattn_mj.laboratory"),
         autoescape=True,
@@ -251,7 +271,7 @@ def _page(chapters: Sequence[Chapter], pictures: Mapping[str, Mapping[str, str]]
     environment.filters["yaml"] = lambda config: yaml.safe_dump(config, sort_keys=False, default_flow_style=None)
     films = {one.entry.id: _uri("video/mp4", one.film.read_bytes()) for one in chapters if one.film is not None}
     return environment.get_template("report.html").render(
-        chapters=chapters, pictures=pictures, films=films, folder=FOLDER
+        chapters=chapters, pictures=pictures, films=films, folder=shlex.quote(str(folder))
     )
 
 

@@ -7,12 +7,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
-from jointattn_mj.errors import ConfigError, LaboratoryError
-from jointattn_mj.laboratory.backends import Backend, lost_touch
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.laboratory.backends import Backend, gone, lost_touch
 from jointattn_mj.laboratory.claim import Claim
 from jointattn_mj.laboratory.store import Keys, Store, Task
 from jointattn_mj.laboratory.worker import Outcome, compute, pack
+from jointattn_mj.options import Checked, Seed, Whole
 
 GOLDEN = 0.618
 """Runs that share a folder begin this part of the way apart, so that any number of them spreads."""
@@ -63,19 +65,13 @@ class Watcher:
 
 
 @dataclass(frozen=True)
-class Selection:
+class Selection(Checked):
     """Which cells of a claim: its own settings, seeds and runs where nothing else is said."""
 
     setting: str | None = None
     """A setting's id, or how the ids of several begin."""
-    runs: int | None = None
-    first_seed: int | None = None
-
-    def __post_init__(self) -> None:
-        if self.runs is not None and self.runs < 1:
-            raise ConfigError(f"runs must be 1 or more; got {self.runs}")
-        if self.first_seed is not None and self.first_seed < 0:
-            raise ConfigError(f"seed must be 0 or more; got {self.first_seed}")
+    runs: Annotated[int, Whole("[1, 1e6]")] | None = None
+    first_seed: Seed | None = None
 
     def names(self, claim: Claim) -> list[str]:
         """The settings that are meant."""
@@ -197,10 +193,7 @@ class _Run:
             return task
         except Exception as error:
             if lost_touch(error):
-                raise LaboratoryError(
-                    f"nobody computes any more ({type(error).__name__}); start scheduler and workers again, then the "
-                    "same command goes on"
-                ) from error
+                raise gone(error) from error
             outcome = Outcome(0.0, error=f"{type(error).__name__}: {error}", traceback=traceback.format_exc())
         self.tally.left[kind] -= 1
         if outcome.error:

@@ -28,10 +28,18 @@ class Estimate:
     def __str__(self) -> str:
         if self.share:
             return f"{self.mean:.0%} [{self.low:.0%}, {self.high:.0%}]"
+        if self.n == 0:
+            return "-"
+        if self.mean == np.inf and not np.isfinite(self.low):
+            return "not in half of the runs"
         size = next((abs(value) for value in (self.mean, self.low, self.high) if np.isfinite(value)), 0.0)
         tiny = 0 < size < 0.1
         digits = 2 - (int(np.floor(np.log10(size))) if tiny else sum(size >= limit for limit in (10, 1000)))
         low, high = _number(self.low, digits), _number(self.high, digits)
+        if self.low == -np.inf and self.high == np.inf:
+            return f"{_number(self.mean, digits)} [too few runs for an interval]"
+        if self.mean == np.inf:
+            return f"not in half of the runs [{low}, {high}]"
         return f"{_number(self.mean, digits)} [{low}, {high}]"
 
 

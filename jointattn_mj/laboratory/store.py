@@ -6,7 +6,6 @@
 Several runs may use one folder at once: they can only write the same file twice.
 """
 
-import fcntl
 import hashlib
 import json
 import math
@@ -22,9 +21,12 @@ from typing import Any
 from jointattn_mj.errors import CellError, OutputError
 from jointattn_mj.laboratory.claim import Cell, Cells, Claim, Setting
 from jointattn_mj.recording.files import write_whole
+from jointattn_mj.recording.lock import locked
 from jointattn_mj.recording.provenance import plain
 
 END = b"\n}\n"
+UNREADABLE = (OSError, ValueError, KeyError, TypeError, RecursionError)
+"""What reading a file can end in that is damaged, or something else under its name."""
 ABANDONED_S = 3600.0
 """A temporary file as old as this was left by a process that was killed."""
 
@@ -132,7 +134,7 @@ class Store:
             except OSError as error:
                 raise OutputError(f"cannot make the folder {folder}: {error.strerror}; choose another --out") from error
             for path in folder.glob(".*"):
-                with suppress(FileNotFoundError):  # another run has just put it in place
+                with suppress(OSError):  # another run has just put it in place, or it may only be read
                     if time.time() - path.stat().st_mtime > ABANDONED_S:
                         path.unlink()
 
@@ -141,15 +143,10 @@ class Store:
         """While the block runs: how many other runs use the folder that began before this one, or a number that one of
         them has left free. It is given up by a killed process too; 0 where the file system knows no locks."""
         place = 0
-        with ExitStack() as files:
+        with ExitStack() as locks:
             with suppress(OSError):
-                while True:
-                    file = files.enter_context((self.folder / f".run{place}.lock").open("w"))
-                    try:
-                        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                        break
-                    except BlockingIOError:
-                        place += 1
+                while not locks.enter_context(locked(self.folder / f".run{place}.lock")):
+                    place += 1
             yield place
 
     def path(self, task: Task) -> Path:
@@ -175,7 +172,8 @@ class Store:
         lines[4:4] = [f'"config": {text_of(task.setting.config)}', f'"result": {result}']
         text = "{\n" + ",\n".join(lines) + END.decode()
         write_whole(self.path(task), lambda path: path.write_text(text))
-        self._failure(task).unlink(missing_ok=True)
+        with suppress(OSError):
+            self._failure(task).unlink(missing_ok=True)
 
     def write_failure(self, task: Task, error: str, traceback: str, alone: str) -> None:
         """Note why a cell failed and the command that runs it alone.
@@ -190,8 +188,8 @@ class Store:
         write_whole(self._failure(task), lambda path: path.write_text(json.dumps(facts, indent=1) + "\n"))
 
     def failures(self, claim: str) -> list[dict[str, Any]]:
-        """Failed cells, by setting and seed."""
-        found = [json.loads(Path(entry).read_text()) for entry in _files(self._failed(claim))]
+        """Failed cells, by setting and seed; of a note that is damaged no more is known than its file."""
+        found = [_failure(Path(entry)) for entry in _files(self._failed(claim))]
         return sorted(found, key=lambda failure: (failure["setting"], failure["seed"]))
 
     def read(self, claim: Claim) -> Stored:
@@ -203,9 +201,10 @@ class Store:
             try:
                 stored = json.loads(Path(entry).read_bytes())
                 config, seed, result = text_of(stored["config"]), stored["seed"], stored["result"]
+                made_with = {**stored.get("versions", {}), "python": stored.get("python", "unknown")}
                 if key_of(claim.id, stored["version"], config, seed) != Path(entry.name).stem:
                     raise ValueError("not the cell that its name says")
-            except (ValueError, KeyError, TypeError):
+            except UNREADABLE:
                 damaged.append(Path(entry))
                 continue
             names = keys.settings.get(config, []) if stored["version"] == claim.version else []
@@ -213,8 +212,7 @@ class Store:
             for name in names:
                 cells[name].append(Cell(name, seed, result))
             if names:
-                made_with = {**stored.get("versions", {}), "python": stored.get("python", "unknown")}
-                versions.add(tuple(made_with.items()))
+                versions.add(tuple((package, str(number)) for package, number in made_with.items()))
         found = {name: sorted(part, key=lambda cell: cell.seed) for name, part in cells.items() if part}
         return Stored(found, tuple(dict(one) for one in sorted(versions)), others, tuple(sorted(damaged)))
 
@@ -228,13 +226,27 @@ class Store:
         return self._failed(task.claim.id) / f"{task.key}.json"
 
 
+def _failure(path: Path) -> dict[str, Any]:
+    try:
+        noted = json.loads(path.read_bytes())
+        return {**noted, "setting": str(noted["setting"]), "seed": int(noted["seed"])}
+    except UNREADABLE:
+        return {"setting": "unknown", "seed": -1, "error": f"its note {path.name} cannot be read", "damaged": path}
+
+
 def _files(folder: Path) -> list[os.DirEntry[str]]:
-    """Files that are there whole: no temporary ones; nothing where there is no folder."""
+    """Files that are there whole: no temporary ones; nothing where there is no folder.
+
+    Raises:
+        OutputError: There is something else, or it may not be read.
+    """
     try:
         with os.scandir(folder) as entries:
             return [entry for entry in entries if entry.name.endswith(".json") and not entry.name.startswith(".")]
     except FileNotFoundError:
         return []
+    except OSError as error:
+        raise OutputError(f"{folder} is no folder of results that can be read: {error.strerror}") from error
 
 
 def _is_whole(path: Path | os.DirEntry[str]) -> bool:

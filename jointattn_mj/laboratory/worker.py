@@ -61,8 +61,10 @@ def compute(packed: bytes, seed: int) -> Outcome:
 
 
 def start() -> None:
-    """Begin a worker process of this machine: Ctrl-C is the main process's, and without that one it ends."""
+    """Begin a worker process of this machine: Ctrl-C and the end of the terminal are the main process's, and without
+    that one it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     parent = os.getppid()
 

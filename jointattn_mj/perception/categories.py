@@ -6,29 +6,25 @@ than to the next: by the mean silhouette (Rousseeuw, 1987). So how many categori
 """
 
 from dataclasses import dataclass
+from typing import Annotated, Literal
 
 import numpy as np
 from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.spatial.distance import pdist, squareform
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Whole
 from jointattn_mj.perception.som import SOM
 
 
 @dataclass(frozen=True)
-class GroupingConfig:
+class GroupingConfig(Checked):
     """How cells become categories."""
 
-    most: int = 12
+    most: Annotated[int, Whole("[2, 120]")] = 12
     """Categories that are looked for at most; a table with 9 places needs 10."""
-    linkage: str = "average"
+    linkage: Literal["average", "complete", "single", "ward"] = "average"
     """Distance of two groups of cells: ``average``, ``complete``, ``single`` or ``ward`` of those of their patterns."""
-
-    def __post_init__(self) -> None:
-        if self.linkage not in ("average", "complete", "single", "ward"):
-            raise ConfigError(f"linkage must be average, complete, single or ward; got {self.linkage!r}")
-        if self.most < 2:
-            raise ConfigError(f"grouping needs a most of 2 categories or more; got {self.most}")
 
 
 class FaceCategories:

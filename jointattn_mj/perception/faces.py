@@ -13,66 +13,79 @@ where the robot expects the face is taken for a pose not seen before; else no fa
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple, Protocol
+from typing import Annotated, Any, NamedTuple, Protocol
 
 import cv2
 import numpy as np
 
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Real, Share, Whole
 from jointattn_mj.perception.views import MOST_PX, ViewBank, crop
 from jointattn_mj.restored import check_array
 
 PATCH_SIDE = 32  # "a 32x32 pixel face-like region is extracted", section 6.4.1
 PATCH_MARGIN = 4  # pixels around it that its blur reads
 
+Fit = Annotated[float, Real("[-1, 2]")]
+"""A normalised cross-correlation; above 1 there is none."""
+
 
 @dataclass(frozen=True)
-class FaceDetectorConfig:
+class FaceDetectorConfig(Checked):
     """Options of the face detector. Section 6.4.1 fixes template matching and the 32x32 patch; the rest is open."""
 
-    side_px: int = 32
+    side_px: Annotated[int, Whole("[8, 240]")] = 32
     """Side of template and patch in the picture. A head at the caregiver's distance is 27 wide and 41 high."""
-    search_radius_px: int = 4
+    search_radius_px: Annotated[int, Whole("[0, 120]")] = 4
     """How far from the expected place a face is looked for: the robot knows its head's angles to a pixel or two."""
-    distance_penalty: float = 0.002
+    distance_penalty: Annotated[float, Real("[0, 100]")] = 0.002
     """What a squared pixel from the expected place costs in fit, when places and views are compared: .03 at the edge.
     Keeps a pose not seen before from being taken for another view a few pixels off."""
-    max_views: int = 48
+    max_views: Annotated[int, Whole("[2, 1000]")] = 48
     """Views kept. Spread over yaw +-45 and pitch -5..45 deg that is one for every 10 deg or so."""
-    forget_after: int = 20_000
+    forget_after: Annotated[int, Whole("[0, 1e9]")] = 20_000
     """Pictures for which a view fits best in none before a new one may take its place: eleven minutes of looking."""
-    search_all_below: float = 0.80
+    search_all_below: Fit = 0.80
     """Fit of the last view and its neighbours below which every view is tried in the whole window."""
-    add_view_below: float = 0.82
+    add_view_below: Fit = 0.82
     """Fit below which the present look is kept as a new view, if the place is plausible. From here down to
     ``redetect_below`` the answer passes over from the fitted place to the expected one."""
-    place_gain: float = 0.05
+    place_gain: Share = 0.05
     """Share by which the detector's own memory of the face's place follows what it sees, where none is given to it."""
-    add_view_every: int = 3
+    add_view_every: Annotated[int, Whole("[0, 1e6]")] = 3
     """Pictures in a row with a face before a view may be added, and between two additions: 6 deg of a 60 deg/s turn."""
-    contrast_ratio: float = 0.4
+    contrast_ratio: Annotated[float, Real("[0, 100]")] = 0.4
     """Share of the first view's contrast that a face has at least: keeps stains on the wall out."""
-    redetect_below: float = 0.65
+    redetect_below: Fit = 0.65
     """Fit below which the tracked place is given up and the whole picture searched."""
-    elsewhere_above: float = 0.82
+    elsewhere_above: Fit = 0.82
     """Fit that a place other than the expected one needs; ``redetect_below`` is enough if the cascade sees a face
     there. Clutter of a face's contrast reached .75 in the rendered room, with the bank full of views."""
-    confirm_above: float = 0.40
+    confirm_above: Fit = 0.40
     """A fit this good where the robot expects the face is the face in an unknown pose, if none elsewhere is good."""
-    redetect_every: int = 5
+    redetect_every: Annotated[int, Whole("[1, 1e6]")] = 5
     """Pictures from one search to the next while that is so."""
-    redetect_views: int = 6
+    redetect_views: Annotated[int, Whole("[1, 1000]")] = 6
     """Views tried over the whole picture, at half resolution: the first and those used last."""
-    haar_every: int = 15
+    haar_every: Annotated[int, Whole("[1, 1e6]")] = 15
     """Pictures between two tries of the Haar cascade while no face is known or found: it costs several ms."""
-    haar_scale: float = 1.08
+    haar_scale: Annotated[float, Real("[1.01, 10]")] = 1.08
     """Scale step of the cascade."""
-    haar_neighbours: int = 3
+    haar_neighbours: Annotated[int, Whole("[0, 1000]")] = 3
     """Overlapping hits that the cascade asks for."""
-    haar_min_px: int = 24
+    haar_min_px: Annotated[int, Whole("[1, 240]")] = 24
     """Smallest face that the cascade looks for; 24 is the size it was trained with."""
-    patch_blur_px: float = 0.7
+    patch_blur_px: Annotated[float, Real("[0, 32]")] = 0.7
     """Standard deviation of the blur of the patch. Interpolating between pixels blurs by an amount that depends on the
     fraction; a little blur of its own makes the patch nearly the same at every fraction of a pixel."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.redetect_below < self.add_view_below:
+            raise ConfigError(
+                "faces.redetect_below must be less than add_view_below; "
+                f"got {self.redetect_below}, {self.add_view_below}"
+            )
 
 
 class FaceFix(NamedTuple):

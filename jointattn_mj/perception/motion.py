@@ -15,12 +15,12 @@ that passes before it pulls the centroid, but takes pixels on one side without a
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numba import njit
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.flow import BLOCK, region_flow
 from jointattn_mj.perception.objects import Areas, check_areas
 from jointattn_mj.perception.views import MOST_PX
@@ -32,42 +32,35 @@ NOWHERE: Box = (0, 0, 0, 0)
 
 
 @dataclass(frozen=True)
-class MotionConfig:
+class MotionConfig(Checked):
     """Options of motion detection. epsilon_i of eq. 6.3 is "a small positive constant"; all of these are choices.
 
     The thresholds were set on rendered fixations (no camera noise) so that objects faster than .05 m/s and heads faster
     than 4 deg/s are told from slower ones. THESIS.md's own were .20 and .12 px, with a one-way parabola.
     """
 
-    frames_back: int = 2
+    frames_back: Annotated[int, Whole("[1, 300]")] = 2
     """A head turning at 60 deg/s shifts .6 px a frame: over two frames it stands out, over more it comes late."""
-    face_px: float = 0.045
+    face_px: Annotated[float, Real("[0, 1000]")] = 0.045
     """epsilon of the face (eq. 6.3), pixels in ``frames_back`` frames, of the mean flow: about 4 deg/s of head turn."""
-    object_px: float = 0.25
+    object_px: Annotated[float, Real("[0, 1000]")] = 0.25
     """epsilon of an object (eq. 6.3), pixels in ``frames_back`` frames, of centroid and of mean block flow alike."""
-    stay_ratio: float = 1.0
+    stay_ratio: Annotated[float, Real("[0, 100]")] = 1.0
     """A flag that is on stays on above this share of its threshold; less than 1 bridges noise."""
-    linger_frames: int = 0
+    linger_frames: Annotated[int, Whole("[0, 1e6]")] = 0
     """And so many frames longer. With clean pictures the two frames back already delay the end by one."""
-    texture: float = 4.0
+    texture: Annotated[float, Real("[0, 1e6]")] = 4.0
     """Mean squared grey difference that one pixel's shift makes in a block, below which an axis has no flow."""
-    face_inset_px: int = 4
+    face_inset_px: Annotated[int, Whole("[0, 120]")] = 4
     """Rim of the face's box left out: hair's edge and what moves behind the head. 24x24 of 32x32 pixels stay."""
-    step_px: int = 4
+    step_px: Annotated[int, Whole("[1, 240]")] = 4
     """Distance of blocks: half overlapping, for an object is only two blocks wide."""
-    object_margin_px: int = 2
+    object_margin_px: Annotated[int, Whole("[0, 240]")] = 2
     """Rim around an object's box, so that its outline lies inside blocks."""
-    reach_px: int = 6
+    reach_px: Annotated[int, Whole("[1, 240]")] = 6
     """How far a block descends from where it starts: nought for the face, the centroid's shift for an object."""
-    refit_ratio: float = 0.7
+    refit_ratio: Annotated[float, Real("[0, 100]")] = 0.7
     """From one pixel of centroid shift on, the share of changed pixels that may be left after shifting the old mask."""
-
-    def __post_init__(self) -> None:
-        if self.frames_back < 1 or self.step_px < 1 or self.reach_px < 1:
-            raise ConfigError(
-                "motion: expected frames_back, step_px and reach_px of 1 or more, came "
-                f"{self.frames_back}, {self.step_px}, {self.reach_px}"
-            )
 
 
 @dataclass

@@ -11,13 +11,14 @@ resolution, so a few stray pixels elsewhere (skin, hair, wood) do not bend the c
 
 import colorsys
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import cv2
 import numpy as np
 from numba import njit, uintp
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Real, Share, Whole
 from jointattn_mj.perception.gray import fill_gray
 from jointattn_mj.restored import check_array, check_whole
 
@@ -28,18 +29,18 @@ STRIDE = 4  # the first pass reads every fourth pixel of every fourth row, by tu
 
 
 @dataclass(frozen=True)
-class ColourConfig:
+class ColourConfig(Checked):
     """Options of the colour areas. The dissertation says "the color areas are extracted as object regions" (6.4.1)."""
 
-    hue_tolerance_deg: float = 20.0
+    hue_tolerance_deg: Annotated[float, Real("[4, 180]")] = 20.0
     """Widest hue difference that still counts; half the distance to the next object's hue where that is less."""
-    saturation_ratio: float = 0.72
+    saturation_ratio: Share = 0.72
     """A pixel has at least this share of the nominal saturation: keeps skin, hair and wood out."""
-    value_floor: float = 0.12
+    value_floor: Annotated[float, Real("[0, 0.5]")] = 0.12
     """Darkest pixel (HSV value, 0..1) whose hue is trusted: below it eight-bit channels make hue coarse."""
-    min_area_px: int = 8
+    min_area_px: Annotated[int, Whole("[1, 76800]")] = 8
     """An area with fewer pixels is not an object: it is hidden, or stray pixels."""
-    reach_px: int = 22
+    reach_px: Annotated[int, Whole("[1, 320]")] = 22
     """How far from its cluster's centre an object's pixels can lie: 6 cm at 0.9 m are 18 pixels, 26 over the corner."""
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from jointattn_mj.options import Checked
 from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig, FaceFinder
 from jointattn_mj.perception.gray import fill_gray
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
@@ -47,7 +48,7 @@ def _gather(seen, px, moves, areas_seen, areas_px, objects_move, found, x, y, fa
 
 
 @dataclass(frozen=True)
-class PixelConfig:
+class PixelConfig(Checked):
     """Options of the pixel path, part by part."""
 
     faces: FaceDetectorConfig = field(default_factory=FaceDetectorConfig)

@@ -10,45 +10,37 @@ taken as it is.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Count, Real, Whole
 
 PICTURE_DIMENSION = 4  # inputs with at least so many numbers are patterns, and are standardised
 
 
 @dataclass(frozen=True)
-class SOMConfig:
+class SOMConfig(Checked):
     """Options of the map. Section 6.4.1 fixes 9x9 cells, 32x32 grey patterns, and three minutes of learning."""
 
-    rows: int = 9
+    rows: Annotated[int, Whole("[1, 64]")] = 9
     """Cells on one side of the sheet, section 6.4.1."""
-    columns: int = 9
+    columns: Annotated[int, Whole("[1, 64]")] = 9
     """Cells on the other."""
-    updates: int = 1800
+    updates: Count = 1800
     """Patterns over which the schedules run: three minutes (section 6.4.1) at ten looks a second."""
-    sigma_start: float = 4.0
+    sigma_start: Annotated[float, Real("[0.01, 1000]")] = 4.0
     """Standard deviation of the Gaussian neighbourhood at first, in cells: nearly half the sheet."""
-    sigma_end: float = 0.7
+    sigma_end: Annotated[float, Real("[0.01, 1000]")] = 0.7
     """The same at the end: neighbours still share a third of what a cell learns, so that the sheet stays smooth."""
-    rate_start: float = 0.5
+    rate_start: Annotated[float, Real("(0, 1]")] = 0.5
     """Share of the difference that the best cell takes over, at first."""
-    rate_end: float = 0.05
+    rate_end: Annotated[float, Real("(0, 1]")] = 0.05
     """The same at the end; both schedules are exponential."""
-    softness: float = 0.3
+    softness: Annotated[float, Real("[1e-6, 1e6]")] = 0.3
     """Width of the activations in units of the map's own: the mean squared distance between neighbouring cells. The
     dissertation says "activations ... based on the similarity"; small is winner-takes-all, large is flat."""
-
-    def __post_init__(self) -> None:
-        positive = (self.sigma_start, self.sigma_end, self.rate_start, self.rate_end, self.softness)
-        counts = (self.rows, self.columns, self.updates)
-        if min(positive) <= 0 or max(self.rate_start, self.rate_end) > 1 or min(counts) < 1:
-            raise ConfigError(
-                "som: expected positive sizes, widths and softness, and rates of 1 or less, came "
-                f"{self.rows}x{self.columns}, updates {self.updates}, sigma {self.sigma_start}..{self.sigma_end}, "
-                f"rate {self.rate_start}..{self.rate_end}, softness {self.softness}"
-            )
 
 
 def standardised(x: np.ndarray) -> np.ndarray:

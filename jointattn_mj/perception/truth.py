@@ -7,49 +7,43 @@ make (``experiments/perception``).
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Real, Share, Spread
 from jointattn_mj.perception.percept import Percept
 from jointattn_mj.scene.camera import in_picture, pixels_of_points
 from jointattn_mj.scene.world import World
 
 
 @dataclass(frozen=True)
-class TruthConfig:
+class TruthConfig(Checked):
     """Noise, misses and false alarms; defaults are the pixel path's, measured in closed loop over six caregivers by
     ``python -m experiments.perception.measure``."""
 
-    face_noise_px: float = 0.55
+    face_noise_px: Annotated[float, Real("[0, 1000]")] = 0.55
     """Standard deviation of the face's place, each axis."""
-    face_miss: float = 0.0
+    face_miss: Share = 0.0
     """Chance that a visible face is not found."""
-    object_noise_px: float = 0.25
+    object_noise_px: Annotated[float, Real("[0, 1000]")] = 0.25
     """Standard deviation of an object's place, each axis."""
-    object_miss: float = 0.0005
+    object_miss: Share = 0.0005
     """Chance that a visible object is not found."""
-    pattern_noise_deg: float = 1.03
+    pattern_noise_deg: Spread = 1.03
     """Standard deviation of head yaw and pitch in the face pattern: how well the SOM can tell faces apart."""
-    face_moves_above_deg_s: float = 4.0
+    face_moves_above_deg_s: Annotated[float, Real("[0, 1e6]")] = 4.0
     """Head speed that counts as motion."""
-    object_moves_above_m_s: float = 0.05
+    object_moves_above_m_s: Annotated[float, Real("[0, 1e6]")] = 0.05
     """Object speed that counts as motion."""
-    face_motion_hit: float = 0.977
+    face_motion_hit: Share = 0.977
     """Chance that a turning face is seen to move."""
-    face_motion_false_alarm: float = 0.025
+    face_motion_false_alarm: Share = 0.025
     """Chance that a still face is seen to move."""
-    object_motion_hit: float = 0.983
+    object_motion_hit: Share = 0.983
     """Chance that a moving object is seen to move."""
-    object_motion_false_alarm: float = 0.012
+    object_motion_false_alarm: Share = 0.012
     """Chance that a still object is seen to move."""
-
-    def __post_init__(self) -> None:
-        chances = [name for name in vars(self) if name.endswith(("miss", "hit", "false_alarm"))]
-        for name, value in vars(self).items():
-            if not 0 <= value <= (1 if name in chances else float("inf")):
-                kind = "a chance from 0 to 1" if name in chances else "0 or more"
-                raise ConfigError(f"truth.{name} must be {kind}; got {value}")
 
 
 class TruthPerception:

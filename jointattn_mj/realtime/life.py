@@ -7,7 +7,7 @@ chooses where to look and what gesture to make, and the head turns there. The ca
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from jointattn_mj.contingency.detector import NOTHING
 from jointattn_mj.contingency.reactive import ReactiveModule
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze import HeadShift
+from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.categories import GroupingConfig
 from jointattn_mj.perception.motion import MotionConfig
 from jointattn_mj.perception.percept import Perceiver, Percept
@@ -43,7 +44,7 @@ AT_TEN_A_SECOND = MotionConfig(frames_back=1, face_px=0.0675, object_px=0.375)
 
 
 @dataclass(frozen=True)
-class RealtimeConfig:
+class RealtimeConfig(Checked):
     """What lies between the caregiver's life and the mind's steps."""
 
     world: WorldConfig = field(default_factory=lambda: WorldConfig(behaviour=PACE))
@@ -66,28 +67,19 @@ class RealtimeConfig:
     six categories are chance, and a table of more than four places needs more minutes and more categories."""
     truth: TruthConfig = field(default_factory=TruthConfig)
     """What stands for pictures with ``perception truth``."""
-    looks_every: int = 3
+    looks_every: Annotated[int, Whole("[1, 10000]")] = 3
     """Frames from one picture to the next while the head is still: ten pictures a second."""
-    shift_frames: int = 6
+    shift_frames: Annotated[int, Whole("[1, 10000]")] = 6
     """Frames over which the head's reference moves in a gaze shift. Chapter 6 takes a second; a mind that has an hour
     needs steps."""
-    longest_s: float = 5.0
+    longest_s: Annotated[float, Real("(0, 1e6]")] = 5.0
     """A fixation that nothing ends lasts so long."""
-    familiarise_minutes: float = 3.0
+    familiarise_minutes: Annotated[float, Real("(0, 1e6]")] = 3.0
     """Minutes of looking at the caregiver's face before all else (section 6.4.1); she greets the robot first."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         variation_of(self.variation)
-        if self.perception not in ("pixels", "truth"):
-            raise ConfigError(f"perception must be pixels or truth; got {self.perception!r}")
-        if self.looks_every < 1 or self.shift_frames < 1:
-            raise ConfigError(
-                f"looks_every and shift_frames start at 1 frame; got {self.looks_every}, {self.shift_frames}"
-            )
-        if not (self.longest_s > 0 and self.familiarise_minutes > 0):
-            raise ConfigError(
-                f"longest_s and familiarise_minutes must be above 0; got {self.longest_s}, {self.familiarise_minutes}"
-            )
 
 
 class RealtimeLife(SeeingLife):

@@ -7,12 +7,13 @@ told to her by ``watch`` and not measured in pictures.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from dm_control.mujoco import Physics
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Real, Seconds, Share, Whole
 from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer, Phase, Plan
 from jointattn_mj.scene.dressing import Conditions
 from jointattn_mj.scene.layout import LayoutConfig
@@ -31,49 +32,45 @@ heads by 30 degrees in a third of a second."""
 
 
 @dataclass(frozen=True)
-class PartnerConfig:
+class PartnerConfig(Checked):
     """What turns leave open: how long everything takes her; how likely it is is said by ``TableConfig.caregiver``.
 
     All times are ranges in seconds, from which each is drawn evenly.
     """
 
-    latency_s: tuple[float, float] = (0.3, 0.6)
+    latency_s: tuple[Seconds, Seconds] = (0.3, 0.6)
     """From what the robot does to the beginning of her answer. An answer that comes when the robot has gone on twice is
     an answer to nothing: with up to 1 s the event of looking back was not to be seen in four hours (from the state)."""
-    hold_s: tuple[float, float] = (3.0, 5.0)
+    hold_s: tuple[Seconds, Seconds] = (3.0, 5.0)
     """How long she looks at an object before she does anything else of her own accord: some five of the robot's
     fixations, of which it needs two to see where she looks and to look there too."""
-    glance_s: tuple[float, float] = (0.4, 0.8)
+    glance_s: tuple[Seconds, Seconds] = (0.4, 0.8)
     """How long she looks up at the robot in IJA."""
-    wait_s: tuple[float, float] = (1.2, 2.2)
+    wait_s: tuple[Seconds, Seconds] = (1.2, 2.2)
     """How long she looks at the robot after both have looked at the same object: until it looks back, if it does."""
-    eye_contact_s: tuple[float, float] = (0.5, 1.5)
+    eye_contact_s: tuple[Seconds, Seconds] = (0.5, 1.5)
     """How much longer she looks at the robot if it looks at her; then she looks at an object again."""
-    carries: float = 0.5
+    carries: Share = 0.5
     """How likely she carries the object that she has looked at to another place, rather than turn to the next one.
     Where nothing is moved, one arrangement of objects lasts so long that maps are made of it; where they are moved all
     the time, they are in her hand: with 0.15 the maps of gaze following led elsewhere in 4 of 11 lives, with 1 it was
     found in 1 of 10 lives of 50 minutes (from the state, seeds 0 to 30)."""
-    jitter_m: float = 0.02
+    jitter_m: Annotated[float, Real("[0, 0.1]")] = 0.02
     """Objects lie up to so far beside their place, either way; a third of their size, as a hand puts them."""
-    greets: int = 10
+    greets: Annotated[int, Whole("[1, 10000]")] = 10
     """For so many seconds she looks at the robot when she greets it, in each a little otherwise: so it learns what
     frontal is."""
-    head_jitter_deg: float = 2.0
+    head_jitter_deg: Annotated[float, Real("[0, 15]")] = 2.0
     """Standard deviation, yaw and pitch, of where her head comes to rest; her eyes make up for it. As in turns: heads
     turn most of the way to what is looked at, but never the same part of it. Without it faces that look at one object
     are all alike, and each place where an object ever lay would be a category of faces."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name in ("latency_s", "hold_s", "glance_s", "wait_s", "eye_contact_s"):
             low, high = getattr(self, name)
-            if not 0 < low <= high:
-                raise ConfigError(f"partner.{name} must be a range of seconds above 0; got {low}, {high}")
-        if self.greets < 1:
-            raise ConfigError(f"partner.greets starts at 1; got {self.greets}")
-        for name, most in (("carries", 1.0), ("jitter_m", 0.1), ("head_jitter_deg", 15.0)):
-            if not 0 <= getattr(self, name) <= most:
-                raise ConfigError(f"partner.{name} must lie in [0, {most}]; got {getattr(self, name)}")
+            if low > high:
+                raise ConfigError(f"partner.{name} must be a shorter and a longer time; got {low}, {high}")
 
 
 class Partner(ObjectTransfer):

@@ -1,10 +1,12 @@
-"""Ctrl-C and SIGTERM, put off until a frame is over: what is saved then is never half of one."""
+"""Ctrl-C, SIGTERM and SIGHUP, put off until a frame is over: what is saved then is never half of one."""
 
 import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
+
+from jointattn_mj.terminal import STOPS
 
 
 class Interrupts:
@@ -26,7 +28,10 @@ def deferred() -> Iterator[Interrupts]:
     if threading.current_thread() is not threading.main_thread():
         yield interrupts
         return
-    kept = {number: signal.signal(number, interrupts) for number in (signal.SIGINT, signal.SIGTERM)}
+    kept = {number: signal.getsignal(number) for number in STOPS}
+    kept = {number: handler for number, handler in kept.items() if handler is not signal.SIG_IGN}  # by nohup, say
+    for number in kept:
+        signal.signal(number, interrupts)
     try:
         yield interrupts
     finally:

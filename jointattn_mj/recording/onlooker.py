@@ -5,13 +5,13 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from dm_control.mujoco import Physics
 from dm_control.mujoco.engine import Camera
 from dm_control.mujoco.wrapper import MjModel, MjvScene
 
 from jointattn_mj.recording.paint import GREEN, PERSON, ROBOT, Colour
 from jointattn_mj.scene.camera import PIVOT
 from jointattn_mj.scene.model import ROBOT_GROUP, TABLE_Z
+from jointattn_mj.scene.rendering import RenderingPhysics
 from jointattn_mj.scene.world import World
 
 HIT_DEG = 4.0
@@ -71,7 +71,7 @@ class Onlooker:
         mujoco.mju_euler2Quat(turn, np.array([-_DOWN, _LEFT, 0.0]), "xyz")
         mujoco.mju_mulQuat(view.quat, quat, turn)
         self._world = world
-        self._physics = Physics.from_model(MjModel(model))
+        self._physics = RenderingPhysics.from_model(MjModel(model))
         self._camera = Camera(self._physics, height, width, "third_person", scene_callback=self._add_sights)
         self._camera.option.geomgroup[ROBOT_GROUP] = 1
         self.together = False
@@ -89,7 +89,7 @@ class Onlooker:
         """Free model, data and rendering context."""
         self._physics.free()
 
-    def _add_sights(self, physics: Physics, scene: MjvScene) -> None:
+    def _add_sights(self, physics: RenderingPhysics, scene: MjvScene) -> None:
         robot, person = sights(self._world)
         objects = range(len(self._world.caregiver.objects))
         self.together = robot.hit in objects and robot.hit == person.hit

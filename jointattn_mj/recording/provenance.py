@@ -1,6 +1,7 @@
 """What made a result: the resolved config, the seed, the versions and the machine, as YAML beside it."""
 
 import platform
+from contextlib import suppress
 from dataclasses import asdict, is_dataclass
 from enum import Enum
 from importlib import metadata
@@ -34,8 +35,12 @@ def plain(value: Any) -> Any:
 
 
 def versions() -> dict[str, str]:
-    """Versions of this package and of those that shape its results."""
-    return {"jointattn_mj": __version__, **{name: metadata.version(name) for name in PACKAGES}}
+    """Versions of this package and of those that shape its results, as far as they are installed."""
+    installed = {"jointattn_mj": __version__}
+    for name in PACKAGES:
+        with suppress(metadata.PackageNotFoundError):  # torch is optional; OpenCV goes by four names
+            installed[name] = metadata.version(name)
+    return installed
 
 
 def write_config(path: Path, config: Any) -> None:

@@ -15,6 +15,8 @@ from jointattn_mj.errors import VideoError
 
 QUALITY = 26
 """x264's constant rate factor; less is better and bigger. 24 adds a sixth to the size, 28 takes a seventh off."""
+FRAGMENTED = ("-movflags", "frag_keyframe+empty_moov+default_base_moof")
+"""ffmpeg's arguments for an mp4 that plays even when it was cut short."""
 INSTALL = "Install ffmpeg (`apt-get install ffmpeg`, or `pip install imageio-ffmpeg`), or run without the video."
 
 
@@ -26,10 +28,8 @@ class Reel:
 
     def __init__(self, path: Path, height: int, width: int, rate: float):
         """``rate``: pictures a second."""
-        arguments = (
-            f"-preset veryfast -g {max(1, round(rate))} -movflags frag_keyframe+empty_moov+default_base_moof "
-            "-flush_packets 1"
-        )
+        arguments = f"-preset veryfast -g {max(1, round(rate))} {' '.join(FRAGMENTED)} -flush_packets 1"
+        path = path.absolute()  # ffmpeg takes what stands before a colon in a bare name as a protocol
         self._writer = mediapy.VideoWriter(path, (height, width), fps=rate, crf=QUALITY, ffmpeg_args=arguments)
 
     def __enter__(self) -> "Reel":

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -15,19 +16,25 @@ def result_paths(out: Path, name: str) -> tuple[Path, Path]:
     """The CSV and the JSON file that ``out`` means: without a suffix, or with one of theirs; in a folder, ``name``.
 
     Raises:
-        OutputError: One of them is there already, or their folder cannot be made.
+        OutputError: One of them is there already, or their folder cannot be made or written to.
     """
-    if out.is_dir():
-        out = out / name
-    stem = out.with_suffix("") if out.suffix in (".csv", ".json") else out
-    paths = stem.with_name(f"{stem.name}.csv"), stem.with_name(f"{stem.name}.json")
-    for path in paths:
-        if path.exists():
-            raise OutputError(f"{path} is there already; choose another --out")
+    try:
+        if out.is_dir():
+            out = out / name
+        stem = out.with_suffix("") if out.suffix in (".csv", ".json") else out
+        paths = stem.with_name(f"{stem.name}.csv"), stem.with_name(f"{stem.name}.json")
+        there = [path for path in paths if path.exists()]
+    except (OSError, ValueError) as error:  # a name that is too long, empty, or has a NUL in it
+        trouble = getattr(error, "strerror", None) or error
+        raise OutputError(f"cannot write {str(out)[:100]!r}: {trouble}; choose another --out") from error
+    if there:
+        raise OutputError(f"{there[0]} is there already; choose another --out")
     try:
         stem.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"cannot make the folder {stem.parent}: {error.strerror}; choose another --out") from error
+    if not os.access(stem.parent, os.W_OK):
+        raise OutputError(f"nothing can be written to {stem.parent}; choose another --out")
     return paths
 
 
@@ -46,9 +53,9 @@ def write_results(paths: tuple[Path, Path], rows: Sequence[dict[str, Any]], conf
             writer.writeheader()
             writer.writerows(rows)
 
-    write_whole(table, write_rows)
     text = json.dumps(without_nan(contents), indent=1) + "\n"
-    write_whole(document, lambda path: path.write_text(text))
+    write_whole(document, lambda path: path.write_text(text))  # first: it has everything, and is the larger one
+    write_whole(table, write_rows)
 
 
 def number(value: float) -> str:

@@ -6,6 +6,8 @@ process wrote after its last checkpoint is cut off when that is gone on from. Th
 was stopped.
 """
 
+import json
+import os
 import re
 import shutil
 import zlib
@@ -32,6 +34,23 @@ def log_folder(out: Path) -> Path:
 def forget_log(out: Path) -> None:
     """Delete the rows of a run whose results are complete."""
     shutil.rmtree(log_folder(out), ignore_errors=True)
+
+
+def summary_of_ended(out: Path) -> dict[str, Any] | None:
+    """What a run in ``out`` has left if its results are complete; its log, where a kill has spared it, goes.
+
+    Raises:
+        CheckpointError: The summary cannot be read.
+    """
+    path = out / "summary.json"
+    try:
+        summary: dict[str, Any] = json.loads(path.read_text("utf-8"))
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError) as error:
+        raise CheckpointError(f"this run has ended, and {path} cannot be read ({error}); begin it anew") from error
+    forget_log(out)
+    return summary
 
 
 def spans(total: int, rows: int) -> Iterator[tuple[int, int]]:
@@ -138,13 +157,11 @@ class RowStore:
         if full:
             self._stored = 0
         self._verify(path)
-        try:
-            folder.mkdir(exist_ok=True)
-            path.touch()
-            with path.open("r+b") as file:
-                file.truncate(self._stored * self._row_bytes)
-        except OSError as error:
-            raise _cannot_write(path, error) from error
+        if self._stored:
+            try:
+                os.truncate(path, self._stored * self._row_bytes)
+            except OSError as error:
+                raise _cannot_write(path, error) from error
         self._path = path
         for buffer in full:
             self._write(buffer)
@@ -177,10 +194,12 @@ class RowStore:
         self._filled = 0
 
     def _write(self, rows: np.ndarray) -> None:
-        """Put rows behind the others in the file; what a failed attempt has left there is overwritten."""
+        """Put rows behind the others in the file, which is made for the first ones; what a failed attempt or another
+        run has left there is overwritten."""
         assert self._path is not None
         try:
-            with self._path.open("r+b") as file:
+            self._path.parent.mkdir(exist_ok=True)
+            with self._path.open("r+b" if self._stored else "wb") as file:
                 file.seek(self._stored * self._row_bytes)
                 file.write(rows.data)
         except OSError as error:

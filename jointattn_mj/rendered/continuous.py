@@ -13,8 +13,8 @@ import numpy as np
 
 from jointattn_mj.contingency.modules import Module
 from jointattn_mj.contingency.reactive import ReactiveModule
-from jointattn_mj.errors import ConfigError
 from jointattn_mj.learning import Learner, LearnerConfig, make_learner
+from jointattn_mj.options import Checked, Count
 from jointattn_mj.rendered.life import RenderedConfig, RenderedLife
 from jointattn_mj.rendered.senses import ABRUPT, Gazed, SensesConfig
 from jointattn_mj.rendered.stage import StageConfig
@@ -27,17 +27,13 @@ FORWARD, BACKWARD = "face to object", "object to face"
 
 
 @dataclass(frozen=True)
-class ContinuousConfig:
+class ContinuousConfig(Checked):
     """How a module gets a map of its own."""
 
     learner: LearnerConfig = field(default_factory=LearnerConfig)
     """As in chapter 6, on the same activations of the map of faces."""
-    enough: int = 50
+    enough: Count = 50
     """Pairs that a map must have learned from before it replaces the table; never, if this is more than come."""
-
-    def __post_init__(self) -> None:
-        if self.enough < 1:
-            raise ConfigError(f"enough starts at 1 pair; got {self.enough}")
 
 
 SCATTERED = RenderedConfig(

@@ -6,7 +6,7 @@ of chapter 5 develops with the values that were found.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from jointattn_mj.contingency.resolution import (
     transitions,
 )
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.pixels import PixelPerception
 from jointattn_mj.perception.som import SOM
 from jointattn_mj.rendered.seeing import confusion, faces_looked_at
@@ -36,7 +37,7 @@ from jointattn_mj.symbolic.table import CAREGIVER, OPTION, TableConfig, table_va
 
 
 @dataclass(frozen=True)
-class GrowingConfig:
+class GrowingConfig(Checked):
     """A robot that does not know how many places there are."""
 
     stage: StageConfig = field(default_factory=StageConfig)
@@ -46,22 +47,14 @@ class GrowingConfig:
     are known."""
     resolution: ResolutionConfig = field(default_factory=ResolutionConfig)
     """When values split."""
-    greeting: int = 15
+    greeting: Annotated[int, Whole("[1, 1e6]")] = 15
     """Looks at the caregiver's face before all else, while she looks at the robot: so it learns what frontal is."""
-    watching: int = 600
+    watching: Annotated[int, Whole("[1, 1e6]")] = 600
     """Turns in which it only watches: from her faces it makes its map, and it sees where objects are."""
-    face_share: float = 0.5
+    face_share: Annotated[float, Real("(0, 1)")] = 0.5
     """How often it looks at her face while it watches and babbles; else in a direction at random."""
-    margin: float = 0.02
+    margin: Annotated[float, Real("[0, 0.5)")] = 0.02
     """Share of the directions of seen objects that is left out at each end of an axis: some are wrong."""
-
-    def __post_init__(self) -> None:
-        if self.greeting < 1 or self.watching < 1:
-            raise ConfigError(f"greeting and watching start at 1; got {self.greeting}, {self.watching}")
-        if not (0 < self.face_share < 1 and 0 <= self.margin < 0.5):
-            raise ConfigError(
-                f"face_share lies between 0 and 1, margin in [0, 0.5); got {self.face_share}, {self.margin}"
-            )
 
 
 class Sensed(NamedTuple):

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numba import njit
@@ -10,6 +10,7 @@ from numba import njit
 from jointattn_mj.contingency.detector import NOTHING
 from jointattn_mj.contingency.reactive import ReactiveModule
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Whole
 from jointattn_mj.perception.pixels import PixelPerception
 from jointattn_mj.rendered.seeing import SeeingLife
 from jointattn_mj.rendered.senses import NOTHING_LOOKED_AT, Gazed, Senses, SensesConfig, gazed
@@ -24,22 +25,18 @@ MOST_LOOKS = 1000
 
 
 @dataclass(frozen=True)
-class RenderedConfig:
+class RenderedConfig(Checked):
     """What lies between the symbolic table and the mind."""
 
     stage: StageConfig = field(default_factory=StageConfig)
     """Bodies."""
     senses: SensesConfig = field(default_factory=SensesConfig)
     """From pictures to sensations."""
-    greeting: int = 30
+    greeting: Annotated[int, Whole("[1, 1e6]")] = 30
     """Looks at the caregiver's face before all else, while she looks at the robot: so it learns what frontal is."""
-    watching: int = 1000
+    watching: Annotated[int, Whole("[1, 1e6]")] = 1000
     """Turns of moving at random, after which the robot makes categories of the faces it has seen; then it begins to
     count. A quarter of these turns show the face: 250 patterns, in which none of twelve seeds lacked a category."""
-
-    def __post_init__(self) -> None:
-        if self.greeting < 1 or self.watching < 1:
-            raise ConfigError(f"greeting and watching start at 1; got {self.greeting}, {self.watching}")
 
 
 class RenderedLife(SeeingLife):

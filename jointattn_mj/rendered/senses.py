@@ -7,14 +7,14 @@ profile. Each part can be replaced by the truth, to see what its errors cost.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from numba import njit
 
 from jointattn_mj.contingency.events import Variable, Variables
-from jointattn_mj.errors import ConfigError
 from jointattn_mj.finite import check_finite
+from jointattn_mj.options import Checked, Real
 from jointattn_mj.perception.categories import FaceCategories, GroupingConfig
 from jointattn_mj.perception.faces import FaceDetectorConfig
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
@@ -32,7 +32,7 @@ threshold three of twenty robots never found one."""
 
 
 @dataclass(frozen=True)
-class SensesConfig:
+class SensesConfig(Checked):
     """How pictures become values of variables."""
 
     pixels: PixelConfig = field(default_factory=PixelConfig)
@@ -41,22 +41,13 @@ class SensesConfig:
     """The map of face patterns."""
     grouping: GroupingConfig = field(default_factory=GroupingConfig)
     """How its cells become the values of S1."""
-    centre_radius_deg: float = 3.5
+    centre_radius_deg: Annotated[float, Real("(0, 180]")] = 3.5
     """What is so near to the centre of view is gazed at, as in chapter 6."""
-    frontal_share: float = 0.05
+    frontal_share: Annotated[float, Real("[0, 1)")] = 0.05
     """A category is frontal if it had more than this share of the faces that greeted the robot: frontal faces may fall
     into two categories, and a robot that took one of them for a profile found nothing after gaze following."""
-    truth: tuple[str, ...] = ()
+    truth: tuple[Literal["face", "category", "object"], ...] = ()
     """Parts of perception that are replaced by the truth: face, category, object."""
-
-    def __post_init__(self) -> None:
-        if not set(self.truth) <= set(PARTS):
-            raise ConfigError(f"truth must name some of {', '.join(PARTS)}; got {', '.join(self.truth)}")
-        if not (self.centre_radius_deg > 0 and 0 <= self.frontal_share < 1):
-            raise ConfigError(
-                "senses need a centre_radius_deg above 0 and a frontal_share in [0, 1); "
-                f"got {self.centre_radius_deg}, {self.frontal_share}"
-            )
 
 
 class Gazed(NamedTuple):

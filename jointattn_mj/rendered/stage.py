@@ -5,10 +5,12 @@ by the caregiver's head and eyes, objects, and the robot's head and hand.
 """
 
 from dataclasses import dataclass, field, replace
+from typing import Annotated, Literal
 
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Real
 from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.looker import AWAY, TurnWorld, places
 from jointattn_mj.scene.model import OBJECTS
@@ -18,31 +20,27 @@ from jointattn_mj.symbolic.table import CAREGIVER, ROBOT, Table, TableConfig, ne
 
 
 @dataclass(frozen=True)
-class StageConfig:
+class StageConfig(Checked):
     """What the symbolic table leaves open about bodies."""
 
     world: WorldConfig = field(default_factory=WorldConfig)
     """What things look like; its objects are replaced by as many as lie on the table, each of its own colour."""
     variation: str = "people+lights"
     """How each seed's world differs, by names of ``scene.variation``: she is one of six people, in her own light."""
-    object_jitter_m: float = 0.02
+    object_jitter_m: Annotated[float, Real("[0, 0.1]")] = 0.02
     """Objects lie up to so far beside their place, either way; a third of their size, as a hand puts them."""
-    head_jitter_deg: float = 2.0
+    head_jitter_deg: Annotated[float, Real("[0, 15]")] = 2.0
     """Standard deviation, yaw and pitch, of where the caregiver's head comes to rest; her eyes make up for it. Heads
     turn most of the way to what is looked at, but never the same part of it."""
-    motor_noise_deg: float = 0.5
+    motor_noise_deg: Annotated[float, Real("[0, 15]")] = 0.5
     """Standard deviation, pan and tilt, of where the robot's head comes to rest."""
-    looks_at: str = "place"
+    looks_at: Literal["place", "object"] = "place"
     """What her eyes rest on when an object lies at the place she looks at: the middle of the ``place``, so that the
     jitter of objects is one more imprecision, or the ``object``, wherever it lies: so where jitter is large."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         variation_of(self.variation)
-        if self.looks_at not in ("place", "object"):
-            raise ConfigError(f"stage.looks_at must be place or object; got {self.looks_at!r}")
-        for name, most in (("object_jitter_m", 0.1), ("head_jitter_deg", 15.0), ("motor_noise_deg", 15.0)):
-            if not 0 <= getattr(self, name) <= most:
-                raise ConfigError(f"stage.{name} must lie in [0, {most}]; got {getattr(self, name)}")
 
 
 class Stage:

@@ -6,7 +6,7 @@ results, (S, R), and chooses actions, A.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -20,40 +20,34 @@ from jointattn_mj.contingency.selector import NOBODY, Maps, SelectorConfig, flat
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.finite import check_finite
 from jointattn_mj.one_type import one_type
+from jointattn_mj.options import Checked, Whole
 from jointattn_mj.robots.restored_mind import check_mind, check_module
 
 
 @dataclass(frozen=True)
-class DeveloperConfig:
+class DeveloperConfig(Checked):
     """Everything that the mind of chapter 5 leaves open."""
 
     detector: DetectorConfig = field(default_factory=DetectorConfig)
     reproduction: ReproductionConfig = field(default_factory=ReproductionConfig)
     selector: SelectorConfig = field(default_factory=SelectorConfig)
-    memory: str = "whole"
+    memory: Literal["whole", "reset", "window", "fading"] = "whole"
     """What the counts hold: ``whole``, everything; ``reset``, what has come since the last module was made, because
     with it the robot behaves differently, and old counts tell of a robot that is no more; ``window``, the last
     ``horizon`` transitions; ``fading``, older ones weigh less."""
-    horizon: int = 20_000
+    horizon: Annotated[int, Whole("[2, 1e10]")] = 20_000
     """Memory window: transitions; memory fading: after so many, a transition weighs 1/e."""
-    history: str = "made"
+    history: Literal["made", "ever"] = "made"
     """Where the counts of a new module's variables start: ``made``, empty, when the module is made; ``ever``, with all
     turns before as turns in which it was not used."""
-    refresh_every: int = 0
+    refresh_every: Annotated[int, Whole("[0, 1e10]")] = 0
     """Turns after which all maps are read off the counts anew; 0: a module's map stays as it was made. What a module
     does sinks in the counts while it is used, so that maps which follow them undo themselves."""
-    most_modules: int = 20
+    most_modules: Annotated[int, Whole("[0, 127]")] = 20
     """Events grow with the square of this; no further ones are made."""
 
     def __post_init__(self) -> None:
-        for name, allowed in (("memory", ("whole", "reset", "window", "fading")), ("history", ("made", "ever"))):
-            if getattr(self, name) not in allowed:
-                raise ConfigError(f"{name} must be one of {', '.join(allowed)}; got {getattr(self, name)!r}")
-        if self.horizon < 2 or self.refresh_every < 0 or self.most_modules < 0:
-            raise ConfigError(
-                "horizon starts at 2 transitions, refresh_every and most_modules at 0; "
-                f"got {self.horizon}, {self.refresh_every}, {self.most_modules}"
-            )
+        super().__post_init__()
         if self.memory == "fading" and (self.detector.rule == "certain" or self.detector.correction != "none"):
             raise ConfigError(
                 "with memory fading counts are weights, for which neither rule certain nor a correction is defined; "

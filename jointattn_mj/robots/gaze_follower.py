@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 
@@ -9,27 +10,24 @@ from jointattn_mj.attention import Attention, AttentionConfig, AttentionSelector
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze import GazeConfig, HeadShift, gate_probability
 from jointattn_mj.learning import LearnerConfig, make_learner
+from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.percept import Perceiver, Percept
 from jointattn_mj.perception.som import SOM, SOMConfig, whole_number
 from jointattn_mj.scene.camera import direction_of, off_centre
 
 
 @dataclass(frozen=True)
-class FamiliariseConfig:
+class FamiliariseConfig(Checked):
     """How the robot gets to know the caregiver's face before the session (section 6.4.1, "within three minutes")."""
 
-    minutes: float = 3.0
+    minutes: Annotated[float, Real("(0, 1e6]")] = 3.0
     """Simulated minutes of looking at the face."""
-    every: int = 3
+    every: Annotated[int, Whole("[1, 1e6]")] = 3
     """Frames from one look to the next; ten looks a second show all that thirty would."""
-
-    def __post_init__(self) -> None:
-        if self.minutes <= 0 or self.every < 1:
-            raise ConfigError(f"familiarise needs minutes > 0 and every >= 1; got {self.minutes}, {self.every}")
 
 
 @dataclass(frozen=True)
-class RobotConfig:
+class RobotConfig(Checked):
     """The robot's mind."""
 
     attention: AttentionConfig = field(default_factory=AttentionConfig)

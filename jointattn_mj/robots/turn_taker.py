@@ -8,40 +8,41 @@ The functions are compiled, for a life is 300,000 attempts; they are plain enoug
 """
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numba
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Angle, Checked, Positive, Real, Whole
 
 FEEDBACK = ("nearest", "kept", "interest")
 
 
 @dataclass(frozen=True)
-class TurnTakerConfig:
+class TurnTakerConfig(Checked):
     """Every place that our account of the earlier work leaves open, with what we chose."""
 
-    hidden: int = 30
+    hidden: Annotated[int, Whole("[1, 10000]")] = 30
     """Units of the one hidden layer (tanh). 10 to 40 were alike in trials."""
-    rate: float = 0.002
+    rate: Annotated[float, Real("(0, 10]")] = 0.002
     """Learning rate of plain backpropagation, one step an attempt. A large one follows the last object instead of the
     average over many; with ten objects .003 already left some robots at chance."""
-    face_length: float = 10.0
+    face_length: Annotated[float, Real("(0, 1e6]")] = 10.0
     """Root mean square length of the face input, less its mean; sets how fast the face's weights learn compared with
     those of the two head angles."""
-    angle_scale_deg: float = 30.0
+    angle_scale_deg: Annotated[float, Real("[0.01, 360]")] = 30.0
     """Head angles and movements pass the network in units of this."""
-    first_face_weight: float = 0.02
+    first_face_weight: Annotated[float, Real("[0, 100]")] = 0.02
     """Standard deviation of the face's first weights."""
-    first_weight: float = 0.1
+    first_weight: Annotated[float, Real("[0, 100]")] = 0.1
     """Standard deviation of all other first weights."""
-    gain: float = 0.9
+    gain: Annotated[float, Real("(0, 1]")] = 0.9
     """g: share of the way that one step goes, for either command. With .5 and ten objects three of eight robots lost
     everything when the gate opened, for they no longer came near any object."""
-    steps: int = 6
+    steps: Annotated[int, Whole("[1, 10000]")] = 6
     """Movements that make up an attempt."""
-    centre_radius_deg: float = 3.5
+    centre_radius_deg: Annotated[float, Real("(0, 180]")] = 3.5
     """d_th: an object this near to the centre of view is being gazed at; as for the chapter 6 robot."""
     ends: Literal["last", "first"] = "last"
     """When an attempt is judged: after the last step, or as soon as an object is within d_th of the centre. The latter
@@ -61,26 +62,23 @@ class TurnTakerConfig:
     """What the head does when visual feedback is asked and no object is in view."""
     gate: Literal["sigmoid", "shut", "open"] = "sigmoid"
     """Who commands: by learning time, always visual feedback, or always the network."""
-    gate_midpoint: float = 60_000.0
+    gate_midpoint: Annotated[float, Real("[-1e9, 1e9]")] = 60_000.0
     """Attempts at which either is as likely."""
-    gate_width: float = 20_000.0
+    gate_width: Positive = 20_000.0
     """Attempts over which that changes, as q in eq. 6.8."""
     gate_draws: Literal["step", "attempt"] = "step"
     """The gate chooses anew at each step, or once for an attempt. With the latter all robots lost everything when it
     opened: the network never gets visual feedback's help at the end of an attempt that it began."""
-    pan_limit_deg: float = 60.0
+    pan_limit_deg: Annotated[float, Real("[0, 180]")] = 60.0
     """The head turns no further to either side."""
-    tilt_limits_deg: tuple[float, float] = (-40.0, 20.0)
+    tilt_limits_deg: tuple[Angle, Angle] = (-40.0, 20.0)
     """Nor further down and up."""
 
     def __post_init__(self) -> None:
-        if min(self.hidden, self.steps) < 1:
-            raise ConfigError(f"turn taker needs hidden >= 1 and steps >= 1; got {self.hidden}, {self.steps}")
-        if not 0 < self.gain <= 1 or min(self.rate, self.gate_width, self.centre_radius_deg, self.angle_scale_deg) <= 0:
-            raise ConfigError(
-                "turn taker needs 0 < gain <= 1 and rate, gate_width, centre_radius_deg, angle_scale_deg > 0; got "
-                f"{self.gain}, {self.rate}, {self.gate_width}, {self.centre_radius_deg}, {self.angle_scale_deg}"
-            )
+        super().__post_init__()
+        low, high = self.tilt_limits_deg
+        if not low < high:
+            raise ConfigError(f"turn_taker.tilt_limits_deg must be a lower and a higher angle; got {low}, {high}")
 
 
 class Network(NamedTuple):

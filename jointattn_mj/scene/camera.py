@@ -4,9 +4,8 @@ Pixels have x to the right and y down. Directions are pairs (pan, tilt) in degre
 the head angles that would bring a thing to the centre of view. Pan is positive to the robot's left, tilt upwards.
 """
 
-import os
 from math import atan2, cos, degrees, hypot, radians, sin, tan
-from typing import Any, ClassVar
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -89,9 +88,6 @@ class Eye:
     dm_control's ``Camera.render`` that a plain picture needs, which saves 4 percent of it.
     """
 
-    _opened_in: ClassVar[int | None] = None
-    """The process that first rendered; its OpenGL does not survive in one that is forked from it."""
-
     def __init__(
         self, physics: Physics, camera: str = "robot/eye", width: int = PICTURE_WIDTH, height: int = PICTURE_HEIGHT
     ):
@@ -121,14 +117,11 @@ class Eye:
         mujoco.mjr_readPixels(self._read, None, self._rectangle, context)
 
     def _open(self) -> Camera:
-        if gl.rendering_disabled():
-            raise GLError(gl.why_not())
-        if Eye._opened_in not in (None, os.getpid()):
-            raise GLError("a process cannot render that was forked from one that has; start it by spawn or forkserver")
-        Eye._opened_in = os.getpid()
         try:
             camera = Camera(self._physics, *self._size, camera_id=self._name)
             camera.render()
+        except GLError:
+            raise
         except Exception as error:  # PyOpenGL, mujoco and dm_control raise a dozen kinds here
             raise GLError(f"The OpenGL library could not open an offscreen picture ({error}). {gl.INSTALL}") from error
         return camera

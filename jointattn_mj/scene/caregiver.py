@@ -7,11 +7,12 @@ per frame) and then played; nothing she does depends on the robot.
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Angle, Checked, Metres, Real, Seconds, Share
 from jointattn_mj.scene.layout import Layout, LayoutConfig
 from jointattn_mj.scene.movement import Arm, gaze_angles, minimum_jerk, path_between
 
@@ -43,55 +44,48 @@ FOLLOWING = {
 
 
 @dataclass(frozen=True)
-class CaregiverConfig:
+class CaregiverConfig(Checked):
     """How she moves. Section 6.4.2 fixes "about two seconds" for observing and for gazing; the rest is a choice."""
 
-    greet_s: float = 1.0
+    greet_s: Seconds = 1.0
     """She looks at the robot once before she begins, as a person does; the robot's first sight of a frontal face."""
-    turn_s: float = 0.7
+    turn_s: Seconds = 0.7
     """A head turn; with minimum jerk, 40 degrees peak at about 107 degrees/s."""
-    reach_s: float = 0.6
+    reach_s: Seconds = 0.6
     """From the resting hand to the object."""
-    lift_s: float = 0.7
+    lift_s: Seconds = 0.7
     """From the table to the holding place."""
-    observe_s: float = 2.3
+    observe_s: Seconds = 2.3
     """"Observes it for about two seconds" (6.4.2)."""
-    put_s: float = 1.5
+    put_s: Seconds = 1.5
     """From the holding place to the new place on the table."""
-    gaze_s: float = 2.0
+    gaze_s: Seconds = 2.0
     """"Gazes at it for about two seconds" (6.4.2); meanwhile the hand goes back."""
-    duration_jitter: float = 0.2
+    duration_jitter: Annotated[float, Real("[0, 1)")] = 0.2
     """Each duration is multiplied by a uniform draw from 1 +- this: people are not clockwork."""
-    withdraw_s: float = 0.8
+    withdraw_s: Seconds = 0.8
     """How long the hand takes back to its resting place while she gazes."""
-    holding_place: tuple[float, float, float] = (1.20, 0.0, 0.895)
+    holding_place: tuple[Metres, Metres, Metres] = (1.20, 0.0, 0.895)
     """Where an object is brought to be observed, world frame, metres: before and below her face."""
-    wobble_m: float = 0.015
+    wobble_m: Annotated[float, Real("[0, 1]")] = 0.015
     """While observed the object is moved to and fro by so much; a still object gives the robot no motion cue and cost
     the trial runs a third of their successes."""
-    wobble_hz: float = 2.0
+    wobble_hz: Annotated[float, Real("[0, 100]")] = 2.0
     """Pace of that movement; fast and small, so that the learned direction is not smeared."""
-    reach_arch_m: float = 0.12
+    reach_arch_m: Annotated[float, Real("[0, 1]")] = 0.12
     """How far the hand rises above the straight way, so that it comes down on an object from above."""
-    carry_arch_m: float = 0.06
+    carry_arch_m: Annotated[float, Real("[0, 1]")] = 0.06
     """The same for the hand with an object in it, which must pass over the others."""
-    head_share: float = 0.85
+    head_share: Share = 0.85
     """Part of a gaze angle that the head turns; the eyes turn the rest."""
-    hand_pitch_deg: float = 27.0
+    hand_pitch_deg: Angle = 27.0
     """The hand points at the robot and so far down; steeper, it hides her chin while she observes an object."""
-    elbow_at_table_deg: float = 25.0
+    elbow_at_table_deg: Angle = 25.0
     """With the hand at the table the elbow is raised so far, and the forearm passes over the other objects."""
-    elbow_at_holding_deg: float = -10.0
+    elbow_at_holding_deg: Angle = -10.0
     """With the hand at the holding place the elbow hangs, and the forearm leaves the face free."""
-    rest_place: tuple[float, float, float] = (1.21, 0.36, 0.752)
+    rest_place: tuple[Metres, Metres, Metres] = (1.21, 0.36, 0.752)
     """Where the hand rests, on the table beside the objects; world frame, metres."""
-
-    def __post_init__(self) -> None:
-        for name in ("greet_s", "turn_s", "reach_s", "lift_s", "observe_s", "put_s", "gaze_s", "withdraw_s"):
-            if not getattr(self, name) > 0:
-                raise ConfigError(f"caregiver.{name} must be a positive number of seconds; got {getattr(self, name)}")
-        if not 0 <= self.duration_jitter < 1:
-            raise ConfigError(f"caregiver.duration_jitter must lie in [0, 1); got {self.duration_jitter}")
 
 
 @dataclass
@@ -200,7 +194,7 @@ class ObjectTransfer:
             case Phase.GAZE:
                 self.held = None
                 gaze = np.broadcast_to(self._gaze, (frames, 2))
-                back = min(frames, round(config.withdraw_s / FRAME_S))
+                back = max(1, min(frames, round(config.withdraw_s / FRAME_S)))
                 path = path_between(hand, np.array(config.rest_place), back, config.reach_arch_m)
                 self._plan = self._planned(gaze, path)
 

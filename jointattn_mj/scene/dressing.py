@@ -8,14 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import mujoco
 import numpy as np
 from dm_control.mujoco import Physics
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Angle, Checked, Real, Seed, Share
 from jointattn_mj.scene.model import SceneConfig, object_size
-from jointattn_mj.scene.people import Colour
 from jointattn_mj.scene.sensor import Sensor
 from jointattn_mj.scene.shapes import noise, smoothstep
 
@@ -23,43 +24,42 @@ SURFACES = {"table": "room/table", "wall": "room/wall", "floor": "room/floor", "
 """Names of ``Surfaces`` and their materials and textures in the model."""
 LOWEST_DEG, HIGHEST_DEG = 10.0, 80.0
 """Between these heights above the horizon the lamp stands."""
-PLAIN: Colour = (1.0, 1.0, 1.0)
+Factor = Annotated[float, Real("[0, 100]")]
+Factors = tuple[Factor, Factor, Factor]
+"""On red, green, blue."""
+PLAIN: Factors = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
-class Lamp:
+class Lamp(Checked):
     """The light of the room, against what it is otherwise. As it stands it changes nothing."""
 
-    azimuth_deg: float = 0.0
+    azimuth_deg: Annotated[float, Real("[-360, 360]")] = 0.0
     """So far the lamp is moved around the table, anticlockwise seen from above."""
-    elevation_deg: float = 0.0
+    elevation_deg: Angle = 0.0
     """So far it is raised; it stays between 10 and 80 degrees above the horizon."""
-    direct: Colour = PLAIN
+    direct: Factors = PLAIN
     """Factors on its red, green and blue."""
-    ambient: Colour = PLAIN
+    ambient: Factors = PLAIN
     """The same for light from all around."""
 
 
 @dataclass(frozen=True)
-class Surfaces:
+class Surfaces(Checked):
     """Factors on red, green and blue of what is large in the picture, and what is painted on it."""
 
-    table: Colour = PLAIN
-    wall: Colour = PLAIN
-    floor: Colour = PLAIN
-    clothes: Colour = PLAIN
-    contrast: float = 0.0
+    table: Factors = PLAIN
+    wall: Factors = PLAIN
+    floor: Factors = PLAIN
+    clothes: Factors = PLAIN
+    contrast: Share = 0.0
     """A pattern on all of them makes them darker by up to this share; it needs a scene built with ``blank``."""
-    seed: int = 0
+    seed: Seed = 0
     """Which patterns."""
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.contrast <= 1:
-            raise ConfigError(f"surfaces.contrast: expected a share in [0, 1]; got {self.contrast!r}")
 
 
 @dataclass(frozen=True)
-class Conditions:
+class Conditions(Checked):
     """Under which a scene is looked at. As they stand they change nothing."""
 
     lamp: Lamp = field(default_factory=Lamp)

@@ -8,13 +8,15 @@ picture can be rendered everything else works, and the first look says why there
 import ctypes
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from importlib.abc import MetaPathFinder
 from types import ModuleType
 
 DISABLED = ("disable", "disabled", "off", "false", "0")
-CHOICES = ("", "egl", "osmesa", "glfw", "glx", "enable", "enabled", "on", "true", "1", *DISABLED)
-"""What MuJoCo takes for ``MUJOCO_GL`` on Linux."""
+WINDOWED = ("glfw", "glx", "enable", "enabled", "on", "true", "1")
+CHOICES = ("", "egl", "osmesa", *WINDOWED, *DISABLED)
+"""What MuJoCo takes for ``MUJOCO_GL`` on Linux, in any case; dm_control wants small letters, and knows no glx."""
 EGL_PLATFORM_DEVICE = 0x313F
 READERS = ("mujoco", "dm_control")
 """Packages that read ``MUJOCO_GL`` when they are imported."""
@@ -62,8 +64,21 @@ def _egl_opens() -> bool:
     return any(display and egl.eglInitialize(display, None, None) for display in displays)
 
 
+def _window_opens() -> bool:
+    """Whether there is a display to open a window on, as GLFW needs even for what is not shown."""
+    try:
+        import glfw
+    except (ImportError, OSError):
+        return False
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return bool(glfw.init())
+
+
 def available(backend: str) -> bool:
-    """Whether ``backend`` ("egl" or "osmesa") can be used: its shared libraries load, and EGL opens a display."""
+    """Whether ``backend`` ("egl", "osmesa" or "glfw") can be used: its libraries load, and it opens a display."""
+    if backend == "glfw":
+        return _window_opens()
     if backend == "egl":
         return all(_loads(name) for name in LIBRARIES["egl"]) and _egl_opens()
     return any(_loads(name) for name in LIBRARIES["osmesa"])
@@ -97,12 +112,17 @@ def choose_backend() -> None:
     if sys.platform != "linux":
         return
     chosen = os.environ.get("MUJOCO_GL", "").lower().strip()
+    chosen = "glfw" if chosen in WINDOWED else chosen
     if not chosen:
         os.environ["MUJOCO_GL"] = next((backend for backend in LIBRARIES if available(backend)), "disable")
     elif chosen not in CHOICES:
         _disable(f"MUJOCO_GL={chosen} was asked for, which is no way to render; egl and osmesa are.")
     elif chosen in LIBRARIES and not available(chosen):
         _disable(f"MUJOCO_GL={chosen} was asked for, but {LIBRARIES[chosen][0]} cannot be loaded, or has no driver.")
+    elif chosen == "glfw" and not available(chosen):
+        _disable("MUJOCO_GL=glfw was asked for, but there is no display to open a window on.")
+    else:
+        os.environ["MUJOCO_GL"] = chosen
 
 
 def _disable(why_not: str) -> None:

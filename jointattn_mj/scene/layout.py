@@ -1,10 +1,12 @@
 """Where objects lie on the table: apart from each other, and in the long run evenly spread (section 6.4.2)."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Metres, Real, Whole
 
 TRIES = 2000  # random places looked at for one object
 AT_ONCE = 100  # of them at a time; the first are enough on any but a crowded table
@@ -12,21 +14,28 @@ FILLS = 20  # tables begun anew before giving up
 
 
 @dataclass(frozen=True)
-class LayoutConfig:
+class LayoutConfig(Checked):
     """The part of the table that objects are put on; world frame, metres."""
 
-    x_range: tuple[float, float] = (0.90, 1.12)
+    x_range: tuple[Metres, Metres] = (0.90, 1.12)
     """Near and far edge as seen from the robot; the caregiver's arm reaches all of it, and the robot sees all of it
     while it looks at her face."""
-    y_range: tuple[float, float] = (-0.36, 0.36)
+    y_range: tuple[Metres, Metres] = (-0.36, 0.36)
     """Right and left edge; from the caregiver's face, gaze directions of about 40 degrees to either side."""
-    spacing: float = 0.13
+    spacing: Annotated[float, Real("(0, 10]")] = 0.13
     """Least distance between two objects: twice an object's width, so that a hand fits between."""
-    evenness: int = 24
+    evenness: Annotated[int, Whole("[1, 2000]")] = 24
     """"Positions as even as possible" (6.4.2): of so many random places the one in the least used cell is taken.
     1 draws uniformly."""
-    cells: tuple[int, int] = (3, 8)
+    cells: tuple[Annotated[int, Whole("[1, 1000]")], Annotated[int, Whole("[1, 1000]")]] = (3, 8)
     """Cells, in x and y, whose use is counted for evenness."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("x_range", "y_range"):
+            low, high = getattr(self, name)
+            if not low < high:
+                raise ConfigError(f"layout.{name} must be a lower and a higher number; got {low}, {high}")
 
 
 class Layout:
@@ -37,11 +46,6 @@ class Layout:
         self._rng = rng
         self._low = np.array([config.x_range[0], config.y_range[0]])
         self._size = np.array([config.x_range[1], config.y_range[1]]) - self._low
-        if config.spacing <= 0 or config.evenness < 1 or np.any(self._size <= 0):
-            raise ConfigError(
-                "a layout needs x_range and y_range that grow, spacing > 0 and evenness >= 1; "
-                f"got {config.x_range}, {config.y_range}, {config.spacing}, {config.evenness}"
-            )
         self._used = np.zeros(config.cells, int)
 
     def place(self, others: np.ndarray) -> np.ndarray:

@@ -10,34 +10,35 @@ import colorsys
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal, get_args
 
 import mujoco
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.options import TOP_LEVEL
+from jointattn_mj.options import TOP_LEVEL, Checked, Choice, Colour, Real
 from jointattn_mj.scene import body, room
-from jointattn_mj.scene.face import FaceConfig, FaceMesh, build_face, identity
+from jointattn_mj.scene.face import IDENTITIES, FaceConfig, FaceMesh, build_face, identity
 from jointattn_mj.scene.shapes import Mesh
 
 PICTURE_WIDTH, PICTURE_HEIGHT = 320, 240  # camera pictures of section 6.4.1
 TIMESTEP = 1 / 30  # one physics step a picture: nothing collides, and the servos are damped implicitly
 TABLE_Z = 0.71  # height of the table top
 HEAD_POSITION = (1.5, 0.0, 1.08)  # centre of the caregiver's head; her yaw and pitch axes meet here
-SHAPES = ("box", "cylinder", "sphere")
-QUALITIES = ("fast", "high")
+Shape = Literal["box", "cylinder", "sphere"]
+SHAPES: tuple[Shape, ...] = get_args(Shape)
+Quality = Literal["fast", "high"]
 BLANK = 64  # pixels, edge of a texture to be painted on
 ROBOT_GROUP = 3  # geoms that the robot's own eye does not draw: switch the group on for other views
 
 
 @dataclass(frozen=True)
-class ObjectConfig:
+class ObjectConfig(Checked):
     """One object on the table; its name is also its label everywhere (logs, percepts)."""
 
     name: str
-    rgb: tuple[float, float, float]  # 0..1, saturated: objects are told apart as colour areas (section 6.4.1)
-    shape: str = "box"
+    rgb: Colour  # 0..1, saturated: objects are told apart as colour areas (section 6.4.1)
+    shape: Shape = "box"
 
 
 def _hue(degrees: float, saturation: float = 1.0, value: float = 0.85) -> tuple[float, float, float]:
@@ -60,32 +61,24 @@ OBJECTS: tuple[ObjectConfig, ...] = (
 
 
 @dataclass(frozen=True)
-class SceneConfig:
+class SceneConfig(Checked):
     """What the world looks like. Everything in it changes appearance only, not how anybody behaves."""
 
-    caregiver: Annotated[str, TOP_LEVEL] = "robin"
-    """Who she is: robin, noa, kai, amara, elin or tove."""
+    caregiver: Annotated[str, Choice(IDENTITIES), TOP_LEVEL] = "robin"
+    """Who she is."""
     face: FaceConfig | None = None  # looks of somebody else; None: those of `caregiver`
-    clothing: tuple[float, float, float] = (0.40, 0.43, 0.48)  # dull, unlike any object
+    clothing: Colour = (0.40, 0.43, 0.48)  # dull, unlike any object
     objects: tuple[ObjectConfig, ...] = OBJECTS[:4]  # four objects, section 6.4.1
-    object_size: float = 0.06  # m, edge or diameter: about 16 px in the picture (choice)
-    quality: Annotated[str, TOP_LEVEL] = "fast"
+    object_size: Annotated[float, Real("[0.01, 0.12]")] = 0.06
+    """Metres, edge or diameter: about 16 px in the picture (choice)."""
+    quality: Annotated[Quality, TOP_LEVEL] = "fast"
     """"fast" for the closed loop; "high" (shadows, smooth edges, fine meshes) for figures."""
 
     def __post_init__(self) -> None:
-        if self.quality not in QUALITIES:
-            raise ConfigError(f"quality: expected one of {', '.join(QUALITIES)}; got {self.quality!r}")
-        if not 0.01 <= self.object_size <= 0.12:
-            raise ConfigError(f"object_size: expected metres in [0.01, 0.12]; got {self.object_size!r}")
-        identity(self.caregiver)
+        super().__post_init__()
         names = [o.name for o in self.objects]
         if len(set(names)) != len(names) or not all(names):
             raise ConfigError(f"objects: expected distinct, non-empty names; got {names}")
-        for o in self.objects:
-            if o.shape not in SHAPES:
-                raise ConfigError(f"object {o.name!r}: expected shape one of {', '.join(SHAPES)}; got {o.shape!r}")
-            if len(o.rgb) != 3 or not all(0 <= c <= 1 for c in o.rgb):
-                raise ConfigError(f"object {o.name!r}: expected rgb as three numbers in [0, 1]; got {o.rgb!r}")
 
 
 def assets_folder() -> Path:

@@ -3,44 +3,33 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated, Literal
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Colour, Real, Seed, Share
 
-HAIR_STYLES = ("short", "bob", "bun", "curly", "receding")
-Colour = tuple[float, float, float]
+Proportion = Annotated[float, Real("[0.5, 1.6]")]
 
 
 @dataclass(frozen=True)
-class FaceConfig:
+class FaceConfig(Checked):
     """One person's looks. Numbers called factors are 1 for an average adult."""
 
     skin: Colour = (0.86, 0.67, 0.57)
     hair: Colour = (0.25, 0.17, 0.11)
     eyes: Colour = (0.32, 0.22, 0.14)  # iris
     lips: Colour = (0.72, 0.40, 0.38)
-    hair_style: str = "short"
-    width: float = 1.0  # factor on the whole head's breadth
-    length: float = 1.0  # factor on the height of the face below the eyes
-    jaw: float = 1.0  # factor on the breadth of jaw and chin
-    nose: float = 1.0  # factor on how far the nose stands out
-    nose_width: float = 1.0  # factor
-    lip_fullness: float = 1.0  # factor
-    eye_size: float = 1.0  # factor on the opening of the lids
-    brow: float = 1.0  # factor on the thickness of the eyebrows
-    stubble: float = 0.0  # 0..1, darker jaw
-    age: float = 0.2  # 0..1, folds and lines
-    seed: int = 0  # fine variation of skin and hair
-
-    def __post_init__(self) -> None:
-        if self.hair_style not in HAIR_STYLES:
-            raise ConfigError(f"hair_style: expected one of {', '.join(HAIR_STYLES)}; got {self.hair_style!r}")
-        for name in ("skin", "hair", "eyes", "lips"):
-            rgb = getattr(self, name)
-            if len(rgb) != 3 or not all(0 <= c <= 1 for c in rgb):
-                raise ConfigError(f"{name}: expected rgb as three numbers in [0, 1]; got {rgb!r}")
-        for name in ("width", "length", "jaw", "nose", "nose_width", "lip_fullness", "eye_size", "brow"):
-            if not 0.5 <= getattr(self, name) <= 1.6:
-                raise ConfigError(f"{name}: expected a factor in [0.5, 1.6]; got {getattr(self, name)!r}")
+    hair_style: Literal["short", "bob", "bun", "curly", "receding"] = "short"
+    width: Proportion = 1.0  # factor on the whole head's breadth
+    length: Proportion = 1.0  # factor on the height of the face below the eyes
+    jaw: Proportion = 1.0  # factor on the breadth of jaw and chin
+    nose: Proportion = 1.0  # factor on how far the nose stands out
+    nose_width: Proportion = 1.0  # factor
+    lip_fullness: Proportion = 1.0  # factor
+    eye_size: Proportion = 1.0  # factor on the opening of the lids
+    brow: Proportion = 1.0  # factor on the thickness of the eyebrows
+    stubble: Share = 0.0  # 0..1, darker jaw
+    age: Share = 0.2  # 0..1, folds and lines
+    seed: Seed = 0  # fine variation of skin and hair
 
 
 IDENTITIES: dict[str, FaceConfig] = {

@@ -3,36 +3,26 @@
 from dataclasses import dataclass
 from functools import lru_cache
 from statistics import NormalDist
+from typing import Annotated
 
 import cv2
 import numpy as np
 
-from jointattn_mj.errors import ConfigError
-
-MOST_DELAY = 30
-"""Frames; a second."""
+from jointattn_mj.options import Checked, Real, Seed, Whole
 
 
 @dataclass(frozen=True)
-class Sensor:
+class Sensor(Checked):
     """One camera. As it stands it changes nothing."""
 
-    brightness: float = 1.0
+    brightness: Annotated[float, Real("(0, 100]")] = 1.0
     """Every channel is multiplied by so much."""
-    noise: float = 0.0
+    noise: Annotated[float, Real("[0, 64]")] = 0.0
     """Standard deviation, in grey values of 0..255, of what is added to each channel of each pixel, each frame anew."""
-    delay: int = 0
+    delay: Annotated[int, Whole("[0, 30]")] = 0
     """The picture shows the world of so many frames (1/30 s) ago."""
-    seed: int = 0
+    seed: Seed = 0
     """Of the noise."""
-
-    def __post_init__(self) -> None:
-        if not 0 < self.brightness < float("inf"):
-            raise ConfigError(f"sensor.brightness: expected a factor above 0; got {self.brightness!r}")
-        if not 0 <= self.noise <= 64:
-            raise ConfigError(f"sensor.noise: expected grey values in [0, 64]; got {self.noise!r}")
-        if not 0 <= self.delay <= MOST_DELAY:
-            raise ConfigError(f"sensor.delay: expected 0 to {MOST_DELAY} frames; got {self.delay!r}")
 
     def expose(self, picture: np.ndarray, frame: int) -> None:
         """Change a picture (h, w, 3) uint8 in place; its noise depends on ``seed`` and the frame's number alone."""

@@ -8,82 +8,65 @@ from __future__ import annotations
 
 import colorsys
 from dataclasses import dataclass, fields, replace
+from typing import Annotated
 from zlib import crc32
 
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Choice, Colour, Real, Share, Whole
 from jointattn_mj.scene.caregiver import CaregiverConfig
 from jointattn_mj.scene.dressing import Conditions, Lamp, Surfaces
 from jointattn_mj.scene.layout import LayoutConfig
-from jointattn_mj.scene.model import SHAPES, ObjectConfig, SceneConfig
-from jointattn_mj.scene.people import IDENTITIES, Colour
-from jointattn_mj.scene.sensor import MOST_DELAY, Sensor
+from jointattn_mj.scene.model import SHAPES, ObjectConfig, SceneConfig, Shape
+from jointattn_mj.scene.people import IDENTITIES
+from jointattn_mj.scene.sensor import Sensor
 from jointattn_mj.scene.world import AS_USUAL, WorldConfig
 
 DURATIONS = ("greet_s", "turn_s", "reach_s", "lift_s", "observe_s", "put_s", "gaze_s", "withdraw_s")
 """What ``pace`` stretches."""
 SMALLEST_M, LARGEST_M = 0.01, 0.12
 """Objects of other sizes the scene does not have."""
-
-_KNOWN = {"people": tuple(IDENTITIES), "object_shapes": SHAPES}
-_MOST = {
-    "light_angle_deg": 90, "object_hue_deg": 180, "camera_noise": 64, "camera_delay": MOST_DELAY, "textures": 1,
-    "layout": 0.45,
-}  # fmt: skip
+Part = Annotated[float, Real("[0, 0.9]")]
+"""Of a factor 1 +- this."""
 
 
 @dataclass(frozen=True)
-class VariationConfig:
+class VariationConfig(Checked):
     """Ranges, each for one thing; 0, or nobody and nothing, leaves that as it is. A share s means a factor 1 +- s."""
 
-    light_angle_deg: float = 0.0
+    light_angle_deg: Annotated[float, Real("[0, 90]")] = 0.0
     """The lamp is moved by up to so much around the table, and up or down."""
-    light_strength: float = 0.0
+    light_strength: Part = 0.0
     """Share by which direct light, and light from all around, are each stronger or weaker."""
-    light_tint: float = 0.0
+    light_tint: Part = 0.0
     """Share by which all light is more or less red, green and blue."""
-    surface_colours: float = 0.0
+    surface_colours: Part = 0.0
     """The same for each of table, wall, floor and clothes."""
-    textures: float = 0.0
+    textures: Share = 0.0
     """Largest share by which stripes, checks or blotches darken these; a frame then takes 1.7 times as long."""
-    people: tuple[str, ...] = ()
+    people: tuple[Annotated[str, Choice(IDENTITIES)], ...] = ()
     """Names of caregivers, one of whom is there."""
-    camera_noise: float = 0.0
+    camera_noise: Annotated[float, Real("[0, 64]")] = 0.0
     """Largest standard deviation of noise, grey values of 0..255; a frame then takes 1.4 times as long."""
-    camera_brightness: float = 0.0
+    camera_brightness: Part = 0.0
     """Share by which pictures are brighter or darker."""
-    camera_delay: int = 0
+    camera_delay: Annotated[int, Whole("[0, 30]")] = 0
     """Most frames (1/30 s) by which pictures come late."""
-    object_shapes: tuple[str, ...] = ()
+    object_shapes: tuple[Shape, ...] = ()
     """Shapes, one of which each object has: box, cylinder, sphere."""
-    object_size: float = 0.0
+    object_size: Part = 0.0
     """Share by which all objects are larger or smaller; they stay between 1 and 12 cm."""
-    object_hue_deg: float = 0.0
+    object_hue_deg: Annotated[float, Real("[0, 180]")] = 0.0
     """Each object's hue differs by up to so much; those of ``model.OBJECTS`` lie 25 degrees apart, and perception by
     colour areas knows them up to 20."""
-    object_shade: float = 0.0
+    object_shade: Part = 0.0
     """Share by which each object's saturation, and its brightness, are more or less."""
-    layout: float = 0.0
+    layout: Annotated[float, Real("[0, 0.45]")] = 0.0
     """Largest share of its length by which each edge of the part of the table that objects lie on moves inwards; with
     many objects there may be no room for them."""
-    pace: float = 0.0
+    pace: Part = 0.0
     """Share by which everything that she does takes more or less time."""
-
-    def __post_init__(self) -> None:
-        for option in fields(self):
-            value = getattr(self, option.name)
-            if option.name in _KNOWN:
-                known = _KNOWN[option.name]
-                if not isinstance(value, tuple) or not set(value) <= set(known):
-                    raise ConfigError(
-                        f"variation.{option.name}: expected a tuple of some of {', '.join(known)}; got {value!r}"
-                    )
-            elif not 0 <= value <= _MOST.get(option.name, 0.9):
-                most = _MOST.get(option.name, 0.9)
-                raise ConfigError(f"variation.{option.name}: expected a number in [0, {most}]; got {value!r}")
-        if self.camera_delay != int(self.camera_delay):
-            raise ConfigError(f"variation.camera_delay: expected whole frames; got {self.camera_delay!r}")
 
     @property
     def on(self) -> bool:

@@ -14,9 +14,12 @@ from dm_control.mujoco import Physics
 from dm_control.mujoco.wrapper import MjModel
 from numba import njit
 
+from jointattn_mj.closing import Closable
 from jointattn_mj.errors import NotFiniteError
 from jointattn_mj.finite import check_finite
+from jointattn_mj.options import Checked
 from jointattn_mj.restored import check_array
+from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.camera import Eye
 from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer
 from jointattn_mj.scene.delay import Past
@@ -24,6 +27,7 @@ from jointattn_mj.scene.dressing import Conditions, Wardrobe, upload
 from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.model import SceneConfig, build_model, rest_height
 from jointattn_mj.scene.movement import ARM_JOINTS, Arm
+from jointattn_mj.scene.rendering import RenderingPhysics
 
 EYE_JOINTS = ("eye_left_yaw", "eye_left_pitch", "eye_right_yaw", "eye_right_pitch")
 SCRIPTED_JOINTS = tuple(f"caregiver/{name}" for name in ("neck_yaw", "neck_pitch", *EYE_JOINTS, *ARM_JOINTS))
@@ -37,7 +41,7 @@ _HEAD_STILL = np.radians(HEAD_STILL_DEG_S)
 
 
 @dataclass(frozen=True)
-class WorldConfig:
+class WorldConfig(Checked):
     """Everything about the world outside the robot's mind."""
 
     scene: SceneConfig = field(default_factory=SceneConfig)
@@ -59,10 +63,10 @@ AS_USUAL = Conditions()
 
 def build_physics(config: WorldConfig, conditions: Conditions = AS_USUAL) -> Physics:
     """dm_control's physics over the compiled scene, with textures where ``conditions`` put patterns on them."""
-    return Physics.from_model(MjModel(build_model(config.scene, blank=conditions.surfaces.contrast > 0)))
+    return RenderingPhysics.from_model(MjModel(build_model(config.scene, blank=conditions.surfaces.contrast > 0)))
 
 
-class World:
+class World(Closable):
     """Body and script over a physics; one ``step`` is one camera frame of 1/30 s, or ``frames`` of them."""
 
     frames: int = 1
@@ -222,8 +226,23 @@ class World:
             )
 
     def close(self) -> None:
-        """Free model, data and rendering context."""
-        self.physics.free()
+        """Free model, data and rendering context; whatever the world is asked for afterwards is a ``ClosedError``."""
+        if not self.closed:
+            self.physics.free()
+            self._shut()
+
+    def get_state(self) -> dict[str, Any]:
+        """Everything that the next frame depends on, as plain data; nothing that happens later changes it."""
+        return {name: snapshot.take(value) for name, value in self.__getstate__().items()}
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Be as a world with the same people and objects was at its ``get_state``; ``state`` can be used again."""
+        config, conditions = state["config"], state["conditions"]
+        if (config, conditions) != (self.config, self.conditions):
+            self.vary(config, conditions)
+        for name in state.keys() - {"integration", "config", "conditions"}:
+            setattr(self, name, snapshot.put(getattr(self, name), state[name]))
+        self._integrate_from(state["integration"])
 
     def __getstate__(self) -> dict[str, Any]:
         """Everything that the next frame depends on; the model is built anew from the config."""
@@ -234,6 +253,7 @@ class World:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Restore a world. Raises ValueError: Its physics is in no state that MuJoCo could go on from."""
+        state = dict(state)
         integration = state.pop("integration")
         most = mujoco.mjMAXVAL
         check_array("the state of the physics", integration, integration.shape, float, -most, most)
@@ -241,8 +261,13 @@ class World:
         self._bind(config, build_physics(config, conditions))
         self.vary(config, conditions)
         self.__dict__.update(state)
+        self._integrate_from(integration)
+
+    def _integrate_from(self, integration: np.ndarray) -> None:
+        """Let bodies stand and move as they did in another world with the same model."""
         mujoco.mj_setState(self.model, self.data, integration, mujoco.mjtState.mjSTATE_INTEGRATION)
         mujoco.mj_step1(self.model, self.data)
+        self._picture = None
 
 
 @njit(cache=True)

@@ -1,11 +1,14 @@
 """Where the caregiver looks next, in interaction by turns (sections 4.3.3 and 5.3.1), as one compiled function."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
+import numpy as np
 from numba import njit
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.border import checked_by, require_array
+from jointattn_mj.errors import ObservationError
+from jointattn_mj.options import Checked, Share
 
 NEUTRAL, RJA, IJA, IJA_BACK, AFTER_JOINT_ATTENTION, CARELESS = range(6)
 OPTIONS = ("neutral", "RJA", "IJA", "IJA, second step", "joint attention reached", "not at objects")
@@ -13,31 +16,24 @@ NOWHERE = -1
 
 
 @dataclass(frozen=True)
-class CaregiverConfig:
+class CaregiverConfig(Checked):
     """How the caregiver shifts her gaze."""
 
-    follow: float = 0.5
+    follow: Share = 0.5
     """p_r: how likely she follows the robot's gaze (RJA) when it looks at a spot and she looks at it."""
-    lead: float = 0.5
+    lead: Share = 0.5
     """p_i: how likely she leads the robot (IJA) when she looks at an object: back to the robot, then there again."""
-    answer: float = 1.0
+    answer: Share = 1.0
     """p_e: how likely she turns to the robot when both have looked at the same object (chapter 5)."""
-    at_objects: float = 1.0
+    at_objects: Share = 1.0
     """p_c, section 4.5.3: how likely she behaves as described at all; else she looks at the robot or an empty spot."""
     follows_eye_contact: bool = False
     """Whether RJA can also be chosen while robot and caregiver look at each other, as in chapter 4; it then ends at
     some object. In chapter 5 the robot must look at a spot for that."""
-    eye_contact: str = "stay"
+    eye_contact: Literal["stay", "leave", "any"] = "stay"
     """What neutral means while the two look at each other: ``stay``, ``leave`` for some object, or ``any`` of these."""
     neutral_follows: bool = False
     """Whether a neutral shift from the robot may also end where the robot looks, "identical to RJA" by chance."""
-
-    def __post_init__(self) -> None:
-        for name in ("follow", "lead", "answer", "at_objects"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise ConfigError(f"{name} is a probability, from 0 to 1; got {getattr(self, name)}")
-        if self.eye_contact not in ("stay", "leave", "any"):
-            raise ConfigError(f"eye_contact must be stay, leave or any; got {self.eye_contact!r}")
 
 
 class Rules(NamedTuple):
@@ -89,6 +85,16 @@ def _some(allowed, random):
     return NOWHERE
 
 
+def _check_shift(rules, full, robot, gaze, returns_to, random, allowed):
+    require_array("whether an object lies on a spot", full, (-1,), "b")
+    require_array("working space", allowed, full.shape, "b")
+    looks = np.array([robot, gaze, returns_to])
+    require_array("where robot and caregiver look, and where she returns to", looks, (3,), "iu", NOWHERE, len(full))
+    if min(robot, gaze) < 0 or returns_to == len(full):
+        raise ObservationError(f"nobody looks {NOWHERE}, and she returns to a spot; got {robot}, {gaze}, {returns_to}")
+
+
+@checked_by(_check_shift)
 @njit(cache=True, forceinline=True)
 def shift_gaze(rules, full, robot, gaze, returns_to, random, allowed):
     """Her next gaze shift.

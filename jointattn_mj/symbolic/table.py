@@ -1,14 +1,16 @@
 """A table with spots, objects on some of them, a caregiver and a robot who look in turns (sections 4.3.1 and 5.3.1)."""
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from numba import njit
 
+from jointattn_mj.border import checked_by, require_array
 from jointattn_mj.contingency.events import Variable, Variables
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.one_type import one_type
+from jointattn_mj.options import Checked, Whole
 from jointattn_mj.restored import check_alike, check_array
 from jointattn_mj.symbolic.caregiver import NOWHERE, OPTIONS, CaregiverConfig, Rules, rules, shift_gaze
 
@@ -19,36 +21,33 @@ LOOKS_AT, OPTION_TAKEN = "caregiver looks at", "caregiver's option"
 
 
 @dataclass(frozen=True)
-class TableConfig:
+class TableConfig(Checked):
     """What the world of chapters 4 and 5 consists of."""
 
-    spots: int = 3
+    spots: Annotated[int, Whole("[2, 125]")] = 3
     """N: places on the table."""
-    objects: int = 2
+    objects: Annotated[int, Whole("[1, 125]")] = 2
     """M': how many objects lie on it."""
-    kinds: int = 1
+    kinds: Annotated[int, Whole("[1, 125]")] = 1
     """M: how many different objects there are; the robot tells them apart (S_2). Chapter 5 has one kind."""
-    gestures: int = 4
+    gestures: Annotated[int, Whole("[1, 125]")] = 4
     """N_h: hand gestures that the robot knows; nobody answers them."""
-    replaced_every: int = 10
+    replaced_every: Annotated[int, Whole("[1, 1e10]")] = 10
     """L: turns after which the objects are placed anew."""
     profile: bool = True
     """Whether the caregiver's profile is a result of its own (R_2 of chapter 5; chapter 4 has none)."""
-    order: str = "caregiver_first"
+    order: Literal["caregiver_first", "robot_first"] = "caregiver_first"
     """Order of a turn. ``caregiver_first``, the words of section 4.3.1: objects are placed, the caregiver shifts, the
     robot observes sensors and results, the robot acts. ``robot_first``: the robot acts and observes the results,
     objects are placed, the caregiver shifts, the robot observes the sensors."""
     caregiver: CaregiverConfig = field(default_factory=CaregiverConfig)
 
     def __post_init__(self) -> None:
-        if not (self.spots >= 2 and 1 <= self.objects <= self.spots):
-            raise ConfigError(f"a table needs 2 spots or more and 1 to spots objects; got {self.spots}, {self.objects}")
+        super().__post_init__()
+        if self.objects > self.spots:
+            raise ConfigError(f"a table needs as many spots as objects, or more; got {self.spots} for {self.objects}")
         if not (self.kinds == 1 or self.kinds >= self.objects):
             raise ConfigError(f"kinds must be 1, or enough for {self.objects} objects; got {self.kinds}")
-        if self.gestures < 1 or self.replaced_every < 1:
-            raise ConfigError(f"gestures and replaced_every start at 1; got {self.gestures}, {self.replaced_every}")
-        if self.order not in ("caregiver_first", "robot_first"):
-            raise ConfigError(f"order must be caregiver_first or robot_first; got {self.order!r}")
 
 
 CHAPTER_4 = TableConfig(
@@ -178,6 +177,16 @@ def _see_results(table, r):
     r[len(r) - 1] = not at_face and table.full[state[ROBOT]]
 
 
+def _check_turn(table, a, s, r):
+    if not isinstance(table, Table):
+        raise ObservationError(f"expected a Table, as new_table makes it; got {type(table).__name__}")
+    require_array("where the robot looks, and its gesture", a, (2,), "iu")
+    require_array("where the robot looks", a[:1], (1,), "iu", 0, len(table.full))
+    require_array("sensors to be written", s, (2,), "i")
+    require_array("results to be written", r, (2 + int(table.layout[3]),), "i")
+
+
+@checked_by(_check_turn)
 @njit(cache=True, forceinline=True)
 def turn(table, a, s, r):
     """Let the robot act and the caregiver answer, in the configured order.

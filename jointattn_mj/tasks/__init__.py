@@ -4,10 +4,12 @@
 Physics answers geometry, Task decides episodes, Environment steps.
 """
 
+from inspect import signature
+from types import NoneType
 from typing import Any
 
-from jointattn_mj.errors import ConfigError
 from jointattn_mj.tasks import joint_attention
+from jointattn_mj.tasks.arguments import require, unknown
 from jointattn_mj.tasks.environment import Environment
 
 _DOMAINS = {"joint_attention": joint_attention}
@@ -46,16 +48,21 @@ def load(
         visualize_reward: Light the robot's eyes while reward is given; its own camera does not see them.
 
     Raises:
-        ConfigError: There is no such domain or task (a ``ValueError``, as in dm_control's suite).
+        ConfigError: There is no such domain, task or argument, or an argument is of the wrong kind (a ``ValueError``,
+            as in dm_control's suite).
     """
     if domain_name not in _DOMAINS:
-        raise ConfigError(f"no domain {domain_name!r}; there are: {', '.join(sorted(_DOMAINS))}")
+        raise unknown("domain", domain_name, sorted(_DOMAINS))
     suite = _DOMAINS[domain_name].SUITE
     if task_name not in suite:
-        raise ConfigError(f"no task {task_name!r} in domain {domain_name!r}; there are: {', '.join(suite)}")
+        raise unknown(f"task of {domain_name}", task_name, suite)
+    require("task_kwargs", task_kwargs, dict, NoneType)
     settings = dict(task_kwargs or {})
     if environment_kwargs is not None:
         settings["environment_kwargs"] = environment_kwargs
+    known = signature(suite[task_name]).parameters
+    for name in settings.keys() - known.keys():
+        raise unknown(f"argument of {task_name}", name, known)
     environment = suite[task_name](**settings)
     environment.task.visualize_reward = visualize_reward
     return environment

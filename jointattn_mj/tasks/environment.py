@@ -11,13 +11,19 @@ from dm_control.mujoco.wrapper import MjModel
 from dm_control.rl import control
 from dm_env import specs
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.closing import Closable
+from jointattn_mj.errors import ConfigError, StateError
+from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.caregiver import FRAME_S
+from jointattn_mj.scene.dressing import Conditions
 from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH, build_model
 from jointattn_mj.scene.people import FaceConfig
 from jointattn_mj.scene.variation import VariationConfig, drawn, variation_of
 from jointattn_mj.scene.world import World, WorldConfig
+from jointattn_mj.tasks.actions import checked
+from jointattn_mj.tasks.arguments import require, unknown
 from jointattn_mj.tasks.physics import Physics
+from jointattn_mj.tasks.state import EnvironmentState
 
 LOWEST = np.radians([-45.0, -35.0])
 HIGHEST = np.radians([45.0, 15.0])
@@ -30,6 +36,9 @@ PEOPLE = 2**31
 """Child of an episode's seed that draws who sits there; the first children belong to the world."""
 
 Random = np.random.RandomState | int | None
+
+_SETTINGS = ("flat_observation", "legacy_step")
+"""Of ``control.Environment``, beside the time limit and the control timestep."""
 
 
 class Task(control.Task):
@@ -52,18 +61,33 @@ class Task(control.Task):
 
         ``variation``: how far every episode's world may differ from ``config``, as ranges or by the name of a preset.
         """
+        require("world", config, WorldConfig)
+        require("camera", camera, bool)
+        require("truth", truth, bool)
+        require("people", people, tuple, list)
+        require("variation", variation, VariationConfig, str)
         self._configs = [replace(config, scene=replace(config.scene, caregiver=name, face=None)) for name in people]
         self._configs = self._configs or [config]
         self._variation = variation_of(variation)
         self._worlds: dict[tuple[str, FaceConfig | None], World] = {}
         self._camera, self._truth = camera, truth
         self.visualize_reward = False
+        self._action_spec = self.actions()
         self.seed(random)
 
     def seed(self, random: Random) -> None:
-        """Begin anew with the episodes of another seed, or of one that a state draws; None draws one."""
+        """Begin anew with the episodes of another seed, or of one that a state draws; None draws one.
+
+        Raises:
+            ConfigError: No whole number of 0 or more, no state, and not None.
+        """
         entropy = random.randint(2**31, size=4).tolist() if isinstance(random, np.random.RandomState) else random
-        self._seeds = np.random.SeedSequence(entropy)
+        try:
+            self._seeds = np.random.SeedSequence(entropy)
+        except (TypeError, ValueError) as error:
+            raise ConfigError(
+                f"random: expected a whole number of 0 or more as seed, or None; got {random!r}"
+            ) from error
         self.random = np.random.RandomState(np.random.MT19937(self._seeds))
         """For wrappers of dm_control, which take their noise from it; no task does."""
 
@@ -71,10 +95,16 @@ class Task(control.Task):
         """The world of the next episode, as its seed has it: one of the people, and what else varies."""
         casting = np.random.default_rng(self._next_seed(PEOPLE))
         chosen = self._configs[int(casting.integers(len(self._configs)))]
-        config, conditions = self._drawn = drawn(chosen, self._variation, self._next_seed())
+        self._drawn = drawn(chosen, self._variation, self._next_seed())
+        self.world = self._world_of(*self._drawn)
+        return self.world
+
+    def _world_of(self, config: WorldConfig, conditions: Conditions) -> World:
+        """The one in which that person sits; compiled when it is first needed."""
         who = config.scene.caregiver, config.scene.face
         if who not in self._worlds:
             physics = Physics.from_model(MjModel(build_model(config.scene, blank=self._variation.textures > 0)))
+            physics.scripted = True
             self._worlds[who] = self.kind(config, physics, np.random.SeedSequence(0), conditions)
         return self._worlds[who]
 
@@ -86,7 +116,6 @@ class Task(control.Task):
     def initialize_episode(self, physics: Physics) -> None:
         """Another table, and everything that the episode's seed decides."""
         (seed,) = self._seeds.spawn(1)
-        self.world = next(world for world in self._worlds.values() if world.physics is physics)
         self.world.vary(*self._drawn)
         self.world.reset(seed)
         self.begin(seed)
@@ -95,9 +124,17 @@ class Task(control.Task):
     def begin(self, seed: np.random.SeedSequence) -> None:
         """What else an episode begins with."""
 
-    def before_step(self, action: np.ndarray, physics: Physics) -> None:
+    def before_step(self, action: Any, physics: Physics) -> None:
+        """Take up an action for the step to come; numbers beyond the bounds of ``action_spec`` are clipped to them.
+
+        Raises:
+            ActionError: Not finite, of another shape, or no numbers; nothing has changed then.
+        """
+        self.act(checked(action, self._action_spec))
+
+    def act(self, action: np.ndarray) -> None:
         """The caregiver's script for this step; ``action`` (2,) is the desired pan and tilt, rad."""
-        self.world.before_step(np.asarray(action))
+        self.world.before_step(action)
 
     def after_step(self, physics: Physics) -> None:
         """Light the robot's eyes, where that was asked for."""
@@ -107,6 +144,10 @@ class Task(control.Task):
                 physics.named.model.geom_rgba[geom] = LENS_LIT if lit else LENS_RGBA
 
     def action_spec(self, physics: Physics) -> specs.BoundedArray:
+        """What an action is; see ``actions``."""
+        return self._action_spec
+
+    def actions(self) -> specs.BoundedArray:
         """Desired pan and tilt of the head, (2,), rad; pan positive to the robot's left, tilt upwards."""
         return specs.BoundedArray((2,), float, LOWEST, HIGHEST, name="desired pan\tdesired tilt")
 
@@ -138,14 +179,47 @@ class Task(control.Task):
     def best_action(self, physics: Physics) -> np.ndarray:
         """What somebody does who knows everything."""
 
+    @property
+    def built(self) -> tuple[Any, ...]:
+        """All that a task was built with and its future depends on; states go from one to another where it is equal."""
+        return type(self).__qualname__, tuple(self._configs), self._variation
+
+    def get_state(self) -> dict[str, Any]:
+        """Bodies, script and random streams, as plain data."""
+        seeds, random = self._seeds.state, snapshot.take(self.random)
+        return {"seeds": seeds, "random": random, "world": self.world.get_state()}
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Go back to a state of this task, or of one that is ``built`` alike."""
+        self._seeds = np.random.SeedSequence(**state["seeds"])
+        snapshot.put(self.random, state["random"])
+        self._take_up(state["world"])
+
+    def _take_up(self, state: dict[str, Any]) -> None:
+        """Let that be the world."""
+        self.world = self._world_of(state["config"], state["conditions"])
+        self.world.set_state(state)
+        self.after_step(self.world.physics)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A copy has a world of its own, and compiles those of other people when it needs them."""
+        return {**vars(self), "_worlds": {}, "world": self.world.get_state()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._take_up(state["world"])
+
     def close(self) -> None:
         """Free all models, data and rendering contexts."""
         for world in self._worlds.values():
             world.close()
 
 
-class Environment(control.Environment):
-    """dm_control's environment, in which every episode may have a physics of its own."""
+class Environment(Closable, control.Environment):
+    """dm_control's environment, in which every episode may have a physics of its own.
+
+    Copies (``copy.deepcopy``, ``pickle``) go on as the original does. What has been closed raises ``ClosedError``.
+    """
 
     _task: Task
     _physics: Physics
@@ -154,13 +228,15 @@ class Environment(control.Environment):
         """``settings``: those of ``control.Environment``.
 
         Raises:
-            ConfigError: The control timestep was to be changed, or the time is none.
+            ConfigError: The control timestep was to be changed, the time is none, or there is no such setting.
         """
         kind = task.kind
         if {"control_timestep", "n_sub_steps"} & settings.keys():
             raise ConfigError(f"the control timestep of this task is {kind.frames}/30 s; leave it out")
-        if not time_limit > 0:
-            raise ConfigError(f"time_limit must be a positive number of seconds; got {time_limit}")
+        for name in settings.keys() - _SETTINGS:
+            raise unknown("argument of an environment", name, ("time_limit", *_SETTINGS))
+        if not isinstance(time_limit, (int, float)) or not time_limit > 0:
+            raise ConfigError(f"time_limit must be a positive number of seconds; got {time_limit!r}")
         control_timestep = kind.frames * FRAME_S
         super().__init__(
             task.cast().physics, task, time_limit=time_limit, control_timestep=control_timestep, **settings
@@ -169,9 +245,7 @@ class Environment(control.Environment):
 
     def reset(self) -> Any:
         """Begin an episode with one of the people."""
-        legacy_step = self._physics.legacy_step
-        self._physics = self._task.cast().physics
-        self._physics.legacy_step = legacy_step
+        self._switch_to(self._task.cast().physics, self._physics.legacy_step)
         return super().reset()
 
     def observation_spec(self) -> OrderedDict[str, specs.Array]:
@@ -183,7 +257,54 @@ class Environment(control.Environment):
             return OrderedDict({key: specs.Array((size,), float, name=key)})
         return spec
 
+    @property
+    def over(self) -> bool:
+        """Whether no episode is going on, and the next step begins one."""
+        return self._reset_next_step
+
+    def get_state(self) -> EnvironmentState:
+        """Bodies, the caregiver's script, clock and random streams: all that the future depends on.
+
+        Nothing that happens later changes what is returned; it can be pickled. Model parameters that were changed by
+        hand are not in it.
+        """
+        return EnvironmentState(self._task.built, self._step_count, self._reset_next_step, self._task.get_state())
+
+    def set_state(self, state: EnvironmentState) -> None:
+        """Go back to ``state``, of this environment or of one that was built alike; it can be used again.
+
+        From there on the same actions bring the same observations and rewards, those of later episodes included.
+        Environments with and without pictures or truth, and with other time limits, are alike.
+
+        Raises:
+            StateError: ``state`` is none, or of an environment of another task, world, people, variation or table.
+        """
+        if not isinstance(state, EnvironmentState):
+            raise StateError(f"expected what get_state of an environment gives; got {type(state).__name__}")
+        if state.built != self._task.built:
+            raise StateError(
+                f"the state is one of {state.built[0]}, this environment is {self._task.built[0]}, and both must be "
+                "built with the same task, world, people, variation and table; load this one as the other was"
+            )
+        self._task.set_state(state.task)
+        self._step_count, self._reset_next_step = state.steps, state.over
+        self._switch_to(self._task.world.physics, self._physics.legacy_step)
+
+    def _switch_to(self, physics: Physics, legacy_step: bool) -> None:
+        self._physics = physics
+        self._physics.legacy_step = legacy_step
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Body and script stay together: the physics is the task's."""
+        return {**vars(self), "_physics": self._physics.legacy_step}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._switch_to(self._task.world.physics, state["_physics"])
+
     def close(self) -> None:
         """Free models, data and rendering contexts."""
-        self._task.close()
-        super().close()
+        if not self.closed:
+            self._task.close()
+            super().close()
+            self._shut()

@@ -18,6 +18,8 @@ A hard form has another caregiver every episode, and twice as many objects neare
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import wraps
+from types import NoneType
 from typing import Any
 
 from dm_control.utils import containers
@@ -32,6 +34,7 @@ from jointattn_mj.symbolic.table import CHAPTER_4, CHAPTER_5, TableConfig
 from jointattn_mj.tasks import follow as following
 from jointattn_mj.tasks import object_transfer as transfer
 from jointattn_mj.tasks import turn_taking as turns
+from jointattn_mj.tasks.arguments import require
 from jointattn_mj.tasks.environment import Environment, Random, Task
 
 EVERYBODY = tuple(IDENTITIES)
@@ -46,10 +49,12 @@ SUITE = containers.TaggedTasks()
 
 
 def _environment(
-    make: Callable[..., Task], world: WorldConfig, time_limit: float, environment_kwargs: dict[str, Any] | None,
-    **settings: Any,
+    make: Callable[..., Task], world: WorldConfig | None, time_limit: float,
+    environment_kwargs: dict[str, Any] | None, **settings: Any,
 ) -> Environment:  # fmt: skip
-    return Environment(make(world, **settings), **{"time_limit": time_limit, **(environment_kwargs or {})})
+    require("environment_kwargs", environment_kwargs, dict, NoneType)
+    task = make(WorldConfig() if world is None else world, **settings)
+    return Environment(task, **{"time_limit": time_limit, **(environment_kwargs or {})})
 
 
 @SUITE.add("benchmarking", "easy", "chapter6")
@@ -66,10 +71,11 @@ def object_transfer(
     """The caregiver takes objects up, observes them, and puts them elsewhere (section 6.4.2)."""
     settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people}
     settings["variation"] = variation
-    return _environment(transfer.ObjectTransfer, world or WorldConfig(), time_limit, environment_kwargs, **settings)
+    return _environment(transfer.ObjectTransfer, world, time_limit, environment_kwargs, **settings)
 
 
 @SUITE.add("benchmarking", "hard")
+@wraps(object_transfer, assigned=())  # the same arguments
 def object_transfer_hard(**settings: Any) -> Environment:
     """``object_transfer`` with eight objects, nearer to each other, and another caregiver every episode."""
     return object_transfer(**{"world": CROWDED, "people": EVERYBODY} | settings)
@@ -89,7 +95,7 @@ def follow(
     """The caregiver looks at one object, and the robot is to fixate it; ten steps a second, reward for being near."""
     settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people}
     settings["variation"] = variation
-    return _environment(following.Follow, world or WorldConfig(), time_limit, environment_kwargs, **settings)
+    return _environment(following.Follow, world, time_limit, environment_kwargs, **settings)
 
 
 @SUITE.add("benchmarking", "hard")
@@ -104,7 +110,7 @@ def follow_hard(
     environment_kwargs: dict[str, Any] | None = None,
 ) -> Environment:
     """``follow`` with eight objects, a caregiver who looks up and around, and reward for fixating alone."""
-    world = world or replace(CROWDED, behaviour=WANDERING)
+    world = replace(CROWDED, behaviour=WANDERING) if world is None else world
     settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people}
     settings["variation"] = variation
     return _environment(following.FollowSparse, world, time_limit, environment_kwargs, **settings)
@@ -129,10 +135,11 @@ def turn_taking(
     """
     settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people, "table": table}
     settings["variation"] = variation
-    return _environment(turns.TurnTaking, world or WorldConfig(), time_limit, environment_kwargs, **settings)
+    return _environment(turns.TurnTaking, world, time_limit, environment_kwargs, **settings)
 
 
 @SUITE.add("benchmarking", "hard", "chapter4")
+@wraps(turn_taking, assigned=())
 def turn_taking_hard(**settings: Any) -> Environment:
     """``turn_taking`` with nine places and three objects of ten kinds (section 4.5.1); people change by the episode."""
     return turn_taking(**{"table": CHAPTER_4, "people": EVERYBODY} | settings)

@@ -3,9 +3,10 @@
 from functools import cached_property
 
 import numpy as np
-from dm_control import mujoco
 
+from jointattn_mj.errors import StateError
 from jointattn_mj.scene.camera import PIVOT, in_picture, pixels_of_points
+from jointattn_mj.scene.rendering import RenderingPhysics
 from jointattn_mj.scene.world import HEAD_JOINTS
 
 ROBOT_RADIUS = np.radians(3.5)
@@ -15,11 +16,28 @@ CAREGIVER_RADIUS = np.radians(5.0)
 object at up to two degrees."""
 
 
-class Physics(mujoco.Physics):
+class Physics(RenderingPhysics):
     """Targets are numbered as a robot numbers its candidates: the objects, then the partner's face.
 
     Points in the world frame, metres; angles in radians.
     """
+
+    scripted: bool = False
+    """Whether these are the bodies of an environment, in which a script moves the caregiver and the objects."""
+
+    def set_state(self, physics_state: np.ndarray, sig: int | None = None) -> None:
+        """See dm_control's ``Physics``; bodies of an environment are not set without the script that moves them.
+
+        Raises:
+            StateError: They are such.
+        """
+        if self.scripted:
+            raise StateError(
+                "physics.set_state would leave the caregiver's script, the clock and random streams as they are; "
+                "use state = environment.get_state() and environment.set_state(state), or, to look at bodies alone, "
+                "physics.copy()"
+            )
+        super().set_state(physics_state, sig)
 
     @cached_property
     def object_names(self) -> tuple[str, ...]:

@@ -6,22 +6,29 @@ robot looks somewhere, the caregiver shifts her gaze. Heads turn for a second; t
 
 from collections import OrderedDict
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from dm_env import specs
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.looker import AWAY, TurnWorld, places
 from jointattn_mj.scene.model import OBJECTS, ObjectConfig
 from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.scene.world import WorldConfig
 from jointattn_mj.symbolic.table import CAREGIVER, CHAPTER_5, ROBOT, TableConfig, new_table, table_variables, turn
+from jointattn_mj.tasks.arguments import require
 from jointattn_mj.tasks.environment import Random, Task
 from jointattn_mj.tasks.physics import Physics
 
 TIME_LIMIT = 1000.0
 """Seconds, and turns, in an episode."""
+
+
+_KEPT = ("table", "joint_attention", "_sensors", "_results")
+"""Attributes of the task that change from turn to turn."""
 
 
 def seen_objects(table: TableConfig) -> tuple[ObjectConfig, ...]:
@@ -44,41 +51,48 @@ class TurnTaking(Task):
     does: she answers none, as in section 5.3.1.
 
     Attributes:
-        table: The symbolic table of the episode; there from the first on.
+        table: The symbolic table of the episode.
         joint_attention: Whether in the last turn both have looked at the same object.
     """
 
     kind = TurnWorld
     world: TurnWorld
+    joint_attention = False
 
     def __init__(
         self, config: WorldConfig, random: Random = None, camera: bool = True, truth: bool = False,
         people: tuple[str, ...] = (), table: TableConfig = CHAPTER_5, variation: VariationConfig | str = "none",
     ):  # fmt: skip
         """``config.scene.objects`` are those of the table, whatever they were."""
+        require("world", config, WorldConfig)
+        require("table", table, TableConfig)
         self.table_config, self.variables = table, table_variables(table)
         scene = replace(config.scene, objects=seen_objects(table))
         super().__init__(replace(config, scene=scene), random, camera, truth, people, variation)
+        self.table = new_table(table, np.random.SeedSequence(0))
         self._sensors = np.zeros(len(self.variables.sensors), np.int64)
         self._results = np.zeros(len(self.variables.results), np.int64)
 
     def begin(self, seed: np.random.SeedSequence) -> None:
         """The first turn: objects are placed, the caregiver shifts her gaze or not; the robot looks at her."""
         self.table = new_table(self.table_config, seed)
-        self._places = places(self.table_config.spots, self.world.config.scene)
-        self._face = np.radians(directions_to(self.world.candidate_points())[-1])
-        self._directions = np.vstack([np.radians(directions_to(self._places)), self._face])
+        self._survey()
         self._turn(np.array([self.table_config.spots, 0]))
         self.joint_attention = False
-        self.world.arrive(self._face)
+        self.world.arrive(self._directions[-1])
 
-    def before_step(self, action: np.ndarray, physics: Physics) -> None:
+    def _survey(self) -> None:
+        """Where places are, and in which directions they and her face lie."""
+        self._places = places(self.table_config.spots, self.world.config.scene)
+        face = np.radians(directions_to(self.world.candidate_points())[-1])
+        self._directions = np.vstack([np.radians(directions_to(self._places)), face])
+
+    def act(self, action: np.ndarray) -> None:
         """A turn; ``action`` (2,) is where the robot looks (a place, or their number for her face) and its gesture.
 
         Numbers that are not whole are rounded, as noise on actions needs.
         """
-        spec = self.action_spec(physics)
-        self._turn(np.clip(np.rint(action), spec.minimum, spec.maximum).astype(np.int64))
+        self._turn(np.rint(action).astype(np.int64))
         self.world.before_step(self._directions[self.table.state[ROBOT]])
 
     def _turn(self, action: np.ndarray) -> None:
@@ -100,10 +114,27 @@ class TurnTaking(Task):
         for number, place in enumerate(np.flatnonzero(self.table.full)):
             objects[self.table.kind[place] if kinds > 1 else number] = self._places[place]
 
-    def action_spec(self, physics: Physics) -> specs.BoundedArray:
+    def actions(self) -> specs.BoundedArray:
         """Where the robot looks, 0 to the number of places, which stands for her face; and its gesture."""
         most = [self.table_config.spots, self.table_config.gestures - 1]
         return specs.BoundedArray((2,), np.int64, [0, 0], most, name="shift gaze\tgesture")
+
+    @property
+    def built(self) -> tuple[Any, ...]:
+        """See ``Task``."""
+        return *super().built, self.table_config
+
+    def get_state(self) -> dict[str, Any]:
+        """See ``Task``."""
+        turn_state = {name: snapshot.take(getattr(self, name)) for name in _KEPT}
+        return {**super().get_state(), "turn": turn_state}
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """See ``Task``."""
+        for name in _KEPT:
+            setattr(self, name, snapshot.put(getattr(self, name), state["turn"][name]))
+        super().set_state(state)
+        self._survey()
 
     def truth_spec(self) -> dict[str, specs.Array]:
         """What ``truth`` returns."""

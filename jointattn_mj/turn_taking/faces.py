@@ -8,12 +8,13 @@ each place. How well this carries over to faces never seen is tested on a second
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import mujoco
 import numba
 import numpy as np
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Spread, Whole
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.som import standardised
 from jointattn_mj.scene.camera import directions_to
@@ -27,22 +28,18 @@ FACE_DIRECTION = directions_to(np.array([HEAD_POSITION]))[0]
 
 
 @dataclass(frozen=True)
-class FaceBankConfig:
+class FaceBankConfig(Checked):
     """How faces are collected."""
 
-    faces: int = 3000
+    faces: Annotated[int, Whole("[2, 1e6]")] = 3000
     """Patterns; over the table that is one for less than a degree of gaze."""
-    familiar: int = 300
+    familiar: Annotated[int, Whole("[1, 1e6]")] = 300
     """Pictures before them, in which the detector gets to know the face's views."""
-    head_noise_deg: float = 0.5
+    head_noise_deg: Spread = 0.5
     """Standard deviation of the robot's head about the face's direction, so that the face lies on all fractions of a
     pixel."""
-    jitter_deg: float = 0.5
+    jitter_deg: Spread = 0.5
     """Standard deviation of the jitter of a gaze direction before the nearest pattern is taken."""
-
-    def __post_init__(self) -> None:
-        if self.faces < 2 or self.familiar < 1 or min(self.head_noise_deg, self.jitter_deg) < 0:
-            raise ConfigError(f"a face bank needs faces >= 2, familiar >= 1 and no negative noise; got {self}")
 
 
 @dataclass(frozen=True)

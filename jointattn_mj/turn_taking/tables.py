@@ -1,11 +1,12 @@
 """Where objects lie in turn taking: anywhere on the table, within the robot's first view, or outside it."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.scene.layout import LayoutConfig
 
 Rectangle = tuple[float, float, float, float]  # x from, x to, y from, y to; world frame, metres
@@ -23,19 +24,15 @@ TRIES = 300
 
 
 @dataclass(frozen=True)
-class TableConfig:
+class TableConfig(Checked):
     """What lies on the table."""
 
-    objects: int = 5
+    objects: Annotated[int, Whole("[1, 1000]")] = 5
     """How many objects."""
     region: Literal["table", "in_view", "outside"] = "table"
     """Where they may lie; ``table`` mixes places in view and outside."""
-    spacing: float = 0.13
+    spacing: Annotated[float, Real("[0, 10]")] = 0.13
     """Least distance between two, metres, as in ``scene.layout``."""
-
-    def __post_init__(self) -> None:
-        if self.objects < 1 or self.spacing < 0:
-            raise ConfigError(f"a table needs objects >= 1 and spacing >= 0; got {self.objects}, {self.spacing}")
 
 
 def draw_places(region: tuple[Rectangle, ...], count: int, rng: np.random.Generator) -> np.ndarray:

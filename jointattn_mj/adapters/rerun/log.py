@@ -8,36 +8,48 @@ import rerun as rr
 from jointattn_mj.adapters.rerun.entities import PICTURE
 from jointattn_mj.adapters.rerun.layout import layout
 from jointattn_mj.adapters.rerun.mind import Mind
+from jointattn_mj.adapters.rerun.outlet import Outlet
 from jointattn_mj.adapters.rerun.percepts import Percepts
 from jointattn_mj.adapters.rerun.pictures import Pictures
 from jointattn_mj.adapters.rerun.rows import Rows
 from jointattn_mj.adapters.rerun.scene import Scene
 from jointattn_mj.errors import OutputError
 from jointattn_mj.recording.checkpoint import fingerprint
+from jointattn_mj.recording.notices import notice
 from jointattn_mj.recording.paint import PERSON, Colour, ink_of
 from jointattn_mj.session import Session
 
 
 class SessionLog:
-    """Writes a log while it is shown a session: ``with SessionLog(path, session) as log: session.step(log)``."""
+    """Writes a log while it is shown a session: ``with SessionLog(path, session) as log: session.step(log)``.
+
+    Where the file cannot be written any more, such as on a full disk, it says so once and lets the session go on.
+    """
 
     def __init__(self, path: Path, session: Session):
         """Logs of the parts of a resumed session bear the same id: opened together, they are one."""
         self._path, self._session = path, session
         self._log = rr.RecordingStream("jointattn session", recording_id=fingerprint(session.config))
         self._rows = Rows(self._log)
+        self._open = False
 
     def __enter__(self) -> "SessionLog":
         """Open the file, and write what never changes.
 
         Raises:
-            OutputError: The file cannot be written.
+            OutputError: The file cannot be made, or is there already.
             VideoError: ffmpeg does not start.
         """
         try:
-            self._log.save(self._path, default_blueprint=layout())
+            self._outlet = Outlet(self._path)
+            try:
+                self._log.save(self._outlet.name, default_blueprint=layout())
+            finally:
+                self._outlet.opened()
         except (OSError, RuntimeError) as error:
-            raise OutputError(f"cannot write {self._path}: {error}; choose another --rerun") from error
+            trouble = getattr(error, "strerror", None) or error
+            raise OutputError(f"cannot write {self._path}: {trouble}; choose another --rerun") from error
+        self._open = True
         session = self._session
         inks: list[Colour] = [*(ink_of(item.rgb) for item in session.config.world.scene.objects), PERSON]
         self._parts = (
@@ -55,6 +67,10 @@ class SessionLog:
             VideoError: ffmpeg has given up.
             GLError: No picture can be rendered here.
         """
+        if self._outlet.error is not None:
+            self._end()
+        if not self._open:
+            return
         self._rows.go_to(session.frame)
         self._pictures.add(session.frame, session.world.picture())
         for part in self._parts:
@@ -65,11 +81,21 @@ class SessionLog:
     ) -> None:
         """Finish the file; an error that is already under way comes first."""
         try:
-            self._rows.flush()
             self._pictures.finish()
+            self._rows.flush()
         except Exception:
             if error is None:
                 raise
         finally:
-            self._log.flush()
-            self._log.disconnect()
+            self._end()
+
+    def _end(self) -> None:
+        """Finish the file, and say so where it could not be written."""
+        if not self._open:
+            return
+        self._open = False
+        self._log.flush()
+        self._log.disconnect()
+        self._outlet.close()
+        if self._outlet.error is not None:
+            notice(f"cannot write {self._path}: {self._outlet.error}; the session goes on without it")

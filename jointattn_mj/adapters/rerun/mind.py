@@ -86,8 +86,8 @@ class Mind:
         counts = session.shifts.column("face_to_object") == 1
         if counts[-1]:
             now = np.array([session.frame / FRAMES_PER_MINUTE])
-            at, success = (session.shifts.column(name)[counts] for name in ("landing_s", "success"))
-            rate = rate_of_success(now, at / 60, success == 1)
+            landed, success = (session.shifts.column(name)[counts] for name in ("landing_s", "success"))
+            rate = rate_of_success(now, landed / 60, success == 1)
             self._rows.log.log(at.SUCCESS, rr.Scalars(rate))
 
     def _write(self, path: str, value: Any, make: Callable[[], Any]) -> None:

@@ -1,0 +1,118 @@
+"""Standard streams that may be closed, full or gone, and signals that end a command, without a traceback."""
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
+from typing import Any, TextIO
+
+INTERRUPTED = 130
+STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+"""Ctrl-C, the kind signal of schedulers, and the end of the terminal."""
+
+
+class Unbroken:
+    """A text stream that never raises where it cannot be written: what is written after the first failure is lost.
+
+    Attributes:
+        trouble: The first failure; None while there is none.
+    """
+
+    def __init__(self, stream: TextIO | None):
+        self._stream = stream
+        self.trouble: OSError | ValueError | None = None
+
+    def write(self, text: str) -> int:
+        """Write if possible; returns the length of ``text``."""
+        self._attempt("write", text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Hand on what is buffered, if possible."""
+        self._attempt("flush")
+
+    def isatty(self) -> bool:
+        """Whether somebody looks on."""
+        return self._attempt("isatty") or False
+
+    def _attempt(self, method: str, *arguments: str) -> Any:
+        if self._stream is None or self.trouble is not None:
+            return None
+        try:
+            return getattr(self._stream, method)(*arguments)
+        except (OSError, ValueError) as error:  # ValueError: it is closed
+            self.trouble = error
+            return None
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
+@contextmanager
+def unbroken_streams() -> Iterator[Unbroken]:
+    """While the block runs, printing cannot fail; gives standard output, whose ``trouble`` is known at the end.
+
+    Streams that were closed are opened on nothing, so that no file takes their number. Characters that the encoding of
+    a stream does not have are written as escapes.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    kept = sys.stdout, sys.stderr
+    for stream in kept:
+        with suppress(AttributeError, OSError, ValueError):
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    output = sys.stdout = Unbroken(kept[0])  # type: ignore[assignment]
+    errors = sys.stderr = Unbroken(kept[1])  # type: ignore[assignment]
+    try:
+        yield output
+    finally:
+        for wrapped, stream in zip((output, errors), kept, strict=True):
+            wrapped.flush()
+            if wrapped.trouble is not None:
+                _forget(stream)
+        sys.stdout, sys.stderr = kept
+
+
+def _forget(stream: TextIO) -> None:
+    """Let what is still buffered go nowhere: Python would complain of it at its end."""
+    with suppress(OSError, ValueError, AttributeError):
+        nothing = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nothing, stream.fileno())
+        os.close(nothing)
+
+
+@contextmanager
+def stopped_like_ctrl_c() -> Iterator[None]:
+    """While the block runs, SIGTERM and SIGHUP raise KeyboardInterrupt as Ctrl-C does; what is ignored stays so.
+
+    Afterwards each of them ends the process at once with 130, so that a second one cannot break off an orderly end.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    kept = {number: signal.getsignal(number) for number in STOPS}
+    heeded = [number for number, handler in kept.items() if handler is not signal.SIG_IGN]
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    def at_once(number: int, frame: FrameType | None) -> None:
+        os._exit(INTERRUPTED)
+
+    for number in heeded:
+        signal.signal(number, stop)
+    interrupted = False
+    try:
+        yield
+    except KeyboardInterrupt:
+        interrupted = True
+        raise
+    finally:
+        for number in heeded:
+            signal.signal(number, at_once if interrupted else kept[number])

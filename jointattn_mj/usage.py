@@ -1,0 +1,48 @@
+"""What is wrong with a command line, on one line instead of in tyro's boxes."""
+
+import re
+
+from jointattn_mj.options import meant
+
+
+def complaint(box: str) -> str:
+    """What tyro's box says: its first part, what it suggests, and where help is.
+
+    Args:
+        box: What tyro printed to stderr; its first line is a title that the first part says again.
+    """
+    lines = [line.strip("│ ") for line in re.sub(r"\x1b\[[0-9;]*m", "", box).splitlines()]
+    first, *others = re.split(r" ─+ ", " ".join(line for line in lines if line[:1] not in ("╭", "╰")))
+    first = re.sub(r" (?=[.,])", "", first)  # where a line was broken before a full stop
+    help_hint = others[-1].partition("For full helptext, ")[2] if others else ""
+    return f"{_placed(first)}{_commands(others)}{_suggestion(first, others)} ({help_hint or 'see jointattn --help'})"
+
+
+def without_class(message: str) -> str:
+    """An error of a config without the name of its class: nobody has typed it."""
+    return re.sub(r"^[A-Z]\w*\.", "", message)
+
+
+def _placed(text: str) -> str:
+    """``Error parsing PLACE: MESSAGE`` as an option or a dotted name and what is wrong with it."""
+    found = re.match(r"Error parsing (?:__tyro-dummy-inner__\.\w+\.)?(\S+): (.*)", text)
+    if found is None:
+        return text
+    place, message = found.groups()
+    if without_class(message) != message:
+        return f"{place}.{without_class(message)}"
+    return f"{place}: {message}" if place.startswith("-") else message
+
+
+def _commands(parts: list[str]) -> str:
+    known = [re.match(r"Available subcommands: ([\w, -]+)$", part) for part in parts]
+    return "".join(f"; there are {found[1]}" for found in known if found)
+
+
+def _suggestion(text: str, parts: list[str]) -> str:
+    choice = re.match(r"invalid choice '(.*)' for argument .* Expected one of \((.*)\)", text)
+    if choice:
+        return meant(choice[1], re.findall(r"'([^']*)'", choice[2]))
+    near = [option for part in parts if part.startswith("Perhaps you meant") for option in re.findall(r"--\S+", part)]
+    options = [option for option in near if option != "--help"][:2]
+    return f" (perhaps you meant {' or '.join(options)})" if options else ""

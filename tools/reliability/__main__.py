@@ -1,0 +1,160 @@
+"""``python -m tools.reliability``: see the package."""
+
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, closing
+from pathlib import Path
+
+import tyro
+
+from tools.reliability import hours, kills, together
+from tools.reliability.inputs import all_kinds
+from tools.reliability.malformed import summary, try_all
+from tools.reliability.report import PAGE, page
+from tools.reliability.results import FOLDER, save, table
+from tools.reliability.subjects import SUBJECTS, Subject, places
+from tools.shell import Shell
+
+
+def run_kills(*, number: int = 100, only: str = "", seed: int = 0, jobs: int = 2, out: Path = FOLDER) -> bool:
+    """Kill runs with -9 at random moments, and go on with them, until they are done.
+
+    Args:
+        number: Of kills in all, evenly over the kinds of runs.
+        only: Only runs whose names begin so.
+        seed: Of the moments.
+        jobs: Runs at once.
+        out: Folder for kills.json.
+    """
+
+    def harness(folder: Path, subjects: tuple[Subject, ...], at: dict[str, str], pool: ThreadPoolExecutor) -> dict:
+        def killed(subject: Subject) -> list[kills.Trial]:
+            peace = kills.reference(subject, folder / f"{subject.name} in peace", at)
+            trials: list[kills.Trial] = []
+            while sum(len(trial.kills) for trial in trials) < number / len(subjects):
+                trial_seed = 1000 * seed + len(trials)
+                out_of_it = folder / f"{subject.name} {trial_seed}"
+                trials.append(kills.kill_until_done(subject, trial_seed, peace, out_of_it, at))
+                told = f"{subject.name} {trial_seed}: {len(trials[-1].kills)} kills, "
+                print(told + (f"LOST {trials[-1]}" if trials[-1].lost else "nothing lost"), file=sys.stderr)
+            return trials
+
+        return kills.summary([trial for trials in pool.map(killed, subjects) for trial in trials])
+
+    return _with_runs("kills", harness, [one for one in SUBJECTS if one.name.startswith(only)], jobs, out)
+
+
+def run_pairs(*, number: int = 24, only: str = "", seed: int = 0, jobs: int = 2, out: Path = FOLDER) -> bool:
+    """Start two commands in one folder, at once or nearly so.
+
+    Args:
+        number: Of pairs in all, evenly over the kinds of runs.
+        only: Only runs whose names begin so.
+        seed: Of the pauses between the two.
+        jobs: Pairs at once.
+        out: Folder for pairs.json.
+    """
+
+    def harness(folder: Path, subjects: tuple[Subject, ...], at: dict[str, str], pool: ThreadPoolExecutor) -> dict:
+        def started(subject: Subject) -> list[together.Pair]:
+            alone = (
+                kills.reference(subject, folder / f"{subject.name} first alone", at),
+                kills.reference(subject, folder / f"{subject.name} second alone", at, together.other_seed(subject)),
+            )
+            seeds = range(1000 * seed, 1000 * seed + max(1, number // len(subjects)))
+            found = []
+            for pair_seed in seeds:
+                found.append(together.start_two(subject, pair_seed, alone, folder / f"{subject.name} {pair_seed}", at))
+                print(found[-1], file=sys.stderr)
+            return found
+
+        return together.summary([pair for of in pool.map(started, subjects) for pair in of])
+
+    chosen = [one for one in SUBJECTS if one.name in together.SUBJECTS and one.name.startswith(only)]
+    return _with_runs("pairs", harness, chosen, jobs, out)
+
+
+def run_malformed(
+    *, number: int = 1000, only: str = "", seed: int = 0, jobs: int = 2, limit: float = 90.0, out: Path = FOLDER
+) -> bool:
+    """Try inputs that make no sense, over options, files and Python calls.
+
+    Args:
+        number: Of inputs in all.
+        only: Only inputs whose descriptions have this in them.
+        seed: Of all draws.
+        jobs: Inputs at once.
+        limit: Seconds after which an input hangs.
+        out: Folder for malformed.json.
+    """
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="malformed-") as name, ExitStack() as stack:
+        folder, here = Path(name), Path(name) / "here" / "it" / "is"
+        here.mkdir(parents=True)
+        shells = [stack.enter_context(closing(Shell(here))) for _ in range(jobs)]
+        given = [one for one in all_kinds(shells[0], seed, number, folder) if only in f"{one.kind} {one.what}"]
+        found = summary(given, try_all(given, shells, limit))
+    return _leave("malformed", found, time.monotonic() - began, out)
+
+
+def run_hours(*, share: float = 1.0, only: str = "", out: Path = FOLDER) -> bool:
+    """Let runs go on for a simulated day, and watch their memory.
+
+    Args:
+        share: Of the day.
+        only: Only runs whose names begin so.
+        out: Folder for hours.json.
+    """
+    began, spent = time.monotonic(), []
+    for day in hours.DAYS:
+        if day.name.startswith(only):
+            with tempfile.TemporaryDirectory(prefix="hours-") as folder:
+                spent.append(hours.spend(day, share, Path(folder) / "out"))
+            print(spent[-1]["row"], spent[-1]["trouble"], file=sys.stderr)
+    return _leave("hours", hours.summary(spent), time.monotonic() - began, out)
+
+
+def run_report(*, out: Path = FOLDER) -> bool:
+    """Write what is stored into docs/reliability.md.
+
+    Args:
+        out: Folder of the results.
+    """
+    PAGE.write_text(page(PAGE.read_text("utf-8"), out), "utf-8")
+    print(PAGE)
+    return False
+
+
+def _with_runs(name: str, harness: Callable[..., dict], subjects: list[Subject], jobs: int, out: Path) -> bool:
+    """Give a harness what its runs need, and leave what it found; whether anything was lost."""
+    began = time.monotonic()
+    with (
+        tempfile.TemporaryDirectory(prefix=f"{name}-") as folder,
+        places(Path(folder), tuple(subjects)) as at,
+        ThreadPoolExecutor(jobs) as pool,
+    ):
+        found = harness(Path(folder), tuple(subjects), at, pool)
+    return _leave(name, found, time.monotonic() - began, out)
+
+
+def _leave(name: str, found: dict, seconds: float, out: Path) -> bool:
+    """Print and store it; whether anything is wrong."""
+    path = save(name, found, seconds, out)
+    print(table(found["rows"]))
+    print(path)
+    return bool(found["wrong"])
+
+
+COMMANDS = {
+    "kills": run_kills,
+    "pairs": run_pairs,
+    "malformed": run_malformed,
+    "hours": run_hours,
+    "report": run_report,
+}
+
+if __name__ == "__main__":
+    sys.exit(int(tyro.extras.subcommand_cli_from_dict(COMMANDS, prog="python -m tools.reliability")))

@@ -1,0 +1,158 @@
+"""Folders of runs that were killed, of which one file is not what it was: damaged, made up, or another run's."""
+
+import hashlib
+import io
+import json
+import os
+import pickle
+import random
+import shutil
+import signal
+import time
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from tools.reliability.folders import contents, differences
+from tools.reliability.inputs.damage import damaged
+from tools.reliability.malformed import Input, anything, refused
+from tools.reliability.subjects import Run
+from tools.shell import Outcome, Shell
+
+RUNS = (
+    ("session", "--perception", "truth", "--minutes", "10", "--checkpoint-minutes", "0.5", "--seed", "1"),
+    ("develop", "--preset", "fast", "--steps", "200000", "--checkpoint-every", "10000"),
+)
+
+
+def stopped(arguments: tuple[str, ...], out: Path) -> None:
+    """Start a run and kill it when it has gone some way."""
+    run = Run([*arguments, "--out", str(out)])
+    checkpoint = out / "checkpoint.bin"
+    until = time.monotonic() + 120
+    first = None
+    while run.running() and time.monotonic() < until:
+        if checkpoint.exists():
+            now = checkpoint.stat().st_mtime_ns
+            first = first or now
+            if now > first:
+                break
+        time.sleep(0.002)
+    os.kill(run.process.pid, signal.SIGKILL)
+    run.end()
+
+
+def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iterator[Input]:
+    """Folders of runs that were stopped, of which one file is not what it was; ``--resume`` refuses, or the results are
+    those of a run in peace."""
+    left, peace = [], []
+    for number, arguments in enumerate(RUNS):
+        shell(*arguments, "--out", folder / f"peace{number}")
+        peace.append(contents(folder / f"peace{number}"))
+        stopped(arguments, folder / f"stopped{number}")
+        left.append(folder / f"stopped{number}")
+    for number in range(many):
+        which = number % len(RUNS)
+        out = folder / f"resumed{number}"
+        shutil.copytree(left[which], out)
+        names = sorted(path.name for path in out.iterdir() if path.is_file() and path.stat().st_size)
+        name = "checkpoint.bin" if number % 3 else chance.choice(names)
+        raw = (out / name).read_bytes()
+        what, result = _change(out / name, raw, left[1 - which], chance, number)
+        if result is None:
+            result = _as_in_peace(peace[which], out, but=name)
+        yield Input(
+            "checkpoints", f"{RUNS[which][0]} {name}: {what}", (*RUNS[which], "--out", str(out), "--resume"),
+            result=result,
+        )  # fmt: skip
+
+
+def _change(
+    path: Path, raw: bytes, others: Path, chance: random.Random, number: int
+) -> tuple[str, Callable[[Outcome], str] | None]:
+    """Make a file another one; what was done, and which result will do (None: the one in peace)."""
+    ways = ("damaged", "made up", "made up", "made up", "damaged", "another run's", "a folder", "a pickle")
+    way = ways[number % len(ways)]
+    if way == "another run's" and (others / path.name).exists():
+        shutil.copy(others / path.name, path)
+        return way, refused if path.name == "checkpoint.bin" else None
+    if way == "a folder":
+        path.unlink()
+        path.mkdir()
+        return way, refused if path.name == "checkpoint.bin" else None
+    if way == "a pickle":
+        path.write_bytes(_pickle(path.with_name("canary")))
+        return way, lambda outcome: "ran code" if path.with_name("canary").exists() else ""
+    if way == "made up" and (made := made_up(raw, chance)) is not None:
+        path.write_bytes(made[1])
+        return f"{way}, {made[0]}", anything
+    what, made_of = damaged(raw, chance)
+    path.write_bytes(made_of)
+    return what, None
+
+
+def made_up(raw: bytes, chance: random.Random) -> tuple[str, bytes] | None:
+    """A checkpoint that is formally right, digest and all, and holds something else; None if its format is another."""
+    try:
+        archive = zipfile.ZipFile(io.BytesIO(raw))
+        members = {entry.filename: archive.read(entry) for entry in archive.infolist()}
+        comment = archive.comment
+    except zipfile.BadZipFile:
+        return None
+    name = chance.choice(["state.json"] * 3 + list(members))
+    if name not in members:
+        return None
+    if name.endswith(".json"):
+        what, value = twisted(json.loads(members[name]), chance)
+        members[name] = json.dumps(value).encode()
+    else:
+        what, members[name] = damaged(members[name], chance)
+    sink = io.BytesIO()
+    with zipfile.ZipFile(sink, "w") as made:
+        for member, content in members.items():
+            made.writestr(member, content)
+        made.comment = comment[:-64] + b"0" * 64
+    content = sink.getvalue()
+    return f"{name}: {what}", content[:-64] + hashlib.sha256(content[:-64]).hexdigest().encode()
+
+
+def twisted(value: object, chance: random.Random) -> tuple[str, object]:
+    """Plain data with one value in it exchanged for another kind of thing."""
+    spots: list[tuple[dict | list, object]] = []
+
+    def collect(part: object) -> None:
+        keys = part if isinstance(part, dict) else range(len(part)) if isinstance(part, list) else ()
+        for key in keys:
+            spots.append((part, key))
+            collect(part[key])
+
+    collect(value)
+    if not spots:
+        return "nothing", None
+    part, key = chance.choice(spots)
+    other = chance.choice(
+        [None, -1, 2**63, 10**400, 1e308, float("nan"), "", "os.system", "x" * 10_000, [], {}, True, [[[[]]]], 0]
+    )
+    what = f"{str(part[key])[:40]} becomes {str(other)[:20]!r}"
+    part[key] = other
+    return what, value
+
+
+def _pickle(canary: Path) -> bytes:
+    """What makes a file when it is unpickled, as checkpoints of the first format were."""
+
+    class Touch:
+        def __reduce__(self) -> tuple:
+            return Path.touch, (canary,)
+
+    body = b"0" * 64 + pickle.dumps(Touch())
+    return b"jointattn checkpoint 1\n" + hashlib.sha256(body).hexdigest().encode() + body
+
+
+def _as_in_peace(peace: dict[str, bytes], out: Path, but: str) -> Callable[[Outcome], str]:
+    def check(outcome: Outcome) -> str:
+        found = differences(peace, contents(out))
+        found.pop("config.yaml", None)  # says what was asked for; nothing reads it
+        return f"results differ: {found}" if found else ""
+
+    return check

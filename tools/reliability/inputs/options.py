@@ -1,0 +1,127 @@
+"""Values that make no sense, for every option of every command: options are read from what ``--help`` says."""
+
+import random
+import re
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+
+from tools.reliability.malformed import Input, anything, refused
+from tools.shell import Shell
+
+LINE = re.compile(r"^[\s│|]*(--[a-z][\w.-]*)((?:, --[\w.-]+)*)(?: (\S.*?))?(?:\s{2,}.*)?[\s│|]*$")
+COLUMNS = "90"
+"""Wide enough for every option with what it takes, too narrow for two beside each other."""
+NUMBERS = ("nan", "inf", "-inf", "1e308", "-1e308", "9223372036854775808", "1" + "0" * 400)
+NOT_ONE = ("", "abc", "0x10", "1,5", "None", "--", "१२nan", "\udcff")
+WHOLE = ("1.5", "-9223372036854775809")
+TEXTS = ("", "x" * 5000, "\udcff\udcfe", "a\nb", "..", "-", "nan", "𝓍")
+PATHS = ("", "x" * 10_000, "/dev/null/x", "/proc/self/mem", "/dev/full", "\udcff", ".", "a\nb", "-")
+
+
+@dataclass(frozen=True)
+class Base:
+    """A command that takes a second where its options make sense."""
+
+    command: str
+    out: bool = True
+    """Whether it takes --out."""
+    asked: str = ""
+    """Which of its options: those whose names begin so."""
+    serves: bool = False
+    """Whether it goes on until it is stopped: only values that cannot be are tried."""
+
+
+BASES = (
+    Base("session --perception truth --minutes 0.02"),
+    Base("session --minutes 0.02 --robot.familiarise.minutes 0.02", asked="--pixels"),
+    Base("develop --preset fast --steps 2000"),
+    Base("develop --world rendered --steps 20 --rendered.watching 60 --rendered.greeting 5"),
+    Base(
+        "develop --world rendered --mode realtime --minutes 0.02 --realtime.perception truth "
+        "--realtime.familiarise-minutes 0.1"
+    ),
+    Base("perceive {video} --no-overlay --max-minutes 0.02"),
+    Base("measure {table} --source her_gaze --condition my_gaze --target toy_seen", out=False),
+    Base("discover {table} --sensors her_gaze --actions my_gaze --results toy_seen", out=False),
+    Base("play follow --agent zero --episodes 1 --time-limit 0.2", out=False),
+    Base("experiment list", out=False),
+    Base("experiment run 5.2 --setting 'robot first' --runs 1 --jobs 1"),
+    Base("experiment report {store}", out=False),
+    Base("benchmark --what scene --blocks 1 --seconds 1", out=False, serves=True),
+    Base("view follow --agent zero", out=False, serves=True),
+)
+
+
+@dataclass(frozen=True)
+class Option:
+    """An option as --help shows it."""
+
+    name: str
+    takes: str
+    """FLOAT, INT INT, {None}|PATH, [STR [STR ...]], {a,b}, or nothing."""
+    default: str
+
+
+def options_of(shell: Shell, base: Base, places: dict[str, str]) -> list[Option]:
+    """Those that a command has."""
+    arguments = [places.get(word, word) for word in shlex.split(base.command)]
+    said = shell(*arguments, "--help", env={"COLUMNS": COLUMNS}).out
+    found = []
+    lines = said.splitlines()
+    for place, line in enumerate(lines):
+        if match := LINE.match(line):
+            rest = " ".join(part.strip(" │|") for part in lines[place : place + 12])
+            default = re.search(r"\(default: ([^)]*)\)", rest)
+            found.append(Option(match[1], match[3] or "", default[1].strip() if default else ""))
+    return [option for option in found if option.name.startswith(base.asked) and option.name != "--help"]
+
+
+def values_for(option: Option, chance: random.Random) -> list[tuple[tuple[str, ...], bool]]:
+    """Words that may follow an option, and whether a run with them is wrong in any case."""
+    takes = option.takes.removeprefix("{None}|")
+    if not takes:
+        return [(("yes",), True)]
+    if takes.startswith("{"):
+        return [((text,), True) for text in (*TEXTS, takes.strip("{}"))]
+    parts = re.findall(r"FLOAT|INT|STR|PATH", takes)
+    kind, count = parts[0], 1 if "..." in takes else len(parts)
+    if kind == "PATH":
+        return [((path,), False) for path in PATHS]
+    if kind == "STR":
+        return [((text,) * count, False) for text in TEXTS]
+    bad = [number for number in NUMBERS if number not in (option.default, option.default.split(" ")[0])]
+    found = []
+    for word in (*bad, *NOT_ONE, *(WHOLE if kind == "INT" else ())):
+        words = ["1"] * count
+        words[chance.randrange(count)] = word
+        found.append((tuple(words), word != "None" or not option.takes.startswith("{None}")))
+    return [*found, (("1",) * (count + 1), True)]
+
+
+def inputs(shell: Shell, chance: random.Random, many: int, folder: Path, places: dict[str, str]) -> list[Input]:
+    """``many`` of all that there are, drawn by ``chance``; every command has some."""
+    found: dict[Base, list[Input]] = {}
+    for base in BASES:
+        found[base] = []
+        for option in options_of(shell, base, places):
+            for words, wrong in values_for(option, chance):
+                if wrong or not base.serves:
+                    number = len(found[base])
+                    out = folder / f"{BASES.index(base)}_{number}"
+                    found[base].append(_input(base, option, words, wrong, out, places))
+        chance.shuffle(found[base])
+    share = [found[base][: max(5, many * len(found[base]) // sum(map(len, found.values())))] for base in BASES]
+    return [one for part in share for one in part]
+
+
+def _input(base: Base, option: Option, words: tuple[str, ...], wrong: bool, out: Path, places: dict[str, str]) -> Input:
+    """The command with its option in place of the one that it may have already."""
+    given = shlex.split(base.command) + (["--out", str(out)] if base.out else [])
+    if option.name in given:
+        place = given.index(option.name)
+        del given[place : place + 2]
+    given = [places.get(word, word) for word in given]
+    what = f"{base.command.split(' --')[0]} {option.name} = {' '.join(words)[:60]!r}"
+    follow = [f"{option.name}={words[0]}"] if len(words) == 1 else [option.name, *words]
+    return Input("options", what, (*given, *follow), result=refused if wrong else anything)
