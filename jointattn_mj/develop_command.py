@@ -14,7 +14,7 @@ from jointattn_mj.symbolic.meaning import Meaning
 def run_with_bar(config: DevelopConfig, options: DevelopOptions) -> None:
     """Live a life, show on stderr how it goes, and say on stdout what came of it."""
     started = time.perf_counter()
-    shown = Progress("life", config.length, config.unit)
+    shown = Progress("developing", config.length, config.unit)
 
     def progress(life: Life, found: Sequence[tuple[Found, Meaning | None]]) -> None:
         for one, meaning in found:

@@ -32,7 +32,7 @@ FRAMES_PER_MINUTE = 60 * FRAMES_PER_SECOND
 class SessionConfig(Checked):
     """Everything that decides what happens in a session."""
 
-    minutes: Annotated[float, Real("(0, 1e6]")] = 26.0
+    minutes: Annotated[float, Real("(0, 1e9]")] = 26.0
     """Simulated minutes; "each session lasted approximately 26 minutes" (6.4.3)."""
     seed: Seed = 0
     """All randomness comes from it, one stream a component."""

@@ -18,13 +18,17 @@ def result_paths(out: Path, name: str) -> tuple[Path, Path]:
     Raises:
         OutputError: One of them is there already, or their folder cannot be made or written to.
     """
-    if out.is_dir():
-        out = out / name
-    stem = out.with_suffix("") if out.suffix in (".csv", ".json") else out
-    paths = stem.with_name(f"{stem.name}.csv"), stem.with_name(f"{stem.name}.json")
-    for path in paths:
-        if path.exists():
-            raise OutputError(f"{path} is there already; choose another --out")
+    try:
+        if out.is_dir():
+            out = out / name
+        stem = out.with_suffix("") if out.suffix in (".csv", ".json") else out
+        paths = stem.with_name(f"{stem.name}.csv"), stem.with_name(f"{stem.name}.json")
+        there = [path for path in paths if path.exists()]
+    except (OSError, ValueError) as error:  # a name that is too long, empty, or has a NUL in it
+        trouble = getattr(error, "strerror", None) or error
+        raise OutputError(f"cannot write {str(out)[:100]!r}: {trouble}; choose another --out") from error
+    if there:
+        raise OutputError(f"{there[0]} is there already; choose another --out")
     try:
         stem.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
