@@ -119,6 +119,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--folder", type=Path, required=True, help="for roots and logs; made when missing")
     parser.add_argument("--suites", nargs="+", default=["bookworm", "trixie"], help="Debian's names")
+    parser.add_argument("--commands", nargs="+", default=["demo", "test"], choices=["demo", "test"], help="of make")
     parser.add_argument("--keep", action="store_true", help="leave the roots there")
     options = parser.parse_args()
     if os.geteuid() or not shutil.which("debootstrap"):
@@ -129,7 +130,7 @@ def main() -> None:
         machine = Machine.build(suite, options.folder.resolve() / suite)
         for who in (USER, "root"):
             machine.clone(who)
-        for number, trial in enumerate(TRIALS):
+        for number, trial in enumerate(trial for trial in TRIALS if trial.command.split()[1] in options.commands):
             log = machine.folder.with_name(f"{suite}-{number}-{trial.who}-{trial.command.split()[1]}.log")
             rows.append(tried(machine, trial, log))
             print(rows[-1], flush=True)
