@@ -14,7 +14,8 @@ from typing import Annotated
 
 import numpy as np
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.border import numbers
+from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.options import Checked, Count, Real, Whole
 
 PICTURE_DIMENSION = 4  # inputs with at least so many numbers are patterns, and are standardised
@@ -85,7 +86,12 @@ class SOM:
         self._norms: np.ndarray | None = None
 
     def update(self, x: np.ndarray) -> int:
-        """Learn one pattern; the index of the cell that won. Schedules go by the number of patterns seen so far."""
+        """Learn one pattern; the index of the cell that won. Schedules go by the number of patterns seen so far.
+
+        Raises:
+            ObservationError: NaN, infinity, or no numbers.
+            ConfigError: Another number of them than the cells have.
+        """
         config = self.config
         pattern = self._pattern(x)
         progress = min(self.seen / config.updates, 1.0)
@@ -102,6 +108,8 @@ class SOM:
 
     def train(self, patterns: np.ndarray, rng: np.random.Generator) -> None:
         """Learn from stored ``patterns`` (n, ...), drawn at random, until the schedules are over."""
+        if not len(patterns):
+            raise ObservationError("patterns: expected one or more to learn from; got none")
         prepared = np.stack([self._pattern(x) for x in patterns])
         for index in rng.integers(len(prepared), size=max(0, self.config.updates - self.seen)):
             self.update(prepared[index])
@@ -167,7 +175,7 @@ class SOM:
         return som
 
     def _pattern(self, x: np.ndarray) -> np.ndarray:
-        pattern = standardised(x)
+        pattern = standardised(numbers("pattern", x))
         if pattern.size != self.weights.shape[1]:
             raise ConfigError(f"som: expected patterns of {self.weights.shape[1]} numbers, came {pattern.size}")
         return pattern
