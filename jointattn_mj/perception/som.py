@@ -35,9 +35,9 @@ class SOMConfig(Checked):
     """Standard deviation of the Gaussian neighbourhood at first, in cells: nearly half the sheet."""
     sigma_end: Annotated[float, Real("[0.01, 1000]")] = 0.7
     """The same at the end: neighbours still share a third of what a cell learns, so that the sheet stays smooth."""
-    rate_start: Annotated[float, Real("(0, 1]")] = 0.5
+    rate_start: Annotated[float, Real("[1e-9, 1]")] = 0.5
     """Share of the difference that the best cell takes over, at first."""
-    rate_end: Annotated[float, Real("(0, 1]")] = 0.05
+    rate_end: Annotated[float, Real("[1e-9, 1]")] = 0.05
     """The same at the end; both schedules are exponential."""
     softness: Annotated[float, Real("[1e-6, 1e6]")] = 0.3
     """Width of the activations in units of the map's own: the mean squared distance between neighbouring cells. The
