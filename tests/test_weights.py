@@ -66,7 +66,7 @@ def bomb(shape: tuple[int, ...], data: bytes, size: int | None = None) -> bytes:
 )
 def test_files_that_ask_for_more_than_they_have(tmp_path, content):
     (tmp_path / "w.npz").write_bytes(content)
-    with pytest.raises(CheckpointError, match="is not a weights.npz"):
+    with pytest.raises(CheckpointError, match=r"is not a weights\.npz"):
         read_weights(tmp_path / "w.npz")
 
 
