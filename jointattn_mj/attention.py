@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Protocol
 import numba
 import numpy as np
 
+from jointattn_mj.border import require_array
 from jointattn_mj.options import TOP_LEVEL, Checked, Positive, Real, Whole
 from jointattn_mj.restored import check_array
 
@@ -118,8 +119,14 @@ class AttentionSelector:
             check_array(name, getattr(self, name), (self.face + 1,), float)
 
     def advance(self, attended: int | None, moves: np.ndarray) -> None:
-        """One frame: habituate to ``attended``, recover for the rest, count motion (eq. 6.1, 6.3, 6.6)."""
+        """One frame: habituate to ``attended``, recover for the rest, count motion (eq. 6.1, 6.3, 6.6).
+
+        Raises:
+            ObservationError: ``moves`` is no bool array (n + 1,).
+        """
         config = self.config
+        if not isinstance(moves, np.ndarray) or moves.shape != self.saliency.shape or moves.dtype != bool:
+            require_array("moves", moves, self.saliency.shape, "b")
         _advance(
             self.saliency, self.motion, self.interest, -1 if attended is None else attended, moves,
             self._preference, self._decay, self._growth, config.recovery == "min",

@@ -61,6 +61,22 @@ def require_array(
         raise ObservationError(f"{name}: expected values from {lowest} to {highest}; got {_shown(given)}")
 
 
+def numbers(name: str, given: Any, shape: tuple[int, ...] | None = None) -> np.ndarray:
+    """``given`` as an array of finite numbers; -1 in ``shape`` stands for any length, no shape for any.
+
+    Raises:
+        ObservationError: It is none, or has another shape.
+    """
+    try:
+        array = np.asarray(given)
+    except Exception as error:  # ragged lists, and whatever an object's own conversion raises
+        raise ObservationError(f"{name}: expected numbers {_sizes(shape or ())}; got {type(given).__name__}") from error
+    require_array(name, array, (-1,) * array.ndim if shape is None else shape, "iuf")
+    if not np.isfinite(array).all():
+        raise ObservationError(f"{name}: expected finite numbers; got {_shown(array)}")
+    return array
+
+
 _KINDS = {"b": "bool", "i": "int", "u": "unsigned int", "f": "float"}
 
 

@@ -167,6 +167,7 @@ def _run(
     if options.resume:
         life: Life = checkpoint.load(frozen, config, kind=config.kind)
         if (summary := summary_of_ended(out)) is not None:
+            _forget_moments(out)
             return summary
         life.attach(log_folder(out))
     else:
@@ -191,10 +192,10 @@ def _run(
     if options.video:
         kept = sorted(out.glob("moment_*.bin"))
         config.film(out / "video.mp4", (_recalled(path, config, out) for path in kept))
-        for path in kept:
-            path.unlink()
     life.check()
-    return _leave_results(config, life, out)
+    summary = _leave_results(config, life, out)
+    _forget_moments(out)
+    return summary
 
 
 def _keep(path: Path, life: Life, config: DevelopConfig) -> None:
@@ -205,6 +206,12 @@ def _keep(path: Path, life: Life, config: DevelopConfig) -> None:
 def _moment(out: Path, modules: int) -> Path:
     """Where a life is kept as it was with so many modules, to be filmed at the end."""
     return out / f"moment_{modules:02d}.bin"
+
+
+def _forget_moments(out: Path) -> None:
+    """Delete them when the results are complete: a run that is killed before films them again."""
+    for path in out.glob("moment_*.bin"):
+        path.unlink()
 
 
 def _recalled(path: Path, config: DevelopConfig, out: Path) -> Life:

@@ -9,6 +9,7 @@ from typing import Annotated, Literal, Protocol
 
 import numpy as np
 
+from jointattn_mj.border import numbers
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Angle, Checked, Real, Whole
 
@@ -109,11 +110,13 @@ class PopulationLearner:
 
     def predict(self, activations: np.ndarray) -> np.ndarray:
         """The direction whose units this face makes most active."""
-        return self._code.decode(np.tensordot(activations, self._weights[:-1], 1))
+        given = numbers("activations", activations, (len(self._weights) - 1,))
+        return self._code.decode(np.tensordot(given, self._weights[:-1], 1))
 
     def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
         """One step of the normalised delta rule."""
-        inputs = np.append(activations, self._context)
+        command = numbers("command", command, (2,))
+        inputs = np.append(numbers("activations", activations, (len(self._weights) - 1,)), self._context)
         error = self._code.encode(command) - np.tensordot(inputs, self._weights, 1)
         gain = self._rate / (inputs @ inputs)
         self._weights += np.multiply.outer(gain * inputs, error)
@@ -136,12 +139,13 @@ class LinearLearner:
 
     def predict(self, activations: np.ndarray) -> np.ndarray:
         """Weighted sum."""
-        return activations @ self._weights
+        return numbers("activations", activations, (len(self._weights),)) @ self._weights
 
     def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
         """One step of the normalised delta rule."""
+        off = numbers("command", command, (2,)) - self.predict(activations)
         gain = self._config.rate / (activations @ activations)
-        self._weights += np.outer(gain * activations, command - self.predict(activations))
+        self._weights += np.outer(gain * activations, off)
 
     def weights(self) -> np.ndarray:
         """(k, 2)."""

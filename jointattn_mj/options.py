@@ -57,8 +57,6 @@ class Interval(PrimitiveConstructorSpec[Any]):
 
     def fit(self, value: Any) -> Any:
         """The number as a config keeps it, or UNFIT."""
-        if isinstance(value, np.generic):
-            value = value.item()
         if isinstance(value, bool) or not isinstance(value, int if self.kind is int else (int, float)):
             return UNFIT
         above = value >= self.low if self.closed[0] else value > self.low
@@ -85,22 +83,32 @@ class Whole(Interval):
 
 
 class Choice(PrimitiveConstructorSpec[str]):
-    """Marks a ``str`` field that is one of the names in a registry. Where they can be written out, use ``Literal``."""
+    """Marks a ``str`` field that is one of the names in a registry. Where they can be written out, use ``Literal``.
 
-    def __init__(self, names: Iterable[str]):
-        choices = tuple(names)
+    With ``joined`` it is one or several of them, with that between two: ``Choice(names, "+")``.
+    """
+
+    def __init__(self, names: Iterable[str], joined: str = ""):
+        self.names = tuple(names)
+        self.words = f"some of {', '.join(self.names)}, joined by {joined}" if joined else _one_of(self.names)
         super().__init__(
             nargs=1,
-            metavar=f"{{{','.join(choices)}}}",
+            metavar=f"{{{','.join(self.names)}}}{f'[{joined}...]' if joined else ''}",
             instance_from_str=lambda texts: texts[0],
-            is_instance=lambda value: value in choices,
+            is_instance=lambda value: self.fit(value) is not UNFIT,
             str_from_instance=lambda value: [value],
-            choices=choices,
+            choices=None if joined else self.names,
         )
+        self._parts: Callable[[str], list[str]] = lambda text: text.split(joined) if joined else [text]
+
+    def fit(self, value: Any) -> Any:
+        """The text, or UNFIT."""
+        return value if isinstance(value, str) and set(self._parts(value)) <= set(self.names) else UNFIT
 
 
 Share = Annotated[float, Real("[0, 1]")]
-Positive = Annotated[float, Real("(0, 1e9]")]
+Positive = Annotated[float, Real("[1e-9, 1e9]")]
+"""May be divided by."""
 NotNegative = Annotated[float, Real("[0, 1e9]")]
 Angle = Annotated[float, Real("[-180, 180]")]
 """Degrees."""
@@ -128,7 +136,7 @@ class Checked:
         config: Any = type(self)  # mypy takes no class for hashable whose metaclass is not named
         for name, rule in _rules(config):
             value = getattr(self, name)
-            kept = rule.fit(value)
+            kept = rule.fit(_plain(value))
             if kept is UNFIT:
                 raise ConfigError(
                     f"{config.__name__}.{name}: expected {rule.words}{_unit(name, rule)}; got {shown(value)}"
@@ -148,9 +156,12 @@ def shown(value: Any) -> str:
 
 
 def meant(value: Any, choices: Iterable[str]) -> str:
-    """``(perhaps you meant 'min')``; nothing where no choice is like ``value``, or like the first of it that is odd."""
+    """``(perhaps you meant 'min')``; nothing where no choice is like ``value``, or like the first of it that is odd.
+
+    ``value`` is one choice, several that are joined by a +, a tuple of them, or something else.
+    """
     choices = tuple(choices)
-    for given in value if isinstance(value, tuple) else (value,):
+    for given in value.split("+") if isinstance(value, str) else value if isinstance(value, tuple) else ():
         if isinstance(given, str) and given not in choices:
             known = {choice.lower(): choice for choice in choices}
             near = get_close_matches(given.lower(), known, n=1)
@@ -187,7 +198,8 @@ def rule_of(hint: Any) -> _Rule:
     if get_origin(hint) is Annotated:
         return _marked(*get_args(hint))
     if get_origin(hint) is Literal:
-        return _one_of(get_args(hint))
+        names = get_args(hint)
+        return _Rule(_one_of(names), lambda value: value if isinstance(value, str) and value in names else UNFIT, names)
     if get_origin(hint) in (Union, UnionType):
         return _any_of([rule_of(option) for option in get_args(hint)])
     if get_origin(hint) is tuple:
@@ -197,7 +209,7 @@ def rule_of(hint: Any) -> _Rule:
     if hint is str:
         return _Rule("text without NUL", lambda text: text if isinstance(text, str) and "\0" not in text else UNFIT)
     if hint is bool:
-        return _Rule("True or False", lambda value: bool(value) if isinstance(value, (bool, np.bool_)) else UNFIT)
+        return _Rule("True or False", lambda value: value if isinstance(value, bool) else UNFIT)
     if hint is NoneType:
         return _Rule("None", lambda value: value if value is None else UNFIT)
     if hint in (int, float):
@@ -214,13 +226,12 @@ def _marked(hint: Any, *marks: Any) -> _Rule:
         if isinstance(mark, Interval):
             return _Rule(mark.words, mark.fit, number=True)
         if isinstance(mark, Choice):
-            return _one_of(mark.choices or ())
+            return _Rule(mark.words, mark.fit, mark.names)
     return rule_of(hint)
 
 
-def _one_of(choices: tuple[Any, ...]) -> _Rule:
-    words = f"one of {', '.join(map(str, choices))}"
-    return _Rule(words, lambda value: value if isinstance(value, str) and value in choices else UNFIT, choices)
+def _one_of(names: Iterable[str]) -> str:
+    return f"one of {', '.join(names)}"
 
 
 def _any_of(options: list[_Rule]) -> _Rule:
@@ -244,12 +255,16 @@ def _tuple_of(hints: tuple[Any, ...]) -> _Rule:
     def fit(value: Any) -> Any:
         if not isinstance(value, tuple) or (rules is not None and len(value) != len(rules)):
             return UNFIT
-        kept = tuple(rule.fit(part) for rule, part in zip(rules or [item] * len(value), value, strict=True))
+        kept = tuple(rule.fit(_plain(part)) for rule, part in zip(rules or [item] * len(value), value, strict=True))
         if any(part is UNFIT for part in kept):
             return UNFIT
         return value if all(new is old for new, old in zip(kept, value, strict=True)) else kept
 
     return _Rule(words, fit, item.choices, item.number)
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _path(value: Any) -> Any:

@@ -1,6 +1,6 @@
 """A session of chapter 6: the robot and the caregiver for so many minutes, with everything written down.
 
-A session can be pickled at any frame and taken up again; ``runner`` gives it a folder, checkpoints and results.
+A session can be stored at any frame and taken up again; ``runner`` gives it a folder, checkpoints and results.
 """
 
 from collections.abc import Callable

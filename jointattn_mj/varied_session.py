@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointattn_mj.scene.variation import VariationConfig, drawn, variation_of
+from jointattn_mj.scene.variation import Variation, VariationConfig, drawn, variation_of
 from jointattn_mj.scene.world import World
 from jointattn_mj.session import Session, SessionConfig
 
@@ -13,13 +13,9 @@ from jointattn_mj.session import Session, SessionConfig
 class VariedSessionConfig(SessionConfig):
     """A session, and how far its world may differ."""
 
-    variation: str = "none"
+    variation: Variation = "none"
     """What about the world the seed decides: lights, textures, people, camera, objects, layout, pace; all, or some of
     them joined by +."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        variation_of(self.variation)
 
     @property
     def ranges(self) -> VariationConfig:

@@ -76,7 +76,7 @@ BAD_OPTIONS = [
     (("--robot.learner.rate", "0"), ("rate", "0")),
     (("--robot.familiarise.minutes", "0"), ("familiarise", "0")),
     (("--truth.face-miss", "2"), ("truth.face_miss: expected a number in [0, 1]; got 2.0",)),
-    (("--robot.som.rate-start", "nan"), ("robot.som.rate_start: expected a number in (0, 1]; got nan",)),
+    (("--robot.som.rate-start", "nan"), ("robot.som.rate_start: expected a number in [1e-9, 1]; got nan",)),
     (("--world.layout.cells", "-1", "1000000000"), ("world.layout.cells", "(-1, 1000000000)")),
     (("--world.behaviour.wobble-m", "1e308"), ("wobble_m", "[0, 1] (metres)", "1e+308")),
     (("--pixels.faces.side-px", "1_000"), ("side_px", "[8, 240] (pixels)", "1000")),
@@ -108,7 +108,7 @@ def test_a_complaint_is_made_once(jointattn):
 
 def test_help_says_what_numbers_may_be(jointattn):
     said = jointattn("session", "--help").out
-    for words in ("--robot.som.rate-start FLOAT(0,1]", "--seed INT[0,9e18]", "--caregiver {robin,noa,", "{min,max}"):
+    for words in ("--robot.som.rate-start FLOAT[1e-9,1]", "--seed INT[0,9e18]", "--caregiver {robin,noa,", "{min,max}"):
         assert words in said
 
 

@@ -1,6 +1,7 @@
 """Video files as thirty pictures a second: rates, timestamps, damage, and what is no video at all."""
 
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -179,3 +180,53 @@ def test_environment_is_left_alone(tmp_path, monkeypatch):
     Footage(encode(tmp_path / "a.mp4", counted(3), "-c:v", "libx264"))
     assert "OPENCV_FFMPEG_LOGLEVEL" not in os.environ
     assert os.environ["OPENCV_FFMPEG_CAPTURE_OPTIONS"] == "mine"
+
+
+@pytest.mark.parametrize("name", ["12:30:05.mp4", "a:b.mp4", "file:a.mp4", "-x.mp4", "%d.mp4"])
+def test_names(tmp_path, monkeypatch, name):
+    """In the working directory, where ffmpeg would take what stands before a colon as a protocol."""
+    encode(tmp_path / name, counted(9), "-c:v", "libx264")
+    monkeypatch.chdir(tmp_path)
+    assert shown(Footage(Path(name))) == list(range(9))
+
+
+def interlaced(path: Path, pictures: np.ndarray, *arguments: str) -> Path:
+    """As a camcorder writes it."""
+    codec = ("mpeg2video", "-q:v", "2") if path.suffix == ".mpg" else ("libx264", "-x264-params", "tff=1")
+    return encode(path, pictures, "-c:v", *codec, "-flags", "+ildct+ilme", *arguments)
+
+
+@pytest.mark.parametrize("name", ["a.mp4", "a.mpg"])
+def test_interlaced(tmp_path, name):
+    """Every picture once, with its contents; again when it is read again, and with nothing left open."""
+    footage = Footage(interlaced(tmp_path / name, counted(40)))
+    assert footage.interlaced
+    before = len(os.listdir("/proc/self/fd")) if os.path.isdir("/proc/self/fd") else 0
+    for _ in range(2):
+        numbers = [number_of(still.picture) for still in footage]
+        np.testing.assert_allclose(numbers, range(40), atol=1)
+    assert next(iter(footage)).picture.shape == (48, 64, 3)
+    assert (len(os.listdir("/proc/self/fd")) if before else 0) == before
+    assert not Footage(encode(tmp_path / "b.mp4", counted(5), "-c:v", "libx264")).interlaced
+
+
+@pytest.mark.parametrize("offset", ["5.4667", "0", "90000"])
+def test_interlaced_from_somewhere_on(tmp_path, offset):
+    """What OpenCV leaves out in silence is noticed; pictures that really are the same are not."""
+    still = np.tile(counted(20)[-1:], (100, 1, 1, 1))
+    first = encode(tmp_path / "first.ts", np.concatenate([counted(64), still]), "-c:v", "libx264")
+    assert not Footage(first).interlaced
+    assert len(list(Footage(first))) == 164
+    second = interlaced(tmp_path / "second.ts", counted(60), "-output_ts_offset", offset)
+    (tmp_path / "both.ts").write_bytes(first.read_bytes() + second.read_bytes())
+    footage = Footage(tmp_path / "both.ts")
+    assert not footage.interlaced
+    with pytest.raises(FootageError, match=r"interlaced from about .* -vf yadif"):
+        list(footage)
+
+
+def test_no_ffmpeg_to_ask(tmp_path, monkeypatch):
+    path = encode(tmp_path / "a.mp4", counted(5), "-c:v", "libx264")
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(tmp_path / "nowhere"))
+    with pytest.raises(FootageError, match="ffmpeg"):
+        Footage(path)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.frame_map import PICTURE_HEIGHT, PICTURE_WIDTH, FrameMap
 
 MAPS = {
@@ -64,3 +65,9 @@ def test_what_is_not_seen_is_nowhere():
 def test_extreme_sizes(width, height):
     picture = FrameMap.fitted(width, height).picture(np.full((height, width, 3), 90, np.uint8))
     assert picture.max() == 90
+
+
+def test_a_video_is_not_made_larger_than_memory_is():
+    assert FrameMap.scaled(640, 480, 1.0, 10.0).scale_x == 10
+    with pytest.raises(FootageError, match="3840x2160 .* 38400x21600.*--scale"):
+        FrameMap.scaled(3840, 2160, 1.0, 10.0)

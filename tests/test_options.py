@@ -21,6 +21,7 @@ from jointattn_mj.gaze import GazeConfig
 from jointattn_mj.learning import LearnerConfig
 from jointattn_mj.options import LONGEST_NAME, Checked, Choice, Interval, Real, Whole, rule_of, shown
 from jointattn_mj.perception.som import SOMConfig
+from jointattn_mj.rendered.stage import StageConfig
 from jointattn_mj.runner import RunOptions
 from jointattn_mj.scene.model import SceneConfig
 from jointattn_mj.scene.variation import VariationConfig
@@ -90,7 +91,7 @@ def right(hint: Any) -> Any:
         found = marks(hint)
         if not found:
             return right(get_args(hint)[0])
-        return (found[0].low + found[0].high) // 2 if isinstance(found[0], Interval) else found[0].choices[0]
+        return (found[0].low + found[0].high) // 2 if isinstance(found[0], Interval) else found[0].names[0]
     if get_origin(hint) in (Union, UnionType):
         return right(get_args(hint)[0])
     if get_origin(hint) is Literal:
@@ -121,8 +122,9 @@ def wrong(hint: Any) -> Iterator[Any]:
             yield from (*HUGE, "1", True, np.True_, None, [1], np.float64("nan"), 1j)
             if isinstance(found[0], Whole):
                 yield from (0.5, 3.0)
-        else:
-            yield from ("", "no such", found[0].choices[0].swapcase(), 0, True, None, (found[0].choices[0],))
+        else:  # a Choice
+            name = found[0].names[0]
+            yield from ("", "no such", f"{name}+", name.swapcase(), 0, True, None, (name,))
     elif get_origin(hint) in (Union, UnionType):
         options = [option for option in get_args(hint) if option is not NoneType]
         assert len(options) == 1, f"a test for {hint} is missing"
@@ -202,6 +204,7 @@ def test_nothing_wrong_gets_in(config):
         (lambda: SessionConfig(success="lauch"), "success", "launch"),
         (lambda: SceneConfig(caregiver="robyn"), "caregiver", "robin"),
         (lambda: VariationConfig(people=("noa", "Kai")), "people", "kai"),
+        (lambda: StageConfig(variation="lights+peple"), "variation", "people"),
     ],
 )
 def test_a_misspelt_choice_is_recognised(make, field, meant):
@@ -216,6 +219,7 @@ def test_what_is_harmless_is_taken_as_plain_values():
     assert units == (7, 9)
     assert {type(unit) for unit in units} == {int}
     assert type(SessionConfig(minutes=26).minutes) is int  # a checkpoint's fingerprint knows it for 26.0
+    assert type(SceneConfig(caregiver=np.str_("noa")).caregiver) is str
     assert AttentionConfig(motion_cues=np.False_).motion_cues is False
     assert RunOptions("out/a").out == Path("out/a")
 

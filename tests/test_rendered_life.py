@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from jointattn_mj import development
 from jointattn_mj.contingency.detector import DetectorConfig
 from jointattn_mj.development import DevelopOptions, run_development
 from jointattn_mj.errors import ConfigError
@@ -134,6 +135,24 @@ def test_the_command_leaves_results_and_a_film_and_resumes_to_the_same(tmp_path,
     with pytest.raises(KeyboardInterrupt):
         run_development(config, options, stop)
     assert run_development(config, replace(options, resume=True)) == summary
+
+
+def test_killed_between_film_and_results(tmp_path, monkeypatch):
+    """The film is made again, not left empty."""
+    config = RenderedDevelopConfig(steps=3, mind=HASTY, rendered=replace(SHORT, stage=StageConfig(variation="none")))
+    leave, options = development._leave_results, DevelopOptions(tmp_path, video=True)
+
+    def killed(*_):
+        raise SystemExit(9)
+
+    monkeypatch.setattr(development, "_leave_results", killed)
+    with pytest.raises(SystemExit):
+        run_development(config, options)
+    film = (tmp_path / "video.mp4").read_bytes()
+    monkeypatch.setattr(development, "_leave_results", leave)
+    run_development(config, replace(options, resume=True))
+    assert (tmp_path / "video.mp4").read_bytes() == film
+    assert not list(tmp_path.glob("moment*"))
 
 
 def test_a_symbolic_life_is_not_filmed(tmp_path):

@@ -41,7 +41,7 @@ class DetectorConfig(Checked):
     out, and the mind then makes modules of whatever is left, one after the other."""
     warm_up: Annotated[int, Whole("[0, 1e10]")] = 100
     """Transitions before anything can be found: of next to nothing, nothing changes either."""
-    threshold: Positive = 5e-5
+    threshold: Annotated[float, Real("(0, 1e9]")] = 5e-5
     """Rule still: theta, section 5.3.1."""
     hold: Count = 30
     """Rule still: T^C, section 5.3.1, steps on end for which the same event is the first, and all is still."""

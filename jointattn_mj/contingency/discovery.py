@@ -18,7 +18,7 @@ from jointattn_mj.contingency.significance import (
     assess_steps,
     generator,
 )
-from jointattn_mj.contingency.table import steps
+from jointattn_mj.contingency.table import acted
 from jointattn_mj.errors import SeriesError
 
 
@@ -81,7 +81,7 @@ def discover(
     ranked = sorted(tested, key=lambda one: -one.significance.corrected)
     for i, one in enumerate(ranked[:explain]):
         if one.p_adjusted <= alpha:
-            cells = local_of_steps(steps(data[one.sensor], data[one.result], data[one.action]), chosen, unit)
+            cells = local_of_steps(acted(data[one.sensor], data[one.action], data[one.result]), chosen, unit)
             ranked[i] = replace(one, values=carriers(cells, alpha))
     return tuple(ranked)
 
@@ -103,7 +103,7 @@ def _tested(
 ) -> Finding:
     sensor, action, result = event
     try:
-        given = steps(data[sensor], data[result], data[action], groups)
+        given = acted(data[sensor], data[action], data[result], groups)
         significance = assess_steps(given, measure, options, unit, rng, progress)
     except SeriesError as error:
         raise SeriesError(f"({sensor}, {action}) -> {result}: {error}") from error

@@ -14,7 +14,7 @@ import numpy as np
 from jointattn_mj.contingency.information import CONTINGENCY, Measure
 from jointattn_mj.contingency.series import Coded, Series, check_base
 from jointattn_mj.contingency.significance import MEASURES, Adjust, adjust
-from jointattn_mj.contingency.table import Cells, Steps, steps
+from jointattn_mj.contingency.table import Cells, Steps, acted
 from jointattn_mj.errors import SeriesError
 
 
@@ -91,7 +91,7 @@ def local_contingency(
         raise SeriesError(
             f"local contingency needs state_action_contingency or combined_transfer_entropy; got {measure!r}"
         )
-    return local_of_steps(steps(s, r, a), chosen, check_base(base), how)
+    return local_of_steps(acted(s, a, r), chosen, check_base(base), how)
 
 
 def local_of_steps(

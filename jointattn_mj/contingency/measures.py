@@ -15,7 +15,7 @@ from jointattn_mj.contingency.information import Correction, Measure, Normalise
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.significance import generator
 from jointattn_mj.contingency.surrogates import plan
-from jointattn_mj.contingency.table import Steps, steps
+from jointattn_mj.contingency.table import Steps, acted, steps
 from jointattn_mj.errors import SeriesError
 
 LARGEST_SALIENCY = 2**26
@@ -53,7 +53,7 @@ def combined_transfer_entropy(
     seed: int = 0,
 ) -> float:
     """T^C = T_{s, a -> r} - T_{a -> r} = sum p(r', r, s, a) log p(r' | r, s, a) / p(r' | r, a) (eq. 4.3); 0 or more."""
-    return _measured(steps(s, r, a), information.COMBINED, base, correction, normalise, surrogates, seed)
+    return _measured(acted(s, a, r), information.COMBINED, base, correction, normalise, surrogates, seed)
 
 
 def state_action_contingency(
@@ -71,7 +71,7 @@ def state_action_contingency(
 
     Negative where they say the same.
     """
-    return _measured(steps(s, r, a), information.CONTINGENCY, base, correction, normalise, surrogates, seed)
+    return _measured(acted(s, a, r), information.CONTINGENCY, base, correction, normalise, surrogates, seed)
 
 
 def mutual_information(
@@ -100,7 +100,7 @@ def conditional_mutual_information(
     seed: int = 0,
 ) -> float:
     """I(s[t]; r[t + 1] | condition[t]), whatever r[t]; for comparison."""
-    given = steps(s, r, condition)
+    given = acted(s, condition, r)
     return _measured(given, information.CONDITIONAL_MUTUAL, base, correction, normalise, surrogates, seed)
 
 
@@ -119,14 +119,14 @@ def pointwise_combined_transfer_entropy(
     s: Series, a: Series, r: Series, base: float = 2
 ) -> np.ndarray | list[np.ndarray]:
     """Local values of ``combined_transfer_entropy``, in the shape of ``pointwise_transfer_entropy``."""
-    return _pointwise(steps(s, r, a), information.COMBINED, base)
+    return _pointwise(acted(s, a, r), information.COMBINED, base)
 
 
 def pointwise_state_action_contingency(
     s: Series, a: Series, r: Series, base: float = 2
 ) -> np.ndarray | list[np.ndarray]:
     """Local values of ``state_action_contingency``, in the shape of ``pointwise_transfer_entropy``."""
-    return _pointwise(steps(s, r, a), information.CONTINGENCY, base)
+    return _pointwise(acted(s, a, r), information.CONTINGENCY, base)
 
 
 def pointwise_mutual_information(s: Series, r: Series, base: float = 2) -> np.ndarray | list[np.ndarray]:
@@ -138,7 +138,7 @@ def pointwise_conditional_mutual_information(
     s: Series, r: Series, condition: Series, base: float = 2
 ) -> np.ndarray | list[np.ndarray]:
     """Local values of ``conditional_mutual_information``, in the shape of ``pointwise_transfer_entropy``."""
-    return _pointwise(steps(s, r, condition), information.CONDITIONAL_MUTUAL, base)
+    return _pointwise(acted(s, condition, r), information.CONDITIONAL_MUTUAL, base)
 
 
 def contingent_saliency(s: Series, a: Series, r: Series, base: float = 2) -> np.ndarray:
@@ -150,7 +150,7 @@ def contingent_saliency(s: Series, a: Series, r: Series, base: float = 2) -> np.
     Raises:
         SeriesError: Also where the array would be huge, or codes are: number them anew with ``recode`` first.
     """
-    given, unit = steps(s, r, a), check_base(base)
+    given, unit = acted(s, a, r), check_base(base)
     results, actions, sources, _ = given.sizes
     renumbered = any(
         one is not None and one.values is not None for one in (given.source, given.target, given.condition)
@@ -193,8 +193,8 @@ def _measured(
     cells = given.cells(table)
     value = measure.value(cells)
     if correction == "shuffle":
-        if surrogates < 1:
-            raise SeriesError(f"surrogates must be 1 or more; got {surrogates}")
+        if not isinstance(surrogates, (int, np.integer)) or surrogates < 1:
+            raise SeriesError(f"surrogates must be a whole number of 1 or more; got {surrogates!r}")
         value -= float(plan(given, measure).draw(surrogates, generator(seed)).mean())
     elif correction != "none":
         value -= measure.bias(cells, correction)

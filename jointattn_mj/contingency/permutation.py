@@ -8,6 +8,9 @@ for a million transitions than for a thousand; elsewhere the source is shuffled.
 import numpy as np
 from numba import njit
 
+from jointattn_mj.border import checked_by
+from jointattn_mj.errors import ObservationError
+
 SHUFFLE = 6
 """Strata with fewer transitions than so many for each hypergeometric draw are shuffled: that is faster there."""
 
@@ -19,6 +22,15 @@ def tables(n: int) -> np.ndarray:
     return np.concatenate([np.zeros((2, 1)), [whole * logs, np.cumsum(logs)]], axis=1)
 
 
+def _check_draw(good: int, bad: int, drawn: int, log_factorial: np.ndarray, u: float) -> None:
+    if not (min(good, bad, drawn) >= 0 and drawn <= good + bad < len(log_factorial) and 0 <= u <= 1):
+        raise ObservationError(
+            f"expected counts of 0 or more, at most {len(log_factorial) - 1} together, and u from 0 to 1; "
+            f"got {good}, {bad}, {drawn}, {u}"
+        )
+
+
+@checked_by(_check_draw)
 @njit(cache=True)
 def hypergeometric(good: int, bad: int, drawn: int, log_factorial: np.ndarray, u: float) -> int:
     """How many of ``drawn`` are good: the quantile for u in 0..1, counted from the mode outwards."""

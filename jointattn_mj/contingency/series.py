@@ -97,8 +97,8 @@ def joint(*series: Series) -> np.ndarray | list[np.ndarray]:
     Raises:
         SeriesError: As ``code``, different lengths, or no series at all.
     """
-    if not series:
-        raise SeriesError("joint needs at least one series")
+    if not series or any(one is None for one in series):
+        raise SeriesError("joint needs at least one series, and no None among them")
     coded = [one for one in aligned(**{f"series {i + 1}": one for i, one in enumerate(series)}) if one is not None]
     codes = combined([one.codes for one in coded], [one.size for one in coded])[0]
     codes = np.unique(codes, return_inverse=True)[1]

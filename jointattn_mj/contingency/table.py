@@ -157,11 +157,26 @@ def steps(
     numbers = None if groups is None else np.asarray(groups)
     if numbers is not None:
         recordings = len(second.bounds) - 1
-        if numbers.shape != (recordings,) or len(np.unique(numbers)) != 1 + np.count_nonzero(np.diff(numbers)):
+        if (
+            numbers.dtype.kind not in "iu"
+            or numbers.shape != (recordings,)
+            or len(np.unique(numbers)) != 1 + np.count_nonzero(np.diff(numbers))
+        ):
             raise SeriesError(
                 f"groups must number the {recordings} recordings, pieces of one side by side; got {numbers.tolist()}"
             )
     return Steps(first, second, third, numbers)
+
+
+def acted(source: Series, condition: Series, target: Series, groups: Sequence[int] | None = None) -> Steps:
+    """``steps`` with a condition that must be there: what was done.
+
+    Raises:
+        SeriesError: As ``steps``, or there is none.
+    """
+    if condition is None:
+        raise SeriesError("an action, or another condition, is needed; got None")
+    return steps(source, target, condition, groups)
 
 
 def _sorted(columns: list[np.ndarray], sizes: tuple[int, int, int, int]) -> Cells:

@@ -11,7 +11,11 @@ from typing import Literal
 import cv2
 import numpy as np
 
+from jointattn_mj.errors import FootageError
+
 PICTURE_WIDTH, PICTURE_HEIGHT = 320, 240  # section 6.4.1
+MOST_PIXELS = 60_000_000
+"""Of a video that is made larger or smaller: twice those of 8K."""
 Fit = Literal["whole", "fill"]
 
 
@@ -41,8 +45,17 @@ class FrameMap:
 
     @classmethod
     def scaled(cls, width: int, height: int, aspect: float, scale: float) -> "FrameMap":
-        """The map with ``scale`` pixels of the robot's picture for the height of one of the video, to the middle."""
+        """The map with ``scale`` pixels of the robot's picture for the height of one of the video, to the middle.
+
+        Raises:
+            FootageError: The video would become larger than memory is made for.
+        """
         wide, high = max(1, round(width * aspect * scale)), max(1, round(height * scale))
+        if wide * high > MOST_PIXELS:
+            raise FootageError(
+                f"a video of {width}x{height} pixels would become one of {wide}x{high}, and {MOST_PIXELS:,} pixels are "
+                "the most; choose a smaller --scale, or --fit whole"
+            )
         return cls(
             width, height, wide / width, high / height, (PICTURE_WIDTH - wide) // 2, (PICTURE_HEIGHT - high) // 2
         )

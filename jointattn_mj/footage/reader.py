@@ -28,8 +28,8 @@ DECODERS = 2
 TEXT = int.from_bytes(b"ansi", "little")  # ffmpeg plays text files, as an old terminal would show them
 PROBED_S = 2.0
 """Seconds in which interlaced pictures are looked for."""
-DOUBTFUL_EVERY_S = 10.0
-"""Least time between two doubts whether pictures that are the same were read at all."""
+AHEAD_S = 10.0
+"""Seconds that are looked through after a picture that was perhaps not read."""
 FASTEST = 1000.0
 """Declared rates above this (pictures a second) are units of a container's clock."""
 
@@ -108,15 +108,15 @@ class Footage:
         """Every picture, and whether the timestamps jumped before it; keeps the attributes up to date."""
         self.pictures, self.seconds, self.jumps, self.timed = 0, 0.0, 0, self._given is None
         start = last = 0.0
-        before, doubted = None, -DOUBTFUL_EVERY_S
+        before, sure_s = None, -math.inf
         while capture.grab():
             there, picture = capture.retrieve()
             if not there or picture is None or not picture.size:
                 continue
             stamp, jumped = capture.get(cv2.CAP_PROP_POS_MSEC) / 1000, False
-            if _same(picture, before) and abs(stamp - doubted) >= DOUBTFUL_EVERY_S:
-                doubted = stamp
-                self._check_read(stamp)
+            lost = self.jumps > 0 or stamp < self.seconds - PROBED_S  # no timestamp says where in the file this is
+            if not self.interlaced and (stamp > sure_s or (lost and sure_s < math.inf)) and _same(picture, before):
+                sure_s = self._check_read(stamp, lost)
             before = picture
             if self.pictures == 0:
                 start = last = stamp
@@ -133,13 +133,18 @@ class Footage:
             self.pictures += 1
             yield picture, jumped
 
-    def _check_read(self, stamp: float) -> None:
-        """Whether pictures that are the same as those before were read: OpenCV skips interlaced ones in silence."""
-        if not self.interlaced and interlaced_pictures(self.path, max(0.0, stamp - PROBED_S / 2), PROBED_S):
+    def _check_read(self, stamp: float, lost: bool) -> float:
+        """Make sure that a picture that is the same as the one before was read at all; until when others were too.
+
+        OpenCV leaves out interlaced pictures in silence. All of the file is looked through where it is ``lost``.
+        """
+        part = (0.0, 1e6) if lost else (max(0.0, stamp - PROBED_S), PROBED_S + AHEAD_S)
+        if interlaced_pictures(self.path, *part):
             raise FootageError(
                 f"{self.path} is interlaced from about {stamp:.0f} s on, but not from its beginning, so it cannot be "
                 f"read; make a copy that is not: ffmpeg -i {self.path.name} -vf yadif -c:v libx264 copy.mp4"
             )
+        return math.inf if lost else stamp + AHEAD_S
 
     def _interval(self) -> float:
         if not self.fps:

@@ -1,4 +1,7 @@
-"""What a worker process does: one cell, whatever happens in it."""
+"""What a worker process does: one cell, whatever happens in it.
+
+Cells travel to workers as pickles, which can run any code: workers and whoever can reach a dask scheduler are trusted.
+"""
 
 import os
 import pickle

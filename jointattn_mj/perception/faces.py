@@ -20,6 +20,7 @@ import numpy as np
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Real, Share, Whole
+from jointattn_mj.perception.gray import require_gray
 from jointattn_mj.perception.views import MOST_PX, ViewBank, crop
 from jointattn_mj.restored import check_array
 
@@ -173,7 +174,11 @@ class FaceDetector:
             expected_px: (x, y) where the face's centre should be, from the robot's slow memory of its direction in the
                 world; None if it has none, then the detector's own memory of the last pictures serves.
             complete: Called to fill in all of ``gray`` when it is to be read beyond ``reach_px``.
+
+        Raises:
+            ObservationError: ``gray`` is no such picture.
         """
+        require_gray(gray)
         if self.bank.n == 0 or expected_px is None:
             complete()
         if self.bank.n == 0:
@@ -259,7 +264,8 @@ class FaceDetector:
     def _search_everywhere(self, gray: np.ndarray) -> tuple[float, float, float] | None:
         """Score and centre of the best fit in the whole picture, if it is good or the cascade sees a face there."""
         config = self.config
-        best = max(self.bank.match(gray, *place) for place in self.bank.search(gray, config.redetect_views))
+        places = self.bank.search(gray, config.redetect_views)
+        best = max((self.bank.match(gray, *place) for place in places), default=(-1.0, float("nan"), float("nan")))
         if best[0] >= config.elsewhere_above:
             return best
         found = self._ask_cascade(gray)

@@ -1,11 +1,47 @@
 """Grey values of a picture, worked out only where somebody reads them: a sixth of it is enough in most looks."""
 
+from typing import Any
+
 import numpy as np
 from numba import njit, uintp
+
+from jointattn_mj.border import checked_by, numbers, require_array
+from jointattn_mj.errors import ObservationError
 
 _RED, _GREEN, _BLUE, _HALF, _BITS = (np.uint32(k) for k in (9798, 19235, 3735, 1 << 14, 15))  # OpenCV's weights
 
 
+def require_picture(picture: Any) -> None:
+    """Hold a picture against what compiled code reads.
+
+    Raises:
+        ObservationError: It is no uint8 array (h, w, 3), has no pixels, or does not lie in memory row by row.
+    """
+    require_array("picture", picture, (-1, -1, 3), "u")
+    _require_pixels("picture", picture)
+
+
+def require_gray(gray: Any, shape: tuple[int, ...] = (-1, -1)) -> None:
+    """The same for a grey picture (h, w) uint8."""
+    require_array("grey picture", gray, shape, "u")
+    _require_pixels("grey picture", gray)
+
+
+def _require_pixels(name: str, picture: np.ndarray) -> None:
+    if picture.dtype != np.uint8 or picture.size == 0 or not picture.flags.c_contiguous:
+        raise ObservationError(
+            f"{name}: expected uint8, one pixel or more, contiguous (see numpy.ascontiguousarray); "
+            f"got {picture.dtype} {picture.shape}"
+        )
+
+
+def _check_fill(picture, gray, x0, y0, x1, y1):
+    require_picture(picture)
+    require_gray(gray, picture.shape[:2])
+    numbers("part of the picture", (x0, y0, x1, y1), (4,))
+
+
+@checked_by(_check_fill)
 @njit(cache=True)
 def fill_gray(picture, gray, x0, y0, x1, y1):
     """Work out ``gray`` (h, w) uint8 from x0, y0 to x1, y1 (exclusive; cut at the border), as OpenCV does to the bit.

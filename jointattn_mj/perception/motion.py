@@ -20,8 +20,10 @@ from typing import Annotated, Any
 import numpy as np
 from numba import njit
 
+from jointattn_mj.border import require_array
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.flow import BLOCK, region_flow
+from jointattn_mj.perception.gray import require_gray
 from jointattn_mj.perception.objects import Areas, check_areas
 from jointattn_mj.perception.views import MOST_PX
 from jointattn_mj.restored import check_array, check_whole
@@ -258,9 +260,17 @@ class MotionDetector:
 
         Picture and areas are kept, not copied: the caller leaves them as they are for the next ``frames_back`` updates.
         In the first picture nothing moves; in the next ones, before ``frames_back`` pictures have passed, the oldest is
-        compared with, and the displacement scaled up.
+        compared with, and the displacement scaled up. A picture of another size begins anew.
+
+        Raises:
+            ObservationError: ``gray`` or ``face_box`` is not such.
         """
         config, n = self.config, len(areas.seen)
+        require_gray(gray)
+        if face_box is not None:
+            require_array("face_box", np.asarray(face_box), (4,), "iu")
+        if self._kept and (gray.shape, areas.mask.shape) != (self._kept[-1][0].shape, self._kept[-1][2].mask.shape):
+            self.reset()
         if len(self._on) != n + 1:
             self._on, self._left, self._strength = np.zeros(n + 1, bool), np.zeros(n + 1, int), np.zeros(n + 1)
             self.reset()

@@ -17,9 +17,10 @@ import cv2
 import numpy as np
 from numba import njit, uintp
 
+from jointattn_mj.border import require_array
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Real, Share, Whole
-from jointattn_mj.perception.gray import fill_gray
+from jointattn_mj.perception.gray import fill_gray, require_gray, require_picture
 from jointattn_mj.restored import check_array, check_whole
 
 LEVEL_BITS = 6  # the look-up table has 2^6 levels a channel: 256 kB, and a level is 4 grey values wide
@@ -89,7 +90,7 @@ def colour_table(rgb: np.ndarray, config: ColourConfig) -> np.ndarray:
         ConfigError: A colour has too little saturation or brightness, or two have the same hue.
     """
     rgb = np.asarray(rgb, float)
-    if rgb.ndim != 2 or rgb.shape[1] != 3 or not 1 <= len(rgb) <= MOST_COLOURS or rgb.min() < 0 or rgb.max() > 1:
+    if rgb.ndim != 2 or rgb.shape[1] != 3 or not 1 <= len(rgb) <= MOST_COLOURS or not ((rgb >= 0) & (rgb <= 1)).all():
         raise ConfigError(f"object colours: expected (n, 3) numbers from 0 to 1, came {rgb.tolist()}")
     hsv = np.array([colorsys.rgb_to_hsv(*colour) for colour in rgb])
     hue, saturation, value = hsv[:, 0] * 360, hsv[:, 1], hsv[:, 2]
@@ -258,8 +259,15 @@ class ColourAreas:
         """Fill in the colour areas of an RGB picture (h, w, 3) uint8, and ``gray`` (h, w) uint8 in their windows.
 
         A window is ``mask.shape`` pixels from ``corner``; picture and ``gray`` are contiguous.
+
+        Raises:
+            ObservationError: Picture or ``gray`` are not such, or ``found`` is not what ``nothing`` gives.
         """
         config = self.config
+        require_picture(picture)
+        require_gray(gray, picture.shape[:2])
+        side = 2 * config.reach_px + 1
+        require_array("areas", found.mask, (len(self._clusters), side, side), "b")
         if self._shape != picture.shape:
             self._shape = height, width, _ = picture.shape
             cell = 1 << CELL_BITS
@@ -272,11 +280,13 @@ class ColourAreas:
 
     def segment(self, picture: np.ndarray) -> tuple[np.ndarray, Areas]:
         """The whole grey picture (h, w) uint8, and the colour areas, of an RGB picture (h, w, 3) uint8."""
+        require_picture(picture)
         gray, areas = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), self.nothing()
         self.find(picture, gray, areas)
         return gray, areas
 
     def labels(self, picture: np.ndarray) -> np.ndarray:
         """Label of every pixel, (h, w) uint8, 0 for none: for overlays and for looking into errors."""
+        require_picture(picture)
         level = picture.astype(np.int32) >> 2
         return self._table[level[..., 0] << 12 | level[..., 1] << 6 | level[..., 2]]

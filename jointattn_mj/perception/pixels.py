@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from jointattn_mj.border import require_array
+from jointattn_mj.errors import ObservationError
 from jointattn_mj.options import Checked
-from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig, FaceFinder
-from jointattn_mj.perception.gray import fill_gray
+from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig, FaceFinder, FaceFix
+from jointattn_mj.perception.gray import fill_gray, require_picture
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
 from jointattn_mj.perception.objects import Areas, ColourAreas, ColourConfig, check_areas
 from jointattn_mj.perception.percept import Percept
@@ -19,6 +21,9 @@ from jointattn_mj.scene import camera
 
 MEMORY_RATE = 0.02
 """Share of each new look in the remembered direction of the face, which says where to search for it."""
+
+MOST_RAD = 100.0
+"""Angles of the head beyond this are none."""
 
 _pixel_of = njit(cache=True)(camera.pixel_of)
 _direction_of = njit(cache=True)(camera.direction_of)
@@ -79,6 +84,7 @@ class PixelPerception:
         self._knows_face = False
         self._memory_rate = memory_rate
         self._gray = np.zeros((0, 0), np.uint8)
+        self.fix = FaceFix(float("nan"), float("nan"), -1.0, False)
         self._looks: deque[tuple[np.ndarray, Areas]] = deque()  # grey pictures and areas, written by turns
         self.motion: Motion | None = None
         count = len(rgb) + 1
@@ -99,8 +105,17 @@ class PixelPerception:
         self._motion.check_kept(self._gray, areas)
 
     def look(self, observation: Mapping[str, np.ndarray], landed: bool) -> Percept:
-        """Face, colour areas and motion of this picture; ``landed`` begins a new history of motion."""
+        """Face, colour areas and motion of this picture; ``landed`` begins a new history of motion.
+
+        Raises:
+            ObservationError: No picture (h, w, 3) uint8, contiguous, under ``camera``, or no two angles, rad, under
+                ``head_angles``.
+        """
+        if not {"camera", "head_angles"} <= set(observation):
+            raise ObservationError(f"an observation has camera and head_angles; got {', '.join(observation)}")
         head, picture = observation["head_angles"], observation["camera"]
+        require_picture(picture)
+        require_array("head_angles", head, (2,), "f", -MOST_RAD, MOST_RAD)
         gray, areas = self._next_look(picture.shape[:2])
         expected = None
         self.colours.find(picture, gray, areas)
@@ -133,5 +148,11 @@ class PixelPerception:
         return self._gray, areas
 
     def face_pattern(self) -> np.ndarray:
-        """The 32x32 grey patch f_v around the face of the last look, (1024,) float32."""
+        """The 32x32 grey patch f_v around the face of the last look, (1024,) float32.
+
+        Raises:
+            ObservationError: There was no look, or it found no face.
+        """
+        if not self.fix.found:
+            raise ObservationError("there is a face pattern only after a look that found the face")
         return self.faces.patch(self._gray, self.fix).ravel()

@@ -14,7 +14,8 @@ from typing import Annotated
 
 import numpy as np
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.border import numbers
+from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.options import Checked, Count, Real, Whole
 
 PICTURE_DIMENSION = 4  # inputs with at least so many numbers are patterns, and are standardised
@@ -34,9 +35,9 @@ class SOMConfig(Checked):
     """Standard deviation of the Gaussian neighbourhood at first, in cells: nearly half the sheet."""
     sigma_end: Annotated[float, Real("[0.01, 1000]")] = 0.7
     """The same at the end: neighbours still share a third of what a cell learns, so that the sheet stays smooth."""
-    rate_start: Annotated[float, Real("(0, 1]")] = 0.5
+    rate_start: Annotated[float, Real("[1e-9, 1]")] = 0.5
     """Share of the difference that the best cell takes over, at first."""
-    rate_end: Annotated[float, Real("(0, 1]")] = 0.05
+    rate_end: Annotated[float, Real("[1e-9, 1]")] = 0.05
     """The same at the end; both schedules are exponential."""
     softness: Annotated[float, Real("[1e-6, 1e6]")] = 0.3
     """Width of the activations in units of the map's own: the mean squared distance between neighbouring cells. The
@@ -85,7 +86,12 @@ class SOM:
         self._norms: np.ndarray | None = None
 
     def update(self, x: np.ndarray) -> int:
-        """Learn one pattern; the index of the cell that won. Schedules go by the number of patterns seen so far."""
+        """Learn one pattern; the index of the cell that won. Schedules go by the number of patterns seen so far.
+
+        Raises:
+            ObservationError: NaN, infinity, or no numbers.
+            ConfigError: Another number of them than the cells have.
+        """
         config = self.config
         pattern = self._pattern(x)
         progress = min(self.seen / config.updates, 1.0)
@@ -102,6 +108,8 @@ class SOM:
 
     def train(self, patterns: np.ndarray, rng: np.random.Generator) -> None:
         """Learn from stored ``patterns`` (n, ...), drawn at random, until the schedules are over."""
+        if not len(patterns):
+            raise ObservationError("patterns: expected one or more to learn from; got none")
         prepared = np.stack([self._pattern(x) for x in patterns])
         for index in rng.integers(len(prepared), size=max(0, self.config.updates - self.seen)):
             self.update(prepared[index])
@@ -157,7 +165,8 @@ class SOM:
         Raises:
             ConfigError: The weights are of another sheet than ``config``'s.
         """
-        weights = np.asarray(arrays["weights"], np.float32)
+        with np.errstate(over="ignore"):
+            weights = np.asarray(arrays["weights"], np.float32)
         som = cls(weights.shape[-1], config)
         if weights.shape != som.weights.shape or not np.isfinite(weights).all():
             raise ConfigError(f"som: expected weights {som.weights.shape} of finite numbers, came {weights.shape}")
@@ -166,7 +175,7 @@ class SOM:
         return som
 
     def _pattern(self, x: np.ndarray) -> np.ndarray:
-        pattern = standardised(x)
+        pattern = standardised(numbers("pattern", x))
         if pattern.size != self.weights.shape[1]:
             raise ConfigError(f"som: expected patterns of {self.weights.shape[1]} numbers, came {pattern.size}")
         return pattern

@@ -18,6 +18,7 @@ from jointattn_mj.restored import check_array, check_whole
 
 MOST_PX = 1 << 15  # of a picture's side, and so of a template's
 FLAT = 5.0  # standard deviation of grey values below which a region has no pattern to correlate
+FAR = 1e6  # pixels; nothing is looked for beyond
 NEAR = 0.05  # a view that scores this much less than the best at a place may still win when it is moved a little
 
 
@@ -249,7 +250,7 @@ class ViewBank:
             Score -1..1 (-1 if the window lies outside the picture) and the centre (x, y) in pixels, to a fraction.
         """
         view = -1
-        if self.n > 0:
+        if self.n > 0 and abs(x) < FAR and abs(y) < FAR:
             view = _match(
                 gray, self._views, self.n, self._last, self.side, x, y, self.radius, self.distance_penalty,
                 self.search_all_below, self._least_norm,
@@ -264,7 +265,12 @@ class ViewBank:
         return score, found_x, found_y
 
     def search(self, gray: np.ndarray, count: int) -> list[tuple[float, float]]:
-        """Centres (x, y) where the ``count`` views of `recent` fit best in the whole picture, at half resolution."""
+        """Centres (x, y) where the ``count`` views of `recent` fit best in the whole picture, at half resolution.
+
+        Nowhere in a picture that is smaller than a view.
+        """
+        if min(gray.shape) < self.side:
+            return []
         half = cv2.resize(gray, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA).astype(np.float32)
         side, middle = self.side // 2, (self.side - 1) / 2
         mean = cv2.blur(half, (side, side), anchor=(0, 0), borderType=cv2.BORDER_REPLICATE)

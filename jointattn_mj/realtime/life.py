@@ -33,7 +33,7 @@ from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX, direction_of
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
 from jointattn_mj.scene.looker import places
 from jointattn_mj.scene.model import OBJECTS
-from jointattn_mj.scene.variation import drawn, variation_of
+from jointattn_mj.scene.variation import Variation, drawn, variation_of
 from jointattn_mj.scene.world import Observation, WorldConfig, build_physics
 from jointattn_mj.symbolic.caregiver import NOWHERE
 from jointattn_mj.symbolic.table import TableConfig
@@ -49,7 +49,7 @@ class RealtimeConfig(Checked):
 
     world: WorldConfig = field(default_factory=lambda: WorldConfig(behaviour=PACE))
     """What things look like and how she moves; its objects are replaced by as many as the table has."""
-    variation: str = "people+lights"
+    variation: Variation = "people+lights"
     """How each seed's world differs, by names of ``scene.variation``: she is one of six people, in her own light."""
     partner: PartnerConfig = field(default_factory=PartnerConfig)
     """Her pace."""
@@ -76,10 +76,6 @@ class RealtimeConfig(Checked):
     """A fixation that nothing ends lasts so long."""
     familiarise_minutes: Annotated[float, Real("(0, 1e6]")] = 3.0
     """Minutes of looking at the caregiver's face before all else (section 6.4.1); she greets the robot first."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        variation_of(self.variation)
 
 
 class RealtimeLife(SeeingLife):

@@ -19,14 +19,16 @@ import platform
 import re
 import zipfile
 from functools import partial
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from jointattn_mj import __version__
 from jointattn_mj.errors import CheckpointError, JointAttnError
 from jointattn_mj.recording.archive import archive_of, content_of, member_named, read_array, write_array
 from jointattn_mj.recording.codec import Decoder, Encoder
 from jointattn_mj.recording.files import write_whole
-from jointattn_mj.recording.provenance import plain, versions
+from jointattn_mj.recording.provenance import plain
 
 FORMAT = 2
 _PICKLED = b"jointattn checkpoint 1\n"
@@ -197,5 +199,5 @@ def _written_by(content: bytes) -> str:
 
 
 def _versions() -> dict[str, str]:
-    names = ("jointattn_mj", "numpy", "mujoco")
-    return {"python": platform.python_version(), **{name: versions()[name] for name in names}}
+    libraries = {name: metadata.version(name) for name in ("numpy", "mujoco")}
+    return {"python": platform.python_version(), "jointattn_mj": __version__, **libraries}

@@ -22,7 +22,6 @@ from jointattn_mj.recording.parts import PARTS, class_named, is_own, may_set, na
 
 Entry = list[Any]
 _FACTORIES = {kind.__name__: kind for kind in (list, dict, set, int, float)}
-_SEQUENCES: dict[str, type] = {"list": list, "tuple": tuple, "set": set, "frozenset": frozenset}
 _GENERATORS = ("PCG64", "PCG64DXSM", "SFC64")
 """Those of numpy's whose state is numbers alone: none of them is a place in memory."""
 _NUMBERS = "biufcSU"

@@ -101,6 +101,8 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     try:
         write(temporary)
         os.replace(temporary, path)
+    except OutputError:  # of another file that belongs to this one
+        raise
     except OSError as error:
         trouble = error.strerror or error
         raise OutputError(f"cannot write {path}: {trouble}; free space or choose another --out") from error

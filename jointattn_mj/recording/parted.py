@@ -97,8 +97,18 @@ def _concatenate(parts: list[Path], path: Path) -> None:
     """One video of several, without encoding anything again."""
     names = parts[0].with_name("parts.txt")
     names.write_text("".join(f"file '{part.name}'\n" for part in parts))
-    arguments = ["-v", "error", "-y", "-f", "concat", "-i", names.resolve(), "-c", "copy", *FRAGMENTED]
-    command = [imageio_ffmpeg.get_ffmpeg_exe(), *map(os.fspath, arguments), os.fspath(path.absolute())]
+    source = ["-f", "concat", "-i", os.fspath(names.absolute())]
+    command = [
+        imageio_ffmpeg.get_ffmpeg_exe(),
+        "-v",
+        "error",
+        "-y",
+        *source,
+        "-c",
+        "copy",
+        *FRAGMENTED,
+        os.fspath(path),
+    ]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, start_new_session=True)
     if done.returncode != 0:
         said = " ".join(done.stderr.decode(errors="replace").split())

@@ -34,12 +34,12 @@ def result_paths(out: Path, name: str) -> tuple[Path, Path]:
     except OSError as error:
         raise OutputError(f"cannot make the folder {stem.parent}: {error.strerror}; choose another --out") from error
     if not os.access(stem.parent, os.W_OK):
-        raise OutputError(f"nothing can be written to {stem.parent}; choose another --out")
+        raise OutputError(f"cannot write to {stem.parent}; choose another --out")
     return paths
 
 
 def write_results(paths: tuple[Path, Path], rows: Sequence[dict[str, Any]], config: Any, **more: Any) -> None:
-    """Write ``rows`` to both files; ``more`` goes into the JSON file beside config and versions.
+    """Write ``rows`` to both files or to none; ``more`` goes into the JSON file beside config and versions.
 
     Raises:
         OutputError: A file cannot be written.
@@ -53,9 +53,11 @@ def write_results(paths: tuple[Path, Path], rows: Sequence[dict[str, Any]], conf
             writer.writeheader()
             writer.writerows(rows)
 
-    text = json.dumps(without_nan(contents), indent=1) + "\n"
-    write_whole(document, lambda path: path.write_text(text))  # first: it has everything, and is the larger one
-    write_whole(table, write_rows)
+    def write_both(path: Path) -> None:
+        path.write_text(json.dumps(without_nan(contents), indent=1) + "\n")
+        write_whole(table, write_rows)
+
+    write_whole(document, write_both)
 
 
 def number(value: float) -> str:

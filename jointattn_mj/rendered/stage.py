@@ -14,7 +14,7 @@ from jointattn_mj.options import Checked, Real
 from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.looker import AWAY, TurnWorld, places
 from jointattn_mj.scene.model import OBJECTS
-from jointattn_mj.scene.variation import drawn, variation_of
+from jointattn_mj.scene.variation import Variation, drawn, variation_of
 from jointattn_mj.scene.world import WorldConfig
 from jointattn_mj.symbolic.table import CAREGIVER, ROBOT, Table, TableConfig, new_table
 
@@ -25,7 +25,7 @@ class StageConfig(Checked):
 
     world: WorldConfig = field(default_factory=WorldConfig)
     """What things look like; its objects are replaced by as many as lie on the table, each of its own colour."""
-    variation: str = "people+lights"
+    variation: Variation = "people+lights"
     """How each seed's world differs, by names of ``scene.variation``: she is one of six people, in her own light."""
     object_jitter_m: Annotated[float, Real("[0, 0.1]")] = 0.02
     """Objects lie up to so far beside their place, either way; a third of their size, as a hand puts them."""
@@ -37,10 +37,6 @@ class StageConfig(Checked):
     looks_at: Literal["place", "object"] = "place"
     """What her eyes rest on when an object lies at the place she looks at: the middle of the ``place``, so that the
     jitter of objects is one more imprecision, or the ``object``, wherever it lies: so where jitter is large."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        variation_of(self.variation)
 
 
 class Stage:

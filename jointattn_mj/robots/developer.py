@@ -322,7 +322,11 @@ class Developer:
 
 def _observed(values: np.ndarray, variables: Sequence[Variable]) -> np.ndarray:
     """The observations for compiled code, which would look them up anywhere."""
-    codes, sizes = np.asarray(values), np.array([len(variable.values) for variable in variables])
+    try:
+        codes = np.asarray(values)
+    except ValueError:  # lists of unequal lengths
+        codes = np.array(values, object)
+    sizes = np.array([len(variable.values) for variable in variables])
     if codes.shape != sizes.shape or codes.dtype.kind not in "biu" or (codes < 0).any() or (codes >= sizes).any():
         wanted = ", ".join(f"{variable.name} 0 to {len(variable.values) - 1}" for variable in variables)
         raise SeriesError(f"a turn needs whole numbers for {wanted}; got {codes.tolist()}")

@@ -13,9 +13,12 @@ from typing import Annotated, Literal, NamedTuple
 import numba
 import numpy as np
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.border import checked_by, require_array
+from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.options import Angle, Checked, Positive, Real, Whole
 
+MOST = 1e6
+"""Faces, angles and movements beyond this are none."""
 FEEDBACK = ("nearest", "kept", "interest")
 
 
@@ -161,7 +164,11 @@ class TurnTaker:
         drive = face_drive(self.network, face)
         backpropagate(self.network, face, drive, heads, movements, self.config.angle_scale_deg, self.config.rate)
 
+def _check_face(network: Network, face: np.ndarray) -> None:
+    require_array("face", face, network.face.shape[1:], "f", -MOST, MOST)
 
+
+@checked_by(_check_face)
 @numba.njit(fastmath=True, cache=True)
 def face_drive(network: Network, face: np.ndarray) -> np.ndarray:
     """What a face adds to the input of each hidden unit: (hidden,). It is the same all through an attempt."""
@@ -174,6 +181,12 @@ def face_drive(network: Network, face: np.ndarray) -> np.ndarray:
     return drive
 
 
+def _check_command(network: Network, drive: np.ndarray, head: np.ndarray, scale: float) -> None:
+    require_array("drive", drive, network.threshold.shape, "f")
+    require_array("head", head, (2,), "f", -MOST, MOST)
+
+
+@checked_by(_check_command)
 @numba.njit(cache=True)
 def network_command(network: Network, drive: np.ndarray, head: np.ndarray, scale: float) -> tuple[float, float]:
     """The network's output: pan and tilt still to go, deg."""
@@ -185,6 +198,16 @@ def network_command(network: Network, drive: np.ndarray, head: np.ndarray, scale
     return pan * scale, tilt * scale
 
 
+def _check_pairs(
+    network: Network, face: np.ndarray, drive: np.ndarray, heads: np.ndarray, movements: np.ndarray, *rates: float
+) -> None:
+    _check_face(network, face)
+    require_array("drive", drive, network.threshold.shape, "f")
+    require_array("heads", heads, (-1, 2), "f", -MOST, MOST)
+    require_array("movements", movements, heads.shape, "f", -MOST, MOST)
+
+
+@checked_by(_check_pairs)
 @numba.njit(fastmath=True, cache=True)
 def backpropagate(
     network: Network,
@@ -228,6 +251,17 @@ def backpropagate(
             network.face[unit, i] += step * face[i]
 
 
+def _check_target(
+    feedback: int, seen: np.ndarray, off: np.ndarray, interest: np.ndarray, kept: int, by_network: bool
+) -> None:
+    require_array("seen", seen, (-1,), "b")
+    require_array("off", off, seen.shape, "f")
+    require_array("interest", interest, seen.shape, "f")
+    if not -1 <= kept < len(seen):
+        raise ObservationError(f"kept: expected one of {len(seen)} objects, or -1; got {kept}")
+
+
+@checked_by(_check_target)
 @numba.njit(cache=True)
 def feedback_target(
     feedback: int, seen: np.ndarray, off: np.ndarray, interest: np.ndarray, kept: int, by_network: bool

@@ -11,6 +11,8 @@ import mujoco
 import numpy as np
 from numba import njit
 
+from jointattn_mj.border import checked_by, require_array
+from jointattn_mj.errors import ObservationError
 from jointattn_mj.restored import check_array
 
 ARM_JOINTS = ("shoulder_yaw", "shoulder_pitch", "shoulder_roll", "elbow", "wrist_yaw", "wrist_pitch", "wrist_roll")
@@ -41,6 +43,11 @@ def gaze_angles(eye: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.stack([yaw, pitch], axis=-1)
 
 
+def _check_rotation(rotation):
+    require_array("rotation", rotation, (3, 3), "f", -2, 2)
+
+
+@checked_by(_check_rotation)
 @njit(cache=True)
 def rotation_to_zyx(rotation):
     """Angles (3,) of three hinges about z, then y, then x that make ``rotation`` (3, 3)."""
@@ -125,4 +132,6 @@ class Arm:
         ``swing`` (T,) raises the elbow above the level of shoulder and wrist, rad. A point beyond the arm's length is
         approached as far as the straight arm goes.
         """
+        if points.shape != (*swing.shape, 3) or swing.ndim != 1:
+            raise ObservationError(f"the arm takes points (T, 3) and swing (T,); got {points.shape} and {swing.shape}")
         return _reach(points, swing, self.shoulder, self.upper, self.fore, self.grasp, self.hand)

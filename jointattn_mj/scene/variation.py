@@ -14,7 +14,7 @@ from zlib import crc32
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.options import Checked, Choice, Colour, Real, Share, Whole
+from jointattn_mj.options import Checked, Choice, Colour, Real, Share, Whole, meant, shown
 from jointattn_mj.scene.caregiver import CaregiverConfig
 from jointattn_mj.scene.dressing import Conditions, Lamp, Surfaces
 from jointattn_mj.scene.layout import LayoutConfig
@@ -104,6 +104,8 @@ def _together(*parts: VariationConfig) -> VariationConfig:
 
 
 PRESETS["all"] = _together(*PRESETS.values())
+Variation = Annotated[str, Choice(PRESETS, joined="+")]
+"""Names of presets."""
 
 
 def variation_of(asked: VariationConfig | str) -> VariationConfig:
@@ -117,7 +119,8 @@ def variation_of(asked: VariationConfig | str) -> VariationConfig:
     names = asked.split("+")
     unknown = [name for name in names if name not in PRESETS]
     if unknown:
-        raise ConfigError(f"variation: expected some of {', '.join(PRESETS)}, joined by +; got {asked!r}")
+        known = f"some of {', '.join(PRESETS)}, joined by +"
+        raise ConfigError(f"variation: expected {known}; got {shown(asked)}{meant(asked, PRESETS)}")
     return _together(*(PRESETS[name] for name in names))
 
 

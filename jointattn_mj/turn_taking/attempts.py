@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
+from jointattn_mj.border import numbers, require_array
+from jointattn_mj.errors import ObservationError
 from jointattn_mj.perception.truth import TruthConfig
 from jointattn_mj.robots.turn_taker import (
     Network,
@@ -75,8 +77,17 @@ def live(
     """Let ``robot`` try ``attempts`` times, each at a table and an object at random; it learns, and its time goes on.
 
     Without ``learning`` neither network nor time change.
+
+    Raises:
+        ObservationError: There is no table, or faces and directions do not fit each other and the robot.
     """
     senses = senses or TruthConfig()
+    tables = situations.face.shape
+    require_array("faces of situations", situations.face, tables, "iu", 0, len(faces.patterns) - 1)
+    require_array("directions of situations", situations.directions, (*tables, 2), "f", -360, 360)
+    numbers("face patterns", faces.patterns, (-1, robot.network.face.shape[1]))
+    if attempts < 0 or not situations.face.size:
+        raise ObservationError(f"expected 0 attempts or more and a table with an object; got {attempts}, {tables}")
     results = np.zeros((attempts, 4), np.uint8)
     _live(
         robot.network, robot.options(), robot.gate(attempts), situations.directions, situations.face, faces.patterns,

@@ -14,6 +14,8 @@ import mujoco
 import numba
 import numpy as np
 
+from jointattn_mj.border import numbers
+from jointattn_mj.errors import ObservationError
 from jointattn_mj.options import Checked, Spread, Whole
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.som import standardised
@@ -74,7 +76,10 @@ class FaceInputs:
         """Index of a pattern for each of ``places`` (..., 2) on the table that she may look at: (...,) int."""
         gaze = gaze_deg(places).reshape(-1, 2)
         gaze = gaze + jitter_deg * rng.standard_normal(gaze.shape)
-        return _nearest(gaze, np.ascontiguousarray(self.gaze)).reshape(places.shape[:-1])
+        numbers("gaze of the face bank", self.gaze, (-1, 2))
+        if not len(self.gaze):
+            raise ObservationError("a face bank needs a face or more; got none")
+        return _nearest(numbers("gaze", gaze, gaze.shape), np.ascontiguousarray(self.gaze)).reshape(places.shape[:-1])
 
 
 def gaze_deg(places: np.ndarray) -> np.ndarray:

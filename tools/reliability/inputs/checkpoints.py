@@ -13,8 +13,11 @@ import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
+
 from tools.reliability.folders import contents, differences
 from tools.reliability.inputs.damage import damaged
+from tools.reliability.inputs.weights import finite
 from tools.reliability.malformed import Input, anything, refused
 from tools.reliability.subjects import Run
 from tools.shell import Outcome, Shell
@@ -85,7 +88,7 @@ def _change(
         return way, lambda outcome: "ran code" if path.with_name("canary").exists() else ""
     if way == "made up" and (made := made_up(raw, chance)) is not None:
         path.write_bytes(made[1])
-        return f"{way}, {made[0]}", anything
+        return f"{way}, {made[0]}", finite(path.parent, anything)
     what, made_of = damaged(raw, chance)
     path.write_bytes(made_of)
     return what, None
@@ -99,12 +102,14 @@ def made_up(raw: bytes, chance: random.Random) -> tuple[str, bytes] | None:
         comment = archive.comment
     except zipfile.BadZipFile:
         return None
-    name = chance.choice(["state.json"] * 3 + list(members))
-    if name not in members:
+    if "state.json" not in members:
         return None
+    name = chance.choice(["state.json", chance.choice(list(members))])
     if name.endswith(".json"):
         what, value = twisted(json.loads(members[name]), chance)
         members[name] = json.dumps(value).encode()
+    elif chance.random() < 0.5:
+        what, members[name] = other_numbers(members[name], chance)
     else:
         what, members[name] = damaged(members[name], chance)
     sink = io.BytesIO()
@@ -114,6 +119,19 @@ def made_up(raw: bytes, chance: random.Random) -> tuple[str, bytes] | None:
         made.comment = comment[:-64] + b"0" * 64
     content = sink.getvalue()
     return f"{name}: {what}", content[:-64] + hashlib.sha256(content[:-64]).hexdigest().encode()
+
+
+def other_numbers(raw: bytes, chance: random.Random) -> tuple[str, bytes]:
+    """An array of the same shape and kind with one number in it exchanged."""
+    array = np.lib.format.read_array(io.BytesIO(raw), allow_pickle=False)
+    kind, place = array.dtype.kind, chance.randrange(max(1, array.size))
+    number = chance.choice([np.nan, np.inf, 1e308, -1e308] if kind == "f" else [1, 0, 100])
+    if array.size and kind in "fiub":
+        with np.errstate(all="ignore"):
+            array.reshape(-1)[place] = number
+    sink = io.BytesIO()
+    np.lib.format.write_array(sink, array)
+    return f"number {place} becomes {number}", sink.getvalue()
 
 
 def twisted(value: object, chance: random.Random) -> tuple[str, object]:

@@ -30,7 +30,7 @@ def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iter
         path = write(folder / f"weights{number}" / "weights.npz", made)
         out = folder / f"weights{number}" / "out"
         yield Input(
-            "weights", what, (*SESSION, "--start-from", str(path), "--out", str(out)), result=_finite(out, result)
+            "weights", what, (*SESSION, "--start-from", str(path), "--out", str(out)), result=finite(out, result)
         )
 
 
@@ -65,12 +65,14 @@ def _same_arrays(raw: bytes, arrays: dict[str, np.ndarray]) -> bool:
     return found.keys() == arrays.keys() and all(np.array_equal(found[name], arrays[name]) for name in arrays)
 
 
-def _finite(out: Path, result: Callable[[Outcome], str]) -> Callable[[Outcome], str]:
-    """As ``result``; and what was learned has to be numbers."""
+def finite(out: Path, result: Callable[[Outcome], str]) -> Callable[[Outcome], str]:
+    """As ``result``; and weights that a session leaves in ``out`` have to be numbers."""
 
     def check(outcome: Outcome) -> str:
         if wrong := result(outcome):
             return wrong
+        if not (out / "weights.npz").exists():
+            return ""
         with np.load(out / "weights.npz") as archive:
             bad = [name for name, array in archive.items() if not np.isfinite(array).all()]
         return f"not finite: {', '.join(bad)}" if bad else ""
