@@ -150,11 +150,11 @@ KILLED = """
 import os, signal, sys
 from jointattn_mj import cli, develop_command
 run, at = develop_command.run_development, int(sys.argv[1])
-def killed(config, options, progress, compiling):
+def killed(config, options, progress):
     def watch(life, found):
         if life.lived >= at:
             os.kill(os.getpid(), signal.SIGKILL)
-    return run(config, options, watch, compiling)
+    return run(config, options, watch)
 develop_command.run_development = killed
 cli.main(sys.argv[2:])
 """
