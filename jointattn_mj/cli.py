@@ -189,7 +189,8 @@ def _perceive(arguments: Sequence[str] = ()) -> Callable[..., Any]:
 
         The camera stands still, so a fixation is attention to a place in the picture, and nothing turns.
         Leaves in --out: config.yaml, summary.json (with the mapping from the video to the robot's picture),
-        percepts.parquet (a row a frame), fixations.parquet, fixations.png, som.png, faces.parquet, overlay.mp4.
+        percepts.parquet (a row a frame), fixations.parquet, fixations.png, som.png, faces.parquet, overlay.mp4, and
+        checkpoint.bin.
         """
         return lambda: _with_one_thread(run_with_bar, config, options)
 

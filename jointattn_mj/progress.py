@@ -1,5 +1,6 @@
 """How far a command has come, on stderr: a bar on a terminal, elsewhere a line now and then."""
 
+import os
 import sys
 import threading
 import time
@@ -14,6 +15,8 @@ from jointattn_mj.terminal import Unbroken
 
 FIRST_S, LINE_S = 10.0, 30.0
 """Seconds before the first line, and between two, where there is no terminal."""
+QUIET = "JOINTATTN_QUIET"
+"""Environment variable: 1 leaves out these lines."""
 COMPILING = "compiling, once on this machine, up to 20 s"
 
 
@@ -83,7 +86,7 @@ class Progress:
                 bar_format=f"{{l_bar}}{{bar}}| {amount}{total} {self._unit} [{{elapsed}}<{{remaining}}{{postfix}}]",
                 file=self._out,
             )
-        else:
+        elif not os.environ.get(QUIET):
             threading.Thread(target=self._tell, daemon=True).start()
         return self
 

@@ -5,6 +5,7 @@ could be typed.
 """
 
 import importlib.util
+import os
 import shutil
 import socket
 import subprocess
@@ -135,6 +136,7 @@ class Reader:
         started = subprocess.Popen(
             [str(Path(sys.executable).with_name(program)), *arguments],
             cwd=self.folder,
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )

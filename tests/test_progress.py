@@ -84,6 +84,7 @@ class TestLog:
         """Also while nothing is told: a line first after some seconds, and then now and then."""
         monkeypatch.setattr(jointattn_mj.progress, "FIRST_S", 0.02)
         monkeypatch.setattr(jointattn_mj.progress, "LINE_S", 0.03)
+        monkeypatch.delenv(jointattn_mj.progress.QUIET)
         log = io.StringIO()
         with Shown("waiting", stream=log):
             until = time.monotonic() + 20

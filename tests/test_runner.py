@@ -61,6 +61,11 @@ def command(perception: str, out: Path, *options: str, how: str = "plain", at: i
     )
 
 
+def said(done: subprocess.CompletedProcess) -> str:
+    """What it said on stderr, but for how far it was, which a slow machine has the time to say."""
+    return "".join(line for line in done.stderr.splitlines(keepends=True) if not line.endswith(" so far\n"))
+
+
 def assert_same(first: Path, second: Path) -> None:
     """All that a session leaves, byte for byte; only the wall clock may differ."""
     assert {path.name for path in first.iterdir()} == {path.name for path in second.iterdir()} == FOLDER
@@ -75,14 +80,14 @@ def straight(request, tmp_path_factory) -> tuple[str, Path]:
     """A session that nothing disturbs."""
     out = tmp_path_factory.mktemp(request.param) / "straight"
     done = command(request.param, out)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, said(done)) == (0, "")
     return request.param, out
 
 
 def test_same_seed_same_bytes(straight, tmp_path):
     perception, out = straight
     done = command(perception, tmp_path / "again", hash_seed=2)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, said(done)) == (0, "")
     assert_same(out, tmp_path / "again")
     summary = json.loads((out / "summary.json").read_text())
     assert summary["gaze_shifts"] > 3
@@ -93,11 +98,11 @@ def test_interrupted_and_resumed(straight, tmp_path):
     perception, out = straight
     stopped = command(perception, tmp_path / "on", how="interrupt", at=600)
     assert stopped.returncode == 130
-    assert stopped.stderr.count("\n") == 1
-    assert "--resume" in stopped.stderr
+    assert said(stopped).count("\n") == 1
+    assert "--resume" in said(stopped)
     assert {path.name for path in (tmp_path / "on").iterdir()} == {"checkpoint.bin", "config.yaml", "log"}
     resumed = command(perception, tmp_path / "on", "--resume", hash_seed=3)
-    assert (resumed.returncode, resumed.stderr) == (0, "")
+    assert (resumed.returncode, said(resumed)) == (0, "")
     assert_same(out, tmp_path / "on")
 
 
@@ -108,7 +113,7 @@ def test_killed_and_resumed(straight, tmp_path):
     assert killed.returncode == -signal.SIGKILL
     assert len([*(tmp_path / "on").iterdir()]) == 5  # config, log, two checkpoints, one of them half, a void lock
     resumed = command(perception, tmp_path / "on", "--resume", hash_seed=3)
-    assert (resumed.returncode, resumed.stderr) == (0, "")
+    assert (resumed.returncode, said(resumed)) == (0, "")
     assert_same(out, tmp_path / "on")
 
 

@@ -50,13 +50,13 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
     every = options.overlay_every if options.overlay else None
     spent, rows = 0.0, None
     if options.resume:
-        spent, finished, overlay, state, rows = checkpoint.load(out / "checkpoint.bin", config)
+        spent, finished, state, rows = checkpoint.load(out / "checkpoint.bin", config)
         if finished:
             return _read_summary(out)
-        if overlay != every:
-            asked = "--no-overlay" if overlay is None else f"--overlay-every {overlay}"
-            raise CheckpointError(f"the viewing in {out} was begun with {asked}; resume with that")
         viewing.restore(state)
+        if state["overlay_every"] != every:
+            asked = f"--overlay-every {state['overlay_every']}" if state["overlay_every"] else "--no-overlay"
+            raise CheckpointError(f"the viewing in {out} was begun with {asked}; resume with that")
     log = PerceptLog(out, viewing.names, rows)
     film = PartedReel(log_folder(out), HEIGHT, WIDTH, RATE / (every or 1), viewing.frames)
     drawing = FootageOverlay(viewing.names, viewing.rgb, config.attention)
@@ -66,8 +66,8 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
 
     def freeze(finished: bool = False) -> None:
         film.cut()
-        state = wall_seconds(), finished, every, viewing.state(), log.rows
-        checkpoint.save(out / "checkpoint.bin", state, config)
+        state = {**viewing.state(), "overlay_every": every}
+        checkpoint.save(out / "checkpoint.bin", (wall_seconds(), finished, state, log.rows), config)
 
     if not options.resume:
         viewing.measure_face()

@@ -111,8 +111,12 @@ class Viewing:
         """Take over what ``state`` gave.
 
         Raises:
-            CheckpointError: The video is another one by now.
+            CheckpointError: It is no such state, or the video is another one by now.
         """
+        for name in ("bytes", *STATE):
+            now = self._bytes() if name == "bytes" else getattr(self, name)
+            if name not in state or (now is not None and type(state[name]) is not type(now)):
+                raise CheckpointError(f"the checkpoint has no {name} of a viewing; begin anew in another --out")
         if state["bytes"] != self._bytes():
             raise CheckpointError(
                 f"{self.footage.path} had {state['bytes']} bytes when it was watched, and has {self._bytes()}; choose "

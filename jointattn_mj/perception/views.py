@@ -250,7 +250,7 @@ class ViewBank:
             Score -1..1 (-1 if the window lies outside the picture) and the centre (x, y) in pixels, to a fraction.
         """
         view = -1
-        if self.n > 0 and max(abs(x), abs(y)) < FAR:
+        if self.n > 0 and abs(x) < FAR and abs(y) < FAR:
             view = _match(
                 gray, self._views, self.n, self._last, self.side, x, y, self.radius, self.distance_penalty,
                 self.search_all_below, self._least_norm,
@@ -267,7 +267,7 @@ class ViewBank:
     def search(self, gray: np.ndarray, count: int) -> list[tuple[float, float]]:
         """Centres (x, y) where the ``count`` views of `recent` fit best in the whole picture, at half resolution.
 
-        None where the picture is smaller than a view.
+        Nowhere in a picture that is smaller than a view.
         """
         if min(gray.shape) < self.side:
             return []
