@@ -149,7 +149,7 @@ class Checked:
 def shown(value: Any) -> str:
     """A value in an error message: on one line, and not long."""
     try:
-        text = " ".join(repr(value).split())
+        text = " ".join(repr(str(value) if isinstance(value, Path) else value).split())
     except ValueError:  # Python writes no integer of more than 4300 digits
         text = f"a {type(value).__name__} of very many digits"
     return text if len(text) <= 80 else f"{text[:60]}... ({len(text)} characters)"

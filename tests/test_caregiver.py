@@ -145,6 +145,15 @@ def test_impossible_settings_are_errors(wrong):
         CaregiverConfig(**wrong)
 
 
+def test_a_hand_that_is_back_within_a_frame():
+    config = CaregiverConfig(withdraw_s=0.001)
+    person = caregiver(config=config)
+    live(person, 0.5)
+    while person.phase is not Phase.GAZE:
+        person.advance()
+    assert person._hand == pytest.approx(config.rest_place)
+
+
 def test_a_holding_place_on_the_table_is_an_error():
     with pytest.raises(ConfigError, match="holding_place"):
         caregiver(config=CaregiverConfig(holding_place=(1.2, 0.0, REST)))

@@ -160,3 +160,5 @@ def test_pickled_halfway_it_goes_on_alike():
 def test_impossible_options_are_refused():
     with pytest.raises(ConfigError, match="frames_back"):
         MotionConfig(frames_back=0)
+    with pytest.raises(ConfigError, match="texture"):
+        MotionConfig(texture=0.0)  # a flat block has no vertex

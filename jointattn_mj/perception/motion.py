@@ -51,7 +51,7 @@ class MotionConfig(Checked):
     """A flag that is on stays on above this share of its threshold; less than 1 bridges noise."""
     linger_frames: Annotated[int, Whole("[0, 1e6]")] = 0
     """And so many frames longer. With clean pictures the two frames back already delay the end by one."""
-    texture: Annotated[float, Real("[0, 1e6]")] = 4.0
+    texture: Annotated[float, Real("[0.001, 1e6]")] = 4.0
     """Mean squared grey difference that one pixel's shift makes in a block, below which an axis has no flow."""
     face_inset_px: Annotated[int, Whole("[0, 120]")] = 4
     """Rim of the face's box left out: hair's edge and what moves behind the head. 24x24 of 32x32 pixels stay."""
