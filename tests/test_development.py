@@ -8,14 +8,11 @@ import sys
 import time
 from pathlib import Path
 
-import numpy as np
 import pyarrow.parquet as pq
 import pytest
 import yaml
-from numba import njit
 from shell import Outcome, Shell
 
-from jointattn_mj import development
 from jointattn_mj.development import DevelopConfig, DevelopOptions, preset_in, run_development
 from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
 from jointattn_mj.recording import space
@@ -321,19 +318,3 @@ def test_too_little_space(tmp_path, monkeypatch):
     with pytest.raises(ConfigError, match="larger --sample-every"):
         run_development(config(sample_every=1), DevelopOptions(tmp_path / "out"))
     assert not (tmp_path / "out").exists()
-
-
-def test_compiling_is_told_once_and_only_when_it_happens():
-    @njit
-    def inner(x):
-        return x + 1
-
-    @njit
-    def outer(x):
-        return inner(x) * 2
-
-    told = []
-    for _ in range(2):
-        with development._told_of_compiling(lambda: told.append(True)):
-            assert outer(np.int64(1)) == 4
-    assert told == [True]
