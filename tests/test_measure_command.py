@@ -228,7 +228,7 @@ def test_refuses_files(jointattn, seen, tmp_path):
     assert (tmp_path / "mine.json").read_text() == "mine"
     assert not (tmp_path / "mine.csv").exists()
     refused(jointattn("measure", seen, *GAZE, *FEW, "--out", seen / "below" / "x"), "cannot make the folder")
-    refused(jointattn("measure", seen, *GAZE, *FEW, "--out", "x" * 10_000), "File name too long", "--out")
+    refused(jointattn("measure", seen, *GAZE, *FEW, "--out", "x" * 10_000), "255 bytes", "out")
     refused(jointattn("discover", seen, *PARTS, "--alpha", 2), "alpha")
     refused(jointattn("discover", seen, "--sensors", "gaze", "--actions", "gaze", "--results", "object"), "both")
 

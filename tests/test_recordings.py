@@ -7,7 +7,7 @@ from pyarrow import csv, parquet
 
 import jointattn_mj.contingency as c
 from jointattn_mj.contingency import read_recordings
-from jointattn_mj.errors import SeriesError
+from jointattn_mj.errors import ConfigError, SeriesError
 
 
 @pytest.fixture
@@ -172,7 +172,7 @@ def test_lines_above_the_header(write):
     assert codes(read_recordings(path, ["a", "b"], skip_rows=2), "b") == [[1, 0, 1]]
     with pytest.raises(SeriesError, match="below the 9 rows"):
         read_recordings(path, ["a"], skip_rows=9)
-    with pytest.raises(SeriesError, match="skip_rows must be 0 or more"):
+    with pytest.raises(ConfigError, match="skip_rows: expected a whole number in"):
         read_recordings(path, ["a"], skip_rows=-1)
 
 
@@ -227,7 +227,7 @@ def test_numbers_with_a_comma_are_numbers(write, written, labels):
 
 
 def test_missing_is_checked_from_python(write):
-    with pytest.raises(SeriesError, match="missing must be one of"):
+    with pytest.raises(ConfigError, match="missing: expected one of error, break"):
         read_recordings(write("a\n1\n2\n"), ["a"], missing="ignore")
 
 

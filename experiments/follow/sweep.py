@@ -21,7 +21,7 @@ class Training(Checked):
     picture_height: Annotated[int, Whole("[1, 1000]")] | None = None
     """Height of the grey picture that is observed, in pixels; None: no picture. Pictures are not stacked: her gaze
     rests, and her face stays in view while the robot looks at the table."""
-    steps: Annotated[int, Whole("[1, 1e10]")] = 12_288
+    steps: Annotated[int, Whole("[0, 1e10]")] = 12_288
     """Of experience, over all copies of the environment."""
     every: Annotated[int, Whole("[1, 1e10]")] = 1024
     """Steps between two tests; a multiple of ``copies * rollout``."""
