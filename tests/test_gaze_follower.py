@@ -317,7 +317,7 @@ def test_familiarise():
     np.testing.assert_allclose(scene.head, (5, 4), atol=1e-6)
     assert robot.som.seen == 10
     assert robot.attended == FACE
-    with pytest.raises(ConfigError, match="FamiliariseConfig.minutes"):
+    with pytest.raises(ConfigError, match=r"FamiliariseConfig\.minutes"):
         FamiliariseConfig(minutes=0)
 
 

@@ -89,8 +89,7 @@ def test_going_on_from_a_checkpoint(tmp_path):
 
 
 def test_a_place_that_cannot_be_written(tmp_path):
-    (tmp_path / "taken").touch()
-    log = PerceptLog(tmp_path / "taken", NAMES)
-    with pytest.raises(OutputError, match=r"taken.*--out"):
-        for frame in range(2 * BLOCK):
+    log = PerceptLog(tmp_path / "nowhere", NAMES)
+    with pytest.raises(OutputError, match=r"percepts.*--out"):
+        for frame in range(BLOCK):
             log.add(watcher(frame), frame, True)
