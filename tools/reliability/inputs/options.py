@@ -82,7 +82,7 @@ def values_for(option: Option, chance: random.Random) -> list[tuple[tuple[str, .
     takes = option.takes.removeprefix("{None}|")
     if not takes:
         return [(("yes",), True)]
-    if takes.startswith("{"):
+    if takes.startswith(("{", "[{")):
         return [((text,), True) for text in (*TEXTS, takes.strip("{}"))]
     parts = re.findall(r"FLOAT|INT|STR|PATH", takes)
     kind, count = parts[0], 1 if "..." in takes else len(parts)
