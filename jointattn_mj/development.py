@@ -1,8 +1,7 @@
 """``jointattn develop``: a mind and its table through a whole life, in a folder: progress, checkpoints, results."""
 
 import json
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -133,13 +132,11 @@ def run_development(
     config: DevelopConfig,
     options: DevelopOptions,
     progress: Callable[[Life, Sequence[tuple[Found, Meaning | None]]], object] = lambda life, found: None,
-    compiling: Callable[[], object] = lambda: None,
 ) -> dict[str, Any]:
     """Live a life and leave its results in ``options.out``; returns the summary.
 
-    ``progress`` is called every ``config.at_a_time`` turns with what was found in them and what it means; ``compiling``
-    once, if the loop is being compiled, as on its first use. On Ctrl-C or SIGTERM a checkpoint is written before
-    KeyboardInterrupt goes on.
+    ``progress`` is called every ``config.at_a_time`` turns with what was found in them and what it means. On Ctrl-C or
+    SIGTERM a checkpoint is written before KeyboardInterrupt goes on.
 
     Raises:
         ConfigError: The life's log would not fit onto the disk, or its options do not go together.
@@ -152,14 +149,13 @@ def run_development(
     if options.video and not config.films:
         raise ConfigError(f"world {config.world} has nothing to be filmed; choose --world rendered, or no --video")
     with claimed(options.out, options.resume):
-        return _run(config, options, progress, compiling)
+        return _run(config, options, progress)
 
 
 def _run(
     config: DevelopConfig,
     options: DevelopOptions,
     progress: Callable[[Life, Sequence[tuple[Found, Meaning | None]]], object],
-    compiling: Callable[[], object],
 ) -> dict[str, Any]:
     """Live a life in a folder that is held for it."""
     out, frozen = options.out, options.out / "checkpoint.bin"
@@ -178,7 +174,7 @@ def _run(
         _keep(frozen, life, config)
     if not (out / "config.yaml").exists():
         write_config(out / "config.yaml", config)
-    with deferred() as interrupts, _told_of_compiling(compiling):
+    with deferred() as interrupts:
         while life.spent < config.length and life.lived < life.turns:
             pause = min(life.turns, (life.lived // every + 1) * every)
             found = life.live(min(config.at_a_time, pause - life.lived))
@@ -232,26 +228,6 @@ def check_space(config: DevelopConfig, out: Path) -> None:
     samples = 2 * 8 * 3 * (2 + modules) ** 2 * (config.steps // config.sample_every)
     what = f"--steps {config.steps}"
     check_free(out, log + samples, what, f"fewer --steps{', or a larger --sample-every' if samples > log else ''}")
-
-
-@contextmanager
-def _told_of_compiling(tell: Callable[[], object]) -> Iterator[None]:
-    """Calls ``tell`` if numba compiles anything in the block; what it finds in its cache is not compiled."""
-    from numba.core import event
-
-    class Listener(event.Listener):
-        told = False
-
-        def on_start(self, event: event.Event) -> None:
-            if not self.told:
-                self.told = True
-                tell()
-
-        def on_end(self, event: event.Event) -> None:
-            pass
-
-    with event.install_listener("numba:compile", Listener()):
-        yield
 
 
 def _with_meanings(life: Life, found: Sequence[Found]) -> list[tuple[Found, Meaning | None]]:

@@ -31,7 +31,7 @@ class Progress:
         self, doing: str, total: float | None = None, unit: str = "", digits: int = 0, stream: TextIO | None = None
     ):
         """``doing``: what is done; ``total``: how far it goes, in ``unit``, which is shown with so many ``digits``."""
-        self._out = Unbroken(sys.stderr if stream is None else stream)
+        self._out = Unbroken(stream or sys.stderr)
         self.live = self._out.isatty()
         self._doing, self._words, self._done, self._total = doing, "", 0.0, total
         self._unit, self._digits = unit, digits

@@ -21,7 +21,7 @@ class Unbroken:
         trouble: The first failure; None while there is none.
     """
 
-    def __init__(self, stream: TextIO | None):
+    def __init__(self, stream: TextIO):
         self._stream = stream
         self.trouble: OSError | ValueError | None = None
 
@@ -39,7 +39,7 @@ class Unbroken:
         return self._attempt("isatty") or False
 
     def _attempt(self, method: str, *arguments: str) -> Any:
-        if self._stream is None or self.trouble is not None:
+        if self.trouble is not None:
             return None
         try:
             return getattr(self._stream, method)(*arguments)
@@ -64,15 +64,16 @@ def unbroken_streams() -> Iterator[Unbroken]:
         except OSError:
             os.open(os.devnull, os.O_RDWR)
     kept = sys.stdout, sys.stderr
-    for stream in kept:
+    streams = [os.fdopen(os.open(os.devnull, os.O_WRONLY), "w") if stream is None else stream for stream in kept]
+    for stream in streams:
         with suppress(AttributeError, OSError, ValueError):
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
-    output = sys.stdout = Unbroken(kept[0])  # type: ignore[assignment]
-    errors = sys.stderr = Unbroken(kept[1])  # type: ignore[assignment]
+    output = sys.stdout = Unbroken(streams[0])  # type: ignore[assignment]
+    errors = sys.stderr = Unbroken(streams[1])  # type: ignore[assignment]
     try:
         yield output
     finally:
-        for wrapped, stream in zip((output, errors), kept, strict=True):
+        for wrapped, stream in zip((output, errors), streams, strict=True):
             wrapped.flush()
             if wrapped.trouble is not None:
                 _forget(stream)

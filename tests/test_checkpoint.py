@@ -1,5 +1,6 @@
 """Checkpoints: whole, of the same config, plain data, and never a program."""
 
+import copy
 import hashlib
 import io
 import json
@@ -411,7 +412,7 @@ class TestAttacks:
             ("session.Session", "not a name"),
             ("perception.som.SOM", "width"),  # a property
             ("perception.som.SOM", "from_arrays"),
-            ("robots.developer.Developer", "_grow"),
+            ("gaze.HeadShift", "_reference"),
         ],
     )
     @pytest.mark.parametrize("value", [3, None, "x"])
@@ -586,16 +587,18 @@ def test_listed_classes_are_there_and_do_nothing_by_themselves():
         assert not any(method in vars(base) for base in kind.__mro__ for method in ("__del__", "__call__", "__enter__"))
 
 
+GROWING = replace(DevelopConfig.of("fast"), steps=20_000)
+
+
 @pytest.fixture(scope="module")
-def life(tmp_path_factory) -> Path:
-    """Of a developing robot that has found something."""
-    config = replace(DevelopConfig.of("fast"), steps=20_000)
-    lived = config.new_life()
+def life(tmp_path_factory) -> dict[str, bytes]:
+    """The checkpoint of a developing robot that has found something."""
+    lived = GROWING.new_life()
     while not lived.mind.modules:
         lived.live(500)
     path = tmp_path_factory.mktemp("life") / "c"
-    save(path, lived, config)
-    return path
+    save(path, lived, GROWING)
+    return members_of(path) | {"header.json": header(GROWING)}
 
 
 def somewhere(tree: Any, draw: Callable[[Any], Any]) -> tuple[Any, Any]:
@@ -619,27 +622,27 @@ ODD = st.one_of(
 )
 
 
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_whatever_is_changed_it_is_read_or_refused(life, tmp_path, data):
-    """Changes that the digest is made to fit: the same kind of life comes out, or one named error."""
-    config = replace(DevelopConfig.of("fast"), steps=20_000)
-    members = members_of(life)
-    del members["header.json"]
+    """Changes that the digest is made to fit: a life that can go on comes out, or one named error."""
+    members = dict(life)
     if data.draw(st.integers(0, 3)):
         state = json.loads(members["state.json"])
         for _ in range(data.draw(st.integers(1, 3))):
             container, place = somewhere(state, data.draw)
-            container[place] = data.draw(ODD)
+            container[place] = copy.deepcopy(data.draw(ODD))
         members["state.json"] = json.dumps(state).encode()
     else:
-        name = data.draw(st.sampled_from(sorted(members)))
+        name = data.draw(st.sampled_from(sorted(members.keys() - {"header.json"})))
         content = bytearray(members[name])
         place = data.draw(st.integers(0, min(len(content) - 1, 200)))
         content[place] ^= data.draw(st.integers(1, 255))
         members[name] = bytes(content)
-    (tmp_path / "c").write_bytes(sealed({"header.json": header(config), **members}))
+    (tmp_path / "c").write_bytes(sealed(members))
     try:
-        assert isinstance(load(tmp_path / "c", config, kind=config.kind), config.kind)
+        restored = load(tmp_path / "c", GROWING, kind=GROWING.kind)
     except CheckpointError as error:
         assert "\n" not in str(error)
+    else:
+        restored.live(50)

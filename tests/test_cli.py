@@ -354,9 +354,10 @@ class TestStreams:
         outcome = self.shell(f"{self.JOINTATTN} {measure if what == 'measure' else what} > /dev/full")
         refused(outcome, 1, "standard output", "No space left")
 
-    @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-"])
-    def test_closed(self, measure, closed):
-        outcome = self.shell(f"{self.JOINTATTN} {measure} {closed}")
+    @pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
+    @pytest.mark.parametrize("what", ["measure", "--help"])
+    def test_closed(self, measure, what, closed):
+        outcome = self.shell(f"{self.JOINTATTN} {measure if what == 'measure' else what} {closed}")
         assert (outcome.code, outcome.err) == (0, "")
 
     def test_a_log_that_nobody_reads_any_more(self, tmp_path):

@@ -1,4 +1,4 @@
-"""A day of a session and ten million turns at the table take no more memory than an hour and a hundred thousand.
+"""A day of a session and ten million turns at the table take no more memory than an hour and a million turns.
 
 ``pytest -m slow tests/test_day.py``; JOINTATTN_DAY_MINUTES and JOINTATTN_DAY_STEPS make a shorter day.
 """
@@ -29,7 +29,7 @@ def peak_mb(*arguments: str) -> float:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "option", "short", "long"),
-    [(("session", "--perception", "truth"), "--minutes", "60", MINUTES), (("develop",), "--steps", "100000", STEPS)],
+    [(("session", "--perception", "truth"), "--minutes", "60", MINUTES), (("develop",), "--steps", "1000000", STEPS)],
     ids=["session", "develop"],
 )
 def test_memory_of_a_day(tmp_path, command, option, short, long):

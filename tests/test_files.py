@@ -12,9 +12,10 @@ from matplotlib.figure import Figure
 
 from jointattn_mj.errors import OutputError
 from jointattn_mj.recording import checkpoint, figures
-from jointattn_mj.recording.files import forget_partial, write_whole
+from jointattn_mj.recording.files import forget_partial, free_name, write_whole
 from jointattn_mj.recording.parquet import write_parquet
 from jointattn_mj.recording.provenance import write_config
+from jointattn_mj.recording.results import write_results
 from jointattn_mj.recording.weights import write_weights
 
 NOISE = np.random.default_rng(0).random((200, 200))
@@ -102,3 +103,38 @@ def test_forget_partial(tmp_path):
         (tmp_path / name).write_text("")
     forget_partial(tmp_path)
     assert {child.name for child in tmp_path.iterdir()} == set(kept)
+
+
+def test_read_only_file_system(tmp_path, monkeypatch):
+    """It refuses even to delete what is not there, which must not hide what is said."""
+
+    def refuse(*arguments, **options):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    monkeypatch.setattr(Path, "unlink", refuse)
+    with pytest.raises(OutputError, match=r"cannot write .*file: Read-only file system"):
+        write_whole(tmp_path / "file", refuse)
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_folder_with_a_colon_in_its_name(tmp_path, monkeypatch, name):
+    """Libraries take what stands before it in a relative path as a protocol."""
+    monkeypatch.chdir(tmp_path)
+    Path("o:2").mkdir()
+    WRITERS[name](Path("o:2") / name)
+    assert [path.name for path in Path("o:2").iterdir()] == [name]
+
+
+def test_two_files_or_none(tmp_path):
+    """One that cannot be written leaves neither."""
+    table, document = tmp_path / "nowhere" / "a.csv", tmp_path / "a.json"
+    with pytest.raises(OutputError, match=r"cannot write \S+a\.csv: No such"):
+        write_results((table, document), [{"x": 1}], {})
+    assert not list(tmp_path.iterdir())
+
+
+def test_free_name(tmp_path):
+    path = tmp_path / "video.mp4"
+    for expected in ("video.mp4", "video_2.mp4", "video_3.mp4"):
+        assert free_name(path).name == expected
+        free_name(path).touch()

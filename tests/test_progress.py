@@ -10,7 +10,7 @@ import jointattn_mj.progress
 from jointattn_mj.laboratory import progress
 from jointattn_mj.laboratory.progress import MOST_FAILURES, Progress, rate
 from jointattn_mj.laboratory.run import Tally
-from jointattn_mj.progress import COMPILING, duration
+from jointattn_mj.progress import COMPILING, duration, told_of_compiling
 from jointattn_mj.progress import Progress as Shown
 
 HALF = Tally(todo=10, stored=3, done=4, running=2, seconds={("a", "b"): (4, 40.0)})
@@ -157,3 +157,24 @@ def test_compiling_is_told_in_a_log(monkeypatch):
         assert outer(np.int64(1)) == 3
     assert during == [f"{COMPILING}, 1 s so far"]
     assert shown.line(1) == "life, 1 s so far"
+
+
+def test_compiling_is_told_once_and_only_when_it_happens():
+    @njit
+    def inner(x):
+        return x + 1
+
+    @njit
+    def outer(x):
+        return inner(x) * 2
+
+    told = []
+
+    def begin():
+        told.append("begins")
+        return lambda: told.append("is over")
+
+    for _ in range(2):
+        with told_of_compiling(begin):
+            assert outer(np.int64(1)) == 4
+    assert told == ["begins", "is over"]

@@ -38,7 +38,7 @@ def test_numbers_that_are_not_finite(tmp_path, learned, name, value):
     spoilt = np.array(learned[name], float)
     spoilt.flat[0] = value
     write_weights(tmp_path / "w.npz", learned | {name: spoilt})
-    with pytest.raises(CheckpointError, match=f"not finite in {name}"):
+    with pytest.raises(CheckpointError, match=rf"not finite in {name}"):
         read_weights(tmp_path / "w.npz")
 
 

@@ -60,11 +60,13 @@ class Machine:
             shell=True, capture_output=True, text=True,
         ).stdout.strip()  # fmt: skip
         command = ["debootstrap", "--variant=minbase", f"--include={BROUGHT}", suite, str(folder)]
-        with folder.with_suffix(".debootstrap.log").open("w") as log:
-            subprocess.run([*command, *filter(None, [mirror])], stdout=log, stderr=log, check=True)
-        for place in ("etc/ssl/certs", "etc/apt/apt.conf.d", "usr/local/share/ca-certificates"):
-            shutil.copytree(Path("/") / place, folder / place, symlinks=True, dirs_exist_ok=True)
-        for name in ("resolv.conf", "hosts"):
+        log = folder.with_suffix(".debootstrap.log")
+        with log.open("w") as file:
+            done = subprocess.run([*command, *filter(None, [mirror])], stdout=file, stderr=file)
+        if done.returncode:
+            sys.exit(f"release_check: debootstrap could not: {log.read_text().splitlines()[-1]} (see {log})")
+        shutil.copytree("/etc/apt/apt.conf.d", folder / "etc/apt/apt.conf.d", dirs_exist_ok=True)
+        for name in ("resolv.conf", "hosts", "ssl/certs/ca-certificates.crt"):
             shutil.copy(Path("/etc") / name, folder / "etc" / name)
         machine = cls(folder)
         machine.run("root", f"useradd --create-home {USER}", folder.with_suffix(".useradd.log"))
@@ -90,9 +92,9 @@ class Machine:
         script = 'mount -t proc proc "$0/proc"; mount --rbind /dev "$0/dev"; mount -t tmpfs -o mode=1777 tmpfs "$0/tmp"'
         script += '; exec chroot --userspec="$1" "$0" bash -c "$2"'
         new = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "bash", "-c", script]
-        command = [*new, str(self.folder), who, inside]
+        arguments = [*new, str(self.folder), who, inside]
         with log.open("w") as file:
-            done = subprocess.run(command, env=kept | given, stdin=subprocess.DEVNULL, stdout=file, stderr=file)
+            done = subprocess.run(arguments, env=kept | given, stdin=subprocess.DEVNULL, stdout=file, stderr=file)
         return done.returncode
 
     def size(self, path: str) -> str:

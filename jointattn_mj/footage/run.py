@@ -20,7 +20,7 @@ from jointattn_mj.recording.interrupts import Interrupts, deferred
 from jointattn_mj.recording.parted import PartedReel
 from jointattn_mj.recording.provenance import plain, write_config
 from jointattn_mj.recording.reel import find_ffmpeg
-from jointattn_mj.recording.rows import forget_log, log_folder
+from jointattn_mj.recording.rows import RowStore, forget_log, log_folder
 
 
 def run_perceive(
@@ -50,7 +50,8 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
     every = options.overlay_every if options.overlay else None
     spent, rows = 0.0, None
     if options.resume:
-        spent, finished, state, rows = checkpoint.load(out / "checkpoint.bin", config)
+        kinds = (float, bool, dict, RowStore)
+        spent, finished, state, rows = checkpoint.load(out / "checkpoint.bin", config, kind=kinds)
         if finished:
             return _read_summary(out)
         viewing.restore(state)

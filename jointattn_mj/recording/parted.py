@@ -97,18 +97,9 @@ def _concatenate(parts: list[Path], path: Path) -> None:
     """One video of several, without encoding anything again."""
     names = parts[0].with_name("parts.txt")
     names.write_text("".join(f"file '{part.name}'\n" for part in parts))
-    source = ["-f", "concat", "-i", os.fspath(names.absolute())]
-    command = [
-        imageio_ffmpeg.get_ffmpeg_exe(),
-        "-v",
-        "error",
-        "-y",
-        *source,
-        "-c",
-        "copy",
-        *FRAGMENTED,
-        os.fspath(path),
-    ]
+    arguments = f"-v error -y -f concat -i LIST -c copy {' '.join(FRAGMENTED)} OUT".split()
+    paths = {"LIST": os.fspath(names.absolute()), "OUT": os.fspath(path)}
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), *(paths.get(word, word) for word in arguments)]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, start_new_session=True)
     if done.returncode != 0:
         said = " ".join(done.stderr.decode(errors="replace").split())
