@@ -149,7 +149,7 @@ def test_options_are_all_that_help_lists(listed):
     for base, found in listed.items():
         assert len(found) > 1, base
     (minutes,) = [option for option in listed[options.BASES[0]] if option.name == "--minutes"]
-    assert (minutes.takes, minutes.default) == ("FLOAT", "26.0")
+    assert (minutes.takes, minutes.default) == ("FLOAT(0,1e9]", "26.0")
     words = dict(options.values_for(minutes, random.Random(0)))
     assert words[("nan",)] and words[("",)] and words[("1", "1")]
     assert not dict(options.values_for(options.Option("--x", "{None}|INT", "None"), random.Random(0)))[("None",)]

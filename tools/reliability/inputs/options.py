@@ -10,7 +10,6 @@ from tools.reliability.malformed import Input, anything, refused
 from tools.shell import Shell
 
 LINE = re.compile(r"^[\s│|]*(--[a-z][\w.-]*)((?:, --[\w.-]+)*)(?: (\S.*?))?(?:\s{2,}.*)?[\s│|]*$")
-INTERVAL = re.compile(r"\b(FLOAT|INT)[(\[][^\s,]+,[^\s\])]+[)\]]")
 COLUMNS = "90"
 """Wide enough for every option with what it takes, too narrow for two beside each other."""
 NUMBERS = ("nan", "inf", "-inf", "1e308", "-1e308", "9223372036854775808", "1" + "0" * 400)
@@ -74,8 +73,7 @@ def options_of(shell: Shell, base: Base, places: dict[str, str]) -> list[Option]
         if match := LINE.match(line):
             rest = " ".join(part.strip(" │|") for part in lines[place : place + 12])
             default = re.search(r"\(default: ([^)]*)\)", rest)
-            takes = INTERVAL.sub(r"\1", match[3] or "")
-            found.append(Option(match[1], takes, default[1].strip() if default else ""))
+            found.append(Option(match[1], match[3] or "", default[1].strip() if default else ""))
     return [option for option in found if option.name.startswith(base.asked) and option.name != "--help"]
 
 
@@ -84,8 +82,8 @@ def values_for(option: Option, chance: random.Random) -> list[tuple[tuple[str, .
     takes = option.takes.removeprefix("{None}|")
     if not takes:
         return [(("yes",), True)]
-    if takes.lstrip("[").startswith("{"):
-        return [((text,), True) for text in (*TEXTS, takes.strip("[{} .]"))]
+    if takes.startswith(("{", "[{")):
+        return [((text,), True) for text in (*TEXTS, takes.strip("{}"))]
     parts = re.findall(r"FLOAT|INT|STR|PATH", takes)
     kind, count = parts[0], 1 if "..." in takes else len(parts)
     if kind == "PATH":
