@@ -8,6 +8,7 @@ after ``super().__post_init__()``.
 
 import os
 import re
+import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
@@ -16,7 +17,6 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
-import numpy as np
 import tyro
 from tyro.constructors import PrimitiveConstructorSpec
 
@@ -144,6 +144,12 @@ class Checked:
                 )
             if kept is not value:
                 object.__setattr__(self, name, kept)
+
+
+def unwrapped(value: Any) -> Any:
+    """A number of numpy's as Python's own, anything else as it is. Numpy, which is slow to import, is not imported."""
+    numpy = sys.modules.get("numpy")
+    return value.item() if numpy is not None and isinstance(value, numpy.generic) else value
 
 
 def shown(value: Any) -> str:
