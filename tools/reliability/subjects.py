@@ -44,7 +44,7 @@ class Subject:
 
     def make_report(self, out: Path) -> tuple[int, str]:
         """Code and what was said."""
-        return Run([*self.report, str(out)]).end() if self.report else (0, "")
+        return Run([*self.report, "."], folder=out).end() if self.report else (0, "")  # a report names its folder
 
 
 ORDER = "experiment run 5.2 --setting 'caregiver first' --runs 12"
@@ -75,11 +75,12 @@ SUBJECTS = (
 class Run:
     """A command in a process group of its own."""
 
-    def __init__(self, arguments: list[str], program: tuple[str, ...] = JOINTATTN):
+    def __init__(self, arguments: list[str], program: tuple[str, ...] = JOINTATTN, folder: Path = ROOT):
+        """``folder``: where it works."""
         self._said = tempfile.TemporaryFile("w+", errors="replace")  # noqa: SIM115
         self.process = subprocess.Popen(
             [*program, *arguments],
-            cwd=ROOT,
+            cwd=folder,
             env=ENVIRONMENT,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
