@@ -146,12 +146,6 @@ class Checked:
                 object.__setattr__(self, name, kept)
 
 
-def unwrapped(value: Any) -> Any:
-    """A number of numpy's as Python's own, anything else as it is. Numpy, which is slow to import, is not imported."""
-    numpy = sys.modules.get("numpy")
-    return value.item() if numpy is not None and isinstance(value, numpy.generic) else value
-
-
 def shown(value: Any) -> str:
     """A value in an error message: on one line, and not long."""
     try:
@@ -270,7 +264,9 @@ def _tuple_of(hints: tuple[Any, ...]) -> _Rule:
 
 
 def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
+    """A number of numpy's as Python's own, anything else as it is. Numpy, which is slow to import, is not imported."""
+    numpy = sys.modules.get("numpy")
+    return value.item() if numpy is not None and isinstance(value, numpy.generic) else value
 
 
 def _path(value: Any) -> Any:
