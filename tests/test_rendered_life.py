@@ -69,6 +69,16 @@ def test_pictures_tell_what_the_truth_is(life):
     assert life.more()["sensed_object_by_truth"]["object"] == objects[0].tolist()
 
 
+def test_names_differ_though_a_face_was_mostly_not_there(life):
+    """With imprecise heads a category can be sensed most often where there was no face to see."""
+    values, truth = life.mind.variables.sensors[0].values, table_variables(TABLE).sensors[0].values
+    counts = np.zeros((len(values), len(truth)), int)
+    counts[:, truth.index("not seen")] = 1
+    named = named_by_majority(life.mind.variables, counts, truth).sensors[0].values
+    assert named[-1] == "not seen"
+    assert named[:2] == ("not seen (2)", "not seen (3)")
+
+
 def test_frontal_is_what_greeted_it(life):
     """R1 is seen when she looks at the robot, R2 when at something else, each only while the robot looks at her."""
     at_robot, elsewhere = life.faces() == 3, life.faces() < 3

@@ -181,6 +181,6 @@ def named_by_majority(variables: Variables, counts: np.ndarray, truth: Sequence[
     face, names = variables.sensors[0], list[str]()
     for number in range(len(face.values) - 1):
         name = truth[int(counts[number].argmax())] if counts[number].any() else face.values[number]
-        again = sum(earlier.split(" (")[0] == name for earlier in names)
+        again = sum(earlier.split(" (")[0] == name for earlier in (face.values[-1], *names))
         names.append(f"{name} ({again + 1})" if again else name)
     return replace(variables, sensors=(Variable(face.name, (*names, face.values[-1])), *variables.sensors[1:]))
