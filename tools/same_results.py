@@ -76,8 +76,8 @@ def leaves(value: Any, path: str) -> Iterator[tuple[str, Any]]:
         yield path, value
 
 
-def parts(path: Path, name: str) -> Iterator[tuple[str, str]]:
-    """What a file holds, a digest for each of its parts."""
+def parts(path: Path, name: str, scratch: str) -> Iterator[tuple[str, str]]:
+    """What a file holds, a digest for each of its parts; ``scratch``, where runs work, does not count."""
     if path.suffix == ".parquet":
         table = pq.read_table(path)
         for column in table.column_names:
@@ -88,22 +88,22 @@ def parts(path: Path, name: str) -> Iterator[tuple[str, str]]:
                 kind = repr((arrays[key].dtype.str, arrays[key].shape))
                 yield f"{name}/{key}", digest(kind.encode() + arrays[key].tobytes())
     elif path.suffix == ".json":
-        for key, value in leaves(json.loads(path.read_text()), name):
+        for key, value in leaves(json.loads(path.read_text().replace(scratch, "")), name):
             yield key, digest(json.dumps(value).encode())
     elif path.suffix == ".yaml":
-        for key, value in leaves(yaml.safe_load(path.read_text()), name):
+        for key, value in leaves(yaml.safe_load(path.read_text().replace(scratch, "")), name):
             yield key, digest(json.dumps(value, default=str).encode())
     else:
         yield name, digest(path.read_bytes())
 
 
-def record_folder(folder: Path) -> dict[str, str]:
-    """Digests of all that a command left in ``folder``."""
+def record_folder(folder: Path, scratch: str) -> dict[str, str]:
+    """Digests of all that a command left in ``folder``, in ``scratch``."""
     found: dict[str, str] = {}
     for path in sorted(folder.rglob("*")):
         name = str(path.relative_to(folder))
         if path.is_file() and path.name not in UNTOLD and not path.name.startswith("."):
-            found |= {named(part): value for part, value in parts(path, name)}
+            found |= {named(part): value for part, value in parts(path, name, scratch)}
     return found
 
 
@@ -127,7 +127,8 @@ def record(to: Path, only: str) -> None:
                 continue
             words = shlex.split(command.format(**{"out": folders[name], **folders}))
             ended = jointattn(words, capture_output=True)
-            _keep(records, to, name, record_folder(folders[name]) if ended.returncode == 0 else {}, ended.stderr)
+            found = record_folder(folders[name], scratch) if ended.returncode == 0 else {}
+            _keep(records, to, name, found, ended.stderr)
         from experiments.registry import REGISTRY
 
         for claim in REGISTRY:
