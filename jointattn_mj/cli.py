@@ -100,7 +100,7 @@ def _unforeseen(error: Exception) -> str:
 
 
 def _say(message: str) -> None:
-    print(f"jointattn: {message}", file=sys.stderr)
+    print(f"jointattn: {' '.join(message.split())}", file=sys.stderr)
 
 
 def _parse(arguments: list[str]) -> Callable[[], None]:

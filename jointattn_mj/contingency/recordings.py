@@ -1,5 +1,6 @@
 """Reads observations from a CSV or Parquet file: a row a step, a column a variable, labels of any kind."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,6 +35,8 @@ class ReadOptions(Checked):
 
     def read(self, path: Path | str, columns: Sequence[str]) -> "Recordings":
         """The columns as :func:`read_recordings` reads them with these options."""
+        if not isinstance(path, (str, os.PathLike)):
+            raise SeriesError(f"expected the path of a file; got {type(path).__name__}")
         return _read(Path(path), list(dict.fromkeys(columns)), self)
 
 

@@ -137,14 +137,14 @@ def check_base(base: float) -> float:
     """The natural logarithm of ``base``, by which nats are divided.
 
     Raises:
-        SeriesError: It is no number above 1.
+        SeriesError: It is no number above 1, or an absurd one.
     """
     try:
-        sound = bool(1 < base < float("inf"))
+        sound = bool(1 < base <= 1e6)
     except (TypeError, ValueError):
         sound = False
     if not sound:
-        raise SeriesError(f"base of the logarithm must be a number above 1, such as 2 for bits; got {base!r}")
+        raise SeriesError(f"base of the logarithm must be above 1 and at most 1e6, such as 2 for bits; got {base!r}")
     return float(np.log(base))
 
 

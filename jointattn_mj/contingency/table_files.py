@@ -94,12 +94,15 @@ def _read_csv(data: bytes, path: Path, wanted: Sequence[str], skip_rows: int, ro
 
 def _read_parquet(data: bytes, path: Path, wanted: Sequence[str], rows_are_steps: bool) -> Any:
     import pyarrow as pa
-    from pyarrow import parquet
+    from pyarrow import compute, parquet
 
     source = parquet.ParquetFile(pa.BufferReader(data))
     header = source.schema_arrow.names
     names = [header[place] for place in _places(header, wanted, path, rows_are_steps)]
     columns = source.read(columns=names, use_threads=False).select(names).columns
+    for name, column in zip(wanted, columns, strict=True):
+        if pa.types.is_floating(column.type) and compute.any(compute.is_inf(column)).as_py():
+            raise SeriesError(f"column {name!r} holds infinite numbers; give each value a label, or leave it missing")
     return pa.table([column.cast(pa.string()).dictionary_encode() for column in columns], names=list(wanted))
 
 

@@ -61,7 +61,7 @@ def whole_number(name: str, value: np.ndarray) -> int:
         ConfigError: It is no whole number of 0 or more.
     """
     if np.shape(value) or np.asarray(value).dtype.kind not in "iu" or value < 0:
-        raise ConfigError(f"{name}: expected a whole number of 0 or more, came {value}")
+        raise ConfigError(f"{name}: expected a whole number of 0 or more, came {' '.join(str(value).split()):.80}")
     return int(value)
 
 

@@ -13,6 +13,8 @@ from jointattn_mj.recording.files import write_whole
 
 LARGEST = 1 << 30
 """Bytes that are read at most; a robot of chapter 6 has half a million."""
+MOST = 1e30
+"""No weight is larger in size: what is computed from such numbers overflows."""
 
 
 def write_weights(path: Path, weights: Mapping[str, Any]) -> None:
@@ -21,10 +23,10 @@ def write_weights(path: Path, weights: Mapping[str, Any]) -> None:
 
 
 def read_weights(path: Path) -> dict[str, np.ndarray]:
-    """Read what ``write_weights`` wrote: finite arrays by name.
+    """Read what ``write_weights`` wrote: arrays of real numbers by name, finite and not absurdly large.
 
     Raises:
-        CheckpointError: No such file, not such a file, or numbers that are not finite.
+        CheckpointError: No such file, not such a file, or other numbers.
     """
     try:
         archive = archive_of(content_of(path), LARGEST)
@@ -35,8 +37,14 @@ def read_weights(path: Path) -> dict[str, np.ndarray]:
     except Exception as error:  # numpy, zipfile and zlib raise a dozen kinds here
         raise CheckpointError(f"{path} is not a weights.npz of this package ({error})") from error
     lost = not_finite(weights)
-    if lost:
-        raise CheckpointError(
-            f"{path} holds numbers that are not finite in {', '.join(lost)}; give the weights.npz of a finished session"
-        )
+    odd = [name for name, array in weights.items() if name not in lost and not _are_weights(array)]
+    for names, words in ((lost, "numbers that are not finite"), (odd, f"what is no real number up to {MOST:g}")):
+        if names:
+            raise CheckpointError(
+                f"{path} holds {words} in {', '.join(names)}; give the weights.npz of a finished session"
+            )
     return weights
+
+
+def _are_weights(array: np.ndarray) -> bool:
+    return array.dtype.kind in "biuf" and bool((np.abs(array.astype(float)) <= MOST).all())

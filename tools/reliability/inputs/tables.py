@@ -52,8 +52,8 @@ def odd_tables() -> Iterator[tuple[str, str, bytes, Callable[[Outcome], str]]]:
     yield "UTF-16 without a mark", "t.csv", text.encode("utf-16-le"), numbers
     yield "Latin-1 in a header", "t.csv", text.replace("toy_seen", "toy_seen,vu_mère").encode("latin-1"), numbers
     yield "Latin-1 in a row", "t.csv", text.replace("door", "tür").encode("latin-1"), numbers
-    yield "Parquet called CSV", "t.csv", as_parquet(good), refused
-    yield "CSV called Parquet", "t.parquet", text.encode(), refused
+    yield "Parquet called CSV", "t.csv", as_parquet(good), numbers
+    yield "CSV called Parquet", "t.parquet", text.encode(), numbers
     yield "CSV called nothing", "t", text.encode(), numbers
     yield "NUL bytes", "t.csv", text.replace("door", "do\0r").encode(), numbers
     yield "an open quote", "t.csv", text.replace("door", '"door', 1).encode(), numbers
