@@ -17,7 +17,7 @@ FIRST_S, LINE_S = 10.0, 30.0
 """Seconds before the first line, and between two, where there is no terminal."""
 QUIET = "JOINTATTN_QUIET"
 """Environment variable: 1 leaves out these lines."""
-COMPILING = "compiling, once on this machine, up to 20 s"
+COMPILING = "compiling, once on this machine, some 20 s"
 
 
 class Progress:

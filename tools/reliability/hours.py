@@ -43,6 +43,10 @@ DAYS = (
 """Steps of the table have no length: a million stand for an hour, and 20,000 where each is a picture."""
 
 
+RESULTS = (".png", ".parquet")
+"""The first results are such files."""
+
+
 @dataclass
 class Course:
     """What was seen of a run's process."""
@@ -53,16 +57,18 @@ class Course:
     """Resident, MB."""
     written: int = 0
     """Bytes, to whatever file."""
+    results_s: float | None = None
+    """When it began to write its results."""
 
     def at(self, share: float) -> float:
-        """Memory at a share of the run, MB: the median of the samples around it."""
-        until = self.seconds[-1]
+        """Memory at a share of the time before the results, MB: the median of the samples around it."""
+        until = self.results_s or self.seconds[-1]
         near = [m for s, m in zip(self.seconds, self.memory, strict=True) if abs(s / until - share) < 0.04]
         return sorted(near)[len(near) // 2] if near else float("nan")
 
 
-def watch(run: Run) -> Course:
-    """Sample a process until it ends."""
+def watch(run: Run, out: Path) -> Course:
+    """Sample a process until it ends; ``out`` is its folder."""
     course, began = Course(), time.monotonic()
     folder = Path(f"/proc/{run.process.pid}")
     while run.running():
@@ -74,6 +80,8 @@ def watch(run: Run) -> Course:
         if resident is not None:
             course.seconds.append(time.monotonic() - began)
             course.memory.append(int(resident) / 1024)
+            if course.results_s is None and any(path.suffix in RESULTS for path in out.glob("*")):
+                course.results_s = course.seconds[-1]
             course.written = int(next(line.split()[1] for line in io.splitlines() if line.startswith("wchar:")))
         time.sleep(SAMPLE_S)
     return course
@@ -85,7 +93,7 @@ def spend(day: Day, share: float, out: Path) -> dict[str, object]:
     length = hours * day.an_hour
     words = shlex.split(day.command.format(n=f"{length:.0f}"))
     run = Run([*words, "--out", str(out)])
-    course = watch(run)
+    course = watch(run, out)
     code, said = run.end()
     left = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
     grown = course.at(DONE) - course.at(WARM)
