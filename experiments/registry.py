@@ -5,7 +5,7 @@ the path of a short video, where there is one), ``analysis.py`` has ``analyse`` 
 imported before it is needed.
 """
 
-from jointattn_mj.laboratory.registry import Entry, Registry
+from jointattn_mj.sweeps.registry import Entry, Registry
 
 REGISTRY = Registry(
     "experiments",

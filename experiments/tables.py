@@ -5,15 +5,15 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from jointattn_mj.contingency.events import Event
-from jointattn_mj.contingency.reactive import AvoidingModule
+from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.contingency.online.reactive import AvoidingModule
+from jointattn_mj.development.agent import DeveloperConfig
+from jointattn_mj.development.behaviour import behaviours, phases
+from jointattn_mj.development.loop import Life
+from jointattn_mj.development.table.presets import PRESETS
+from jointattn_mj.development.table.run import TableLife
+from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.options import Checked, Share, Whole
-from jointattn_mj.robots.developer import DeveloperConfig
-from jointattn_mj.robots.life import Life
-from jointattn_mj.symbolic.behaviour import behaviours, phases
-from jointattn_mj.symbolic.life import TableLife
-from jointattn_mj.symbolic.presets import PRESETS
-from jointattn_mj.symbolic.table import TableConfig
 
 STAGES = ("(S1, A1, R3)", "(Π1, A1, R1)", "(Π1, A1, R2)")
 """FG-m, SCf-m and SC-m of section 5.3.2: following a gaze, looking back after it, alternating."""

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from jointattn_mj import compiled as _compiled
 from jointattn_mj.adapters import registration as _registration
+from jointattn_mj.io import compiled as _compiled
 from jointattn_mj.scene import gl as _gl
 from jointattn_mj.scene import llvm as _llvm
 

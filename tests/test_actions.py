@@ -7,8 +7,8 @@ import pytest
 
 from jointattn_mj.adapters.registration import IDS
 from jointattn_mj.errors import ActionError, ClosedError, ConfigError, EpisodeError
-from jointattn_mj.play import PlayOptions, play_episodes
 from jointattn_mj.tasks import ALL_TASKS, load
+from jointattn_mj.viewing.play import PlayOptions, play_episodes
 
 every_task = pytest.mark.parametrize("task", [task for _, task in ALL_TASKS])
 WRONG = {

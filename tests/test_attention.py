@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from jointattn_mj.attention import AttentionConfig, AttentionSelector, motion_saliency
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector, motion_saliency
 
 FACE = 4
 ALL_SEEN = np.ones(5, bool)

@@ -11,9 +11,9 @@ import pytest
 from toys.registry import REGISTRY
 
 from jointattn_mj.errors import ConfigError, LaboratoryError
-from jointattn_mj.laboratory.backends import Dask, Loky, new_backend
-from jointattn_mj.laboratory.run import Selection, run
-from jointattn_mj.laboratory.store import Store
+from jointattn_mj.sweeps.backends import Dask, Loky, new_backend
+from jointattn_mj.sweeps.run import Selection, run
+from jointattn_mj.sweeps.store import Store
 
 COIN = REGISTRY["1.1"]
 
@@ -63,7 +63,7 @@ def test_a_worker_imports_what_its_cell_needs():
 def test_a_worker_ends_with_the_main_process(tmp_path):
     program = (
         "import os, sys, time\n"
-        "from jointattn_mj.laboratory.backends import Loky\n"
+        "from jointattn_mj.sweeps.backends import Loky\n"
         "backend = Loky(1)\n"
         "print(backend.submit(os.getpid).result(), flush=True)\n"
         "time.sleep(60)\n"
@@ -154,7 +154,7 @@ def test_a_killed_scheduler_is_one_line(tmp_path, slow, scheduler):
     out = tmp_path / "out"
     command = f"experiment run 1.1 --registry toys.registry --runs 200 --backend dask --address {address} --out {out}"
     with subprocess.Popen(
-        [sys.executable, "-m", "jointattn_mj.cli", *command.split()],
+        [sys.executable, "-m", "jointattn_mj.cli.main", *command.split()],
         env=os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from jointattn_mj.development.behaviour import FG, KEC, NFG, SC, SO, SS, behaviours, moving_rates, phases
+from jointattn_mj.development.table.presets import PRESETS
+from jointattn_mj.development.table.run import TableLife
+from jointattn_mj.development.table.world import LOOKS_AT, TableConfig
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.symbolic.behaviour import FG, KEC, NFG, SC, SO, SS, behaviours, moving_rates, phases
-from jointattn_mj.symbolic.life import TableLife
-from jointattn_mj.symbolic.presets import PRESETS
-from jointattn_mj.symbolic.table import LOOKS_AT, TableConfig
 
 SPOTS = 3
 AT_ROBOT, NOT_SEEN, TO_HER = 3, 4, 3

@@ -5,14 +5,15 @@ import math
 
 import pytest
 
-from jointattn_mj import benchmark, turns_benchmark
-from jointattn_mj.benchmark import BenchmarkOptions, run_benchmark
-from jointattn_mj.cli import main
+from jointattn_mj.benchmarks import loop as benchmark
+from jointattn_mj.benchmarks import steps as turns_benchmark
+from jointattn_mj.benchmarks.loop import BenchmarkOptions, run_benchmark
+from jointattn_mj.benchmarks.steps import TurnsBenchmark
+from jointattn_mj.cli.main import main
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.scene import gl
-from jointattn_mj.session import SessionConfig
-from jointattn_mj.turns_benchmark import TurnsBenchmark
 
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
 

@@ -20,17 +20,17 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jointattn_mj.attention import AttentionConfig, AttentionSelector
-from jointattn_mj.contingency.counts import CONTEXT
-from jointattn_mj.contingency.events import Event
-from jointattn_mj.development import DevelopConfig
+from jointattn_mj.contingency.online.counts import CONTEXT
+from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.development.run import DevelopConfig
 from jointattn_mj.errors import CheckpointError
-from jointattn_mj.learning import LearnerConfig, LinearLearner
-from jointattn_mj.recording.checkpoint import FORMAT, fingerprint, load, save
-from jointattn_mj.recording.parts import PARTS, class_named
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
+from jointattn_mj.gaze_following.learners import LearnerConfig, LinearLearner
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.io.checkpoint import FORMAT, fingerprint, load, save
+from jointattn_mj.io.parts import PARTS, class_named
 from jointattn_mj.scene.caregiver import Phase
-from jointattn_mj.session import Session, SessionConfig
 
 CONFIG = SessionConfig(minutes=1, perception="truth", robot=RobotConfig(familiarise=FamiliariseConfig(minutes=0.02)))
 
@@ -359,7 +359,7 @@ class TestOtherFormats:
         """It says with what the file was written where that differs."""
         text = json.loads(header())
         text["versions"] = {"python": "3.99.1", "jointattn_mj": "0.0.1", "numpy": np.__version__, "mujoco": "9.9"}
-        state = {"root": [0], "entries": [["object", "jointattn_mj.attention.AttentionConfig", "cues", True]]}
+        state = {"root": [0], "entries": [["object", "jointattn_mj.gaze_following.attention.AttentionConfig", "cues", True]]}
         content = {"header.json": json.dumps(text).encode(), "state.json": json.dumps(state).encode()}
         (tmp_path / "c").write_bytes(sealed(content))
         with pytest.raises(CheckpointError, match=r"other fields.*written with python 3\.99\.1, jointattn_mj 0\.0\.1"):
@@ -372,14 +372,14 @@ class TestAttacks:
     @pytest.mark.parametrize(
         "name",
         [
-            "jointattn_mj.recording.stream.Encoder",
+            "jointattn_mj.video.stream.Encoder",
             "jointattn_mj.footage.log.PerceptLog",
-            "jointattn_mj.laboratory.backends.Dask",
-            "jointattn_mj.recording.reel.Reel",
-            "jointattn_mj.recording.codec.Decoder",
-            "jointattn_mj.session.SessionConfig",
-            "jointattn_mj.session.FrameTable",
-            "jointattn_mj.session.Session.step",
+            "jointattn_mj.sweeps.backends.Dask",
+            "jointattn_mj.video.reel.Reel",
+            "jointattn_mj.io.codec.Decoder",
+            "jointattn_mj.gaze_following.session.SessionConfig",
+            "jointattn_mj.gaze_following.session.FrameTable",
+            "jointattn_mj.gaze_following.session.Session.step",
             "jointattn_mj.scene.world.Physics",
             "subprocess.Popen",
             "os.system",
@@ -431,13 +431,13 @@ class TestAttacks:
     @pytest.mark.parametrize(
         ("entry", "words"),
         [
-            (["object", "jointattn_mj.attention.AttentionConfig"], "other fields"),
-            (["object", "jointattn_mj.attention.AttentionConfig", "selection_period", 1, "more", 2], "other fields"),
-            (["named", "jointattn_mj.contingency.events.Event", 1, 2], "other fields"),
-            (["named", "jointattn_mj.attention.AttentionConfig", 1, 2], "other fields"),
+            (["object", "jointattn_mj.gaze_following.attention.AttentionConfig"], "other fields"),
+            (["object", "jointattn_mj.gaze_following.attention.AttentionConfig", "selection_period", 1, "more", 2], "other fields"),
+            (["named", "jointattn_mj.contingency.online.events.Event", 1, 2], "other fields"),
+            (["named", "jointattn_mj.gaze_following.attention.AttentionConfig", 1, 2], "other fields"),
             (["enum", "jointattn_mj.scene.caregiver.Phase", "DANCE"], "DANCE"),
             (["enum", "jointattn_mj.scene.caregiver.Phase", "__init__"], "__init__"),
-            (["enum", "jointattn_mj.session.Session", "step"], "no enumeration"),
+            (["enum", "jointattn_mj.gaze_following.session.Session", "step"], "no enumeration"),
             (["object", "jointattn_mj.scene.caregiver.Phase", "x", 1], "not made of attributes"),
             (["list", [1]], "missing"),
             (["list", [-1]], "missing"),
@@ -564,9 +564,9 @@ class TestAttacks:
 
     def test_in_a_command(self, tmp_path, capfd):
         """The encoder that started ffmpeg: one line, and nothing is written but the file itself."""
-        from jointattn_mj.cli import main
+        from jointattn_mj.cli.main import main
 
-        entry = ["object", "jointattn_mj.recording.stream.Encoder", "height", "16 -f data -i data:, -y victim.txt"]
+        entry = ["object", "jointattn_mj.video.stream.Encoder", "height", "16 -f data -i data:, -y victim.txt"]
         forge(tmp_path / "checkpoint.bin", [entry], config=DevelopConfig.of("thesis"))
         with pytest.raises(SystemExit) as stop:
             main(["develop", "--out", str(tmp_path), "--resume"])
@@ -616,7 +616,7 @@ ODD = st.one_of(
     st.booleans(),
     st.integers(-3, 300),
     st.sampled_from([2**63, -(2**63), 10**40, 1e308, -1.5]),
-    st.sampled_from(["", "x", "step", "jointattn_mj.session.Session", "list", "object", "<f8", "array"]),
+    st.sampled_from(["", "x", "step", "jointattn_mj.gaze_following.session.Session", "list", "object", "<f8", "array"]),
     st.integers(-2, 500).map(lambda number: [number]),
     st.sampled_from([{"float": "nan"}, {"float": "inf"}, [], {}, [[0]], ["list"], ["array", 0]]),
 )

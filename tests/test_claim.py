@@ -6,8 +6,8 @@ import pytest
 from toys.registry import REGISTRY
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.laboratory.claim import Claim, Setting, Verdict
-from jointattn_mj.laboratory.registry import Entry, Registry
+from jointattn_mj.sweeps.claim import Claim, Setting, Verdict
+from jointattn_mj.sweeps.registry import Entry, Registry
 
 R, P, N, E, U = Verdict.REPRODUCED, Verdict.PARTLY, Verdict.NOT, Verdict.EXTENSION, Verdict.UNDECIDED
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from shell import Outcome, Shell
 
-from jointattn_mj import cli
+from jointattn_mj.cli import main as cli
 from jointattn_mj.scene import gl
 
 SHORT = ("--minutes", 0.2, "--perception", "truth", "--robot.familiarise.minutes", 0.05)
@@ -277,7 +277,7 @@ def test_no_opengl(tmp_path, case):
     if case == "no driver" and gl.available("osmesa"):
         pytest.skip("OSMesa is taken instead")
     arguments = ["session", "--out", str(tmp_path / "out"), "--minutes", "0.05"]
-    program = [sys.executable, "-m", "jointattn_mj.cli", *arguments]
+    program = [sys.executable, "-m", "jointattn_mj.cli.main", *arguments]
     done = subprocess.run(program, env=os.environ | env, capture_output=True, text=True)
     assert done.returncode == 1
     assert done.stderr.startswith("jointattn: ")
@@ -296,7 +296,7 @@ def test_stopped_from_outside(tmp_path, number):
     """Ctrl-C, the kind signal of a scheduler, a closed terminal: a checkpoint, one line that says how to go on, 130."""
     arguments = ["session", "--out", str(tmp_path), *map(str, SHORT), "--minutes", "600"]
     with subprocess.Popen(
-        [sys.executable, "-m", "jointattn_mj.cli", *arguments],
+        [sys.executable, "-m", "jointattn_mj.cli.main", *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -333,7 +333,7 @@ def measure(tmp_path_factory) -> str:
 class TestStreams:
     """In processes of their own, for a shell's redirections."""
 
-    JOINTATTN = f"{sys.executable} -m jointattn_mj.cli"
+    JOINTATTN = f"{sys.executable} -m jointattn_mj.cli.main"
 
     def shell(self, line: str, **environment: str) -> Outcome:
         done = subprocess.run(

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import jointattn_mj
-from jointattn_mj import compiled
+from jointattn_mj.io import compiled
 
 
 @pytest.fixture

@@ -63,13 +63,13 @@ def codes() -> Iterator[Case]:
 
 def minds() -> Iterator[Case]:
     """Counts, detector, selector and minds, transition by transition."""
-    from jointattn_mj.contingency.counts import add, divide, empty_counts, local_variance, set_joint_table
-    from jointattn_mj.contingency.detector import DetectorConfig, look, new_watch
-    from jointattn_mj.contingency.events import Variable, Variables
+    from jointattn_mj.contingency.online.counts import add, divide, empty_counts, local_variance, set_joint_table
+    from jointattn_mj.contingency.online.detector import DetectorConfig, look, new_watch
+    from jointattn_mj.contingency.online.events import Variable, Variables
+    from jointattn_mj.contingency.online.reactive import RandomModule
+    from jointattn_mj.contingency.online.selector import SelectorConfig, flat_maps, select
     from jointattn_mj.contingency.permutation import hypergeometric, tables
-    from jointattn_mj.contingency.reactive import RandomModule
-    from jointattn_mj.contingency.selector import SelectorConfig, flat_maps, select
-    from jointattn_mj.robots.developer import Developer
+    from jointattn_mj.development.agent import Developer
 
     world = Variables(
         (Variable("s0", tuple("abc")), Variable("s1", tuple("ab"))), (Variable("a0", tuple("abcd")),),
@@ -136,19 +136,19 @@ class Born:
         self.odds = odds
 
     def table(self, variables):
-        from jointattn_mj.contingency.reactive import ReactiveTable
+        from jointattn_mj.contingency.online.reactive import ReactiveTable
 
         return ReactiveTable("a0", "s0", self.odds, 1.0)
 
 
 def tables_and_turns() -> Iterator[Case]:
     """The symbolic table, its caregiver, and the robot of the earlier work."""
-    from jointattn_mj.robots.turn_taker import TurnTaker, TurnTakerConfig, feedback_target
+    from jointattn_mj.baselines.turn_taking.agent import TurnTaker, TurnTakerConfig, feedback_target
+    from jointattn_mj.baselines.turn_taking.attempts import Situations, live
+    from jointattn_mj.baselines.turn_taking.faces import FaceInputs
+    from jointattn_mj.development.table.caregiver import rules, shift_gaze
+    from jointattn_mj.development.table.world import CHAPTER_4, CHAPTER_5, new_table, turn
     from jointattn_mj.scene.movement import Arm, rotation_to_zyx
-    from jointattn_mj.symbolic.caregiver import rules, shift_gaze
-    from jointattn_mj.symbolic.table import CHAPTER_4, CHAPTER_5, new_table, turn
-    from jointattn_mj.turn_taking.attempts import Situations, live
-    from jointattn_mj.turn_taking.faces import FaceInputs
 
     for config in (CHAPTER_4, CHAPTER_5):
         table, s, r = new_table(config, np.random.SeedSequence(0)), np.zeros(2, int), np.zeros(2 + config.profile, int)
@@ -199,8 +199,8 @@ def tables_and_turns() -> Iterator[Case]:
 
 def pictures() -> Iterator[Case]:
     """Whatever perceives pictures or learns from patterns."""
-    from jointattn_mj.attention import AttentionConfig, AttentionSelector
-    from jointattn_mj.learning import LearnerConfig, make_learner
+    from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
+    from jointattn_mj.gaze_following.learners import LearnerConfig, make_learner
     from jointattn_mj.perception.faces import FaceDetector
     from jointattn_mj.perception.gray import fill_gray
     from jointattn_mj.perception.motion import MotionDetector

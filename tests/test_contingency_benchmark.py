@@ -7,10 +7,10 @@ import sys
 import numpy as np
 import pytest
 
-from jointattn_mj import contingency_benchmark as benchmark
-from jointattn_mj.benchmark import as_text
-from jointattn_mj.cli import main
-from jointattn_mj.contingency_benchmark import ContingencyBenchmark, Recomputing, run_contingency_benchmark
+from jointattn_mj.benchmarks import contingency as benchmark
+from jointattn_mj.benchmarks.contingency import ContingencyBenchmark, Recomputing, run_contingency_benchmark
+from jointattn_mj.benchmarks.loop import as_text
+from jointattn_mj.cli.main import main
 
 
 @pytest.fixture(autouse=True)

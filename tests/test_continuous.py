@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointattn_mj.contingency.events import Event
-from jointattn_mj.contingency.modules import ReproductionConfig, make_module
-from jointattn_mj.errors import ConfigError
-from jointattn_mj.rendered.continuous import (
+from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.contingency.online.modules import ReproductionConfig, make_module
+from jointattn_mj.development.rendered.continuous import (
     BACKWARD,
     FORWARD,
     SCATTERED,
@@ -18,8 +17,9 @@ from jointattn_mj.rendered.continuous import (
     ContinuousModule,
     Pair,
 )
-from jointattn_mj.symbolic.presets import PRESETS
-from jointattn_mj.symbolic.table import TableConfig
+from jointattn_mj.development.table.presets import PRESETS
+from jointattn_mj.development.table.world import TableConfig
+from jointattn_mj.errors import ConfigError
 
 FOLLOWS = Event(0, 0, 2)
 """(S1, A1, R3)"""

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from worlds import contingency, counted, joint_counts, series, variables
 
 import jointattn_mj.contingency as c
-from jointattn_mj.contingency import counts as module
 from jointattn_mj.contingency import information
-from jointattn_mj.contingency.counts import (
+from jointattn_mj.contingency.online import counts as module
+from jointattn_mj.contingency.online.counts import (
     ALONE,
     LISTED,
     OF_ACTION,
@@ -24,7 +24,7 @@ from jointattn_mj.contingency.counts import (
     local_variance,
     set_joint_table,
 )
-from jointattn_mj.contingency.events import Event
+from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.contingency.table import steps
 
 

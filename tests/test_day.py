@@ -18,7 +18,7 @@ MOST_MORE_MB = 64
 def peak_mb(*arguments: str) -> float:
     """Most memory that a command ever held."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "jointattn_mj.cli", *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        [sys.executable, "-m", "jointattn_mj.cli.main", *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     )
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)

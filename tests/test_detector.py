@@ -6,8 +6,8 @@ from numba import njit
 from worlds import counted, series, variables
 
 import jointattn_mj.contingency as c
-from jointattn_mj.contingency.counts import add, empty_counts
-from jointattn_mj.contingency.detector import NOTHING, DetectorConfig, grown, look, new_watch
+from jointattn_mj.contingency.online.counts import add, empty_counts
+from jointattn_mj.contingency.online.detector import NOTHING, DetectorConfig, grown, look, new_watch
 from jointattn_mj.errors import ConfigError
 
 WORLD = variables([4, 3], [3, 2], [2, 3])

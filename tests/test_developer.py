@@ -10,13 +10,13 @@ from numba.core.typing.typeof import Purpose, _TypeofContext
 from numba.extending import typeof_impl
 from worlds import contingency, joint_counts, variables
 
-from jointattn_mj.contingency.counts import ALONE, OF_ACTION, OF_SENSOR, OWN, joint_table
-from jointattn_mj.contingency.detector import DetectorConfig
-from jointattn_mj.contingency.events import Event
-from jointattn_mj.contingency.modules import make_module
-from jointattn_mj.contingency.reactive import RandomModule
+from jointattn_mj.contingency.online.counts import ALONE, OF_ACTION, OF_SENSOR, OWN, joint_table
+from jointattn_mj.contingency.online.detector import DetectorConfig
+from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.contingency.online.modules import make_module
+from jointattn_mj.contingency.online.reactive import RandomModule
+from jointattn_mj.development.agent import FADED, Developer, DeveloperConfig
 from jointattn_mj.errors import ConfigError, SeriesError
-from jointattn_mj.robots.developer import FADED, Developer, DeveloperConfig
 
 HASTY = DeveloperConfig(
     detector=DetectorConfig(warm_up=100, hold=3, threshold=5e-3, claimed="drop"), horizon=150, most_modules=3

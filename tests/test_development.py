@@ -13,11 +13,11 @@ import pytest
 import yaml
 from shell import Outcome, Shell
 
-from jointattn_mj.development import DevelopConfig, DevelopOptions, preset_in, run_development
+from jointattn_mj.development import figures
+from jointattn_mj.development.run import DevelopConfig, DevelopOptions, preset_in, run_development
+from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
-from jointattn_mj.recording import space
-from jointattn_mj.symbolic import figures
-from jointattn_mj.symbolic.presets import PRESETS
+from jointattn_mj.io import space
 
 STEPS = 12_000
 SHORT = ("--preset", "fast", "--seed", 1, "--steps", STEPS)
@@ -145,7 +145,7 @@ class TestResults:
 
 KILLED = """
 import os, signal, sys
-from jointattn_mj import cli, develop_command
+from jointattn_mj.cli import main as cli, develop as develop_command
 run, at = develop_command.run_development, int(sys.argv[1])
 def killed(config, options, progress):
     def watch(life, found):
@@ -209,7 +209,7 @@ class TestGoingOn:
     def test_stopped_from_outside(self, tmp_path, number):
         arguments = ["develop", "--out", str(tmp_path), "--steps", "20000000"]
         with subprocess.Popen(
-            [sys.executable, "-m", "jointattn_mj.cli", *arguments],
+            [sys.executable, "-m", "jointattn_mj.cli.main", *arguments],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

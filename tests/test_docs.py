@@ -14,7 +14,7 @@ import tomllib
 import pytest
 from documented import ROOT, Block, blocks, commands, pages
 
-from jointattn_mj import cli
+from jointattn_mj.cli import main as cli
 from jointattn_mj.errors import ConfigError
 
 OPTION = re.compile(r"^--[a-z][\w.-]*")

@@ -8,12 +8,12 @@ import sys
 import numpy as np
 import pytest
 
+from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ClosedError, StateError
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.caregiver import CaregiverConfig
 from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.scene.world import WorldConfig
-from jointattn_mj.symbolic.table import TableConfig
 from jointattn_mj.tasks import ALL_TASKS, load
 
 every_task = pytest.mark.parametrize("task", [task for _, task in ALL_TASKS])

@@ -2,7 +2,7 @@
 
 import pytest
 
-from jointattn_mj.contingency.events import Event, Variable, Variables
+from jointattn_mj.contingency.online.events import Event, Variable, Variables
 from jointattn_mj.errors import ConfigError
 
 FEW = Variables(

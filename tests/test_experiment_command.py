@@ -32,7 +32,7 @@ def start(out: Path, *options: str, trouble: str = "") -> subprocess.Popen:
     """A run in a session of its own, as a terminal would start it."""
     arguments = ["experiment", "run", "1.1", *TOYS, "--jobs", "1", "--out", str(out), *options]
     return subprocess.Popen(
-        [sys.executable, "-m", "jointattn_mj.cli", *arguments],
+        [sys.executable, "-m", "jointattn_mj.cli.main", *arguments],
         env=ENVIRONMENT | {"TOY_TROUBLE": trouble},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -172,7 +172,7 @@ def test_list(jointattn, tmp_path):
 def test_our_own_claims_are_listed_in_no_time():
     """Nothing of what they need is imported for it."""
     program = (
-        "import sys\nfrom jointattn_mj.cli import main\nmain(['experiment', 'list'])\n"
+        "import sys\nfrom jointattn_mj.cli.main import main\nmain(['experiment', 'list'])\n"
         "print(sorted(sys.modules.keys() & {'mujoco', 'torch', 'cv2', 'scipy', 'numba', 'matplotlib'}))"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=HERE.parent)
@@ -223,7 +223,7 @@ def test_without_the_checkout(tmp_path):
         "        if name.split('.')[0] == 'experiments':\n"
         "            raise ModuleNotFoundError(f'No module named {name!r}', name=name)\n"
         "sys.meta_path.insert(0, Hidden())\n"
-        "from jointattn_mj.cli import main\nmain(['experiment', 'list'])\n"
+        "from jointattn_mj.cli.main import main\nmain(['experiment', 'list'])\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 1

@@ -14,9 +14,9 @@ sys.path.append(str(Path(__file__).parents[1]))
 from experiments.registry import REGISTRY
 from experiments.sessions import sweep
 from experiments.som.sweep import apart, explained, packed, unpacked
-from jointattn_mj.laboratory.claim import Cell, Finding, Verdict
-from jointattn_mj.laboratory.store import Keys, text_of
-from jointattn_mj.laboratory.worker import pack
+from jointattn_mj.sweeps.claim import Cell, Finding, Verdict
+from jointattn_mj.sweeps.store import Keys, text_of
+from jointattn_mj.sweeps.worker import pack
 
 CHAPTER_6 = {"6.6", "6.7", "6.8", "baselines"}
 

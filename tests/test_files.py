@@ -11,12 +11,13 @@ import pytest
 from matplotlib.figure import Figure
 
 from jointattn_mj.errors import OutputError
-from jointattn_mj.recording import checkpoint, figures
-from jointattn_mj.recording.files import forget_partial, free_name, write_whole
-from jointattn_mj.recording.parquet import write_parquet
-from jointattn_mj.recording.provenance import write_config
-from jointattn_mj.recording.results import write_results
-from jointattn_mj.recording.weights import write_weights
+from jointattn_mj.gaze_following import figures
+from jointattn_mj.io import checkpoint
+from jointattn_mj.io.files import forget_partial, free_name, write_whole
+from jointattn_mj.io.parquet import write_parquet
+from jointattn_mj.io.provenance import write_config
+from jointattn_mj.io.results import write_results
+from jointattn_mj.io.weights import write_weights
 
 NOISE = np.random.default_rng(0).random((200, 200))
 WRITERS = {

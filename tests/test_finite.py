@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from jointattn_mj.development import DevelopConfig, DevelopOptions, run_development
+from jointattn_mj.development.run import DevelopConfig, DevelopOptions, run_development
 from jointattn_mj.errors import NotFiniteError, ObservationError
-from jointattn_mj.finite import check_finite, not_finite
-from jointattn_mj.recording import checkpoint
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
-from jointattn_mj.runner import RunOptions, run_session
-from jointattn_mj.session import Session, SessionConfig
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.run import RunOptions, run_session
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.guards.finite import check_finite, not_finite
+from jointattn_mj.io import checkpoint
 
 ROBOT = RobotConfig(familiarise=FamiliariseConfig(minutes=0.02))
 CONFIG = SessionConfig(minutes=0.4, perception="truth", robot=ROBOT)

@@ -13,8 +13,8 @@ import pytest
 from clips import counted, encode
 from shell import Outcome, Shell
 
-from jointattn_mj.recording import files
-from jointattn_mj.recording.files import held
+from jointattn_mj.io import files
+from jointattn_mj.io.files import held
 
 SESSION = ("session", "--perception", "truth", "--minutes", 0.1, "--robot.familiarise.minutes", 0.05)
 RENDERED = ("develop", "--world", "rendered", "--steps", 20)
@@ -32,7 +32,7 @@ OWNERS = ("session", "develop", "rendered", "realtime", "perceive")
 
 KILLED = """
 import os, signal, sys
-from jointattn_mj import cli
+from jointattn_mj.cli import main as cli
 replace = os.replace
 def killing(source, target):
     if str(target).endswith("checkpoint.bin"):
@@ -81,7 +81,7 @@ def test_another_process_is_at_work(jointattn, inputs, tmp_path, name):
 
 def test_two_sessions_at_once(tmp_path):
     """One does all, the other nothing."""
-    program = [sys.executable, "-m", "jointattn_mj.cli", *map(str, SESSION), "--out", str(tmp_path), "--seed"]
+    program = [sys.executable, "-m", "jointattn_mj.cli.main", *map(str, SESSION), "--out", str(tmp_path), "--seed"]
     started = [
         subprocess.Popen([*program, str(seed)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         for seed in (5, 6)
@@ -98,7 +98,7 @@ def test_two_sessions_at_once(tmp_path):
 def test_two_that_resume_at_once(jointattn, tmp_path):
     """The first one is stopped, and loses nothing."""
     options = (*SESSION, "--minutes", 600, "--out", tmp_path)
-    program = [sys.executable, "-m", "jointattn_mj.cli", *map(str, options)]
+    program = [sys.executable, "-m", "jointattn_mj.cli.main", *map(str, options)]
     for resume in ((), ("--resume",)):
         with subprocess.Popen([*program, *resume], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
             while not ((tmp_path / "config.yaml").exists() and (tmp_path / ".lock").exists()):

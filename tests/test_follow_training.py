@@ -13,8 +13,8 @@ from experiments.follow import sweep
 from experiments.follow.analysis import steps_until
 from experiments.registry import REGISTRY
 from jointattn_mj.errors import ExtraError
-from jointattn_mj.laboratory.claim import Cell, Verdict
-from jointattn_mj.laboratory.store import text_of
+from jointattn_mj.sweeps.claim import Cell, Verdict
+from jointattn_mj.sweeps.store import text_of
 
 SHORT = {"steps": 128, "every": 64, "copies": 2, "rollout": 32, "batch": 32, "epochs": 2, "episodes": 2}
 CLAIM = REGISTRY["follow"]

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.gaze import GazeConfig, HeadShift, gate_probability
+from jointattn_mj.gaze_following.gate import GazeConfig, HeadShift, gate_probability
 
 directions = st.tuples(st.floats(-60, 60), st.floats(-45, 30)).map(np.array)
 

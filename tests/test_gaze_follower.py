@@ -6,12 +6,12 @@ from itertools import cycle
 import numpy as np
 import pytest
 
-from jointattn_mj.attention import AttentionConfig
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.gaze import GazeConfig
-from jointattn_mj.learning import LearnerConfig
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, RobotConfig
+from jointattn_mj.gaze_following.attention import AttentionConfig
+from jointattn_mj.gaze_following.gate import GazeConfig
+from jointattn_mj.gaze_following.learners import LearnerConfig
 from jointattn_mj.perception.percept import Percept
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, GazeFollower, RobotConfig
 from jointattn_mj.scene.camera import in_picture, pixel_of
 
 RED, BLUE, FACE = 0, 1, 2

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from jointattn_mj.cli import main
+from jointattn_mj.cli.main import main
 
 HEAVY = ("numpy", "mujoco", "dm_control", "OpenGL", "torch", "cv2", "numba", "scipy", "matplotlib", "pyarrow", "tyro")
 EXTRAS = ("gymnasium", "stable_baselines3", "rerun", "dask", "distributed", "mkdocs", "IPython")
@@ -53,7 +53,7 @@ def test_no_extra_is_imported_unless_it_is_used(tmp_path):
     life = f"develop --steps 100 --out {tmp_path / 'life'}"
     code = f"""
 import sys
-from jointattn_mj.cli import main
+from jointattn_mj.cli.main import main
 main({session.split()!r})
 main({life.split()!r})
 print("extras:", *(name for name in {EXTRAS} if name in sys.modules))

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.learning import Learner, LearnerConfig, LinearLearner, PopulationLearner
-from jointattn_mj.learning import make_learner as make
+from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, LinearLearner, PopulationLearner
+from jointattn_mj.gaze_following.learners import make_learner as make
 from jointattn_mj.scene.camera import off_centre
 
 CODES = ("population", "linear", "network")

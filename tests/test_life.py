@@ -9,15 +9,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import jointattn_mj.contingency as c
-from jointattn_mj.contingency.detector import DetectorConfig
-from jointattn_mj.contingency.events import Event
-from jointattn_mj.contingency.reactive import AvoidingModule
+from jointattn_mj.contingency.online.detector import DetectorConfig
+from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.contingency.online.reactive import AvoidingModule
+from jointattn_mj.development.agent import Developer, DeveloperConfig
+from jointattn_mj.development.table.presets import PRESETS
+from jointattn_mj.development.table.run import TableLife
+from jointattn_mj.development.table.world import CAREGIVER, OPTION, TableConfig, new_table, table_variables, turn
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.recording import rows
-from jointattn_mj.robots.developer import Developer, DeveloperConfig
-from jointattn_mj.symbolic.life import TableLife
-from jointattn_mj.symbolic.presets import PRESETS
-from jointattn_mj.symbolic.table import CAREGIVER, OPTION, TableConfig, new_table, table_variables, turn
+from jointattn_mj.io import rows
 
 HASTY = DeveloperConfig(detector=DetectorConfig(threshold=2e-3), most_modules=3)
 """Finds something every few hundred turns."""

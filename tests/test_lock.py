@@ -9,12 +9,12 @@ import sys
 
 import pytest
 
-from jointattn_mj.recording.lock import locked
+from jointattn_mj.io.lock import locked
 
 HOLDER = """
 import sys, time
 from pathlib import Path
-from jointattn_mj.recording.lock import locked
+from jointattn_mj.io.lock import locked
 with locked(Path(sys.argv[1])) as held:
     print(held, flush=True)
     time.sleep(600)

@@ -6,11 +6,11 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from jointattn_mj.symbolic import logbook
-from jointattn_mj.symbolic.behaviour import SHORT, behaviours
-from jointattn_mj.symbolic.life import TableLife
-from jointattn_mj.symbolic.logbook import write_contingency, write_map, write_turns
-from jointattn_mj.symbolic.presets import PRESETS
+from jointattn_mj.development import logbook
+from jointattn_mj.development.behaviour import SHORT, behaviours
+from jointattn_mj.development.logbook import write_contingency, write_map, write_turns
+from jointattn_mj.development.table.presets import PRESETS
+from jointattn_mj.development.table.run import TableLife
 
 TURNS = 12_000
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from jointattn_mj.contingency.events import Event
-from jointattn_mj.contingency.modules import Module
-from jointattn_mj.symbolic.meaning import in_words, meanings
-from jointattn_mj.symbolic.table import TableConfig, table_variables
+from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.contingency.online.modules import Module
+from jointattn_mj.development.meaning import in_words, meanings
+from jointattn_mj.development.table.world import TableConfig, table_variables
 
 FRONTAL, PROFILE, OBJECT = range(3)
 

@@ -12,12 +12,12 @@ import pytest
 from shell import Outcome, Shell
 
 import jointattn_mj.contingency as c
-from jointattn_mj import patience
 from jointattn_mj.contingency import read_recordings
-from jointattn_mj.discover_command import DiscoverOptions, run_discover
 from jointattn_mj.errors import ConfigError, OutputError
-from jointattn_mj.measure_command import MeasureOptions, run_measure
-from jointattn_mj.recording.results import bracket, number, share
+from jointattn_mj.io.results import bracket, number, share
+from jointattn_mj.recordings import patience
+from jointattn_mj.recordings.discover import DiscoverOptions, run_discover
+from jointattn_mj.recordings.measure import MeasureOptions, run_measure
 
 FEW = ("--surrogates", 199, "--resamples", 30)
 PARTS = ("--sensors", "gaze", "colour", "--actions", "turn", "hand", "--results", "object")
@@ -199,7 +199,7 @@ def test_refuses(jointattn, seen, options, words):
 
 def test_a_misspelt_column_never_aborts(seen):
     """Native threads of a reader that were alive when Python ended aborted every second process on a busy machine."""
-    command = [sys.executable, "-m", "jointattn_mj.cli", "measure", seen, "--source", "gazes", "--target", "object"]
+    command = [sys.executable, "-m", "jointattn_mj.cli.main", "measure", seen, "--source", "gazes", "--target", "object"]
     for _ in range(5):
         done = subprocess.run(command, capture_output=True, text=True)
         refused(Outcome(done.returncode, done.stdout, done.stderr), "no column 'gazes'", "did you mean 'gaze'?")

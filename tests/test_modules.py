@@ -6,13 +6,8 @@ import numpy as np
 import pytest
 
 import jointattn_mj.contingency as c
-from jointattn_mj.contingency.events import Event
-from jointattn_mj.contingency.modules import (
-    OFFERS_NOTHING,
-    ReproductionConfig,
-    contingent_saliency,
-    make_module,
-)
+from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, ReproductionConfig, contingent_saliency, make_module
 from jointattn_mj.errors import ConfigError
 
 EVENT = Event(1, 0, 2)

@@ -8,12 +8,12 @@ import pytest
 import torch
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.learning import LearnerConfig, make_learner
-from jointattn_mj.network_learner import NetworkLearner
-from jointattn_mj.recording.checkpoint import load, save
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
-from jointattn_mj.runner import RunOptions, run_session
-from jointattn_mj.session import SessionConfig
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.learners import LearnerConfig, make_learner
+from jointattn_mj.gaze_following.network_learner import NetworkLearner
+from jointattn_mj.gaze_following.run import RunOptions, run_session
+from jointattn_mj.gaze_following.session import SessionConfig
+from jointattn_mj.io.checkpoint import load, save
 
 CONFIG = LearnerConfig(code="network")
 LEFT, RIGHT = np.array([15.0, -12.0]), np.array([-15.0, -20.0])

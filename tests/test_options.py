@@ -15,17 +15,17 @@ import pytest
 import experiments
 import jointattn_mj
 from experiments.registry import REGISTRY
-from jointattn_mj.attention import AttentionConfig
+from jointattn_mj.development.rendered.stage import StageConfig
 from jointattn_mj.errors import ConfigError, JointAttnError
-from jointattn_mj.gaze import GazeConfig
-from jointattn_mj.learning import LearnerConfig
+from jointattn_mj.gaze_following.attention import AttentionConfig
+from jointattn_mj.gaze_following.gate import GazeConfig
+from jointattn_mj.gaze_following.learners import LearnerConfig
+from jointattn_mj.gaze_following.run import RunOptions
+from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.options import LONGEST_NAME, Checked, Choice, Interval, Real, Whole, rule_of, shown
 from jointattn_mj.perception.som import SOMConfig
-from jointattn_mj.rendered.stage import StageConfig
-from jointattn_mj.runner import RunOptions
 from jointattn_mj.scene.model import SceneConfig
 from jointattn_mj.scene.variation import VariationConfig
-from jointattn_mj.session import SessionConfig
 
 HUGE = [float("nan"), float("inf"), float("-inf"), 1e308, -1e308, 2**63, -(2**63), 10**5000]
 

@@ -7,14 +7,14 @@ import pyarrow.parquet as pq
 import pytest
 
 from jointattn_mj.errors import CheckpointError
-from jointattn_mj.learning import LinearLearner
-from jointattn_mj.perception.truth import TruthPerception
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, GazeFollower, RobotConfig
-from jointattn_mj.runner import RunOptions, run_session
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, RobotConfig
+from jointattn_mj.gaze_following.learners import LinearLearner
+from jointattn_mj.gaze_following.run import RunOptions, run_session
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.perception.state import TruthPerception
 from jointattn_mj.scene.caregiver import ObjectTransfer
 from jointattn_mj.scene.model import rest_height
 from jointattn_mj.scene.world import World
-from jointattn_mj.session import Session, SessionConfig
 
 CONFIG = SessionConfig(
     minutes=1, seed=5, perception="truth", robot=RobotConfig(familiarise=FamiliariseConfig(minutes=0.05))
@@ -97,7 +97,7 @@ def test_a_stopped_run_goes_on_with_them(tmp_path):
 
 def test_the_film_of_a_robot_without_activations(tmp_path):
     """What the learner reads is no map; the panel leaves it dark."""
-    from jointattn_mj.recording.panels import Box, MapPanel
+    from jointattn_mj.gaze_following.film.panels import Box, MapPanel
 
     session = OwnSession(CONFIG)
     session.begin()

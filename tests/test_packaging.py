@@ -33,7 +33,7 @@ def test_the_wheel_has_package_and_assets_and_nothing_else(wheel):
     with zipfile.ZipFile(wheel) as archive:
         names = {name for name in archive.namelist() if ".dist-info/" not in name}
         (entry,) = [name for name in archive.namelist() if name.endswith("entry_points.txt")]
-        assert "jointattn = jointattn_mj.cli:main" in archive.read(entry).decode()
+        assert "jointattn = jointattn_mj.cli.main:main" in archive.read(entry).decode()
     assert names == tracked("jointattn_mj") | {f"jointattn_mj/{name}" for name in tracked("assets")}
 
 

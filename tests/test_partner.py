@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from jointattn_mj.development.realtime.partner import PACE, Partner, PartnerConfig, PartnerWorld
+from jointattn_mj.development.table.caregiver import AFTER_JOINT_ATTENTION, IJA, IJA_BACK, NOWHERE, RJA, CaregiverConfig
+from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.realtime.partner import PACE, Partner, PartnerConfig, PartnerWorld
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
 from jointattn_mj.scene.looker import places
 from jointattn_mj.scene.model import OBJECTS
 from jointattn_mj.scene.world import AS_USUAL, WorldConfig, build_physics
-from jointattn_mj.symbolic.caregiver import AFTER_JOINT_ATTENTION, IJA, IJA_BACK, NOWHERE, RJA, CaregiverConfig
-from jointattn_mj.symbolic.table import TableConfig
 
 SPOTS = 3
 PACE_OF_HERS = PartnerConfig()

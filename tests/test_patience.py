@@ -3,7 +3,7 @@
 import pytest
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.patience import patient
+from jointattn_mj.recordings.patience import patient
 
 
 def watched(total, seconds, reports=3, yes=False):

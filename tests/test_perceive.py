@@ -260,7 +260,7 @@ def started(video: Path, out: Path, *options: str) -> subprocess.Popen:
     """``jointattn perceive`` in a process group of its own, which has begun to watch."""
     arguments = ["--out", str(out), "--scale", "1", "--som.updates", "10", *options]
     process = subprocess.Popen(
-        [sys.executable, "-m", "jointattn_mj.cli", "perceive", str(video), *arguments],
+        [sys.executable, "-m", "jointattn_mj.cli.main", "perceive", str(video), *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -298,7 +298,7 @@ def test_stopped_from_outside(tmp_path):
 
 KILLED = """
 import os, signal, sys
-from jointattn_mj import cli
+from jointattn_mj.cli import main as cli
 from jointattn_mj.footage import viewing
 at, see = int(sys.argv[1]), viewing.Viewing.see
 def killing(self, still):

@@ -6,8 +6,8 @@ import sys
 import numpy as np
 import pytest
 
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, RobotConfig
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, GazeFollower, RobotConfig
 from jointattn_mj.scene import gl
 from jointattn_mj.scene.camera import pixels_of_points
 from jointattn_mj.scene.world import World, WorldConfig

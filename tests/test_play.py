@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from shell import Shell
 
-from jointattn_mj.agents import AGENTS
-from jointattn_mj.play import Episode, PlayOptions, environment_for, play_episodes, table
+from jointattn_mj.tasks.agents import AGENTS
+from jointattn_mj.viewing.play import Episode, PlayOptions, environment_for, play_episodes, table
 
 
 @pytest.fixture(scope="module")

@@ -6,12 +6,12 @@ import time
 import numpy as np
 from numba import njit
 
-import jointattn_mj.progress
-from jointattn_mj.laboratory import progress
-from jointattn_mj.laboratory.progress import MOST_FAILURES, Progress, rate
-from jointattn_mj.laboratory.run import Tally
-from jointattn_mj.progress import COMPILING, duration, told_of_compiling
-from jointattn_mj.progress import Progress as Shown
+import jointattn_mj.io.progress
+from jointattn_mj.io.progress import COMPILING, duration, told_of_compiling
+from jointattn_mj.io.progress import Progress as Shown
+from jointattn_mj.sweeps import progress
+from jointattn_mj.sweeps.progress import MOST_FAILURES, Progress, rate
+from jointattn_mj.sweeps.run import Tally
 
 HALF = Tally(todo=10, stored=3, done=4, running=2, seconds={("a", "b"): (4, 40.0)})
 HALF.left["a", "b"] = 6
@@ -82,9 +82,9 @@ class TestLog:
 
     def test_somebody_says_that_it_goes_on(self, monkeypatch):
         """Also while nothing is told: a line first after some seconds, and then now and then."""
-        monkeypatch.setattr(jointattn_mj.progress, "FIRST_S", 0.02)
-        monkeypatch.setattr(jointattn_mj.progress, "LINE_S", 0.03)
-        monkeypatch.delenv(jointattn_mj.progress.QUIET)
+        monkeypatch.setattr(jointattn_mj.io.progress, "FIRST_S", 0.02)
+        monkeypatch.setattr(jointattn_mj.io.progress, "LINE_S", 0.03)
+        monkeypatch.delenv(jointattn_mj.io.progress.QUIET)
         log = io.StringIO()
         with Shown("waiting", stream=log):
             until = time.monotonic() + 20

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from worlds import variables
 
-from jointattn_mj.contingency.reactive import AvoidingModule, RandomModule, ReactiveTable
+from jointattn_mj.contingency.online.reactive import AvoidingModule, RandomModule, ReactiveTable
 from jointattn_mj.errors import ConfigError
 
 WORLD = variables([3, 2], [4, 2], [2])

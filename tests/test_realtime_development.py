@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import pytest
 
-from jointattn_mj import cli
-from jointattn_mj.development import DevelopOptions, run_development
+from jointattn_mj.cli import main as cli
+from jointattn_mj.development.realtime.config import RealtimeDevelopConfig
+from jointattn_mj.development.realtime.run import RealtimeConfig
+from jointattn_mj.development.run import DevelopOptions, run_development
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.realtime.life import RealtimeConfig
-from jointattn_mj.realtime_development import RealtimeDevelopConfig
-from jointattn_mj.recording import rows
+from jointattn_mj.io import rows
 
 SHORT = RealtimeDevelopConfig(minutes=0.6, realtime=RealtimeConfig(perception="truth", familiarise_minutes=1.0))
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from jointattn_mj.development.meaning import FACE, GAZE, OBJECT
+from jointattn_mj.development.realtime.run import FRAMES_PER_MINUTE, RealtimeConfig, RealtimeLife
+from jointattn_mj.development.rendered.observer import OBJECT_THERE
+from jointattn_mj.development.table.presets import PRESETS
+from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.realtime.life import FRAMES_PER_MINUTE, RealtimeConfig, RealtimeLife
-from jointattn_mj.rendered.seeing import OBJECT_THERE
-from jointattn_mj.symbolic.meaning import FACE, GAZE, OBJECT
-from jointattn_mj.symbolic.presets import PRESETS
-from jointattn_mj.symbolic.table import TableConfig
 
 TRUTH = RealtimeConfig(perception="truth", familiarise_minutes=1.0)
 FAST = PRESETS["fast"]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import VideoError
-from jointattn_mj.recording.reel import Reel
+from jointattn_mj.video.reel import Reel
 
 
 def brightness(path: Path) -> list[float]:
@@ -36,8 +36,8 @@ STOPPED = """
 import os, signal, sys
 from pathlib import Path
 import numpy as np
-from jointattn_mj.recording.interrupts import deferred
-from jointattn_mj.recording.reel import Reel
+from jointattn_mj.io.interrupts import deferred
+from jointattn_mj.video.reel import Reel
 with deferred() as interrupts, Reel(Path(sys.argv[1]), 48, 64, 30) as reel:
     for k in range(200):
         if k == 20:

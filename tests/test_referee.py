@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointattn_mj.referee import Judgement, Moment, judge
+from jointattn_mj.gaze_following.scoring import Judgement, Moment, judge
 from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.caregiver import Phase
 from jointattn_mj.scene.world import World, WorldConfig

@@ -182,8 +182,8 @@ def test_a_made_up_checkpoint_is_right_but_for_what_it_holds(tmp_path):
     from dataclasses import replace
 
     from jointattn_mj.errors import CheckpointError
-    from jointattn_mj.recording import checkpoint
-    from jointattn_mj.session import SessionConfig
+    from jointattn_mj.gaze_following.session import SessionConfig
+    from jointattn_mj.io import checkpoint
 
     path, config = tmp_path / "c", SessionConfig(minutes=1, perception="truth")
     checkpoint.save(path, [1.0, "a"], config)

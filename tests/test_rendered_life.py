@@ -6,19 +6,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointattn_mj import development
-from jointattn_mj.contingency.detector import DetectorConfig
-from jointattn_mj.development import DevelopOptions, run_development
+from jointattn_mj.contingency.online.detector import DetectorConfig
+from jointattn_mj.development import run as development
+from jointattn_mj.development.agent import DeveloperConfig
+from jointattn_mj.development.rendered.config import RenderedDevelopConfig
+from jointattn_mj.development.rendered.run import RenderedConfig, RenderedLife
+from jointattn_mj.development.rendered.senses import PARTS, SensesConfig, named_by_majority
+from jointattn_mj.development.rendered.stage import StageConfig
+from jointattn_mj.development.run import DevelopOptions, run_development
+from jointattn_mj.development.table.run import TableLife
+from jointattn_mj.development.table.world import TableConfig, table_variables
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.io import rows
 from jointattn_mj.perception.percept import Percept
-from jointattn_mj.recording import rows
-from jointattn_mj.rendered.life import RenderedConfig, RenderedLife
-from jointattn_mj.rendered.senses import PARTS, SensesConfig, named_by_majority
-from jointattn_mj.rendered.stage import StageConfig
-from jointattn_mj.rendered_development import RenderedDevelopConfig
-from jointattn_mj.robots.developer import DeveloperConfig
-from jointattn_mj.symbolic.life import TableLife
-from jointattn_mj.symbolic.table import TableConfig, table_variables
 
 HASTY = DeveloperConfig(detector=DetectorConfig(threshold=5e-3), most_modules=2)
 SHORT = RenderedConfig(watching=240)
@@ -166,7 +166,7 @@ def test_killed_between_film_and_results(tmp_path, monkeypatch):
 
 
 def test_a_symbolic_life_is_not_filmed(tmp_path):
-    from jointattn_mj.development import DevelopConfig
+    from jointattn_mj.development.run import DevelopConfig
 
     with pytest.raises(ConfigError, match="--world rendered"):
         run_development(DevelopConfig(steps=10), DevelopOptions(tmp_path, video=True))

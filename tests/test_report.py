@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 from toys.registry import REGISTRY
 
 from jointattn_mj.errors import LaboratoryError, OutputError
-from jointattn_mj.laboratory.claim import Finding, Verdict
-from jointattn_mj.laboratory.registry import Entry
-from jointattn_mj.laboratory.report import Chapter, chapter, commands, weighed, write_report
-from jointattn_mj.laboratory.run import Selection, plan
-from jointattn_mj.laboratory.statistics import Estimate, proportion
-from jointattn_mj.laboratory.store import Store, text_of
+from jointattn_mj.sweeps.claim import Finding, Verdict
+from jointattn_mj.sweeps.registry import Entry
+from jointattn_mj.sweeps.report import Chapter, chapter, commands, weighed, write_report
+from jointattn_mj.sweeps.run import Selection, plan
+from jointattn_mj.sweeps.statistics import Estimate, proportion
+from jointattn_mj.sweeps.store import Store, text_of
 
 COIN = REGISTRY["1.1"]
 FILES = ("report.html", "claims.json", "claims.csv", "claims.md", "figures/1.1-heads.png")

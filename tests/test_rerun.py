@@ -16,12 +16,12 @@ import cv2
 import numpy as np
 import pytest
 
-from jointattn_mj.cli import main
+from jointattn_mj.cli.main import main
 from jointattn_mj.errors import ConfigError, OutputError
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
-from jointattn_mj.runner import RunOptions, run_session
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.run import RunOptions, run_session
+from jointattn_mj.gaze_following.session import Session, SessionConfig
 from jointattn_mj.scene import gl
-from jointattn_mj.session import Session, SessionConfig
 
 FRAMES = 240
 TRAINED = Path(__file__).parents[1] / "assets" / "trained" / "robin.npz"
@@ -242,7 +242,7 @@ class TestRefusal:
 
 
 def test_costs_nothing_when_not_asked_for():
-    code = "import sys, jointattn_mj.runner; sys.exit('rerun' in sys.modules)"
+    code = "import sys, jointattn_mj.gaze_following.run; sys.exit('rerun' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 

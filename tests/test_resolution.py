@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import jointattn_mj.contingency as c
-from jointattn_mj.contingency.resolution import (
+from jointattn_mj.contingency.online.resolution import (
     NOTHING_SENSED,
     Growth,
     ResolutionConfig,
@@ -20,11 +20,11 @@ from jointattn_mj.contingency.resolution import (
     splits,
     transitions,
 )
+from jointattn_mj.development.meaning import FACE, OBJECT
+from jointattn_mj.development.rendered.growing import Babbling, GrowingConfig, RecallingBody, ResolvedLife
+from jointattn_mj.development.table.presets import PRESETS
+from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError, SeriesError
-from jointattn_mj.rendered.growing import Babbling, GrowingConfig, RecallingBody, ResolvedLife
-from jointattn_mj.symbolic.meaning import FACE, OBJECT
-from jointattn_mj.symbolic.presets import PRESETS
-from jointattn_mj.symbolic.table import TableConfig
 
 SPACE = np.array([[-20.0, 20.0], [-15.0, -14.0]])
 PROTOTYPES = 12

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jointattn_mj.errors import CheckpointError, OutputError
-from jointattn_mj.recording import rows as module
-from jointattn_mj.recording.rows import RowStore, forget_log, log_folder, spans, summary_of_ended
+from jointattn_mj.io import rows as module
+from jointattn_mj.io.rows import RowStore, forget_log, log_folder, spans, summary_of_ended
 
 COLUMNS = 3
 

@@ -8,9 +8,9 @@ import pytest
 from toys.registry import REGISTRY
 
 from jointattn_mj.errors import ConfigError, LaboratoryError, OutputError
-from jointattn_mj.laboratory.claim import Setting
-from jointattn_mj.laboratory.run import Selection, Tally, Watcher, command, plan, run
-from jointattn_mj.laboratory.store import Store
+from jointattn_mj.sweeps.claim import Setting
+from jointattn_mj.sweeps.run import Selection, Tally, Watcher, command, plan, run
+from jointattn_mj.sweeps.store import Store
 
 COIN = REGISTRY["1.1"]
 

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
-from jointattn_mj.recording import checkpoint, rows, space
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
-from jointattn_mj.runner import RunOptions, run_session
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.run import RunOptions, run_session
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.io import checkpoint, rows, space
 from jointattn_mj.scene import gl
-from jointattn_mj.session import Session, SessionConfig
 
 RESULTS = ("frames.parquet", "gaze_shifts.parquet", "weights.npz", "success.png", "som.png")
 FOLDER = {*RESULTS, "summary.json", "config.yaml", "checkpoint.bin"}
@@ -23,7 +23,7 @@ needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="
 
 PROGRAM = """
 import os, signal, sys
-from jointattn_mj import cli, session_command
+from jointattn_mj.cli import main as cli, session as session_command
 run, how, at = session_command.run_session, sys.argv[1], int(sys.argv[2])
 def interrupted(config, options, progress, kind):
     def watch(session):
@@ -232,8 +232,8 @@ def test_named_errors(tmp_path):
 RESIDENT = """
 import gc, os, sys
 from pathlib import Path
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
-from jointattn_mj.session import Session, SessionConfig
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.session import Session, SessionConfig
 
 perception, seconds, folder = sys.argv[1], float(sys.argv[2]), Path(sys.argv[3])
 robot = RobotConfig(familiarise=FamiliariseConfig(minutes=0.1))

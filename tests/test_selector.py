@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from worlds import variables
 
-from jointattn_mj.contingency.events import Event
-from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
-from jointattn_mj.contingency.reactive import RandomModule, ReactiveTable
-from jointattn_mj.contingency.selector import NOBODY, SelectorConfig, flat_maps, select
+from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
+from jointattn_mj.contingency.online.reactive import RandomModule, ReactiveTable
+from jointattn_mj.contingency.online.selector import NOBODY, SelectorConfig, flat_maps, select
 from jointattn_mj.errors import ConfigError
 
 WORLD = variables([3, 2], [4, 2], [2, 2])

@@ -10,12 +10,12 @@ import pytest
 import yaml
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.recording.weights import read_weights
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
-from jointattn_mj.runner import RunOptions, run_session
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.run import RunOptions, run_session
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.io.weights import read_weights
 from jointattn_mj.scene.camera import directions_to, pixels_of_points
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
-from jointattn_mj.session import Session, SessionConfig
 
 OBJECTS = ("red", "yellow", "blue", "green")
 CANDIDATES = (*OBJECTS, "face")

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from jointattn_mj.development.rendered.stage import Stage, StageConfig
+from jointattn_mj.development.table.world import CAREGIVER, ROBOT, TableConfig, turn
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.rendered.stage import Stage, StageConfig
 from jointattn_mj.scene.looker import places
 from jointattn_mj.scene.movement import gaze_angles
-from jointattn_mj.symbolic.table import CAREGIVER, ROBOT, TableConfig, turn
 
 EXACT = StageConfig(variation="none", object_jitter_m=0, head_jitter_deg=0, motor_noise_deg=0)
 

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from jointattn_mj.laboratory import statistics
-from jointattn_mj.laboratory.statistics import (
+from jointattn_mj.sweeps import statistics
+from jointattn_mj.sweeps.statistics import (
     Estimate,
     enough,
     mean_interval,

@@ -11,9 +11,9 @@ import pytest
 from toys.registry import REGISTRY
 
 from jointattn_mj.errors import CellError, OutputError
-from jointattn_mj.laboratory.claim import Claim, Setting
-from jointattn_mj.laboratory.run import Selection, plan
-from jointattn_mj.laboratory.store import Keys, Store, text_of
+from jointattn_mj.sweeps.claim import Claim, Setting
+from jointattn_mj.sweeps.run import Selection, plan
+from jointattn_mj.sweeps.store import Keys, Store, text_of
 
 COIN = REGISTRY["1.1"]
 

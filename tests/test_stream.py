@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import VideoError
-from jointattn_mj.recording import stream
-from jointattn_mj.recording.stream import Encoder, can_encode
+from jointattn_mj.video import stream
+from jointattn_mj.video.stream import Encoder, can_encode
 
 SHAPE = (48, 64, 3)
 needs_encoder = pytest.mark.skipif(not can_encode(), reason="no ffmpeg with H.264")

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointattn_mj.recording import summary as counting
-from jointattn_mj.recording.shifts import ShiftRow, Shifts
-from jointattn_mj.recording.summary import moving_average, summarise
-from jointattn_mj.recording.tables import FrameTable
+from jointattn_mj.gaze_following import summary as counting
+from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts
+from jointattn_mj.gaze_following.summary import moving_average, summarise
+from jointattn_mj.gaze_following.tables import FrameTable
 
 SHIFT = ShiftRow(
     launch_s=0, landing_s=0, source="face", chosen="red", reached="red", commanded_by="visual_feedback",

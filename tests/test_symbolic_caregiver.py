@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jointattn_mj.errors import ConfigError
-from jointattn_mj.symbolic.caregiver import (
+from jointattn_mj.development.table.caregiver import (
     AFTER_JOINT_ATTENTION,
     CARELESS,
     IJA,
@@ -20,6 +19,7 @@ from jointattn_mj.symbolic.caregiver import (
     rules,
     shift_gaze,
 )
+from jointattn_mj.errors import ConfigError
 
 DRAWS = 3000
 FACE = 3

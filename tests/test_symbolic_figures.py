@@ -4,13 +4,13 @@ import cv2
 import numpy as np
 import pytest
 
-from jointattn_mj.contingency.events import Event
-from jointattn_mj.contingency.modules import Module
-from jointattn_mj.robots.contingency_log import ContingencyLog
-from jointattn_mj.symbolic import figures
-from jointattn_mj.symbolic.behaviour import BEHAVIOURS, phases
-from jointattn_mj.symbolic.figures import Made, MapPicture, draw_behaviour, draw_contingency, draw_maps
-from jointattn_mj.symbolic.table import TableConfig, table_variables
+from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.contingency.online.modules import Module
+from jointattn_mj.development import figures
+from jointattn_mj.development.behaviour import BEHAVIOURS, phases
+from jointattn_mj.development.contingency_log import ContingencyLog
+from jointattn_mj.development.figures import Made, MapPicture, draw_behaviour, draw_contingency, draw_maps
+from jointattn_mj.development.table.world import TableConfig, table_variables
 
 VARIABLES = table_variables(TableConfig())
 NAMES = [VARIABLES.describe(event) for event in VARIABLES.events()]

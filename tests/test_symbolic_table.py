@@ -6,9 +6,8 @@ from itertools import combinations, permutations, product
 import numpy as np
 import pytest
 
-from jointattn_mj.errors import ConfigError
-from jointattn_mj.symbolic.caregiver import NOWHERE, CaregiverConfig, shift_gaze
-from jointattn_mj.symbolic.table import (
+from jointattn_mj.development.table.caregiver import NOWHERE, CaregiverConfig, shift_gaze
+from jointattn_mj.development.table.world import (
     CAREGIVER,
     CHAPTER_4,
     CHAPTER_5,
@@ -20,6 +19,7 @@ from jointattn_mj.symbolic.table import (
     table_variables,
     turn,
 )
+from jointattn_mj.errors import ConfigError
 
 WORLDS = {
     "chapter 4": CHAPTER_4,

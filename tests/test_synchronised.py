@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jointattn_mj.attention import AttentionConfig
+from jointattn_mj.baselines.synchronised import RESTS, Gazes, SynchronisedSession, ToldSelector, synchronised
+from jointattn_mj.gaze_following.attention import AttentionConfig
+from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.caregiver import Phase
 from jointattn_mj.scene.model import HEAD_POSITION
-from jointattn_mj.session import SessionConfig
-from jointattn_mj.synchronised import RESTS, Gazes, SynchronisedSession, ToldSelector, synchronised
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +99,7 @@ def test_test_gazes_are_passed_by_a_learner_that_knows_geometry_and_by_no_consta
 def test_a_learning_curve_rises_and_says_what_it_learned_from(monkeypatch):
     monkeypatch.syspath_prepend(str(Path(__file__).parents[1]))
     from experiments.synchronised import analysis, sweep
-    from jointattn_mj.laboratory.claim import Cell
+    from jointattn_mj.sweeps.claim import Cell
 
     config = sweep.SETTINGS["cues"].config
     robot = replace(config.robot, familiarise=replace(config.robot.familiarise, minutes=1.0))

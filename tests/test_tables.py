@@ -9,13 +9,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from jointattn_mj.recording import columns, tables
-from jointattn_mj.recording.shifts import ShiftRow, Shifts, shift_row, write_shifts
-from jointattn_mj.recording.tables import FrameTable, write_frames
-from jointattn_mj.referee import Judgement, Moment
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, GazeShift, RobotConfig
+from jointattn_mj.gaze_following import columns, tables
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeShift, RobotConfig
+from jointattn_mj.gaze_following.scoring import Judgement, Moment
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts, shift_row, write_shifts
+from jointattn_mj.gaze_following.tables import FrameTable, write_frames
 from jointattn_mj.scene.camera import pixels_of_points
-from jointattn_mj.session import Session, SessionConfig
 
 NAMES = ("red", "blue", "face")
 PLACES = np.array([[10.0, -15.0], [-10.0, -15.0]])

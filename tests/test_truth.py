@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.perception.truth import TruthConfig, TruthPerception
+from jointattn_mj.perception.state import TruthConfig, TruthPerception
 from jointattn_mj.scene.camera import in_picture, pixels_of_points
 from jointattn_mj.scene.world import Observation, World, WorldConfig
 

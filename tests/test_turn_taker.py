@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
+from jointattn_mj.baselines.turn_taking.agent import FEEDBACK, TurnTaker, TurnTakerConfig, feedback_target
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.robots.turn_taker import FEEDBACK, TurnTaker, TurnTakerConfig, feedback_target
 
 INPUTS = 12
 

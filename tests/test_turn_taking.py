@@ -6,12 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jointattn_mj.errors import ConfigError
-from jointattn_mj.perception.truth import TruthConfig
-from jointattn_mj.robots.turn_taker import TurnTaker, TurnTakerConfig
-from jointattn_mj.scene.camera import in_picture, pixels_of_points
-from jointattn_mj.turn_taking.attempts import Situations, live
-from jointattn_mj.turn_taking.faces import (
+from jointattn_mj.baselines.turn_taking.agent import TurnTaker, TurnTakerConfig
+from jointattn_mj.baselines.turn_taking.attempts import Situations, live
+from jointattn_mj.baselines.turn_taking.faces import (
     FACE_DIRECTION,
     FaceBank,
     FaceBankConfig,
@@ -19,7 +16,10 @@ from jointattn_mj.turn_taking.faces import (
     gaze_deg,
     render_faces,
 )
-from jointattn_mj.turn_taking.tables import TableConfig, draw_tables
+from jointattn_mj.baselines.turn_taking.layouts import TableConfig, draw_tables
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.perception.state import TruthConfig
+from jointattn_mj.scene.camera import in_picture, pixels_of_points
 
 HEIGHT = 0.741  # of an object's centre, metres
 SHORT = TurnTakerConfig(hidden=20, rate=0.004, gate_midpoint=4000.0, gate_width=1000.0)
@@ -61,7 +61,7 @@ def test_tables_keep_objects_apart_and_in_their_region(region, objects):
 
 
 def test_a_table_too_full_is_named(monkeypatch):
-    monkeypatch.setattr("jointattn_mj.turn_taking.tables.TRIES", 5)
+    monkeypatch.setattr("jointattn_mj.baselines.turn_taking.layouts.TRIES", 5)
     with pytest.raises(ConfigError, match="no room for 40 objects"):
         draw_tables(TableConfig(objects=40, region="outside"), 2, np.random.default_rng(0))
 
@@ -175,7 +175,7 @@ def test_ending_at_the_first_object_takes_fewer_steps():
 def test_a_life_in_counts(monkeypatch, bank):
     monkeypatch.syspath_prepend(str(Path(__file__).parents[1]))
     from experiments.turn_taking import analysis, sweep
-    from jointattn_mj.laboratory.claim import Cell
+    from jointattn_mj.sweeps.claim import Cell
 
     life = sweep.Life(TABLE_3, replace(SHORT, hidden=5), attempts=600, tables=50, tests=60)
     monkeypatch.setattr(sweep, "face_banks", lambda config: (bank, bank))

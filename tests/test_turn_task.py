@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from jointattn_mj.development.table.world import CAREGIVER, ROBOT, TableConfig, new_table, turn
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.looker import places
 from jointattn_mj.scene.model import SceneConfig
-from jointattn_mj.symbolic.table import CAREGIVER, ROBOT, TableConfig, new_table, turn
 from jointattn_mj.tasks import load
 
 FORMS = ("turn_taking", "turn_taking_hard")

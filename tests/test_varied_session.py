@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.recording import checkpoint
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.varied_session import VariedSession, VariedSessionConfig
+from jointattn_mj.io import checkpoint
 from jointattn_mj.scene.world import AS_USUAL
-from jointattn_mj.session import Session, SessionConfig
-from jointattn_mj.varied_session import VariedSession, VariedSessionConfig
 from tests.shell import Shell
 
 ROBOT = RobotConfig(familiarise=FamiliariseConfig(minutes=0.02))

@@ -14,16 +14,17 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import VideoError
-from jointattn_mj.recording import composer, paint
-from jointattn_mj.recording.composer import Composer, verdict_in_words
-from jointattn_mj.recording.onlooker import line_of_sight, sights
-from jointattn_mj.recording.panels import face_cells, lit
-from jointattn_mj.recording.shifts import ShiftRow
-from jointattn_mj.recording.summary import rate_of_success
-from jointattn_mj.recording.video import Film
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.film import composer
+from jointattn_mj.gaze_following.film.composer import Composer, verdict_in_words
+from jointattn_mj.gaze_following.film.panels import face_cells, lit
+from jointattn_mj.gaze_following.film.video import Film
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.shifts import ShiftRow
+from jointattn_mj.gaze_following.summary import rate_of_success
 from jointattn_mj.scene import gl
-from jointattn_mj.session import Session, SessionConfig
+from jointattn_mj.video import paint
+from jointattn_mj.video.onlooker import line_of_sight, sights
 
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
 ROW = ShiftRow(
@@ -81,8 +82,8 @@ WRITER = """
 import sys, time
 from pathlib import Path
 import numpy as np
-from jointattn_mj.recording import video
-from jointattn_mj.session import Session, SessionConfig
+from jointattn_mj.gaze_following.film import video
+from jointattn_mj.gaze_following.session import Session, SessionConfig
 class Stub:
     def __init__(self, session): self.picture = np.random.default_rng(0).integers(0, 255, (720, 1280, 3), np.uint8)
     def compose(self, session): return np.roll(self.picture, session.frame, 0)

@@ -14,13 +14,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jointattn_mj.agents import AGENTS
-from jointattn_mj.cli import main
+from jointattn_mj.cli.main import main
+from jointattn_mj.cli.view import HERE, ViewOptions
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.recording.paint import GREEN
 from jointattn_mj.scene import gl
 from jointattn_mj.tasks import load
-from jointattn_mj.view_command import HERE, ViewOptions
+from jointattn_mj.tasks.agents import AGENTS
+from jointattn_mj.video.paint import GREEN
 from jointattn_mj.viewing.guard import names_of, refusal
 from jointattn_mj.viewing.show import Show, in_real_time
 
@@ -191,7 +191,7 @@ class TestRefusal:
     def test_it_says_that_it_starts_before_anything_slow(self):
         code = """
 import sys
-from jointattn_mj import view_command
+from jointattn_mj.cli import view as view_command
 view_command._serve = lambda options: print({"numpy", "mujoco", "cv2", "numba"} & set(sys.modules))
 view_command.view(view_command.ViewOptions("follow", browser=True))
 """
@@ -211,7 +211,7 @@ def listening() -> set[str]:
 @pytest.fixture
 def served():
     """A running ``jointattn view``, and its address."""
-    command = [sys.executable, "-m", "jointattn_mj.cli", "view", "follow_hard", "--browser", "--port", "18480"]
+    command = [sys.executable, "-m", "jointattn_mj.cli.main", "view", "follow_hard", "--browser", "--port", "18480"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         address = process.stdout.readline().split()[0]
         yield process, address
@@ -337,7 +337,7 @@ def test_in_a_window():
     """Where there is a display, a window; a scheduler's kind signal ends it."""
     with subprocess.Popen(["Xvfb", ":79", "-screen", "0", "640x480x24"]) as display:
         time.sleep(1)
-        command = [sys.executable, "-m", "jointattn_mj.cli", "view", "follow"]
+        command = [sys.executable, "-m", "jointattn_mj.cli.main", "view", "follow"]
         environment = os.environ | {"DISPLAY": ":79"}
         with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
             time.sleep(12)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from jointattn_mj.attention import AttentionConfig
 from jointattn_mj.footage.fixations import MEANINGS, Fixations
 from jointattn_mj.footage.frame_map import FrameMap
 from jointattn_mj.footage.watcher import Watcher
+from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.perception.percept import Percept
 
 PERIOD = AttentionConfig.selection_period

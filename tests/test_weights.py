@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import CheckpointError, ConfigError
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.io.weights import read_weights, write_weights
 from jointattn_mj.perception.som import SOM, SOMConfig
-from jointattn_mj.recording.weights import read_weights, write_weights
-from jointattn_mj.robots.gaze_follower import FamiliariseConfig, RobotConfig
-from jointattn_mj.session import Session, SessionConfig
 
 CONFIG = SessionConfig(minutes=1, perception="truth", robot=RobotConfig(familiarise=FamiliariseConfig(minutes=0.02)))
 

@@ -45,7 +45,7 @@ for package in (jointattn_mj, experiments):
             assert error.name.split(".")[0] in ("rerun", "viser", "mjviser", "gymnasium", "dask"), (module.name, error)
 """
 RUN = """
-from jointattn_mj.cli import main
+from jointattn_mj.cli.main import main
 main(sys.argv[1:])
 """
 
@@ -59,8 +59,8 @@ def test_what_needs_torch_asks_for_it_and_nothing_else_does():
     done = python(IMPORTS)
     assert done.returncode == 0, done.stderr
     asked = {line.split(": ")[0] for line in done.stdout.splitlines() if "torch" in line.split(": ", 1)[1]}
-    assert "jointattn_mj.network_learner" in asked
-    assert asked <= {"jointattn_mj.network_learner", "experiments.follow.training"}
+    assert "jointattn_mj.gaze_following.network_learner" in asked
+    assert asked <= {"jointattn_mj.gaze_following.network_learner", "experiments.follow.training"}
 
 
 def test_commands(tmp_path):

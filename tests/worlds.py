@@ -3,8 +3,8 @@
 import numpy as np
 from numba import njit
 
-from jointattn_mj.contingency.counts import Counts, add
-from jointattn_mj.contingency.events import Variable, Variables
+from jointattn_mj.contingency.online.counts import Counts, add
+from jointattn_mj.contingency.online.events import Variable, Variables
 
 Series = tuple[np.ndarray, np.ndarray, np.ndarray]
 """s (T, sensors), a (T, actions) and r (T, results)."""

@@ -110,7 +110,7 @@ def record_folder(folder: Path, scratch: str) -> dict[str, str]:
 def jointattn(arguments: list[str], **more: Any) -> subprocess.CompletedProcess[str]:
     """Run a command with the code of the working directory."""
     environment = {**os.environ, "PYTHONPATH": os.getcwd()}
-    code = "import sys; from jointattn_mj.cli import main; sys.exit(main())"
+    code = "import sys; from jointattn_mj.cli.main import main; sys.exit(main())"
     return subprocess.run([sys.executable, "-c", code, *arguments], env=environment, text=True, **more)
 
 

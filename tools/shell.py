@@ -113,7 +113,7 @@ def _wait(child: int, seconds: float | None) -> int:
 
 
 def _serve() -> None:
-    from jointattn_mj.cli import COMMANDS, main
+    from jointattn_mj.cli.main import COMMANDS, main
 
     for load in COMMANDS.values():
         load()

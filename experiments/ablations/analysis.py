@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 
 from experiments.ablations.sweep import SETTINGS
 from experiments.tables import in_order, time_of
-from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import mean_interval, proportion
-from jointattn_mj.symbolic.behaviour import KEC
+from jointattn_mj.development.behaviour import KEC
+from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import mean_interval, proportion
 
 
 def _results(cells: Cells, setting: str) -> list[dict[str, Any]]:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from experiments.tables import develop, run
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.sweeps.claim import Setting
 
 CHANGES = {
     "default": {},

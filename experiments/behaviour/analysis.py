@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.tables import in_order
-from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import mean_interval
-from jointattn_mj.symbolic.behaviour import BEHAVIOURS, FG, KEC
+from jointattn_mj.development.behaviour import BEHAVIOURS, FG, KEC
+from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import mean_interval
 
 PHASES = 4
 

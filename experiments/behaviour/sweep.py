@@ -1,7 +1,7 @@
 """Rates of six behaviours in the last 1000 turns of each phase between modules (Fig. 5.5)."""
 
 from experiments.tables import develop, run
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.sweeps.claim import Setting
 
 FIRST_SEED = 30_000
 SETTINGS = {

@@ -3,8 +3,8 @@
 from typing import Any
 
 from experiments.tables import Run, live, run, target_lead
-from jointattn_mj.contingency.events import Event
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.sweeps.claim import Setting
 
 CARE = tuple(round(0.1 * step, 1) for step in range(11))
 TARGET = Event(0, 0, 1)

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.continuous.sweep import CHECKPOINTS, WITHIN_DEG
-from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import Estimate, mean_interval, median_interval, paired_difference, proportion
+from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import Estimate, mean_interval, median_interval, paired_difference, proportion
 
 Result = dict[str, Any]
 COLOURS = {"informative": "#c0392b", "all": "#2471a3", "chapter 6": "#7d6608"}

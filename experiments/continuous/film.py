@@ -9,11 +9,11 @@ from itertools import islice
 import tyro
 
 from experiments.continuous.sweep import FILM, Trial
-from jointattn_mj.contingency.reactive import RandomModule
-from jointattn_mj.rendered.continuous import ContinuousLife
-from jointattn_mj.rendered.film import LifeFilm
-from jointattn_mj.symbolic.meaning import GAZE
-from jointattn_mj.symbolic.presets import PRESETS
+from jointattn_mj.contingency.online.reactive import RandomModule
+from jointattn_mj.development.meaning import GAZE
+from jointattn_mj.development.rendered.continuous import ContinuousLife
+from jointattn_mj.development.rendered.film import LifeFilm
+from jointattn_mj.development.table.presets import PRESETS
 
 SEED = 7
 LEAD = 2

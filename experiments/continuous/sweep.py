@@ -8,18 +8,18 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from jointattn_mj.contingency.events import Event
-from jointattn_mj.contingency.modules import OFFERS_NOTHING
-from jointattn_mj.contingency.reactive import RandomModule
-from jointattn_mj.laboratory.claim import Setting
-from jointattn_mj.learning import Learner, LearnerConfig, make_learner
+from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.contingency.online.modules import OFFERS_NOTHING
+from jointattn_mj.contingency.online.reactive import RandomModule
+from jointattn_mj.development.meaning import FACE, GAZE, OBJECT
+from jointattn_mj.development.rendered.continuous import FORWARD, SCATTERED, ContinuousConfig, ContinuousLife, Pair
+from jointattn_mj.development.rendered.run import RenderedConfig
+from jointattn_mj.development.table.presets import PRESETS
+from jointattn_mj.development.table.world import turn
+from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, make_learner
 from jointattn_mj.options import Checked, Whole
-from jointattn_mj.rendered.continuous import FORWARD, SCATTERED, ContinuousConfig, ContinuousLife, Pair
-from jointattn_mj.rendered.life import RenderedConfig
 from jointattn_mj.scene.camera import directions_to, off_centre
-from jointattn_mj.symbolic.meaning import FACE, GAZE, OBJECT
-from jointattn_mj.symbolic.presets import PRESETS
-from jointattn_mj.symbolic.table import turn
+from jointattn_mj.sweeps.claim import Setting
 
 WITHIN_DEG = 3.5
 """As in chapter 6."""

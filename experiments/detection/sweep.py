@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from experiments.tables import Run, live, run
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.sweeps.claim import Setting
 
 TARGET = "(S1, A1, R2)"
 POINTS = 80

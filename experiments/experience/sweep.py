@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from experiments.tables import Run, live, run
-from jointattn_mj.laboratory.claim import Setting
-from jointattn_mj.robots.life import Life
+from jointattn_mj.development.loop import Life
+from jointattn_mj.sweeps.claim import Setting
 
 FIRST_SEED = 30_000
 SETTINGS = {"chapter4": Setting(run("chapter4", turns=30_000), runs=20)}

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 
 from experiments.fast.sweep import CHANCES, SETTINGS, SPOTS
 from experiments.tables import in_order, time_of
-from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import median_interval, proportion
+from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import median_interval, proportion
 
 
 def _results(cells: Cells, setting: str) -> list[dict[str, Any]]:

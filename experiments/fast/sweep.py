@@ -1,7 +1,7 @@
 """The preset ``fast`` beside ``thesis``: in the world of chapter 5, and in others that nobody chose anything for."""
 
 from experiments.tables import develop, run
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.sweeps.claim import Setting
 
 SPOTS = (2, 3, 4, 5, 6)
 CHANCES = (0.25, 0.5, 0.75)

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.follow.sweep import SETTINGS
-from jointattn_mj.laboratory.claim import Cell, Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import Estimate, mean_interval, median_interval, paired_difference
+from jointattn_mj.sweeps.claim import Cell, Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import Estimate, mean_interval, median_interval, paired_difference
 
 WORDS = {"state": "from the state", "pictures": "from pictures", "blindfolded": "blindfolded"}
 BLINDFOLDED = "blindfolded"

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
-from jointattn_mj.laboratory.claim import Setting
 from jointattn_mj.options import Checked, Real, Share, Whole
+from jointattn_mj.sweeps.claim import Setting
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ import numpy as np
 
 from jointattn_mj.adapters.extras import extra
 from jointattn_mj.adapters.registration import IDS
-from jointattn_mj.agents import AGENTS
-from jointattn_mj.play import DOMAIN, PlayOptions, play_episodes
 from jointattn_mj.tasks import load
+from jointattn_mj.tasks.agents import AGENTS
+from jointattn_mj.viewing.play import DOMAIN, PlayOptions, play_episodes
 
 extra("rl", "stable_baselines3")
 import gymnasium  # noqa: E402

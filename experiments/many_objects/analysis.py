@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.many_objects.sweep import CHANCES, OBJECTS
-from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import mean_interval
+from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import mean_interval
 
 
 def _leads(cells: Cells, objects: int, follow: float | None = None, lead: float | None = None) -> np.ndarray:

@@ -3,8 +3,8 @@
 from typing import Any
 
 from experiments.tables import Run, live, run, target_lead
-from jointattn_mj.contingency.events import Event
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.sweeps.claim import Setting
 
 CHANCES = (0.25, 0.5, 0.75)
 OBJECTS = range(1, 10)

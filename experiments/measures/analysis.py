@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.measures.sweep import MEASURES, OF_EVENTS
-from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import median_interval, proportion
+from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import median_interval, proportion
 
 
 def right_since(result: dict[str, Any], measure: str) -> float:

@@ -16,7 +16,7 @@ from jointattn_mj.contingency import (
     state_action_contingency,
     transfer_entropy,
 )
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.sweeps.claim import Setting
 
 FIRST_SEED = 30_000
 LENGTHS = tuple(int(n) for n in np.unique(np.geomspace(500, 40_000, 20).round(-2)))

@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from experiments.tables import STAGES, in_order, time_of
-from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import mean_interval, median_interval, proportion
+from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
 
 NAMES = ("gaze following, FG-m", "looking back, SCf-m", "gaze alternation, SC-m")
 EXAMPLE = (5748, 42862, 47686)

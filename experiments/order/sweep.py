@@ -1,7 +1,7 @@
 """Which modules a robot makes in 100,000 turns, and when, under two orders of a turn (section 5.3.2)."""
 
 from experiments.tables import develop, run
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.sweeps.claim import Setting
 
 FIRST_SEED = 30_000
 SETTINGS = {

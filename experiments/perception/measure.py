@@ -11,12 +11,12 @@ from typing import Annotated
 import numpy as np
 import tyro
 
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.io.files import write_whole
 from jointattn_mj.options import Checked, Choice, Real, Whole
 from jointattn_mj.perception.som import standardised
-from jointattn_mj.recording.files import write_whole
 from jointattn_mj.scene.camera import in_picture, pixels_of_points
 from jointattn_mj.scene.people import IDENTITIES
-from jointattn_mj.session import Session, SessionConfig
 
 NEIGHBOURS = 5
 """Patterns that a read-out averages over."""

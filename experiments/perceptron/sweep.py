@@ -7,7 +7,7 @@ from numba import njit
 
 from experiments.experience.sweep import found_objects
 from experiments.tables import Run, live, run
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.sweeps.claim import Setting
 
 RATES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 EPOCHS = (1, 3, 10)

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from experiments.realtime.sweep import SETTINGS, STEPS_AN_HOUR, Hour
 from experiments.tables import STAGES
-from jointattn_mj.laboratory.claim import Cell, Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import median_interval, paired_difference, proportion
+from jointattn_mj.sweeps.claim import Cell, Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import median_interval, paired_difference, proportion
 
 HOUR = 60.0
 FOLLOWING, BACK, ALTERNATING = STAGES

@@ -5,10 +5,10 @@ from pathlib import Path
 import tyro
 
 from experiments.realtime.sweep import FILM, FILMED, MODULES, MOST_STEPS
-from jointattn_mj.realtime.film import RealtimeFilm
-from jointattn_mj.realtime.life import RealtimeConfig, RealtimeLife
-from jointattn_mj.symbolic.meaning import meanings
-from jointattn_mj.symbolic.presets import PRESETS
+from jointattn_mj.development.meaning import meanings
+from jointattn_mj.development.realtime.film import RealtimeFilm
+from jointattn_mj.development.realtime.run import RealtimeConfig, RealtimeLife
+from jointattn_mj.development.table.presets import PRESETS
 
 BEFORE_MINUTES = 1.0
 """The robot has to move at random for a while, for there to be anything to see."""

@@ -6,14 +6,14 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.development.loop import Life
+from jointattn_mj.development.meaning import meanings
+from jointattn_mj.development.realtime.run import RealtimeConfig, RealtimeLife
+from jointattn_mj.development.table.presets import PRESETS
+from jointattn_mj.development.table.run import TableLife
+from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.options import Checked, Real, Whole
-from jointattn_mj.realtime.life import RealtimeConfig, RealtimeLife
-from jointattn_mj.robots.life import Life
-from jointattn_mj.symbolic.life import TableLife
-from jointattn_mj.symbolic.meaning import meanings
-from jointattn_mj.symbolic.presets import PRESETS
-from jointattn_mj.symbolic.table import TableConfig
+from jointattn_mj.sweeps.claim import Setting
 
 MODULES = 3
 """A life may stop when it has so many: the third is gaze alternation, or it has gone another way."""

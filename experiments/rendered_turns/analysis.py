@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 
 from experiments.rendered_turns.sweep import SETTINGS
 from experiments.tables import STAGES, in_order, time_of
-from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import mean_interval, median_interval, proportion
+from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
 
 NAMES = ("FG", "SCf", "SC")
 ASKED = 0.85

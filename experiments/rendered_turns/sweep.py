@@ -6,13 +6,13 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.development.loop import Life
+from jointattn_mj.development.rendered.run import RenderedConfig, RenderedLife
+from jointattn_mj.development.rendered.stage import StageConfig
+from jointattn_mj.development.table.presets import PRESETS
+from jointattn_mj.development.table.run import TableLife
 from jointattn_mj.options import Checked, Choice, Whole
-from jointattn_mj.rendered.life import RenderedConfig, RenderedLife
-from jointattn_mj.rendered.stage import StageConfig
-from jointattn_mj.robots.life import Life
-from jointattn_mj.symbolic.life import TableLife
-from jointattn_mj.symbolic.presets import PRESETS
+from jointattn_mj.sweeps.claim import Setting
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,11 @@ from dataclasses import replace
 import tyro
 
 from experiments.resolution.sweep import FILM, Trial
-from jointattn_mj.contingency.reactive import RandomModule
-from jointattn_mj.rendered.growing import Babbling, ResolvedLife
-from jointattn_mj.rendered.growth_film import GrowthFilm
-from jointattn_mj.symbolic.meaning import GAZE, meanings
-from jointattn_mj.symbolic.presets import PRESETS
+from jointattn_mj.contingency.online.reactive import RandomModule
+from jointattn_mj.development.meaning import GAZE, meanings
+from jointattn_mj.development.rendered.growing import Babbling, ResolvedLife
+from jointattn_mj.development.rendered.growth_film import GrowthFilm
+from jointattn_mj.development.table.presets import PRESETS
 
 SEED, SPOTS, MOST = 7, 3, 20_000
 AFTER = 5

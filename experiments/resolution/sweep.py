@@ -6,15 +6,15 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from jointattn_mj.contingency.events import Variables
-from jointattn_mj.contingency.modules import OFFERS_NOTHING, Module
-from jointattn_mj.contingency.reactive import RandomModule
-from jointattn_mj.contingency.resolution import Growth, Step, contingency
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.contingency.online.events import Variables
+from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
+from jointattn_mj.contingency.online.reactive import RandomModule
+from jointattn_mj.contingency.online.resolution import Growth, Step, contingency
+from jointattn_mj.development.meaning import FACE, GAZE, OBJECT
+from jointattn_mj.development.rendered.growing import Babbling, Body, GrowingConfig, RecallingBody, ResolvedLife
+from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.options import Checked, Whole
-from jointattn_mj.rendered.growing import Babbling, Body, GrowingConfig, RecallingBody, ResolvedLife
-from jointattn_mj.symbolic.meaning import FACE, GAZE, OBJECT
-from jointattn_mj.symbolic.presets import PRESETS
+from jointattn_mj.sweeps.claim import Setting
 
 
 @dataclass(frozen=True)

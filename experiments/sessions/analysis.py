@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from jointattn_mj.laboratory.claim import Cell, Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import Estimate, mean_interval, paired_difference, too_few
-from jointattn_mj.recording.summary import LATE_MINUTES, rate_of_success
+from jointattn_mj.gaze_following.summary import LATE_MINUTES, rate_of_success
+from jointattn_mj.sweeps.claim import Cell, Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import Estimate, mean_interval, paired_difference, too_few
 
 PUBLISHED = {
     "cues": {"gaze_shifts": 302.0, "successes": 199.6, "late_rate": 0.8},

@@ -4,8 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from jointattn_mj.laboratory.claim import Setting
-from jointattn_mj.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.sweeps.claim import Setting
 
 
 def session_config(

@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.som.sweep import unpacked
-from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import mean_interval, paired_difference
 from jointattn_mj.perception.som import SOMConfig
+from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import mean_interval, paired_difference
 
 TOUCHING = 0.1
 """Share of faces beyond which the sheet does not keep neighbours together."""

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.gaze_following.session import Session, SessionConfig
 from jointattn_mj.perception.som import standardised
-from jointattn_mj.session import Session, SessionConfig
+from jointattn_mj.sweeps.claim import Setting
 
 EVERY = 3
 """Frames between two of the faces that test the map: ten a second, as in learning."""

@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from jointattn_mj.gaze import GazeConfig, gate_probability
-from jointattn_mj.laboratory.claim import Cell, Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import mean_interval, median_interval
+from jointattn_mj.gaze_following.gate import GazeConfig, gate_probability
+from jointattn_mj.sweeps.claim import Cell, Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import mean_interval, median_interval
 
 SHOWN = {
     "cues": ("with motion cues", "#c0392b"),

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointattn_mj.laboratory.claim import Setting
-from jointattn_mj.session import SessionConfig
-from jointattn_mj.synchronised import Gazes, SynchronisedSession, synchronised
+from jointattn_mj.baselines.synchronised import Gazes, SynchronisedSession, synchronised
+from jointattn_mj.gaze_following.session import SessionConfig
+from jointattn_mj.sweeps.claim import Setting
 
 ITERATIONS = np.unique(np.concatenate([np.arange(0, 100, 5), np.arange(100, 401, 10)]))
 """l at which the learner is tested."""

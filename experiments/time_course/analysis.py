@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.tables import STAGES
-from jointattn_mj.laboratory.claim import Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import proportion
+from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import proportion
 
 
 def _course(result: dict, symbol: str) -> np.ndarray:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from experiments.tables import Run, live, run
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.sweeps.claim import Setting
 
 FIRST_SEED = 30_000
 SETTINGS = {"caregiver first": Setting(run("thesis", turns=80_000), runs=20)}

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.turn_taking.sweep import SETTINGS, Life
-from jointattn_mj.laboratory.claim import Cell, Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import mean_interval, median_interval, proportion
+from jointattn_mj.sweeps.claim import Cell, Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
 
 END = 6
 """Stretches of a life, of 60, that count as its end: 30,000 attempts."""

@@ -6,12 +6,12 @@ from typing import Annotated
 
 import numpy as np
 
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.baselines.turn_taking.agent import TurnTaker, TurnTakerConfig
+from jointattn_mj.baselines.turn_taking.attempts import Outcomes, Situations, live
+from jointattn_mj.baselines.turn_taking.faces import FaceBank, FaceBankConfig, FaceInputs, render_faces
+from jointattn_mj.baselines.turn_taking.layouts import TableConfig, draw_tables
 from jointattn_mj.options import Checked, Whole
-from jointattn_mj.robots.turn_taker import TurnTaker, TurnTakerConfig
-from jointattn_mj.turn_taking.attempts import Outcomes, Situations, live
-from jointattn_mj.turn_taking.faces import FaceBank, FaceBankConfig, FaceInputs, render_faces
-from jointattn_mj.turn_taking.tables import TableConfig, draw_tables
+from jointattn_mj.sweeps.claim import Setting
 
 BINS = 60
 """Stretches of a life over which successes are counted."""

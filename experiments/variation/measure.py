@@ -13,10 +13,10 @@ import cv2
 import numpy as np
 import tyro
 
+from jointattn_mj.io.files import write_whole
 from jointattn_mj.options import Checked, Seed, Whole
 from jointattn_mj.perception.faces import FaceDetectorConfig, haar_faces
 from jointattn_mj.perception.objects import ColourAreas
-from jointattn_mj.recording.files import write_whole
 from jointattn_mj.scene.camera import in_picture, pixels_of_points
 from jointattn_mj.scene.model import OBJECTS
 from jointattn_mj.scene.variation import PRESETS

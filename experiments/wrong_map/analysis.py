@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.wrong_map.sweep import SETTINGS
-from jointattn_mj.laboratory.claim import Cell, Cells, Finding, Verdict
-from jointattn_mj.laboratory.statistics import mean_interval, proportion
+from jointattn_mj.sweeps.claim import Cell, Cells, Finding, Verdict
+from jointattn_mj.sweeps.statistics import mean_interval, proportion
 
 WRONG_DEG = 6.0
 """Median error of a map that counts as wrong."""

@@ -12,11 +12,11 @@ from typing import Any, Literal
 import numpy as np
 
 from experiments.sessions.sweep import session_config
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.gaze_following.agent import GazeFollower, GazeShift
+from jointattn_mj.gaze_following.session import Session, SessionConfig
 from jointattn_mj.options import Checked
-from jointattn_mj.robots.gaze_follower import GazeFollower, GazeShift
 from jointattn_mj.scene.camera import directions_to, off_centre
-from jointattn_mj.session import Session, SessionConfig
+from jointattn_mj.sweeps.claim import Setting
 
 BASE = session_config("truth", cues=False)
 TOLERANCE_DEG = 3.5

@@ -16,7 +16,6 @@ from jointattn_mj.contingency.measures import (
     state_action_contingency,
     transfer_entropy,
 )
-from jointattn_mj.contingency.recordings import Recordings, read_recordings
 from jointattn_mj.contingency.series import joint, recode
 from jointattn_mj.contingency.significance import (
     Significance,
@@ -26,6 +25,7 @@ from jointattn_mj.contingency.significance import (
     benjamini_hochberg,
     holm,
 )
+from jointattn_mj.recordings.reader import Recordings, read_recordings
 
 __all__ = [
     "Finding",

@@ -6,10 +6,10 @@ from typing import Annotated
 
 import tyro
 
-from jointattn_mj.attention import AttentionConfig
 from jointattn_mj.footage.colours import object_colours
 from jointattn_mj.footage.frame_map import Fit
-from jointattn_mj.gaze import GazeConfig
+from jointattn_mj.gaze_following.attention import AttentionConfig
+from jointattn_mj.gaze_following.gate import GazeConfig
 from jointattn_mj.options import Checked, Real, Seed, Whole
 from jointattn_mj.perception.motion import MotionConfig
 from jointattn_mj.perception.objects import colour_table

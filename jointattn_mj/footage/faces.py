@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
+from jointattn_mj.gaze_following.columns import described
 from jointattn_mj.perception.som import SOM, SOMConfig
-from jointattn_mj.recording.columns import described
 
 KEPT = 1800
 """Face patterns kept: the three minutes of section 6.4.1 at ten looks a second."""

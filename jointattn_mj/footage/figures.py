@@ -10,7 +10,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from jointattn_mj.footage.fixations import Fixation
 from jointattn_mj.footage.reader import RATE
-from jointattn_mj.recording.figures import save
+from jointattn_mj.gaze_following.figures import save
 
 POINTS = 600
 """Most points of a curve."""

@@ -8,7 +8,7 @@ import pyarrow as pa
 from jointattn_mj.footage.frame_map import FrameMap
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.watcher import Watcher
-from jointattn_mj.recording.columns import described
+from jointattn_mj.gaze_following.columns import described
 
 MEANINGS = {
     "start_s": "time at which attention arrived",

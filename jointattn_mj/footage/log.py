@@ -11,9 +11,9 @@ import pyarrow as pa
 
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.watcher import Watcher
-from jointattn_mj.recording.columns import described
-from jointattn_mj.recording.parquet import write_parts
-from jointattn_mj.recording.rows import RowStore, log_folder
+from jointattn_mj.gaze_following.columns import described
+from jointattn_mj.io.parquet import write_parts
+from jointattn_mj.io.rows import RowStore, log_folder
 
 RECENT = 10 * RATE
 """Rows that can always be looked back at."""

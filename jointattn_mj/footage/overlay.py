@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from jointattn_mj.attention import AttentionConfig
 from jointattn_mj.footage.frame_map import PICTURE_HEIGHT, PICTURE_WIDTH, FrameMap
 from jointattn_mj.footage.log import PerceptLog
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.watcher import Watcher
-from jointattn_mj.recording.interest import InterestPanel
-from jointattn_mj.recording.paint import GREY, GROUND, PERSON, WHITE, Box, Colour, disc, ink_of, lines, shade, write
-from jointattn_mj.recording.percepts import SCALE, PerceptInk, place
+from jointattn_mj.gaze_following.attention import AttentionConfig
+from jointattn_mj.gaze_following.film.interest import InterestPanel
+from jointattn_mj.video.paint import GREY, GROUND, PERSON, WHITE, Box, Colour, disc, ink_of, lines, shade, write
+from jointattn_mj.video.percepts import SCALE, PerceptInk, place
 
 WIDTH, HEIGHT = 672, 688
 _EYE = Box(16, 44, PICTURE_WIDTH * SCALE, PICTURE_HEIGHT * SCALE)

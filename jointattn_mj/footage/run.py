@@ -14,13 +14,13 @@ from jointattn_mj.footage.overlay import HEIGHT, WIDTH, FootageOverlay
 from jointattn_mj.footage.reader import RATE, Still
 from jointattn_mj.footage.summary import summarise
 from jointattn_mj.footage.viewing import Viewing
-from jointattn_mj.recording import checkpoint
-from jointattn_mj.recording.files import claimed, write_whole
-from jointattn_mj.recording.interrupts import Interrupts, deferred
-from jointattn_mj.recording.parted import PartedReel
-from jointattn_mj.recording.provenance import plain, write_config
-from jointattn_mj.recording.reel import find_ffmpeg
-from jointattn_mj.recording.rows import RowStore, forget_log, log_folder
+from jointattn_mj.io import checkpoint
+from jointattn_mj.io.files import claimed, write_whole
+from jointattn_mj.io.interrupts import Interrupts, deferred
+from jointattn_mj.io.provenance import plain, write_config
+from jointattn_mj.io.rows import RowStore, forget_log, log_folder
+from jointattn_mj.video.parted import PartedReel
+from jointattn_mj.video.reel import find_ffmpeg
 
 
 def run_perceive(
@@ -124,8 +124,8 @@ def _read_summary(out: Path) -> dict[str, Any]:
 
 def _leave_results(viewing: Viewing, out: Path, stopped: bool, wall_seconds: float) -> dict[str, Any]:
     from jointattn_mj.footage.figures import draw_fixations
-    from jointattn_mj.recording.figures import draw_som
-    from jointattn_mj.recording.parquet import write_parquet
+    from jointattn_mj.gaze_following.figures import draw_som
+    from jointattn_mj.io.parquet import write_parquet
 
     write_parquet(out / "fixations.parquet", viewing.fixations.table(viewing.names))
     draw_fixations(

@@ -6,7 +6,7 @@ robot's head would turn, and as then (Fig. 6.3b) no interest changes meanwhile. 
 
 import numpy as np
 
-from jointattn_mj.attention import AttentionConfig, AttentionSelector
+from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
 from jointattn_mj.perception.percept import Percept
 from jointattn_mj.perception.pixels import PixelPerception
 

@@ -19,10 +19,10 @@ import cv2
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.guards.restored import check_array
 from jointattn_mj.options import Checked, Real, Share, Whole
 from jointattn_mj.perception.gray import require_gray
 from jointattn_mj.perception.views import MOST_PX, ViewBank, crop
-from jointattn_mj.restored import check_array
 
 PATCH_SIDE = 32  # "a 32x32 pixel face-like region is extracted", section 6.4.1
 PATCH_MARGIN = 4  # pixels around it that its blur reads

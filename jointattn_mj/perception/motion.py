@@ -20,13 +20,13 @@ from typing import Annotated, Any
 import numpy as np
 from numba import njit
 
-from jointattn_mj.border import require_array
+from jointattn_mj.guards.border import require_array
+from jointattn_mj.guards.restored import check_array, check_whole
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.flow import BLOCK, region_flow
 from jointattn_mj.perception.gray import require_gray
 from jointattn_mj.perception.objects import Areas, check_areas
 from jointattn_mj.perception.views import MOST_PX
-from jointattn_mj.restored import check_array, check_whole
 
 MAX_BLOCKS = 1024  # flow vectors kept for one picture
 Box = tuple[int, int, int, int]  # x0, y0, x1, y1, the last two exclusive

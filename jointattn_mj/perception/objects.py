@@ -17,11 +17,11 @@ import cv2
 import numpy as np
 from numba import njit, uintp
 
-from jointattn_mj.border import require_array
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.guards.border import require_array
+from jointattn_mj.guards.restored import check_array, check_whole
 from jointattn_mj.options import Checked, Real, Share, Whole
 from jointattn_mj.perception.gray import fill_gray, require_gray, require_picture
-from jointattn_mj.restored import check_array, check_whole
 
 LEVEL_BITS = 6  # the look-up table has 2^6 levels a channel: 256 kB, and a level is 4 grey values wide
 MOST_COLOURS = 254

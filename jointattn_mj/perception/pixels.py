@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from jointattn_mj.border import require_array
 from jointattn_mj.errors import ObservationError
+from jointattn_mj.guards.border import require_array
+from jointattn_mj.guards.restored import check_array
 from jointattn_mj.options import Checked
 from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig, FaceFinder, FaceFix
 from jointattn_mj.perception.gray import fill_gray, require_picture
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
 from jointattn_mj.perception.objects import Areas, ColourAreas, ColourConfig, check_areas
 from jointattn_mj.perception.percept import Percept
-from jointattn_mj.restored import check_array
 from jointattn_mj.scene import camera
 
 MEMORY_RATE = 0.02

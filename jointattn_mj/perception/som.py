@@ -14,8 +14,8 @@ from typing import Annotated
 
 import numpy as np
 
-from jointattn_mj.border import numbers
 from jointattn_mj.errors import ConfigError, ObservationError
+from jointattn_mj.guards.border import numbers
 from jointattn_mj.options import Checked, Count, Real, Whole
 
 PICTURE_DIMENSION = 4  # inputs with at least so many numbers are patterns, and are standardised

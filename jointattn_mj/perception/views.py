@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numba import njit, uintp
 
-from jointattn_mj.restored import check_array, check_whole
+from jointattn_mj.guards.restored import check_array, check_whole
 
 MOST_PX = 1 << 15  # of a picture's side, and so of a template's
 FLAT = 5.0  # standard deviation of grey values below which a region has no pattern to correlate

@@ -19,8 +19,8 @@ from dm_control import _render, mujoco
 from dm_control._render import base
 from dm_control.mujoco import engine, wrapper
 
-from jointattn_mj.closing import Closable
 from jointattn_mj.errors import GLError
+from jointattn_mj.guards.closing import Closable
 from jointattn_mj.scene import gl
 
 FORKED = "a process cannot render that was forked from one that has; start it by spawn or forkserver"

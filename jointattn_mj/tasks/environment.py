@@ -11,8 +11,8 @@ from dm_control.mujoco.wrapper import MjModel
 from dm_control.rl import control
 from dm_env import specs
 
-from jointattn_mj.closing import Closable
 from jointattn_mj.errors import ConfigError, StateError
+from jointattn_mj.guards.closing import Closable
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.dressing import Conditions

@@ -24,13 +24,13 @@ from typing import Any
 
 from dm_control.utils import containers
 
+from jointattn_mj.development.table.world import CHAPTER_4, CHAPTER_5, TableConfig
 from jointattn_mj.scene.caregiver import CaregiverConfig
 from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.model import OBJECTS, SceneConfig
 from jointattn_mj.scene.people import IDENTITIES
 from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.scene.world import WorldConfig
-from jointattn_mj.symbolic.table import CHAPTER_4, CHAPTER_5, TableConfig
 from jointattn_mj.tasks import follow as following
 from jointattn_mj.tasks import object_transfer as transfer
 from jointattn_mj.tasks import turn_taking as turns

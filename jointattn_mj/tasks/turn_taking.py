@@ -11,6 +11,15 @@ from typing import Any
 import numpy as np
 from dm_env import specs
 
+from jointattn_mj.development.table.world import (
+    CAREGIVER,
+    CHAPTER_5,
+    ROBOT,
+    TableConfig,
+    new_table,
+    table_variables,
+    turn,
+)
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.camera import directions_to
@@ -18,7 +27,6 @@ from jointattn_mj.scene.looker import AWAY, TurnWorld, places
 from jointattn_mj.scene.model import OBJECTS, ObjectConfig
 from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.scene.world import WorldConfig
-from jointattn_mj.symbolic.table import CAREGIVER, CHAPTER_5, ROBOT, TableConfig, new_table, table_variables, turn
 from jointattn_mj.tasks.arguments import require
 from jointattn_mj.tasks.environment import Random, Task
 from jointattn_mj.tasks.physics import Physics

@@ -5,14 +5,14 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from jointattn_mj.recording.onlooker import sights
-from jointattn_mj.recording.overlay import RobotsView
-from jointattn_mj.recording.paint import GREEN, GREY, GROUND, PERSON, ROBOT, Box, Colour, brackets, ink_of, shade, write
-from jointattn_mj.recording.percepts import FACE_HALF_PX, OBJECT_HALF_PX, SCALE, caption, place
-from jointattn_mj.robots.gaze_follower import GazeFollower
+from jointattn_mj.gaze_following.agent import GazeFollower
+from jointattn_mj.gaze_following.film.overlay import RobotsView
 from jointattn_mj.scene.camera import in_picture, pixels_of_points
 from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH
 from jointattn_mj.scene.world import World
+from jointattn_mj.video.onlooker import sights
+from jointattn_mj.video.paint import GREEN, GREY, GROUND, PERSON, ROBOT, Box, Colour, brackets, ink_of, shade, write
+from jointattn_mj.video.percepts import FACE_HALF_PX, OBJECT_HALF_PX, SCALE, caption, place
 
 WIDTH, HEIGHT = SCALE * PICTURE_WIDTH, SCALE * PICTURE_HEIGHT
 _BAR = 34  # height of the line of text, pixels

@@ -5,10 +5,10 @@ from types import TracebackType
 
 import numpy as np
 
-from jointattn_mj.recording.onlooker import Onlooker
-from jointattn_mj.recording.reel import Reel
-from jointattn_mj.robots.gaze_follower import GazeFollower
+from jointattn_mj.gaze_following.agent import GazeFollower
 from jointattn_mj.scene.world import World
+from jointattn_mj.video.onlooker import Onlooker
+from jointattn_mj.video.reel import Reel
 from jointattn_mj.viewing.eye import HEIGHT, WIDTH, EyeView
 
 OUTSIDE = 840

@@ -11,9 +11,9 @@ import mujoco
 import mujoco.viewer
 import numpy as np
 
-from jointattn_mj.recording.onlooker import Sight
-from jointattn_mj.recording.paint import Colour
 from jointattn_mj.scene.model import ROBOT_GROUP
+from jointattn_mj.video.onlooker import Sight
+from jointattn_mj.video.paint import Colour
 from jointattn_mj.viewing.eye import HEIGHT, WIDTH
 from jointattn_mj.viewing.show import Show, in_real_time
 

@@ -7,11 +7,11 @@ from typing import Any, Protocol
 import numpy as np
 from dm_env import TimeStep
 
-from jointattn_mj.recording.onlooker import Sight, sights
-from jointattn_mj.recording.paint import GREEN, PERSON, ROBOT, Colour
-from jointattn_mj.robots.gaze_follower import GazeFollower
+from jointattn_mj.gaze_following.agent import GazeFollower
 from jointattn_mj.scene.world import World
 from jointattn_mj.tasks.environment import Environment
+from jointattn_mj.video.onlooker import Sight, sights
+from jointattn_mj.video.paint import GREEN, PERSON, ROBOT, Colour
 from jointattn_mj.viewing.eye import EyeView
 
 

@@ -1,6 +1,6 @@
 """Two claims: one about coins, and one whose analysis fails."""
 
-from jointattn_mj.laboratory.registry import Entry, Registry
+from jointattn_mj.sweeps.registry import Entry, Registry
 
 REGISTRY = Registry(
     "toys",

@@ -60,7 +60,7 @@ class Input:
 
 
 def _alone(arguments: tuple[str, ...], seconds: float) -> Outcome:
-    command = [sys.executable, "-m", "jointattn_mj.cli", *arguments]
+    command = [sys.executable, "-m", "jointattn_mj.cli.main", *arguments]
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     try:
         done = subprocess.run(

@@ -6,7 +6,7 @@ import os
 import platform
 from pathlib import Path
 
-from jointattn_mj.recording.provenance import versions
+from jointattn_mj.io.provenance import versions
 from tools.reliability.subjects import ROOT
 
 FOLDER = ROOT / "experiments" / "reliability"

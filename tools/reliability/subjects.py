@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT), "LP_NUM_THREADS": "0"}
 SCHEDULER, VIDEO = "{scheduler}", "{video}"
 """Stand in a command for the address of a dask scheduler, and for a file to watch."""
-JOINTATTN = (sys.executable, "-m", "jointattn_mj.cli")
+JOINTATTN = (sys.executable, "-m", "jointattn_mj.cli.main")
 LIMIT_S = 600.0
 """A run that takes longer hangs."""
 
@@ -169,7 +169,7 @@ def wait_for(condition: Callable[[], str | None], seconds: float = 120) -> str:
 def film(path: Path, frames: int) -> Path:
     """The simulated caregiver at her table, 30 frames a second."""
     import jointattn_mj
-    from jointattn_mj.recording.reel import Reel
+    from jointattn_mj.video.reel import Reel
 
     env = jointattn_mj.load("joint_attention", "object_transfer", task_kwargs={"random": 0})
     env.reset()

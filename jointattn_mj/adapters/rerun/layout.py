@@ -3,7 +3,7 @@
 import rerun.blueprint as rrb
 
 from jointattn_mj.adapters.rerun import entities as at
-from jointattn_mj.recording.paint import GROUND
+from jointattn_mj.video.paint import GROUND
 
 SECONDS = 20
 """Curves show so many seconds before the moment that is looked at."""

@@ -14,10 +14,10 @@ from jointattn_mj.adapters.rerun.pictures import Pictures
 from jointattn_mj.adapters.rerun.rows import Rows
 from jointattn_mj.adapters.rerun.scene import Scene
 from jointattn_mj.errors import OutputError
-from jointattn_mj.recording.checkpoint import fingerprint
-from jointattn_mj.recording.notices import notice
-from jointattn_mj.recording.paint import PERSON, Colour, ink_of
-from jointattn_mj.session import Session
+from jointattn_mj.gaze_following.session import Session
+from jointattn_mj.io.checkpoint import fingerprint
+from jointattn_mj.io.notices import notice
+from jointattn_mj.video.paint import PERSON, Colour, ink_of
 
 
 class SessionLog:

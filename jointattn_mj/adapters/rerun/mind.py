@@ -9,13 +9,13 @@ import rerun as rr
 
 from jointattn_mj.adapters.rerun import entities as at
 from jointattn_mj.adapters.rerun.rows import Rows
-from jointattn_mj.gaze import gate_probability
-from jointattn_mj.recording.composer import DOES, verdict_in_words
-from jointattn_mj.recording.paint import FAINT, GREEN, LEARNED, Colour
-from jointattn_mj.recording.panels import face_cells, lit
-from jointattn_mj.recording.shifts import ShiftRow
-from jointattn_mj.recording.summary import rate_of_success
-from jointattn_mj.session import FRAMES_PER_MINUTE, Session
+from jointattn_mj.gaze_following.film.composer import DOES, verdict_in_words
+from jointattn_mj.gaze_following.film.panels import face_cells, lit
+from jointattn_mj.gaze_following.gate import gate_probability
+from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, Session
+from jointattn_mj.gaze_following.shifts import ShiftRow
+from jointattn_mj.gaze_following.summary import rate_of_success
+from jointattn_mj.video.paint import FAINT, GREEN, LEARNED, Colour
 
 TURNS = "turns its head"
 _FACES_PX = 216  # side of the picture of the map of faces

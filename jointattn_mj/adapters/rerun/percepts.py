@@ -7,12 +7,12 @@ import rerun as rr
 
 from jointattn_mj.adapters.rerun.entities import FLOW, GOAL, SEEN
 from jointattn_mj.adapters.rerun.rows import Rows
+from jointattn_mj.gaze_following.agent import GazeFollower
+from jointattn_mj.gaze_following.session import Session
 from jointattn_mj.perception.motion import Motion
-from jointattn_mj.recording.paint import LEARNED, WHITE, Colour, paler
-from jointattn_mj.recording.percepts import FACE_HALF_PX, FLOW_FROM_PX, FLOW_GAIN, FLOW_TO_PX, OBJECT_HALF_PX
-from jointattn_mj.robots.gaze_follower import GazeFollower
 from jointattn_mj.scene.camera import pixel_of
-from jointattn_mj.session import Session
+from jointattn_mj.video.paint import LEARNED, WHITE, Colour, paler
+from jointattn_mj.video.percepts import FACE_HALF_PX, FLOW_FROM_PX, FLOW_GAIN, FLOW_TO_PX, OBJECT_HALF_PX
 
 _AHEAD_DEG = 60.0  # farther from the present direction no goal is drawn
 _NOBODY = np.zeros(0, int)

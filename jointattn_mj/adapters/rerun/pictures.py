@@ -5,9 +5,9 @@ import numpy as np
 import rerun as rr
 
 from jointattn_mj.adapters.rerun.entities import columns_of
-from jointattn_mj.recording.stream import Encoder, Unit, can_encode
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH
+from jointattn_mj.video.stream import Encoder, Unit, can_encode
 
 JPEG_QUALITY = 80
 """0..100; a picture takes some 5 KB."""

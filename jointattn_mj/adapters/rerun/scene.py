@@ -11,12 +11,12 @@ import rerun as rr
 
 from jointattn_mj.adapters.rerun.entities import EYE, PERSONS_GAZE, ROBOTS_GAZE, WORLD
 from jointattn_mj.adapters.rerun.rows import Rows
-from jointattn_mj.recording.onlooker import sights
-from jointattn_mj.recording.paint import GREEN, PERSON, ROBOT
+from jointattn_mj.gaze_following.session import Session
 from jointattn_mj.scene.camera import FOCAL_PX
 from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH
 from jointattn_mj.scene.world import World
-from jointattn_mj.session import Session
+from jointattn_mj.video.onlooker import sights
+from jointattn_mj.video.paint import GREEN, PERSON, ROBOT
 
 LEFT_OUT = ("room/wall", "room/side_walls")
 """They would hide the scene from most sides."""

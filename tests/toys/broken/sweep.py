@@ -1,6 +1,6 @@
 """One plain setting."""
 
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.sweeps.claim import Setting
 
 SETTINGS = {"only": Setting({"x": 1}, 2)}
 FIRST_SEED = 5

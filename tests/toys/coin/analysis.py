@@ -2,8 +2,8 @@
 
 from matplotlib.figure import Figure
 
-from jointattn_mj.laboratory.claim import Finding, Verdict
-from jointattn_mj.laboratory.statistics import mean_interval
+from jointattn_mj.sweeps.claim import Finding, Verdict
+from jointattn_mj.sweeps.statistics import mean_interval
 
 
 def analyse(cells):

@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from jointattn_mj.laboratory.claim import Setting
+from jointattn_mj.sweeps.claim import Setting
 
 
 @dataclass(frozen=True)

@@ -46,13 +46,13 @@ TASK_KWARGS = (
     "{'camera': 'perhaps'}", "{'world': 5}", "5", "'x'", "{'time_limit': inf, 'random': 1.5}",
 )  # fmt: skip
 CONFIGS = {
-    "jointattn_mj.session.SessionConfig": ("minutes", "seed", "perception", "success", "start_from", "robot", "world"),
-    "jointattn_mj.development.DevelopConfig": ("world", "preset", "steps", "seed", "reactive", "sample_every", "mind"),
-    "jointattn_mj.rendered.life.RenderedConfig": ("greeting", "watching", "senses"),
-    "jointattn_mj.realtime.life.RealtimeConfig": ("looks_every", "shift_frames", "variation", "familiarise_minutes"),
+    "jointattn_mj.gaze_following.session.SessionConfig": ("minutes", "seed", "perception", "success", "start_from", "robot", "world"),
+    "jointattn_mj.development.run.DevelopConfig": ("world", "preset", "steps", "seed", "reactive", "sample_every", "mind"),
+    "jointattn_mj.development.rendered.run.RenderedConfig": ("greeting", "watching", "senses"),
+    "jointattn_mj.development.realtime.run.RealtimeConfig": ("looks_every", "shift_frames", "variation", "familiarise_minutes"),
     "jointattn_mj.scene.variation.VariationConfig": ("light_strength", "people", "object_size", "camera_noise"),
-    "jointattn_mj.robots.developer.DeveloperConfig": ("history", "memory", "horizon", "most_modules"),
-    "jointattn_mj.symbolic.table.TableConfig": ("spots", "objects", "kinds", "gestures", "order"),
+    "jointattn_mj.development.agent.DeveloperConfig": ("history", "memory", "horizon", "most_modules"),
+    "jointattn_mj.development.table.world.TableConfig": ("spots", "objects", "kinds", "gestures", "order"),
     "jointattn_mj.contingency.TestOptions": ("surrogates", "resamples", "block", "level", "permute"),
 }
 

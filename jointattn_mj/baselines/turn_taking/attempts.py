@@ -1,0 +1,181 @@
+"""The interaction of the earlier work, attempt by attempt.
+
+The caregiver looks at one of the objects and tells the robot to shift its gaze. The robot, which has looked at her
+face, moves its head step by step. The attempt ends when an object is at the centre of view, or fails when the steps
+are used up and the head points at nothing. Then everything is put elsewhere.
+
+Objects are seen through the camera's geometry, with the pixel path's measured noise and misses; faces come from a bank
+of rendered ones (``turn_taking.faces``).
+"""
+
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from jointattn_mj.baselines.turn_taking.agent import (
+    Network,
+    Options,
+    TurnTaker,
+    backpropagate,
+    face_drive,
+    feedback_target,
+    network_command,
+)
+from jointattn_mj.baselines.turn_taking.faces import FACE_DIRECTION, FaceInputs
+from jointattn_mj.errors import ObservationError
+from jointattn_mj.guards.border import numbers, require_array
+from jointattn_mj.perception.state import TruthConfig
+from jointattn_mj.scene import camera
+from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH, rest_height
+from jointattn_mj.scene.world import WorldConfig
+
+_pixel_of = numba.njit(camera.pixel_of)
+_direction_of = numba.njit(camera.direction_of)
+_off_centre = numba.njit(camera.off_centre)
+BESIDE_DEG = 80.0
+"""Further to the side nothing is in the picture, and a pixel is not defined."""
+
+
+@dataclass(frozen=True)
+class Situations:
+    """Tables to choose from: T of them with n objects each."""
+
+    directions: np.ndarray  # (T, n, 2) of the objects from the robot, deg
+    face: np.ndarray  # (T, n) index of the pattern for the caregiver looking at that object
+
+    @classmethod
+    def of_places(
+        cls, places: np.ndarray, faces: FaceInputs, jitter_deg: float, rng: np.random.Generator
+    ) -> "Situations":
+        """From ``places`` (T, n, 2) on the table."""
+        height = np.full((*places.shape[:-1], 1), rest_height(WorldConfig().scene))
+        points = np.concatenate([places, height], axis=-1)
+        directions = camera.directions_to(points.reshape(-1, 3)).reshape(places.shape)
+        return cls(directions, faces.of_places(places, jitter_deg, rng))
+
+
+@dataclass(frozen=True)
+class Outcomes:
+    """What came of a attempts, each array (a,)."""
+
+    right: np.ndarray  # bool: the caregiver's object is at the centre of view
+    reached: np.ndarray  # bool: some object is
+    in_view: np.ndarray  # bool: hers was in view when the attempt began
+    movements: np.ndarray  # int: steps of the head
+
+
+def live(
+    robot: TurnTaker,
+    situations: Situations,
+    faces: FaceInputs,
+    attempts: int,
+    rng: np.random.Generator,
+    learning: bool = True,
+    senses: TruthConfig | None = None,
+) -> Outcomes:
+    """Let ``robot`` try ``attempts`` times, each at a table and an object at random; it learns, and its time goes on.
+
+    Without ``learning`` neither network nor time change.
+
+    Raises:
+        ObservationError: There is no table, or faces and directions do not fit each other and the robot.
+    """
+    senses = senses or TruthConfig()
+    tables = situations.face.shape
+    require_array("faces of situations", situations.face, tables, "iu", 0, len(faces.patterns) - 1)
+    require_array("directions of situations", situations.directions, (*tables, 2), "f", -360, 360)
+    numbers("face patterns", faces.patterns, (-1, robot.network.face.shape[1]))
+    if attempts < 0 or not situations.face.size:
+        raise ObservationError(f"expected 0 attempts or more and a table with an object; got {attempts}, {tables}")
+    results = np.zeros((attempts, 4), np.uint8)
+    _live(
+        robot.network, robot.options(), robot.gate(attempts), situations.directions, situations.face, faces.patterns,
+        FACE_DIRECTION, senses.object_noise_px, senses.object_miss, learning, rng, results,
+    )  # fmt: skip
+    robot.time += attempts * learning
+    right, reached, in_view = results[:, :3].T.astype(bool)
+    return Outcomes(right, reached, in_view, results[:, 3])
+
+
+@numba.njit
+def _live(network, options, gate, directions, face_index, patterns, start, noise, miss, learning, rng, results):
+    tables, objects = face_index.shape
+    for k in range(len(gate)):
+        table, target = int(rng.random() * tables), int(rng.random() * objects)
+        face = patterns[face_index[table, target]]
+        results[k] = _attempt(
+            network, options, gate[k], directions[table], target, face, start, noise, miss, learning, rng
+        )
+
+
+@numba.njit
+def _attempt(
+    network: Network,
+    options: Options,
+    gate: float,
+    directions: np.ndarray,
+    target: int,
+    face: np.ndarray,
+    start: np.ndarray,
+    noise: float,
+    miss: float,
+    learning: bool,
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """One attempt: right, reached, in view at first, movements made."""
+    heads = np.empty((options.steps + 1, 2))
+    heads[0] = start
+    interest = rng.random(len(directions))
+    by_network = rng.random() < gate
+    drive = face_drive(network, face)
+    seen, places, off = _look(directions, heads[0], noise, miss, rng)
+    result = np.zeros(4, np.uint8)
+    result[2] = seen[target]
+    last, chosen, moved = 0, -1, False
+    while last < options.steps:
+        head = heads[last]
+        if options.draws_each_step:
+            by_network = rng.random() < gate
+        chosen = feedback_target(options.feedback, seen, off, interest, chosen, moved)
+        if by_network or (chosen < 0 and options.network_searches):
+            pan, tilt = network_command(network, drive, head, options.scale)
+            moved = True
+        elif chosen >= 0:
+            pan, tilt = places[chosen, 0] - head[0], places[chosen, 1] - head[1]
+        else:
+            pan, tilt = 0.0, 0.0
+        last += 1
+        heads[last, 0] = min(max(head[0] + options.gain * pan, -options.pan_limit), options.pan_limit)
+        heads[last, 1] = min(max(head[1] + options.gain * tilt, options.tilt_low), options.tilt_high)
+        seen, places, off = _look(directions, heads[last], noise, miss, rng)
+        if options.ends_first and off.min() <= options.centre_radius_deg:
+            break
+    nearest = int(off.argmin())
+    result[3] = last
+    if off[nearest] <= options.centre_radius_deg:
+        result[0], result[1] = nearest == target, True
+        if learning:
+            end = places[nearest] if options.object_reference else heads[last]
+            pairs = last if options.every_step else 1
+            backpropagate(network, face, drive, heads[:pairs], end - heads[:pairs], options.scale, options.rate)
+    return result
+
+
+@numba.njit
+def _look(directions, head, noise, miss, rng):
+    """Which objects are seen (n,), in which direction (n, 2), and how far from the centre of view (n,), inf unseen."""
+    count = len(directions)
+    seen, places, off = np.zeros(count, np.bool_), np.zeros((count, 2)), np.full(count, np.inf)
+    for i in range(count):
+        if abs(directions[i, 0] - head[0]) > BESIDE_DEG:
+            continue
+        pixel = _pixel_of(directions[i], head)
+        inside = -0.5 <= pixel[0] <= PICTURE_WIDTH - 0.5 and -0.5 <= pixel[1] <= PICTURE_HEIGHT - 0.5
+        if inside and rng.random() >= miss:
+            pixel[0] += noise * rng.standard_normal()
+            pixel[1] += noise * rng.standard_normal()
+            seen[i] = True
+            places[i] = _direction_of(pixel, head)
+            off[i] = _off_centre(places[i], head)
+    return seen, places, off

@@ -1,0 +1,147 @@
+"""Faces for turn taking: rendered once, found by the robot's own detector, drawn from many times.
+
+A life of 300,000 attempts cannot render a picture for each. So a bank of face patterns is made first: the caregiver
+looks at thousands of places on the table, the eye renders her, ``PixelPerception`` finds her face and cuts out the
+32x32 grey patch f_v, just as in a session. An attempt then takes the pattern whose gaze direction is nearest to that
+of the attempt's object, after a small jitter. No pattern is made up; what the robot lacks is only a fresh picture of
+each place. How well this carries over to faces never seen is tested on a second bank.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import mujoco
+import numba
+import numpy as np
+
+from jointattn_mj.baselines.turn_taking.layouts import TABLE, draw_places
+from jointattn_mj.errors import ObservationError
+from jointattn_mj.guards.border import numbers
+from jointattn_mj.options import Checked, Spread, Whole
+from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
+from jointattn_mj.perception.som import standardised
+from jointattn_mj.scene.camera import directions_to
+from jointattn_mj.scene.model import HEAD_POSITION, rest_height
+from jointattn_mj.scene.movement import gaze_angles
+from jointattn_mj.scene.world import HEAD_JOINTS, SCRIPTED_JOINTS, World, WorldConfig
+
+FACE_DIRECTION = directions_to(np.array([HEAD_POSITION]))[0]
+"""Direction (2,) of the face from the robot, deg: where its head stands when an attempt begins."""
+
+
+@dataclass(frozen=True)
+class FaceBankConfig(Checked):
+    """How faces are collected."""
+
+    faces: Annotated[int, Whole("[2, 1e6]")] = 3000
+    """Patterns; over the table that is one for less than a degree of gaze."""
+    familiar: Annotated[int, Whole("[1, 1e6]")] = 300
+    """Pictures before them, in which the detector gets to know the face's views."""
+    head_noise_deg: Spread = 0.5
+    """Standard deviation of the robot's head about the face's direction, so that the face lies on all fractions of a
+    pixel."""
+    jitter_deg: Spread = 0.5
+    """Standard deviation of the jitter of a gaze direction before the nearest pattern is taken."""
+
+
+@dataclass(frozen=True)
+class FaceBank:
+    """Face patterns and where the caregiver looked."""
+
+    patches: np.ndarray  # (m, 1024) float32 grey values 0..255, as cut out by the detector
+    gaze: np.ndarray  # (m, 2) yaw and pitch of her line of sight, deg
+
+    def inputs(self, length: float, mean: np.ndarray | None = None, scale: float | None = None) -> "FaceInputs":
+        """Network inputs: standardised patches less their mean, scaled to a root mean square of ``length``.
+
+        ``mean`` and ``scale`` of another bank make this one's inputs what that robot would see.
+        """
+        patterns = np.stack([standardised(patch) for patch in self.patches])
+        mean = patterns.mean(axis=0) if mean is None else mean
+        patterns -= mean
+        scale = length / float(np.sqrt(np.square(patterns).sum(axis=1).mean())) if scale is None else scale
+        return FaceInputs(np.ascontiguousarray(patterns * np.float32(scale)), self.gaze, mean, scale)
+
+
+@dataclass(frozen=True)
+class FaceInputs:
+    """A bank as the network sees it."""
+
+    patterns: np.ndarray  # (m, d) float32
+    gaze: np.ndarray  # (m, 2) deg
+    mean: np.ndarray
+    scale: float
+
+    def of_places(self, places: np.ndarray, jitter_deg: float, rng: np.random.Generator) -> np.ndarray:
+        """Index of a pattern for each of ``places`` (..., 2) on the table that she may look at: (...,) int."""
+        gaze = gaze_deg(places).reshape(-1, 2)
+        gaze = gaze + jitter_deg * rng.standard_normal(gaze.shape)
+        numbers("gaze of the face bank", self.gaze, (-1, 2))
+        if not len(self.gaze):
+            raise ObservationError("a face bank needs a face or more; got none")
+        return _nearest(numbers("gaze", gaze, gaze.shape), np.ascontiguousarray(self.gaze)).reshape(places.shape[:-1])
+
+
+def gaze_deg(places: np.ndarray) -> np.ndarray:
+    """Yaw and pitch (..., 2) of the caregiver's line of sight to objects at ``places`` (..., 2) on the table, deg."""
+    height = np.full((*places.shape[:-1], 1), rest_height(WorldConfig().scene))
+    own = (np.concatenate([places, height], axis=-1) - HEAD_POSITION) * (-1.0, -1.0, 1.0)
+    return np.degrees(gaze_angles(np.zeros(3), own))
+
+
+@numba.njit(cache=True)
+def _nearest(points: np.ndarray, bank: np.ndarray) -> np.ndarray:
+    nearest = np.empty(len(points), np.int64)
+    for i in range(len(points)):
+        best = np.inf
+        for j in range(len(bank)):
+            distance = (points[i, 0] - bank[j, 0]) ** 2 + (points[i, 1] - bank[j, 1]) ** 2
+            if distance < best:
+                best, nearest[i] = distance, j
+    return nearest
+
+
+def render_faces(config: FaceBankConfig, rng: np.random.Generator, world: WorldConfig | None = None) -> FaceBank:
+    """Let the caregiver look at random places of the table and collect her face.
+
+    Raises:
+        GLError: No picture can be rendered here.
+    """
+    places = draw_places(TABLE, config.faces, rng)
+    gaze = gaze_deg(places)
+    places, gaze = places[np.argsort(gaze[:, 0])], gaze[np.argsort(gaze[:, 0])]  # she turns little by little
+    config_of_world = world or WorldConfig()
+    stage = World.build(config_of_world, np.random.SeedSequence(0))
+    try:
+        sitter = _Sitter(stage, config_of_world)
+        middle = len(gaze) // 2
+        sitter.look(np.zeros(2), FACE_DIRECTION)  # a frontal face, which the detector needs to begin with
+        for i in range(config.familiar):
+            sitter.look(gaze[middle + round((middle - 1) * np.sin(i / 20))], FACE_DIRECTION)
+        patches = [
+            sitter.look(sight, FACE_DIRECTION + config.head_noise_deg * rng.standard_normal(2)) for sight in gaze
+        ]
+    finally:
+        stage.close()
+    found = np.array([patch is not None for patch in patches])
+    return FaceBank(np.array([patch for patch in patches if patch is not None], np.float32), gaze[found])
+
+
+class _Sitter:
+    """The caregiver, posed: head and eyes turned as in ``scene.caregiver``, everything else at rest."""
+
+    def __init__(self, stage: World, config: WorldConfig):
+        self._stage, self._head_share = stage, config.behaviour.head_share
+        self._gaze = [stage.model.joint(name).qposadr[0] for name in SCRIPTED_JOINTS[:6]]
+        self._robot = [stage.model.joint(name).qposadr[0] for name in HEAD_JOINTS]
+        self._perception = PixelPerception(PixelConfig(), np.array([item.rgb for item in config.scene.objects]))
+
+    def look(self, gaze: np.ndarray, head: np.ndarray) -> np.ndarray | None:
+        """The face pattern (1024,) while she looks along ``gaze`` and the robot's head stands at ``head``, deg."""
+        data = self._stage.data
+        neck = self._head_share * gaze
+        data.qpos[self._gaze] = np.radians(np.concatenate([neck, gaze - neck, gaze - neck]))
+        data.qpos[self._robot] = np.radians(head)
+        mujoco.mj_forward(self._stage.model, data)
+        seen = self._perception.look({"camera": self._stage.eye.look(), "head_angles": np.radians(head)}, landed=True)
+        return self._perception.face_pattern() if seen.seen[-1] else None

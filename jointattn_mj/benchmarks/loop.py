@@ -1,0 +1,168 @@
+"""How fast everything is, as ratios measured in one run: absolute times of shared machines mean little."""
+
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import mujoco
+import numpy as np
+
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.options import Checked, Real, Whole
+from jointattn_mj.scene.caregiver import FRAME_S
+from jointattn_mj.scene.world import World
+
+CARTPOLE_STEPS = 50
+"""Steps of cartpole in a block; with software GL each takes tens of milliseconds."""
+
+
+@dataclass(frozen=True)
+class BenchmarkOptions(Checked):
+    """How long to measure."""
+
+    what: Literal["scene", "turns", "contingency", "all"] = "scene"
+    """``scene``: closed loop, rendering alone, truth and cartpole. ``turns``: turns of chapter 5 from pictures,
+    rendering these alone, and turns at the symbolic table. ``contingency``: the detector beside recomputation
+    in numpy, whole lives at the table, compiling, transfer entropy beside pyinform."""
+    blocks: Annotated[int, Whole("[1, 100000]")] = 8
+    """How often everything takes its turn; the medians are reported."""
+    seconds: Annotated[float, Real("[1, 1e6]")] = 30.0
+    """Simulated seconds of each closed-loop block."""
+    out: Path | None = None
+    """Also write the figures to this JSON file."""
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """Medians over the blocks."""
+
+    renderer: str
+    render_ms: float
+    """Rendering alone, a picture: the same ones that the loop rendered."""
+    loop_ms_per_picture: float
+    """Closed loop from pixels: everything in it, divided by the pictures that were rendered for it."""
+    loop_to_render: float
+    """The ratio of the two, block by block."""
+    loop_times_real_time: float
+    session_26_min_s: float
+    """What 26 simulated minutes take at this pace."""
+    truth_times_real_time: float
+    cartpole_ms: float
+    """dm_control's own cartpole swingup, a step with pixels at 320x240."""
+    loop_to_cartpole: float
+    """Closed loop per rendered picture, in cartpole steps."""
+
+    def rows(self) -> dict[str, float | str]:
+        """The figures by name."""
+        return asdict(self)
+
+
+def as_text(rows: dict[str, Any]) -> str:
+    """A table of figures to read."""
+    return "\n".join(
+        f"{name:32}{'not installed' if value is None else format(value, '' if isinstance(value, str) else '.3g')}"
+        for name, value in rows.items()
+    )
+
+
+def run_benchmark(options: BenchmarkOptions) -> Benchmark:
+    """Measure in turns, so that a machine that changes its pace changes it for all.
+
+    Raises:
+        GLError: No picture can be rendered here.
+    """
+    minutes = options.blocks * options.seconds / 60
+    loop = Session(SessionConfig(minutes=minutes))
+    truth = Session(SessionConfig(minutes=minutes, perception="truth"))
+    scene = World.build(loop.config.world, np.random.SeedSequence(1))
+    cartpole = _cartpole()
+    loop.begin()
+    truth.begin()
+    _live(truth, 30)  # compiles
+    block, times = round(options.seconds / FRAME_S), []
+    try:
+        for _ in range(options.blocks):
+            seen = Poses()
+            in_loop = _live(loop, block, seen.note)
+            alone, in_truth = _render(scene, seen), _live(truth, block)
+            times.append((in_loop, len(seen.poses), alone, in_truth, _steps(cartpole, CARTPOLE_STEPS)))
+        with loop.world.physics.contexts.gl.make_current() as context:
+            renderer = context.call(_renderer_name)
+    finally:
+        loop.close()
+        truth.close()
+        scene.close()
+        cartpole.close()
+    in_loop, pictures, rendering, in_truth, steps = np.array(times, float).T
+    per_picture = in_loop / pictures
+    return Benchmark(
+        renderer=renderer,
+        render_ms=1000 * float(np.median(rendering / pictures)),
+        loop_ms_per_picture=1000 * float(np.median(per_picture)),
+        loop_to_render=float(np.median(in_loop / rendering)),
+        loop_times_real_time=float(np.median(options.seconds / in_loop)),
+        session_26_min_s=float(np.median(in_loop)) * 26 * 60 / options.seconds,
+        truth_times_real_time=float(np.median(options.seconds / in_truth)),
+        cartpole_ms=1000 * float(np.median(steps)) / CARTPOLE_STEPS,
+        loop_to_cartpole=float(np.median(per_picture / (steps / CARTPOLE_STEPS))),
+    )
+
+
+class Poses:
+    """How everything stood whenever the robot looked, so that the very same pictures can be rendered again."""
+
+    def __init__(self) -> None:
+        self.poses: list[tuple[np.ndarray, np.ndarray]] = []
+        self._rendered: int | None = None
+
+    def note(self, session: Session) -> None:
+        """Called at every frame of a session, before anything moves."""
+        world = session.world
+        if self._rendered is not None and world.rendered_frames > self._rendered:
+            self.poses.append((world.data.qpos.copy(), world.data.mocap_pos.copy()))
+        self._rendered = world.rendered_frames
+
+
+def _live(session: Session, frames: int, watch: Callable[[Session], None] | None = None) -> float:
+    """Seconds for so many frames of a session (fewer at its end)."""
+    start = time.perf_counter()
+    for _ in range(min(frames, session.total - session.frame)):
+        session.step(watch)
+    return time.perf_counter() - start
+
+
+def _render(world: World, seen: Poses) -> float:
+    """Seconds for rendering alone; things are put into their places before each picture, untimed."""
+    spent = 0.0
+    for qpos, places in seen.poses:
+        world.data.qpos[:], world.data.mocap_pos[:] = qpos, places
+        mujoco.mj_fwdPosition(world.model, world.data)
+        start = time.perf_counter()
+        world.eye.look()
+        spent += time.perf_counter() - start
+    return spent
+
+
+def _cartpole():
+    from dm_control import suite
+    from dm_control.suite.wrappers import pixels
+
+    environment = suite.load("cartpole", "swingup", task_kwargs={"random": 0})
+    return pixels.Wrapper(environment, render_kwargs={"height": 240, "width": 320})
+
+
+def _steps(environment, count: int) -> float:
+    action = np.zeros(environment.action_spec().shape)
+    start = time.perf_counter()
+    for _ in range(count):
+        environment.step(action)
+    return time.perf_counter() - start
+
+
+def _renderer_name() -> str:
+    from OpenGL import GL
+
+    name = GL.glGetString(GL.GL_RENDERER)
+    return name.decode() if name else "unknown"

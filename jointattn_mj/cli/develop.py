@@ -1,0 +1,48 @@
+"""``jointattn develop``, which shows how it goes and names each module as it is found."""
+
+import sys
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from jointattn_mj.development.loop import Found, Life
+from jointattn_mj.development.meaning import Meaning
+from jointattn_mj.development.run import DevelopConfig, DevelopOptions, run_development
+from jointattn_mj.io.progress import Progress, count
+
+
+def run_with_bar(config: DevelopConfig, options: DevelopOptions) -> None:
+    """Live a life, show on stderr how it goes, and say on stdout what came of it."""
+    started = time.perf_counter()
+    shown = Progress("developing", config.length, config.unit)
+
+    def progress(life: Life, found: Sequence[tuple[Found, Meaning | None]]) -> None:
+        for one, meaning in found:
+            if meaning is not None:
+                shown.say(f"turn {one.turn:,}: {meaning.label}  [{life.mind.variables.describe(one.event)}]")
+        modules = len(life.mind.modules)
+        shown.to(life.spent, count(modules, "module"))
+
+    try:
+        with shown:
+            summary = run_development(config, options, progress)
+    except KeyboardInterrupt:
+        if (options.out / "checkpoint.bin").exists():
+            print(f"jointattn: stopped; the same command with --resume goes on from {options.out}", file=sys.stderr)
+        else:
+            print("jointattn: stopped before the life began; nothing was written", file=sys.stderr)
+        raise
+    print(text(summary))
+    print(f"In {time.perf_counter() - started:.1f} s. Results: {options.out}")
+
+
+def text(summary: dict[str, Any]) -> str:
+    """The modules in their order, to read."""
+    lines = [f"{'step':>10}  {'event':48}  what it means"] if summary["modules"] else ["No module was made."]
+    for one in summary["modules"]:
+        name = f" ({one['name']})" if one["name"].endswith("-m") else ""
+        lines.append(f"{one['step']:>10,}  {one['event']:48}  {one['means']}{name}")
+    lines += [
+        f"{one['step']:>10,}  {one['event']:48}  found, no module made" for one in summary["found_without_a_module"]
+    ]
+    return "\n".join(lines)

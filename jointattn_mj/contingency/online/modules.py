@@ -1,0 +1,76 @@
+"""Contingency reproduction modules: what to do under which observables, read off a contingent event (section 5.2.2)."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.options import Checked, NotNegative
+
+OFFERS_NOTHING = -1
+
+
+@dataclass(frozen=True)
+class ReproductionConfig(Checked):
+    """How a module is made from the counts of its event."""
+
+    reliability_gap: NotNegative = 0.5
+    """Z_theta, rule 4 of section 5.2.2: least distance of the two highest z-scores under a pair of observables."""
+    mean_over: Literal["positive", "not_negative"] = "positive"
+    """What rule 1 averages. "Positive or null" taken by the word lets the many pairs that never happened pull the mean
+    to 0, so that chance passes rule 2; positive ones only is our default."""
+
+
+@dataclass(frozen=True)
+class Module:
+    """A map from observables to a motor command that reproduces a contingent event; CM(i, j, k)."""
+
+    event: Event
+    command: np.ndarray
+    """(R, S) value of the event's action to bring about (a*, eq. 5.4); -1 where the module offers nothing."""
+    reliability: np.ndarray
+    """(R, S) Z of eq. 5.5; 0 where the module offers nothing."""
+    expected: np.ndarray
+    """(R, S) the result that it expects (r*, eq. 5.4); -1 where it offers nothing."""
+    saliency: np.ndarray
+    """(R, S, R', A) e of eq. 5.3, which all of this follows from, in nats."""
+
+
+def contingent_saliency(table: np.ndarray) -> np.ndarray:
+    """e(r', a; r, s) of eq. 5.3 in nats, (R, S, R', A), from counts (R, S, A, R'); NaN under pairs (r, s) never seen.
+
+    What was never done, or never followed, contributes nothing to the first or to the second term.
+    """
+    counts = np.asarray(table, float)
+    rs, ra = counts.sum(axis=(2, 3), keepdims=True), counts.sum(axis=(1, 3), keepdims=True)
+    rsa, r = counts.sum(axis=3, keepdims=True), counts.sum(axis=(1, 2, 3), keepdims=True)
+    next_rs, next_ra = counts.sum(axis=2, keepdims=True), counts.sum(axis=1, keepdims=True)
+    next_r = counts.sum(axis=(1, 2), keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        together = np.where(counts > 0, counts / rs * np.log(counts * rs / (rsa * next_rs)), 0.0)
+        alone = np.where(next_ra > 0, next_ra / r * np.log(next_ra * r / (ra * next_r)), 0.0)
+    return np.where(rs > 0, together - alone, np.nan).swapaxes(2, 3)
+
+
+def make_module(event: Event, table: np.ndarray, config: ReproductionConfig) -> Module:
+    """The module of an event, by eq. 5.4, eq. 5.5 and the four rules below it, from counts (R, S, A, R')."""
+    saliency = contingent_saliency(table)
+    results, sensors, _, actions = saliency.shape
+    flat = np.nan_to_num(saliency.reshape(results, sensors, -1))
+    seen = ~np.isnan(saliency[..., 0, 0])
+    counted = (flat > 0 if config.mean_over == "positive" else flat >= 0) & seen[..., None]
+    average = flat[counted].mean() if counted.any() else np.inf
+    best = flat.argmax(axis=-1)
+    second, highest = np.sort(flat, axis=-1)[..., -2:].transpose(2, 0, 1)
+    mean, spread = flat.mean(axis=-1), flat.std(axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        reliability = (highest - mean) / spread
+        offered = seen & (highest > average) & ((highest - second) / spread > config.reliability_gap)
+    return Module(
+        event=event,
+        command=np.where(offered, best % actions, OFFERS_NOTHING),
+        reliability=np.where(offered, reliability, 0.0),
+        expected=np.where(offered, best // actions, OFFERS_NOTHING),
+        saliency=saliency,
+    )

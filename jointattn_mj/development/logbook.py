@@ -1,0 +1,111 @@
+"""A life as files: what happened turn by turn, contingency over time, and the learned maps, all in words."""
+
+import csv
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+
+from jointattn_mj.contingency.online.events import Variables
+from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
+from jointattn_mj.development.behaviour import SHORT, BehaviourLog
+from jointattn_mj.development.loop import Life
+from jointattn_mj.gaze_following.columns import described
+from jointattn_mj.io.files import write_whole
+from jointattn_mj.io.parquet import write_parts
+from jointattn_mj.io.rows import spans
+
+ROWS = 1 << 17
+"""Turns that are put into words at a time."""
+PART_BYTES = 1 << 23
+"""Of the contingency that is written at a time."""
+
+
+def write_turns(path: Path, life: Life) -> None:
+    """Write the log as Parquet, a row a turn."""
+    write_parts(path, _turns(life))
+
+
+def write_contingency(path: Path, life: Life) -> None:
+    """Write the measure of every event as Parquet, a row each time it was noted; null before the event existed."""
+    write_parts(path, _contingency(life))
+
+
+def write_map(path: Path, variables: Variables, module: Module) -> None:
+    """Write a module's map as CSV, a row for each pair of observables; blank where it offers nothing."""
+    sensor, action = variables.sensors[module.event.sensor], variables.actions[module.event.action]
+    result = variables.results[module.event.result]
+    rows = [[result.name, sensor.name, action.name, "reliability", f"expected {result.name}"]]
+    for r, before in enumerate(result.values):
+        for s, sensed in enumerate(sensor.values):
+            offer = ["", "", ""]
+            if module.command[r, s] != OFFERS_NOTHING:
+                command, expected = action.values[module.command[r, s]], result.values[module.expected[r, s]]
+                offer = [command, f"{module.reliability[r, s]:.6f}", expected]
+            rows.append([before, sensed, *offer])
+
+    def write(temporary: Path) -> None:
+        with temporary.open("w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(rows)
+
+    write_whole(path, write)
+
+
+def _contingency(life: Life) -> Iterator[pa.Table]:
+    """What was noted in parts of some turns; at least one, which may be empty."""
+    unit = f"{life.mind.config.detector.measure} in units of base {life.mind.config.detector.base:g}"
+    names = [life.mind.variables.describe(event) for event in life.mind.events]
+    meanings = {"turn": "turns lived", **dict.fromkeys(names, unit)}
+    for first, last in spans(len(life.noted), max(1, PART_BYTES // (8 * len(names)))):
+        values = life.noted.values(first, last)
+        columns = {"turn": pa.array(life.noted.turns(first, last))}
+        columns |= {name: pa.array(values[:, number], from_pandas=True) for number, name in enumerate(names)}
+        yield described(pa.table(columns), meanings)
+
+
+def _turns(life: Life) -> Iterator[pa.Table]:
+    """The log in parts of ROWS turns; at least one, which may be empty."""
+    variables, meanings = life.mind.variables, {"turn": "counted from 1"}
+    worlds = variables.sensors[: len(variables.sensors) - variables.modules]
+    words: dict[str, tuple[str, ...]] = {}
+    for group, meaning in ((worlds, "sensed before the robot acts"), (variables.results, "result seen with it")):
+        for variable in group:
+            words[variable.name], meanings[variable.name] = variable.values, meaning
+    for joint in variables.joints:
+        words[joint.name], meanings[joint.name] = joint.values, "command that the robot then gives"
+    words |= life.witnessed
+    meanings |= {name: "truth, not known to the robot" for name in life.witnessed}
+    behaviour = "what the robot does, by the names of Fig. 5.5"
+    drivers = {f"driver of {joint.name}": "module that gave the command" for joint in variables.joints}
+    meanings |= {**drivers, "behaviour": behaviour}
+    names, codes = _drivers(life)
+    done = BehaviourLog(life)
+    for first, last in spans(life.lived, ROWS):
+        turns = np.arange(first, last)
+        columns = {"turn": pa.array(turns + 1)}
+        columns |= {name: _in_words(life.log(name, first, last), values) for name, values in words.items()}
+        made = np.searchsorted(_made(life), turns, side="right")
+        for name in drivers:
+            columns[name] = _in_words(codes[made, life.log(name, first, last)], names)
+        columns["behaviour"] = _in_words(done[first:last], SHORT)
+        yield described(pa.table(columns), meanings)
+
+
+def _made(life: Life) -> list[int]:
+    return [one.turn for one in life.found if one.module is not None]
+
+
+def _drivers(life: Life) -> tuple[tuple[str, ...], np.ndarray]:
+    """Names of modules, and which of them a number in the log means, (modules made by then + 1, numbers)."""
+    drivers, made = life.mind.drivers(), len(life.mind.modules)
+    names = tuple(dict.fromkeys(drivers))
+    codes = np.zeros((made + 1, len(drivers)), np.int8)
+    for known in range(made + 1):
+        then = drivers[:known] + drivers[made:]
+        codes[known, : len(then)] = [names.index(name) for name in then]
+    return names, codes
+
+
+def _in_words(codes: np.ndarray, words: tuple[str, ...]) -> pa.Array:
+    return pa.DictionaryArray.from_arrays(pa.array(np.ascontiguousarray(codes, np.int8)), pa.array(words))

@@ -1,0 +1,42 @@
+"""``jointattn develop --world rendered --mode realtime``: what differs from a life in turns."""
+
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar, Literal
+
+from jointattn_mj.development.loop import Life
+from jointattn_mj.development.realtime.run import RealtimeConfig, RealtimeLife
+from jointattn_mj.development.run import DevelopConfig
+from jointattn_mj.development.table.presets import PRESETS
+from jointattn_mj.options import Choice, Real, Whole
+
+
+@dataclass(frozen=True)
+class RealtimeDevelopConfig(DevelopConfig):
+    """An hour at the same table, in which nobody waits for anybody."""
+
+    world: Literal["table", "rendered"] = "rendered"
+    """Where the robot lives: at a table that it sees in pictures."""
+    mode: Literal["turns", "realtime"] = "realtime"
+    """How time goes on: 30 frames a second, whatever the robot does."""
+    preset: Annotated[str, Choice(PRESETS)] = "fast"
+    """As at the symbolic table. An hour has some thousand steps: the preset that needs fewest is the default."""
+    minutes: Annotated[float, Real("(0, 1e6]")] = 60.0
+    """Simulated minutes to live."""
+    steps: Annotated[int, Whole("[1, 1e10]")] = 20_000
+    """Fixations that it can have at most."""
+    realtime: RealtimeConfig = field(default_factory=RealtimeConfig)
+
+    kind: ClassVar[type[Life]] = RealtimeLife
+    at_a_time: ClassVar[int] = 1
+    checkpoint_every: ClassVar[int] = 500
+    unit: ClassVar[str] = "min"
+
+    @property
+    def length(self) -> float:
+        """See ``DevelopConfig``."""
+        return self.minutes
+
+    def new_life(self) -> RealtimeLife:
+        """A life before its first fixation; the robot knows the caregiver's face."""
+        born_with = self.born_with()
+        return RealtimeLife(self.table, self.realtime, self.mind, self.seed, self.steps, born_with, self.sample_every)

@@ -1,0 +1,11 @@
+"""A step of a mind, compiled: in a file of its own, for whatever stands beside compiled code is compiled with it."""
+
+from numba import njit
+
+from jointattn_mj.development.loop import think_and_note
+
+
+@njit(cache=True)
+def think_once(mind, s, r, t, first, log, samples, every):
+    """See ``think_and_note``."""
+    return think_and_note(mind, s, r, t, first, log, samples, every)

@@ -1,0 +1,76 @@
+"""Whether the mind of a checkpoint is one that compiled code can live with."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numba import njit
+
+from jointattn_mj.contingency.online.counts import add
+from jointattn_mj.contingency.online.events import Variables
+from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
+from jointattn_mj.guards.restored import check_alike, check_array
+
+if TYPE_CHECKING:
+    from jointattn_mj.development.agent import Mind
+
+LAYOUT = ("sensor", "action", "result", "per_sensor", "per_action", "per_result", "width", "offset")
+"""Fields of ``counts.CONTEXT`` that say where counts are."""
+
+
+def check_module(module: Module, variables: Variables) -> None:
+    """Refuse a module whose maps do not fit the variables that there were when it was made.
+
+    Raises:
+        ValueError: They do not fit.
+    """
+    event = module.event
+    sensors, actions = len(variables.sensors[event.sensor].values), len(variables.actions[event.action].values)
+    results = len(variables.results[event.result].values)
+    shape = (results, sensors)
+    check_array("a module's command", module.command, shape, np.int64, OFFERS_NOTHING, actions - 1)
+    check_array("a module's expected", module.expected, shape, np.int64, OFFERS_NOTHING, results - 1)
+    check_array("a module's reliability", module.reliability, shape, float)
+    check_array("a module's saliency", module.saliency, (*shape, results, actions), float)
+
+
+def check_mind(mind: "Mind", model: "Mind", variables: Variables) -> None:
+    """Refuse a mind that is not laid out as ``model``, one of the same variables and modules that has lived nothing.
+
+    Raises:
+        ValueError: Something differs, or a value is none of its variable.
+    """
+    check_alike(mind, model)
+    counts, maps, past = mind.counts, mind.maps, mind.past
+    fixed = {"of_event": (counts.of_event, model.counts.of_event)}
+    fixed |= {name: (counts.contexts[name], model.counts.contexts[name]) for name in LAYOUT}
+    of_maps = ("sensor", "result", "joint", "uses", "size", "offset", "command", "commands")
+    fixed |= {name: (getattr(maps, name), getattr(model.maps, name)) for name in of_maps}
+    for name, (given, expected) in fixed.items():
+        if not np.array_equal(given, expected):
+            raise ValueError(f"{name} is another than its variables and modules have")
+    sizes = [
+        np.array([len(variable.values) for variable in group])
+        for group in (variables.sensors, variables.actions, variables.results)
+    ]
+    for name, values, size in zip("sar", (mind.s, mind.a, mind.r), sizes, strict=True):
+        check_array(name, values, values.shape, np.int64, 0, size - 1)
+    for values, size in ((past.s, sizes[0]), (past.a, sizes[1]), (past.r, sizes[2]), (past.r_next, sizes[2])):
+        check_array("past", values, values.shape, np.int64, 0, size - 1)
+    check_array("past", past.contexts, past.contexts.shape, np.int64, 0, len(counts.contexts))
+    check_array("driver", mind.driver, mind.driver.shape, np.int64, -1, len(maps.joint) - 1)
+    check_array("turns", mind.turns, (1,), np.int64, 0)
+    check_array("first", mind.watch.first[:1], (1,), np.int64, -1, len(mind.watch.values) - 1)
+    check_array("counts", counts.cells, counts.cells.shape, float, 0)
+    if len(past.contexts):  # what is forgotten is taken out of the counts again
+        remembered = counts._replace(cells=np.zeros_like(counts.cells), contexts=model.counts.contexts.copy())
+        _remember(remembered, past)
+        if not np.array_equal(remembered.cells, counts.cells):
+            raise ValueError("counts are others than those of what is remembered")
+
+
+@njit(cache=True)
+def _remember(counts, past):
+    """Count all transitions of a ring."""
+    for place in range(len(past.contexts)):
+        if past.contexts[place] > 0:
+            add(counts, past.s[place], past.a[place], past.r[place], past.r_next[place], 1, past.contexts[place])

@@ -1,0 +1,146 @@
+"""Where the caregiver looks next, in interaction by turns (sections 4.3.3 and 5.3.1), as one compiled function."""
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from jointattn_mj.errors import ObservationError
+from jointattn_mj.guards.border import checked_by, require_array
+from jointattn_mj.options import Checked, Share
+
+NEUTRAL, RJA, IJA, IJA_BACK, AFTER_JOINT_ATTENTION, CARELESS = range(6)
+OPTIONS = ("neutral", "RJA", "IJA", "IJA, second step", "joint attention reached", "not at objects")
+NOWHERE = -1
+
+
+@dataclass(frozen=True)
+class CaregiverConfig(Checked):
+    """How the caregiver shifts her gaze."""
+
+    follow: Share = 0.5
+    """p_r: how likely she follows the robot's gaze (RJA) when it looks at a spot and she looks at it."""
+    lead: Share = 0.5
+    """p_i: how likely she leads the robot (IJA) when she looks at an object: back to the robot, then there again."""
+    answer: Share = 1.0
+    """p_e: how likely she turns to the robot when both have looked at the same object (chapter 5)."""
+    at_objects: Share = 1.0
+    """p_c, section 4.5.3: how likely she behaves as described at all; else she looks at the robot or an empty spot."""
+    follows_eye_contact: bool = False
+    """Whether RJA can also be chosen while robot and caregiver look at each other, as in chapter 4; it then ends at
+    some object. In chapter 5 the robot must look at a spot for that."""
+    eye_contact: Literal["stay", "leave", "any"] = "stay"
+    """What neutral means while the two look at each other: ``stay``, ``leave`` for some object, or ``any`` of these."""
+    neutral_follows: bool = False
+    """Whether a neutral shift from the robot may also end where the robot looks, "identical to RJA" by chance."""
+
+
+class Rules(NamedTuple):
+    """A ``CaregiverConfig`` for compiled code."""
+
+    follow: float
+    lead: float
+    answer: float
+    at_objects: float
+    follows_eye_contact: bool
+    stays: bool
+    may_stay: bool
+    neutral_follows: bool
+
+
+def rules(config: CaregiverConfig) -> Rules:
+    """The config as numbers."""
+    return Rules(
+        follow=float(config.follow),
+        lead=float(config.lead),
+        answer=float(config.answer),
+        at_objects=float(config.at_objects),
+        follows_eye_contact=config.follows_eye_contact,
+        stays=config.eye_contact == "stay",
+        may_stay=config.eye_contact == "any",
+        neutral_follows=config.neutral_follows,
+    )
+
+
+@njit(cache=True, forceinline=True)
+def _count(spots):
+    count = 0
+    for spot in range(len(spots)):
+        count += spots[spot]
+    return count
+
+
+@njit(cache=True, forceinline=True)
+def _some(allowed, random):
+    """One of the spots that are allowed, or NOWHERE."""
+    count = _count(allowed)
+    if count == 0:
+        return NOWHERE
+    left = int(random.random() * count)
+    for spot in range(len(allowed)):
+        left -= allowed[spot]
+        if left < 0:
+            return spot
+    return NOWHERE
+
+
+def _check_shift(rules, full, robot, gaze, returns_to, random, allowed):
+    require_array("whether an object lies on a spot", full, (-1,), "b")
+    require_array("working space", allowed, full.shape, "b")
+    looks = np.array([robot, gaze, returns_to])
+    require_array("where robot and caregiver look, and where she returns to", looks, (3,), "iu", NOWHERE, len(full))
+    if min(robot, gaze) < 0 or returns_to == len(full):
+        raise ObservationError(f"nobody looks {NOWHERE}, and she returns to a spot; got {robot}, {gaze}, {returns_to}")
+
+
+@checked_by(_check_shift)
+@njit(cache=True, forceinline=True)
+def shift_gaze(rules, full, robot, gaze, returns_to, random, allowed):
+    """Her next gaze shift.
+
+    Spots are 0 to N - 1; N stands for the other's face.
+
+    Args:
+        rules: Her ``Rules``.
+        full: (N,) whether an object lies on a spot.
+        robot: Where the robot looks, 0 to N.
+        gaze: Where she looks, 0 to N.
+        returns_to: Spot to which she will lead the robot in the second step of IJA, or NOWHERE. Where its object has
+            gone she chooses as if there had been none.
+        random: Her generator.
+        allowed: Working space (N,) bool.
+
+    Returns:
+        Where she looks now, the spot that she will come back to or NOWHERE, and which of OPTIONS she chose.
+    """
+    face = len(full)
+    if rules.at_objects < 1.0 and random.random() >= rules.at_objects:
+        empty = face - _count(full)
+        if random.random() * (empty + 1) < 1.0:
+            return face, NOWHERE, CARELESS
+        for spot in range(face):
+            allowed[spot] = not full[spot]
+        return _some(allowed, random), NOWHERE, CARELESS
+    if gaze != face and gaze == robot and full[gaze] and random.random() < rules.answer:
+        return face, NOWHERE, AFTER_JOINT_ATTENTION
+    for spot in range(face):
+        allowed[spot] = full[spot]
+    if gaze == face:
+        if returns_to != NOWHERE and full[returns_to]:
+            return returns_to, NOWHERE, IJA_BACK
+        if (robot != face or rules.follows_eye_contact) and random.random() < rules.follow:
+            if robot != face and full[robot]:
+                return robot, NOWHERE, RJA
+            return _some(allowed, random), NOWHERE, RJA
+        if robot == face:
+            if rules.stays or (rules.may_stay and random.random() * (_count(full) + 1) < 1.0):
+                return face, NOWHERE, NEUTRAL
+        elif not rules.neutral_follows:
+            allowed[robot] = False  # that would be following
+    else:
+        if full[gaze] and random.random() < rules.lead:
+            return face, gaze, IJA
+        allowed[gaze] = False
+    target = _some(allowed, random)
+    return (gaze if target == NOWHERE else target), NOWHERE, NEUTRAL

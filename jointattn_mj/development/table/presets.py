@@ -1,0 +1,44 @@
+"""Whole readings of chapters 4 and 5 under a name: a table and the mind that develops at it."""
+
+from dataclasses import dataclass
+
+from jointattn_mj.contingency.online.detector import DetectorConfig
+from jointattn_mj.development.agent import DeveloperConfig
+from jointattn_mj.development.table.caregiver import CaregiverConfig
+from jointattn_mj.development.table.world import CHAPTER_4, CHAPTER_5, TableConfig
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A world, a mind and why they are so."""
+
+    world: TableConfig
+    mind: DeveloperConfig
+    why: str
+
+
+PRESETS = {
+    "thesis": Preset(
+        CHAPTER_5,
+        DeveloperConfig(),
+        "Chapter 5 by the text's order of turns (the caregiver shifts, the robot observes, the robot acts); during eye "
+        "contact the caregiver's neutral gaze stays.",
+    ),
+    "thesis_robot_first": Preset(
+        TableConfig(order="robot_first", caregiver=CaregiverConfig(eye_contact="any", neutral_follows=True)),
+        DeveloperConfig(),
+        "Chapter 5 with results observed right after the action, before the caregiver answers: closer to the times of "
+        "the dissertation's one example, further from its behaviour and its order.",
+    ),
+    "fast": Preset(
+        CHAPTER_5,
+        DeveloperConfig(detector=DetectorConfig(rule="certain", correction="miller_madow"), memory="reset"),
+        "Counts begin anew with each module, because with it the robot behaves differently; an event is found when its "
+        "estimate's standard error says so.",
+    ),
+    "chapter4": Preset(
+        CHAPTER_4,
+        DeveloperConfig(detector=DetectorConfig(measure="tc", threshold=1e-7, hold=1), most_modules=0),
+        "The robot of chapter 4 acts at random, and stops to look when no T^C changes by 1e-7.",
+    ),
+}

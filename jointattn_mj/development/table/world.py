@@ -1,0 +1,224 @@
+"""A table with spots, objects on some of them, a caregiver and a robot who look in turns (sections 4.3.1 and 5.3.1)."""
+
+from dataclasses import dataclass, field
+from typing import Annotated, Literal, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from jointattn_mj.contingency.online.events import Variable, Variables
+from jointattn_mj.development.one_type import one_type
+from jointattn_mj.development.table.caregiver import NOWHERE, OPTIONS, CaregiverConfig, Rules, rules, shift_gaze
+from jointattn_mj.errors import ConfigError, ObservationError
+from jointattn_mj.guards.border import checked_by, require_array
+from jointattn_mj.guards.restored import check_alike, check_array
+from jointattn_mj.options import Checked, Whole
+
+ROBOT, CAREGIVER, RETURNS_TO, OPTION, TURN = range(5)
+"""Places in ``Table.state``."""
+LOOKS_AT, OPTION_TAKEN = "caregiver looks at", "caregiver's option"
+"""What an onlooker sees: of state, CAREGIVER and OPTION."""
+
+
+@dataclass(frozen=True)
+class TableConfig(Checked):
+    """What the world of chapters 4 and 5 consists of."""
+
+    spots: Annotated[int, Whole("[2, 125]")] = 3
+    """N: places on the table."""
+    objects: Annotated[int, Whole("[1, 125]")] = 2
+    """M': how many objects lie on it."""
+    kinds: Annotated[int, Whole("[1, 125]")] = 1
+    """M: how many different objects there are; the robot tells them apart (S_2). Chapter 5 has one kind."""
+    gestures: Annotated[int, Whole("[1, 125]")] = 4
+    """N_h: hand gestures that the robot knows; nobody answers them."""
+    replaced_every: Annotated[int, Whole("[1, 1e10]")] = 10
+    """L: turns after which the objects are placed anew."""
+    profile: bool = True
+    """Whether the caregiver's profile is a result of its own (R_2 of chapter 5; chapter 4 has none)."""
+    order: Literal["caregiver_first", "robot_first"] = "caregiver_first"
+    """Order of a turn. ``caregiver_first``, the words of section 4.3.1: objects are placed, the caregiver shifts, the
+    robot observes sensors and results, the robot acts. ``robot_first``: the robot acts and observes the results,
+    objects are placed, the caregiver shifts, the robot observes the sensors."""
+    caregiver: CaregiverConfig = field(default_factory=CaregiverConfig)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.objects > self.spots:
+            raise ConfigError(f"a table needs as many spots as objects, or more; got {self.spots} for {self.objects}")
+        if not (self.kinds == 1 or self.kinds >= self.objects):
+            raise ConfigError(f"kinds must be 1, or enough for {self.objects} objects; got {self.kinds}")
+
+
+CHAPTER_4 = TableConfig(
+    spots=9, objects=3, kinds=10, gestures=10, profile=False,
+    caregiver=CaregiverConfig(follow=0.8, lead=0.2, answer=0.0, follows_eye_contact=True),
+)  # fmt: skip
+"""Section 4.5.1."""
+CHAPTER_5 = TableConfig()
+"""Section 5.3.1 with the caregiver of section 5.3.2."""
+
+
+def table_variables(config: TableConfig) -> Variables:
+    """What the robot senses and does there (Table 4.1, Table 5.1)."""
+    spots = [f"spot {number}" for number in range(1, config.spots + 1)]
+    kinds = ["object"] if config.kinds == 1 else [f"object {number}" for number in range(1, config.kinds + 1)]
+    binary = ("no", "yes")
+    results = [Variable("frontal face", binary), Variable("object", binary)]
+    if config.profile:
+        results.insert(1, Variable("profile", binary))
+    return Variables(
+        sensors=(
+            Variable("caregiver's face", (*(f"at {spot}" for spot in spots), "at robot", "not seen")),
+            Variable("object looked at", (*kinds, "none")),
+        ),
+        actions=(
+            Variable("shift gaze", (*spots, "caregiver")),
+            Variable("gesture", tuple(f"gesture {number}" for number in range(1, config.gestures + 1))),
+        ),
+        results=tuple(results),
+    )
+
+
+@one_type
+class Table(NamedTuple):
+    """The world as it is, for compiled code; spots are 0 to N - 1, and N stands for the other's face."""
+
+    full: np.ndarray
+    """(N,) whether an object lies on a spot."""
+    kind: np.ndarray
+    """(N,) which one."""
+    state: np.ndarray
+    """(5,) ROBOT's and CAREGIVER's gaze, RETURNS_TO and OPTION of ``shift_gaze``, and the TURN."""
+    rules: Rules
+    layout: np.ndarray
+    """(5,) objects, kinds, turns between placings, whether profile is a result, whether the robot goes first."""
+    order: np.ndarray
+    """Working space: (N,) spots and (kinds,) kinds to be shuffled, (N,) spots she may choose."""
+    kinds: np.ndarray
+    allowed: np.ndarray
+    world_random: np.random.Generator
+    caregiver_random: np.random.Generator
+
+
+def table_witnessed(config: TableConfig) -> dict[str, tuple[str, ...]]:
+    """What an onlooker sees and the robot does not, and what its values are called: two places of ``Table.state``."""
+    spots = tuple(f"spot {number}" for number in range(1, config.spots + 1))
+    return {LOOKS_AT: (*spots, "robot"), OPTION_TAKEN: OPTIONS}
+
+
+def new_table(config: TableConfig, seed: np.random.SeedSequence) -> Table:
+    """A table before the first turn; robot and caregiver look at each other."""
+    world, caregiver = (np.random.default_rng(child) for child in seed.spawn(2))
+    layout = (config.objects, config.kinds, config.replaced_every, config.profile, config.order == "robot_first")
+    return Table(
+        full=np.zeros(config.spots, np.bool_),
+        kind=np.zeros(config.spots, np.int64),
+        state=np.array([config.spots, config.spots, NOWHERE, 0, 0], np.int64),
+        rules=rules(config.caregiver),
+        layout=np.array(layout, np.int64),
+        order=np.arange(config.spots),
+        kinds=np.arange(config.kinds),
+        allowed=np.zeros(config.spots, np.bool_),
+        world_random=world,
+        caregiver_random=caregiver,
+    )
+
+
+def check_table(table: Table, config: TableConfig) -> None:
+    """Refuse a table from a checkpoint that compiled code cannot live with.
+
+    Raises:
+        ValueError: It is not one of ``config``, or things are where there is no place.
+    """
+    model = new_table(config, np.random.SeedSequence(0))
+    check_alike(table, model)
+    face = config.spots
+    largest = [face, face, face - 1, len(OPTIONS) - 1, np.iinfo(np.int64).max]
+    check_array("state of the table", table.state, (5,), np.int64, [0, 0, NOWHERE, 0, 0], largest)
+    check_array("kinds on the table", table.kind, (face,), np.int64, 0, config.kinds - 1)
+    check_array("layout of the table", table.layout, (5,), np.int64, model.layout, model.layout)
+    for name, order in (("spots", table.order), ("kinds", table.kinds)):
+        if not np.array_equal(np.sort(order), np.arange(len(order))):
+            raise ValueError(f"{name} of the table must be there once each")
+    if table.rules != model.rules:
+        raise ValueError("rules of the table are others than its config's")
+
+
+@njit(cache=True, forceinline=True)
+def _shuffle_first(items, count, random):
+    for place in range(count):
+        other = place + int(random.random() * (len(items) - place))
+        items[place], items[other] = items[other], items[place]
+
+
+@njit(cache=True, forceinline=True)
+def place_objects(table):
+    """Put the objects on other spots."""
+    objects, kinds = table.layout[0], table.layout[1]
+    _shuffle_first(table.order, objects, table.world_random)
+    if kinds > 1:
+        _shuffle_first(table.kinds, objects, table.world_random)
+    for spot in range(len(table.full)):
+        table.full[spot] = False
+    for number in range(objects):
+        table.full[table.order[number]] = True
+        table.kind[table.order[number]] = table.kinds[number] if kinds > 1 else 0
+
+
+@njit(cache=True, forceinline=True)
+def _see_results(table, r):
+    state, face = table.state, len(table.full)
+    at_face = state[ROBOT] == face
+    frontal = at_face and state[CAREGIVER] == face
+    r[0] = frontal
+    if table.layout[3]:
+        r[1] = at_face and not frontal
+    r[len(r) - 1] = not at_face and table.full[state[ROBOT]]
+
+
+def _check_turn(table, a, s, r):
+    if not isinstance(table, Table):
+        raise ObservationError(f"expected a Table, as new_table makes it; got {type(table).__name__}")
+    require_array("where the robot looks, and its gesture", a, (2,), "iu")
+    require_array("where the robot looks", a[:1], (1,), "iu", 0, len(table.full))
+    require_array("sensors to be written", s, (2,), "i")
+    require_array("results to be written", r, (2 + int(table.layout[3]),), "i")
+
+
+@checked_by(_check_turn)
+@njit(cache=True, forceinline=True)
+def turn(table, a, s, r):
+    """Let the robot act and the caregiver answer, in the configured order.
+
+    Args:
+        table: The world, changed in place.
+        a: Values (actions,) of the robot: where it looks from now on, and its gesture.
+        s: Values (sensors,) that it then observes are written here.
+        r: Values (results,) likewise.
+    """
+    state, face = table.state, len(table.full)
+    if state[TURN] > 0:
+        state[ROBOT] = a[0]
+    if table.layout[4]:
+        _see_results(table, r)
+    if state[TURN] % table.layout[2] == 0:
+        place_objects(table)
+    state[CAREGIVER], state[RETURNS_TO], state[OPTION] = shift_gaze(
+        table.rules,
+        table.full,
+        state[ROBOT],
+        state[CAREGIVER],
+        state[RETURNS_TO],
+        table.caregiver_random,
+        table.allowed,
+    )
+    if state[ROBOT] == face:
+        s[0] = state[CAREGIVER]
+        s[1] = table.layout[1]
+    else:
+        s[0] = face + 1
+        s[1] = table.kind[state[ROBOT]] if table.full[state[ROBOT]] else table.layout[1]
+    if not table.layout[4]:
+        _see_results(table, r)
+    state[TURN] += 1

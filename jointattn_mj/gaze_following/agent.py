@@ -1,0 +1,237 @@
+"""The robot of chapter 6: attention selector, visual feedback, gate and online contingency learning (Fig. 6.2)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated
+
+import numpy as np
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.gaze_following.attention import Attention, AttentionConfig, AttentionSelector
+from jointattn_mj.gaze_following.gate import GazeConfig, HeadShift, gate_probability
+from jointattn_mj.gaze_following.learners import LearnerConfig, make_learner
+from jointattn_mj.options import Checked, Real, Whole
+from jointattn_mj.perception.percept import Perceiver, Percept
+from jointattn_mj.perception.som import SOM, SOMConfig, whole_number
+from jointattn_mj.scene.camera import direction_of, off_centre
+
+
+@dataclass(frozen=True)
+class FamiliariseConfig(Checked):
+    """How the robot gets to know the caregiver's face before the session (section 6.4.1, "within three minutes")."""
+
+    minutes: Annotated[float, Real("(0, 1e6]")] = 3.0
+    """Simulated minutes of looking at the face."""
+    every: Annotated[int, Whole("[1, 1e6]")] = 3
+    """Frames from one look to the next; ten looks a second show all that thirty would."""
+
+
+@dataclass(frozen=True)
+class RobotConfig(Checked):
+    """The robot's mind."""
+
+    attention: AttentionConfig = field(default_factory=AttentionConfig)
+    """Where and when to look (6.3.2)."""
+    gaze: GazeConfig = field(default_factory=GazeConfig)
+    """Gate and head movement (6.3.1, 6.4.1)."""
+    learner: LearnerConfig = field(default_factory=LearnerConfig)
+    """The online contingency learning module (6.3.3)."""
+    som: SOMConfig = field(default_factory=SOMConfig)
+    """The self-organising map of face patterns (6.3.3, 6.4.1)."""
+    familiarise: FamiliariseConfig = field(default_factory=FamiliariseConfig)
+    """The three minutes in which the map is learned (6.4.1)."""
+
+
+@dataclass
+class GazeShift:
+    """One shift of gaze, as the robot knows it. Candidates are numbered as in ``Percept``; directions in degrees."""
+
+    source: int | None
+    chosen: int
+    by_learner: bool
+    start: np.ndarray  # (2,) head at launch
+    command: np.ndarray  # (2,) direction commanded
+    suggestion: np.ndarray | None  # (2,) direction that the learner would command; only from the face
+    activations: np.ndarray | None  # face_input() of the last look before the shift; only from the face
+    source_direction: np.ndarray | None  # (2,) where the source was last seen
+    reached: int | None = None  # candidate at the centre of view after landing
+    learned: bool = False
+
+
+class GazeFollower:
+    """Learns to look where the caregiver looks; maps observations to desired head angles.
+
+    Observations are a mapping with ``camera`` (uint8 picture, read only when the robot looks), ``head_angles`` (pan,
+    tilt; rad) and ``head_moves`` (bool); the action is the desired pan and tilt, rad.
+
+    Attributes:
+        attended: Candidate that is fixated, or None.
+        percept: The last percept; None while the head turns.
+        shift: The gaze shift under way, or None.
+        landed: The gaze shift that ended in this frame, or None.
+        iterations: l of eq. 6.8.
+    """
+
+    def __init__(self, config: RobotConfig, perceiver: Perceiver, objects: int, seed: np.random.SeedSequence):
+        attention, gate, som, learner = (np.random.default_rng(child) for child in seed.spawn(4))
+        self.config, self.perceiver = config, perceiver
+        self.face = objects
+        self.attention: Attention = AttentionSelector(config.attention, objects, attention)
+        self.som = SOM(perceiver.pattern_size, config.som, som)
+        self.learner = make_learner(config.learner, len(self.som.weights), learner)
+        self.iterations = 0
+        self.attended: int | None = None
+        self.percept: Percept | None = None
+        self.shift: GazeShift | None = None
+        self.landed: GazeShift | None = None
+        self._gate = gate
+        self._movement: HeadShift | None = None
+        self._held = np.zeros(2)  # reference of the head's servos, deg
+        self._command = np.zeros(2)  # the same in rad
+
+    def familiarise(self, observation: Mapping[str, np.ndarray], frame: int) -> np.ndarray:
+        """One frame of the minutes before the session: keep the face at the centre of view and learn its patterns."""
+        head = np.degrees(observation["head_angles"])
+        if frame % self.config.familiarise.every == 0:
+            percept = self.perceiver.look(observation, landed=True)
+            if percept.seen[self.face]:
+                self._hold(direction_of(percept.px[self.face], head))
+                self.som.update(self.perceiver.face_pattern())
+        self.attended = self.face
+        return self._command
+
+    def act(self, observation: Mapping[str, np.ndarray]) -> np.ndarray:
+        """One frame of life: percept, attention, and a motor command."""
+        self.landed = self.percept = None
+        shift, movement = self.shift, self._movement
+        if shift is not None and movement is not None and (observation["head_moves"] or not movement.commanded):
+            return self._turn(shift, movement, observation)
+        self.percept = percept = self.perceiver.look(observation, shift is not None)
+        if shift is None:
+            self.attention.advance(self.attended, percept.moves)
+        else:
+            self._land(shift, percept, np.degrees(observation["head_angles"]))
+        chosen = self.attention.consider(percept.seen)
+        if chosen is not None and chosen != self.attended:
+            self._launch(chosen, percept, np.degrees(observation["head_angles"]))
+        return self._command
+
+    def face_input(self) -> np.ndarray:
+        """What the learner is given of the face of the last look: the SOM's activations (k,) for its pattern."""
+        return self.som.activations(self.perceiver.face_pattern())
+
+    def _hold(self, direction: np.ndarray) -> None:
+        """Let the head's servos follow ``direction`` (2,), deg, from now on."""
+        self._held, self._command = direction, np.radians(direction)
+
+    def _launch(self, chosen: int, percept: Percept, head: np.ndarray) -> None:
+        """Turn towards ``chosen``; from the face to an object, the gate decides who says where that is."""
+        source = self.attended
+        command = direction_of(percept.px[chosen], head)
+        suggestion = activations = None
+        by_learner = False
+        if source == self.face and percept.seen[self.face]:
+            activations = self.face_input()
+            suggestion = head + self.learner.predict(activations)
+            by_learner = bool(self._gate.random() < gate_probability(self.config.gaze, self.iterations))
+            if by_learner:
+                command = suggestion
+        source_seen = source is not None and percept.seen[source]
+        self.shift = GazeShift(
+            source=source,
+            chosen=chosen,
+            by_learner=by_learner,
+            start=head,
+            command=command,
+            suggestion=suggestion,
+            activations=activations,
+            source_direction=direction_of(percept.px[source], head) if source_seen else None,
+        )
+        self._movement = HeadShift(self._held, command, self.config.gaze.shift_frames)
+        self._hold(self._movement.next_reference())
+
+    def _turn(self, shift: GazeShift, movement: HeadShift, observation: Mapping[str, np.ndarray]) -> np.ndarray:
+        """One frame of a gaze shift; visual feedback looks where its target has gone."""
+        looks = movement.frame in self.config.gaze.feedback_frames and not movement.commanded
+        if looks and not shift.by_learner and shift.chosen != self.face:
+            percept = self.perceiver.look(observation, landed=True)
+            if percept.seen[shift.chosen]:
+                head = np.degrees(observation["head_angles"])
+                shift.command = direction_of(percept.px[shift.chosen], head)
+                movement.aim(shift.command)
+        self._hold(movement.next_reference())
+        return self._command
+
+    def _land(self, shift: GazeShift, percept: Percept, head: np.ndarray) -> None:
+        """See what is at the centre of view now, and learn from the shift."""
+        nearest, distance = self._nearest(percept, head)
+        centred = distance <= self.config.gaze.centre_radius_deg
+        shift.reached = nearest if centred else None
+        self.attended = nearest if centred or self.config.gaze.attends == "nearest" else None
+        self._learn(shift, percept, head)
+        self.landed, self.shift, self._movement = shift, None, None
+        self.attention.settle()
+
+    @staticmethod
+    def _nearest(percept: Percept, head: np.ndarray) -> tuple[int | None, float]:
+        """The candidate in view that is nearest to its centre, and how far off (deg) that is."""
+        if not percept.seen.any():
+            return None, np.inf
+        distances = [
+            off_centre(direction_of(pixel, head), head) if seen else np.inf
+            for pixel, seen in zip(percept.px, percept.seen, strict=True)
+        ]
+        nearest = int(np.argmin(distances))
+        return nearest, distances[nearest]
+
+    def _learn(self, shift: GazeShift, percept: Percept, head: np.ndarray) -> None:
+        """Contingency learning from either direction of a shift between the face and an object (section 6.3.1)."""
+        config = self.config.learner
+        if shift.activations is not None and shift.reached not in (None, self.face):
+            centred = config.reference == "object"
+            end = direction_of(percept.px[shift.reached], head) if centred else head
+            self._pair(shift, shift.activations, end - shift.start)
+            self.iterations += 1
+        elif (
+            config.directions == "both"
+            and shift.reached == self.face
+            and shift.source_direction is not None
+            and shift.source != self.face
+        ):
+            activations = self.face_input()
+            start = shift.source_direction if config.reference == "object" else shift.start
+            self._pair(shift, activations, start - head)
+            self.iterations += config.counts == "both"
+
+    def _pair(self, shift: GazeShift, activations: np.ndarray, command: np.ndarray) -> None:
+        """Strengthen the connection between a face and the command that leads from it to the object."""
+        self.learner.learn(activations, command)
+        shift.learned = True
+
+    def weights(self) -> dict[str, np.ndarray]:
+        """All that was learned: the map of faces, the map from faces to commands, and l of eq. 6.8."""
+        return {
+            **{f"som_{name}": array for name, array in self.som.arrays().items()},
+            "learner": self.learner.weights(),
+            "iterations": np.array(self.iterations),
+        }
+
+    def load(self, weights: Mapping[str, np.ndarray]) -> None:
+        """Take over what another robot's ``weights`` gave; the opposite of beginning with ``familiarise``.
+
+        Raises:
+            ConfigError: The arrays do not fit this robot's config.
+        """
+        source = "give the weights.npz of a finished session with this config"
+        try:
+            arrays = {name.removeprefix("som_"): array for name, array in weights.items() if name.startswith("som_")}
+            som, size = SOM.from_arrays(arrays, self.config.som), self.perceiver.pattern_size
+            if som.weights.shape[1] != size:
+                raise ConfigError(f"a map of faces of {size} numbers each is needed; got {som.weights.shape[1]}")
+            iterations = whole_number("iterations", weights["iterations"])
+            self.learner.load(weights["learner"])
+            self.som, self.iterations = som, iterations
+        except KeyError as error:
+            raise ConfigError(f"these weights lack {error}; {source}") from error
+        except (ValueError, TypeError, IndexError) as error:
+            raise ConfigError(f"these weights do not fit ({error}); {source}") from error

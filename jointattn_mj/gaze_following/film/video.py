@@ -1,0 +1,49 @@
+"""The session's video as a file.
+
+``composer`` makes the pictures, ``reel`` brings them to ffmpeg. The session is only looked at: it goes on as without a
+film.
+"""
+
+from pathlib import Path
+from types import TracebackType
+
+from jointattn_mj.gaze_following.film.composer import HEIGHT, WIDTH, Composer
+from jointattn_mj.gaze_following.session import Session
+from jointattn_mj.scene.caregiver import FRAME_S
+from jointattn_mj.video.reel import Reel
+
+
+class Film:
+    """Writes a video while it is shown a session: ``with Film(path, session) as film: session.step(film)``."""
+
+    def __init__(self, path: Path, session: Session, every: int = 1):
+        """``every``: only every so manieth frame is drawn and written; the video runs at real time all the same."""
+        self._every = every
+        self._composer = Composer(session)
+        self._reel = Reel(path, HEIGHT, WIDTH, 1 / (FRAME_S * every))
+
+    def __enter__(self) -> "Film":
+        """Start ffmpeg.
+
+        Raises:
+            VideoError: There is no ffmpeg program, or it does not start.
+        """
+        self._reel.__enter__()
+        return self
+
+    def __call__(self, session: Session) -> None:
+        """Draw and write this frame of the session.
+
+        Raises:
+            VideoError: ffmpeg has given up.
+            GLError: No picture can be rendered here.
+        """
+        if session.frame % self._every == 0:
+            self._reel.add(self._composer.compose(session))
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Finish the file and free what pictures needed; an error that is already under way comes first."""
+        self._composer.close()
+        self._reel.__exit__(kind, error, traceback)

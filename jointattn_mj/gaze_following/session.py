@@ -1,0 +1,155 @@
+"""A session of chapter 6: the robot and the caregiver for so many minutes, with everything written down.
+
+A session can be stored at any frame and taken up again; ``runner`` gives it a folder, checkpoints and results.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+
+from jointattn_mj.gaze_following.agent import GazeFollower, GazeShift, RobotConfig
+from jointattn_mj.gaze_following.scoring import Moment, judge
+from jointattn_mj.gaze_following.shifts import Shifts, shift_row
+from jointattn_mj.gaze_following.summary import summarise
+from jointattn_mj.gaze_following.tables import FrameTable
+from jointattn_mj.guards.finite import check_finite
+from jointattn_mj.io.weights import read_weights
+from jointattn_mj.options import Checked, Real, Seed
+from jointattn_mj.perception.percept import Perceiver
+from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
+from jointattn_mj.perception.state import TruthConfig, TruthPerception
+from jointattn_mj.scene.caregiver import FRAME_S
+from jointattn_mj.scene.world import Observation, World, WorldConfig
+
+FRAMES_PER_SECOND = round(1 / FRAME_S)
+FRAMES_PER_MINUTE = 60 * FRAMES_PER_SECOND
+
+
+@dataclass(frozen=True)
+class SessionConfig(Checked):
+    """Everything that decides what happens in a session."""
+
+    minutes: Annotated[float, Real("(0, 1e9]")] = 26.0
+    """Simulated minutes; "each session lasted approximately 26 minutes" (6.4.3)."""
+    seed: Seed = 0
+    """All randomness comes from it, one stream a component."""
+    perception: Literal["pixels", "truth"] = "pixels"
+    """Rendered pictures, or the simulator's state with the errors that the pixel path was measured to make."""
+    success: Literal["either", "launch", "landing"] = "either"
+    """Which moment's target a shift is held against (see ``referee``). All are logged."""
+    start_from: Path | None = None
+    """weights.npz of an earlier session: begin with what that robot had learned."""
+    world: WorldConfig = field(default_factory=WorldConfig)
+    """What is outside the robot's mind."""
+    robot: RobotConfig = field(default_factory=RobotConfig)
+    """The robot's mind."""
+    pixels: PixelConfig = field(default_factory=PixelConfig)
+    """How it perceives pictures."""
+    truth: TruthConfig = field(default_factory=TruthConfig)
+    """What stands for that with ``perception truth``."""
+
+
+class Session:
+    """The life of robot and caregiver, one frame at a time.
+
+    What it is made of can be exchanged: override ``new_world``, ``new_perceiver`` or ``new_robot``.
+    """
+
+    def __init__(self, config: SessionConfig):
+        self.config = config
+        world, perceiver, robot = np.random.SeedSequence(config.seed).spawn(3)
+        objects = config.world.scene.objects
+        self.names = (*(item.name for item in objects), "face")
+        self.world = self.new_world(world)
+        self.robot = self.new_robot(self.new_perceiver(np.random.default_rng(perceiver)), robot)
+        self.total = max(1, round(config.minutes * FRAMES_PER_MINUTE))
+        self.frame = 0
+        self.shifts = Shifts(self.names)
+        self.frames = FrameTable(
+            self.names[:-1], config.truth.face_moves_above_deg_s, config.truth.object_moves_above_m_s
+        )
+        self._launch: Moment | None = None
+        self._observation = Observation(self.world)
+
+    def new_world(self, seed: np.random.SeedSequence) -> World:
+        """Scene, caregiver and the robot's body."""
+        return World.build(self.config.world, seed)
+
+    def new_robot(self, perceiver: Perceiver, seed: np.random.SeedSequence) -> GazeFollower:
+        """The robot's mind."""
+        return GazeFollower(self.config.robot, perceiver, len(self.config.world.scene.objects), seed)
+
+    def new_perceiver(self, rng: np.random.Generator) -> Perceiver:
+        """How the robot perceives; ``self.world`` is there already."""
+        if self.config.perception == "truth":
+            return TruthPerception(self.config.truth, self.world, rng)
+        return PixelPerception(self.config.pixels, np.array([item.rgb for item in self.config.world.scene.objects]))
+
+    def begin(self) -> None:
+        """The minutes before: learn the patterns of the face, or take over what an earlier robot knew."""
+        if self.config.start_from is not None:
+            self.robot.load(read_weights(self.config.start_from))
+            return
+        for frame in range(round(self.config.robot.familiarise.minutes * FRAMES_PER_MINUTE)):
+            self.world.step(self.robot.familiarise(self._observation, frame))
+
+    def step(self, watch: Callable[["Session"], None] | None = None) -> None:
+        """One frame; ``watch`` is shown the session when the robot has perceived and decided, before anything moves."""
+        world, robot = self.world, self.robot
+        rendered, turning = world.rendered_frames, robot.shift is not None
+        head = world.head_angles()
+        command = robot.act(self._observation)
+        if robot.landed is not None and self._launch is not None:
+            self._record_landing(robot.landed, self._launch, np.degrees(head))
+        if robot.shift is not None and (robot.landed is not None or not turning):
+            self._launch = Moment.now(world, self.frame)
+        self.frames.add(world, robot, world.rendered_frames > rendered, head)
+        if watch is not None:
+            watch(self)
+        world.step(command)
+        self.frame += 1
+
+    def _record_landing(self, shift: GazeShift, launch: Moment, head: np.ndarray) -> None:
+        landing = Moment.now(self.world, self.frame)
+        judgement = success = None
+        if shift.source == self.robot.face:
+            judgement = judge(launch, landing, head)
+            moments = {
+                "launch": judgement.at_launch,
+                "landing": judgement.at_landing,
+                "either": judgement.at_launch or judgement.at_landing,
+            }
+            success = moments[self.config.success]
+        radius = self.config.robot.gaze.centre_radius_deg
+        self.shifts.append(
+            shift_row(shift, launch, landing, head, self.robot.iterations, self.names, judgement, success, radius)
+        )
+
+    def attach(self, folder: Path) -> None:
+        """Keep frames and shifts in ``folder`` from now on, and not in memory (see ``RowStore``)."""
+        self.frames.rows.attach(folder)
+        self.shifts.rows.attach(folder)
+
+    def weights(self) -> dict[str, np.ndarray]:
+        """What the robot has learned, as named arrays."""
+        return self.robot.weights()
+
+    def check(self) -> None:
+        """Go on only with finite numbers; asked before every checkpoint and before results are written.
+
+        Raises:
+            NotFiniteError: What was learned, or the simulation, is NaN or infinite.
+        """
+        check_finite(self.weights())
+        self.world.check()
+
+    def summary(self, wall_seconds: float) -> dict[str, Any]:
+        """The session so far in numbers (see ``recording.summary``)."""
+        return summarise(self.frames, self.shifts, self.config.minutes, wall_seconds)
+
+    def close(self) -> None:
+        """Free what pictures needed."""
+        self.world.close()

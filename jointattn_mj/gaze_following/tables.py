@@ -1,0 +1,212 @@
+"""The larger table of a session: one row a frame; written as Parquet.
+
+A frame costs microseconds. Candidates and phases are numbers in the rows and names in the file.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+from numba import njit
+
+from jointattn_mj.gaze_following.agent import GazeFollower
+from jointattn_mj.gaze_following.columns import FRAME, described
+from jointattn_mj.io.parquet import write_parts
+from jointattn_mj.io.rows import RowStore, spans
+from jointattn_mj.scene.camera import pixels_of_point
+from jointattn_mj.scene.caregiver import FRAME_S, Phase
+from jointattn_mj.scene.world import World
+
+PHASES = tuple(Phase)
+_PHASE_NUMBER = {phase: number for number, phase in enumerate(PHASES)}
+_PER_FRAME = (
+    "phase", "target", "held", "attended", "head_moves", "rendered", "looked", "landed", "iterations",
+    "pan_deg", "tilt_deg", "face_yaw_deg", "face_pitch_deg",
+)  # fmt: skip
+_PER_OBJECT = ("x_m", "y_m", "z_m")
+_PER_CANDIDATE = ("saliency", "motion", "interest", "seen", "moves", "x_px", "y_px")
+GROUP = 1 << 16
+"""Frames in a row group of the file: 36 minutes."""
+_BOOL = ("head_moves", "rendered", "looked", "landed", "seen", "moves", "really_moves")
+
+
+@njit(cache=True)
+def _write(row, numbers, head, face, objects, saliency, motion, interest):
+    """The columns up to interest, in their order; -1 stands for None. Compiled: it runs in every frame."""
+    for column, number in enumerate(numbers):
+        row[column] = number if number >= 0 else np.nan
+    column = len(numbers)
+    for angle in (head[0], head[1], face[0], face[1]):
+        row[column] = np.degrees(angle)
+        column += 1
+    for k in range(len(objects)):
+        for axis in range(3):
+            row[column] = objects[k, axis]
+            column += 1
+    n = len(saliency)
+    if column + 3 * n > len(row) or n != len(motion) or n != len(interest):
+        raise ValueError("a row of the table is too short for the objects")
+    row[column : column + n] = saliency
+    row[column + n : column + 2 * n] = motion
+    row[column + 2 * n : column + 3 * n] = interest
+
+
+@njit(cache=True)
+def _write_percept(row, seen, moves, px):
+    """The columns of what was seen, the last of a row."""
+    n = len(seen)
+    if 4 * n > len(row) or n > len(moves) or n > len(px):
+        raise ValueError("a row of the table is too short for the candidates")
+    for k in range(n):
+        row[k], row[n + k], row[2 * n + 2 * k], row[2 * n + 2 * k + 1] = seen[k], moves[k], px[k, 0], px[k, 1]
+
+
+class FrameTable:
+    """One row a frame. Numbers are float32; what a frame has no value for is NaN.
+
+    What follows from the rest (how far off the face was seen, what really moved) is worked out when it is read.
+    """
+
+    def __init__(self, objects: tuple[str, ...], face_above_deg_s: float, object_above_m_s: float):
+        """``face_above_deg_s`` and ``object_above_m_s``: speeds from which on something really moves."""
+        self.candidates = (*objects, "face")
+        self.above = (*[object_above_m_s] * len(objects), face_above_deg_s)
+        self.face_point = np.full(3, np.nan)
+        names: list[tuple[str, int | None]] = [(name, None) for name in _PER_FRAME]
+        names += [(name, k) for k in range(len(objects)) for name in _PER_OBJECT]
+        names += [(name, k) for name in _PER_CANDIDATE[:-2] for k in range(len(objects) + 1)]
+        names += [(name, k) for k in range(len(objects) + 1) for name in _PER_CANDIDATE[-2:]]
+        self.index = {name: index for index, name in enumerate(names)}
+        self.rows = RowStore("frames", np.float32, len(names))
+
+    @property
+    def frames(self) -> int:
+        """Frames so far."""
+        return len(self.rows)
+
+    def add(self, world: World, robot: GazeFollower, rendered: bool, head: np.ndarray) -> None:
+        """Write down this frame: the world as it is, and what the robot made of it. ``head`` (2,) in rad.
+
+        Raises:
+            OutputError: The file that the table is kept in cannot be written.
+        """
+        caregiver, percept, attention = world.caregiver, robot.percept, robot.attention
+        if not self.frames:
+            self.face_point[:] = world.candidate_points()[-1]
+        row = self.rows.free()[0]
+        numbers = (
+            _PHASE_NUMBER[caregiver.phase],
+            -1 if caregiver.target is None else caregiver.target,
+            -1 if caregiver.held is None else caregiver.held,
+            -1 if robot.attended is None else robot.attended,
+            int(robot.shift is not None),
+            int(rendered),
+            int(percept is not None),
+            int(robot.landed is not None),
+            robot.iterations,
+        )
+        _write(
+            row, numbers, head, world.face_angles(), caregiver.objects,
+            attention.saliency, attention.motion, attention.interest,
+        )  # fmt: skip
+        seen = row[-4 * len(self.candidates) :]
+        if percept is None:
+            seen[:] = np.nan
+        else:
+            _write_percept(seen, percept.seen, percept.moves, percept.px)
+        self.rows.fill(1)
+
+    def column(self, name: str, candidate: int | None = None) -> np.ndarray:
+        """(frames,) values of a column so far; per-candidate columns need the candidate's number."""
+        return self.rows.column(self.index[name, candidate])
+
+    def table(self) -> pa.Table:
+        """All frames with names for numbers."""
+        return self.part().table()
+
+    def part(self, first: int = 0, last: int | None = None) -> "FramePart":
+        """The frames from ``first`` to before ``last``, by default to the end."""
+        return FramePart(self, first, self.frames if last is None else last)
+
+    def recent(self, frames: int) -> "FramePart":
+        """The last ``frames`` frames, or as many as there are."""
+        return self.part(max(0, self.frames - frames))
+
+    def parts(self, frames: int) -> Iterator["FramePart"]:
+        """All frames, so many at a time; one empty part where there are none."""
+        return (self.part(first, last) for first, last in spans(self.frames, frames))
+
+
+class FramePart:
+    """Some successive frames of a table; ``first`` is the number of the first one, ``len`` counts them."""
+
+    def __init__(self, table: FrameTable, first: int, last: int):
+        self.first, self._table = first, table
+        self._before = min(first, 1)  # the frame before them, since which things have moved
+        self._values = table.rows.read(first - self._before, last)
+
+    def __len__(self) -> int:
+        """Frames in it."""
+        return len(self._values) - self._before
+
+    def column(self, name: str, candidate: int | None = None) -> np.ndarray:
+        """Values (frames,) of a column; per-candidate columns need the candidate's number."""
+        return self._values[self._before :, self._table.index[name, candidate]]
+
+    def face_error_px(self) -> np.ndarray:
+        """Distance (frames,) of the face as seen from where it really was; NaN where it was not seen."""
+        face = len(self._table.candidates) - 1
+        heads = np.column_stack([self.column("pan_deg"), self.column("tilt_deg")])
+        real = pixels_of_point(self._table.face_point, heads)
+        return np.hypot(self.column("x_px", face) - real[:, 0], self.column("y_px", face) - real[:, 1])
+
+    def really_moves(self, candidate: int) -> np.ndarray:
+        """Whether a candidate really moved since the frame before, (frames,) bool; nothing did in the very first."""
+        face = candidate == len(self._table.candidates) - 1
+        names, owner = (("face_yaw_deg", "face_pitch_deg"), None) if face else (_PER_OBJECT, candidate)
+        path = self._values[:, [self._table.index[name, owner] for name in names]]
+        speed = np.linalg.norm(np.diff(path, axis=0, prepend=path[:1]), axis=1) / FRAME_S
+        return speed[self._before :] > self._table.above[candidate]
+
+    def table(self) -> pa.Table:
+        """These frames with names for numbers."""
+        candidates = self._table.candidates
+        columns: dict[str, pa.Array] = {"time_s": pa.array((self.first + np.arange(len(self))) * FRAME_S)}
+        for name, candidate in self._table.index:
+            label = name if candidate is None else f"{candidates[candidate]}_{name}"
+            values = self.column(name, candidate)
+            if name == "phase":
+                columns[label] = _named(values, PHASES)
+            elif name in ("target", "held", "attended"):
+                columns[label] = _named(values, candidates)
+            else:
+                columns[label] = _typed(name, values)
+        columns["face_error_px"] = _typed("face_error_px", self.face_error_px())
+        for number, name in enumerate(candidates):
+            columns[f"{name}_really_moves"] = pa.array(self.really_moves(number))
+        return described(pa.table(columns), FRAME, candidates)
+
+
+def write_frames(path: Path, frames: FrameTable) -> None:
+    """Write all frames as Parquet, whole or not at all.
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
+    write_parts(path, (part.table() for part in frames.parts(GROUP)))
+
+
+def _named(values: np.ndarray, names: tuple[str, ...]) -> pa.Array:
+    missing = np.isnan(values)
+    numbers = pa.array(np.where(missing, 0, values).astype(np.int8), mask=missing)
+    return pa.DictionaryArray.from_arrays(numbers, pa.array([str(name) for name in names]))
+
+
+def _typed(name: str, values: np.ndarray) -> pa.Array:
+    missing = np.isnan(values)
+    if name in _BOOL:
+        return pa.array(np.where(missing, 0, values).astype(bool), mask=missing)
+    if name == "iterations":
+        return pa.array(values.astype(np.int32))
+    return pa.array(values, mask=missing)

@@ -1,0 +1,173 @@
+"""``jointattn discover``: which events in a recording are contingent, and which values carry them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from jointattn_mj.contingency.discovery import Finding, discover, least_surrogates
+from jointattn_mj.contingency.significance import Adjust, TestOptions
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.io.results import bracket, number, result_paths, share, write_results
+from jointattn_mj.options import Real, Seed, Whole
+from jointattn_mj.recordings.measure import exchange_notes
+from jointattn_mj.recordings.patience import patient
+from jointattn_mj.recordings.reader import ReadOptions
+
+MEASURES = {"sac": "state_action_contingency", "tc": "combined_transfer_entropy"}
+
+
+@dataclass(frozen=True)
+class DiscoverOptions(ReadOptions):
+    """Which events are compared, and how they are tested."""
+
+    file: tyro.conf.Positional[Path]
+    """CSV file with a header, or Parquet file, with a row for every step; the row after answers the row before."""
+    sensors: tuple[str, ...]
+    """Columns of what is sensed, S."""
+    actions: tuple[str, ...]
+    """Columns of what is done, A."""
+    results: tuple[str, ...]
+    """Columns of what may come of it, R."""
+    measure: Literal["sac", "tc"] = "sac"
+    """Contingency by SAC (eq. 5.2), or by T^C (eq. 4.3)."""
+    correction: Adjust = "holm"
+    """Correction of p for the number of events."""
+    alpha: Annotated[float, Real("[1e-9, 1)")] = 0.05
+    """Level of significance."""
+    explain: Annotated[int, Whole("[0, 1e6]")] = 3
+    """So many of the first events, if significant, also tell which values carry them."""
+    base: Annotated[float, Real("(1, 1e6]")] = 2
+    """Base of the logarithm: 2 for bits."""
+    surrogates: Annotated[int, Whole("[1, 1e9]")] = 1000
+    """Permutations of the sensor within (r, a), behind effective values and p."""
+    resamples: Annotated[int, Whole("[0, 1e9]")] = 500
+    """Bootstrap resamples behind the intervals; 0 leaves these out."""
+    seed: Seed = 0
+    """Random seed of both."""
+    across_recordings: bool = False
+    """Permute among all recordings: for many short ones of the same kind."""
+    out: Path | None = None
+    """Also write the rows here, as .csv and, with config and versions, as .json."""
+    yes: bool = False
+    """Go on however long the surrogates take; without, more than half an hour is refused."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not (self.sensors and self.actions and self.results):
+            raise ConfigError("discover needs at least one column each for --sensors, --actions and --results")
+
+    def test(self) -> TestOptions:
+        """How significance is found."""
+        return TestOptions(self.surrogates, across_recordings=self.across_recordings, resamples=self.resamples)
+
+    @property
+    def events(self) -> int:
+        """Number of events."""
+        return len(self.sensors) * len(self.actions) * len(self.results)
+
+    @property
+    def draws(self) -> int:
+        """Surrogates and resamples of all events."""
+        return (self.surrogates + self.resamples) * self.events
+
+
+@dataclass(frozen=True)
+class DiscoverResult:
+    """All events, the most contingent first."""
+
+    options: DiscoverOptions
+    findings: tuple[Finding, ...]
+    labels: dict[str, tuple[str, ...]]
+    notes: tuple[str, ...]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row an event."""
+        return [
+            {
+                "rank": rank,
+                "sensor": one.sensor,
+                "action": one.action,
+                "result": one.result,
+                "plug_in": one.significance.value,
+                "effective": one.significance.corrected,
+                "low": one.significance.interval[0],
+                "high": one.significance.interval[1],
+                "normalised": one.normalised,
+                "z": one.significance.z,
+                "p": one.significance.p,
+                "p_adjusted": one.p_adjusted,
+                "significant": one.p_adjusted <= self.options.alpha,
+                "transitions": one.significance.transitions,
+                "values": "; ".join(self._values(one)),
+            }
+            for rank, one in enumerate(self.findings, 1)
+        ]
+
+    def text(self) -> str:
+        """A table to read, and the values in words."""
+        width = max(len(one.event) for one in self.findings)
+        name = "SAC" if self.options.measure == "sac" else "T^C"
+        lines = [
+            f"{'event':{width}}{name:>10}{'effective':>11}{'95% interval':>22}{'share':>9}{'z':>8}{'p':>9}{'p adj.':>9}"
+        ]
+        for one in self.findings:
+            found = one.significance
+            mark = " *" if one.p_adjusted <= self.options.alpha else ""
+            lines.append(
+                f"{one.event:{width}}{number(found.value):>10}{number(found.corrected):>11}{bracket(found.interval):>22}"
+                f"{share(one.normalised):>9}{found.z:8.1f}{found.p:9.4f}{one.p_adjusted:9.4f}{mark}"
+            )
+        for one in self.findings:
+            if one.values:
+                lines += ["", f"{one.event} is carried by", *(f"  {words}" for words in self._values(one))]
+        how = {"holm": "by Holm", "benjamini_hochberg": "by Benjamini and Hochberg", "none": "not corrected"}
+        adjusted = how[self.options.correction]
+        lines += [
+            "",
+            f"* significant at {self.options.alpha:g}; p adj.: for {self.options.events} events, {adjusted}.",
+        ]
+        return "\n".join([*lines, *(f"Note: {note}." for note in self.notes)])
+
+    def _values(self, one: Finding) -> list[str]:
+        return [value.words((one.sensor, one.action, one.result), self.labels) for value in one.values]
+
+
+def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = lambda done: None) -> DiscoverResult:
+    """Read the file, measure and test every event; ``progress`` is told of surrogates and resamples as they are drawn.
+
+    Raises:
+        SeriesError: The file or a column cannot be measured.
+        ConfigError: The surrogates would take more than half an hour, and ``yes`` is not said.
+        OutputError: ``out`` is there already or cannot be written.
+    """
+    paths = None if options.out is None else result_paths(options.out, "events")
+    data = options.read(options.file, [*options.sensors, *options.actions, *options.results])
+    findings = discover(
+        data.columns,
+        options.sensors,
+        options.actions,
+        options.results,
+        measure=MEASURES[options.measure],
+        options=options.test(),
+        how=options.correction,
+        alpha=options.alpha,
+        base=options.base,
+        seed=options.seed,
+        explain=options.explain,
+        groups=data.groups,
+        progress=patient(progress, options.draws, options.yes),
+    )
+    notes = [*data.notes(), *exchange_notes([one.significance for one in findings])]
+    needed = least_surrogates(options.events, options.alpha)
+    if options.correction == "holm" and options.surrogates < needed:
+        notes.append(
+            f"with {options.surrogates} surrogates no single one of {options.events} events can be significant; "
+            f"--surrogates {needed} would do"
+        )
+    result = DiscoverResult(options, findings, data.labels, tuple(notes))
+    if paths is not None:
+        write_results(paths, result.rows(), options, notes=result.notes)
+    return result

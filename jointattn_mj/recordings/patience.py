@@ -1,0 +1,49 @@
+"""Refuses a computation of hours or days that somebody has asked for by a slip, as soon as its pace is known."""
+
+import time
+from collections.abc import Callable
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.io.progress import duration
+
+LONG_S = 1800.0
+"""What would take longer is not gone on with unasked."""
+KNOWN_AFTER_S = 1.0
+"""Seconds of drawing after which the pace is taken as known."""
+
+
+def patient(
+    progress: Callable[[int], object], total: int, yes: bool, clock: Callable[[], float] = time.monotonic
+) -> Callable[[int], object]:
+    """``progress`` that also sees how long all ``total`` draws will take; ``yes``: however long that is.
+
+    The first report says when drawing has begun: what was compiled before does not count.
+
+    Raises:
+        ConfigError: From the progress call, where the rest would take longer than LONG_S.
+    """
+    if yes:
+        return progress
+    begun: float | None = None
+    first = done = 0
+    known = False
+
+    def watch(more: int) -> None:
+        nonlocal begun, first, done, known
+        progress(more)
+        done += more
+        if begun is None:
+            begun, first = clock(), done
+            return
+        spent = clock() - begun
+        if known or spent < KNOWN_AFTER_S:
+            return
+        known = True
+        left = (total - done) * spent / (done - first)
+        if left > LONG_S:
+            raise ConfigError(
+                f"{total:,} surrogates and resamples would take about {duration(left)} on this machine; ask for fewer, "
+                "or say --yes to wait"
+            )
+
+    return watch

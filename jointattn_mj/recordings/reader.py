@@ -1,0 +1,155 @@
+"""Reads observations from a CSV or Parquet file: a row a step, a column a variable, labels of any kind."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+
+from jointattn_mj.contingency.series import joint
+from jointattn_mj.errors import SeriesError
+from jointattn_mj.options import Checked, Whole
+from jointattn_mj.recordings.labels import coded
+from jointattn_mj.recordings.table_files import read_columns
+
+Missing = Literal["error", "break"]
+"""What a missing value does: it is an ``error``, or it ends the recording there, and the next row begins another."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadOptions(Checked):
+    """How a file of observations is read."""
+
+    recording: str | None = None
+    """Column that tells independent recordings apart: no step leads from one into another."""
+    missing: Missing = "error"
+    """What a missing value does: an error, or a break in the recording."""
+    encoding: str | None = None
+    """Encoding of a text file, such as cp1252; UTF-8 where nothing is said, or what its byte order mark says."""
+    skip_rows: Annotated[int, Whole("[0, 1e9]")] = 0
+    """Lines above the header to leave out."""
+    rows_are_steps: bool = False
+    """Take rows as steps although columns such as onset and offset look like a list of events."""
+
+    def read(self, path: Path | str, columns: Sequence[str]) -> "Recordings":
+        """The columns as :func:`read_recordings` reads them with these options."""
+        if not isinstance(path, (str, os.PathLike)):
+            raise SeriesError(f"expected the path of a file; got {type(path).__name__}")
+        return _read(Path(path), list(dict.fromkeys(columns)), self)
+
+
+@dataclass(frozen=True)
+class Recordings:
+    """Variables as series of codes, and what the codes are called."""
+
+    columns: dict[str, list[np.ndarray]]
+    """Codes by variable, recording by recording."""
+    labels: dict[str, tuple[str, ...]]
+    """Label of each code by variable: numbers ascending, other labels in the order of the alphabet."""
+    groups: list[int]
+    """Which recording each of the series' arrays belongs to: pieces of one that was cut have the same number."""
+    rows: int
+    """Rows of the file."""
+    cut: int = 0
+    """Rows with missing values, at which recordings were cut."""
+    alone: int = 0
+    """Rows without missing values that take part in no transition, as nothing stands before or after them."""
+
+    @property
+    def transitions(self) -> int:
+        """Steps that have a next one."""
+        return sum(len(part) - 1 for part in next(iter(self.columns.values())))
+
+    def joined(self, names: Sequence[str]) -> tuple[list[np.ndarray], tuple[str, ...]]:
+        """Several variables taken as one, and the labels of the combinations that occur; one is taken as it is."""
+        if len(names) == 1:
+            return self.columns[names[0]], self.labels[names[0]]
+        codes = joint(*(self.columns[name] for name in names))
+        parts = codes if isinstance(codes, list) else [codes]
+        first = np.unique(np.concatenate(parts), return_index=True)[1]
+        single = [np.concatenate(self.columns[name])[first] for name in names]
+        combinations = zip(
+            *(np.array(self.labels[name])[at] for name, at in zip(names, single, strict=True)), strict=True
+        )
+        return parts, tuple(" & ".join(combination) for combination in combinations)
+
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know about rows that could not be used as they are."""
+        notes = []
+        if self.cut:
+            notes.append(f"{self.cut} of {self.rows} rows have missing values; recordings were cut there")
+        if self.alone:
+            notes.append(f"{self.alone} rows have nothing before or after them and take part in no transition")
+        return tuple(notes)
+
+
+def read_recordings(
+    path: Path | str,
+    columns: Sequence[str],
+    recording: str | None = None,
+    missing: Missing = "error",
+    *,
+    encoding: str | None = None,
+    skip_rows: int = 0,
+    rows_are_steps: bool = False,
+) -> Recordings:
+    """Read ``columns`` of a text file with a header, separated by commas, semicolons or tabs, or of a Parquet file.
+
+    What the file holds counts, not its name. Rows with the same value of the column ``recording`` are one recording, in
+    their order in the file; such values are names. Labels lose blanks around them; 1.0 and 1,0 are the same as 1.
+    Nothing, NA, NaN, null and such are missing. For the other arguments see :class:`ReadOptions`.
+
+    Raises:
+        SeriesError: No such file or column, nothing in it, another encoding, missing values, numbers with fractions,
+            a list of events, or no transition.
+    """
+    options = ReadOptions(
+        recording=recording, missing=missing, encoding=encoding, skip_rows=skip_rows, rows_are_steps=rows_are_steps
+    )
+    return options.read(path, columns)
+
+
+def _read(path: Path, columns: list[str], options: ReadOptions) -> Recordings:
+    recording = options.recording
+    wanted = list(dict.fromkeys([*columns, *([recording] if recording is not None else [])]))
+    table = read_columns(path, wanted, options.encoding, options.skip_rows, options.rows_are_steps)
+    rows = table.num_rows
+    if rows < 2:
+        raise SeriesError(f"{path} has {rows or 'no'} row{'s' * (rows != 1)} below its header; at least 2 are needed")
+    codes = {name: coded(table.column(i), name) for i, name in enumerate(wanted) if name in columns}
+    marks = None if recording is None else coded(table.column(wanted.index(recording)), recording, identifies=True)[0]
+    absent = np.zeros(rows, bool)
+    for name in wanted:
+        gaps = (marks if marks is not None and name == recording else codes[name][0]) < 0
+        if gaps.any() and (options.missing == "error" or name == recording):
+            hint = "" if name == recording else "; fill them in, or cut recordings there with --missing break"
+            raise SeriesError(
+                f"column {name!r} of {path} has {int(gaps.sum())} missing values, the first in data row "
+                f"{int(np.argmax(gaps)) + 1}{hint}"
+            )
+        absent |= gaps
+    pieces = _pieces(absent, marks)
+    kept = [piece for piece in pieces if len(piece) > 1]
+    if not kept:
+        raise SeriesError(f"{path} has no two rows in one recording, so nothing follows anything")
+    return Recordings(
+        {name: [codes[name][0][piece] for piece in kept] for name in columns},
+        {name: codes[name][1] for name in columns},
+        [0 if marks is None else int(marks[piece[0]]) for piece in kept],
+        rows,
+        int(absent.sum()),
+        sum(len(piece) == 1 for piece in pieces),
+    )
+
+
+def _pieces(absent: np.ndarray, recording: np.ndarray | None) -> list[np.ndarray]:
+    """Row numbers of each stretch without gaps in one recording."""
+    order = np.arange(len(absent)) if recording is None else np.argsort(recording, kind="stable")
+    breaks = np.zeros(len(absent), bool)
+    breaks[1:] = absent[order][1:] != absent[order][:-1]
+    if recording is not None:
+        breaks[1:] |= np.diff(recording[order]) != 0
+    pieces = np.split(order, np.flatnonzero(breaks))
+    return [piece for piece in pieces if not absent[piece[0]]]

@@ -1,0 +1,176 @@
+"""``jointattn experiment``: list claims, run what is missing of them, report what is stored."""
+
+import sys
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from jointattn_mj.errors import ConfigError, LaboratoryError
+from jointattn_mj.options import Checked, Seed, Whole
+from jointattn_mj.sweeps.registry import Registry
+
+EXPERIMENTS = "experiments.registry"
+LONGEST_NAME = 200
+CHECKOUT = (
+    "experiments are part of the source checkout, not of the installed package: clone the repository of jointattn-mj "
+    "and run the command in its folder"
+)
+
+
+@dataclass(frozen=True)
+class ListOptions(Checked):
+    """Say which claims there are, and with --out how much of each is stored."""
+
+    out: Path | None = None
+    """Folder of results."""
+    registry: str = EXPERIMENTS
+    """Module whose REGISTRY has the claims."""
+
+
+@dataclass(frozen=True)
+class RunOptions(Checked):
+    """Compute what is missing of some claims. It can be stopped at any time; the same command goes on."""
+
+    claims: tyro.conf.Positional[tuple[str, ...]]
+    """Ids of claims, or all."""
+    out: Path
+    """Folder for the results; what it holds already is not computed again."""
+    runs: Annotated[int, Whole("[1, 1e6]")] | None = None
+    """Runs of each setting, instead of its own number."""
+    seed: Seed | None = None
+    """Seed of the first run."""
+    setting: str | None = None
+    """Only this setting, or those whose ids begin so."""
+    jobs: Annotated[int, Whole("[0, 1024]")] = 0
+    """Cells at once on this machine; 0 for one a core."""
+    backend: Literal["loky", "dask"] = "loky"
+    """Processes of this machine, or the workers of a dask scheduler."""
+    address: str | None = None
+    """Where the scheduler listens, such as tcp://127.0.0.1:8786."""
+    registry: str = EXPERIMENTS
+    """Module whose REGISTRY has the claims."""
+
+
+@dataclass(frozen=True)
+class ReportOptions(Checked):
+    """Write what is stored as one page (report.html), as claims.json, claims.csv and figures."""
+
+    folder: Annotated[Path, tyro.conf.Positional]
+    """Folder of results."""
+    claims: tuple[str, ...] = ()
+    """Only these; by default all that have cells there."""
+    registry: str = EXPERIMENTS
+    """Module whose REGISTRY has the claims."""
+
+
+def do(options: ListOptions | RunOptions | ReportOptions) -> None:
+    """What the options ask for.
+
+    Raises:
+        ConfigError: Options that cannot work.
+        OutputError: The folder cannot be used.
+        LaboratoryError: No experiments here, no workers there, or cells that failed.
+    """
+    registry = load_registry(options.registry)
+    if isinstance(options, ListOptions):
+        print(listing(registry, options.out))
+    elif isinstance(options, RunOptions):
+        _run(registry, options)
+    else:
+        _report(registry, options)
+
+
+def load_registry(module: str) -> Registry:
+    """The claims; those of this project are looked for in the working directory too.
+
+    Raises:
+        LaboratoryError: They are not there.
+    """
+    expected = CHECKOUT if module == EXPERIMENTS else "expected a module that Python finds, such as my_claims.registry"
+    if not all(part.isidentifier() for part in module.split(".")) or len(module) > LONGEST_NAME:
+        raise LaboratoryError(f"{module[:60]!r} is no name of a module; {expected}")
+    if (Path.cwd() / module.split(".")[0]).is_dir() and str(Path.cwd()) not in sys.path:
+        sys.path.append(str(Path.cwd()))
+    try:
+        registry = getattr(import_module(module), "REGISTRY", None)
+    except ModuleNotFoundError as error:
+        if error.name is None or not module.startswith(error.name):
+            raise LaboratoryError(f"cannot import {module}: {error}") from error
+        raise LaboratoryError(f"cannot import {module}; {expected}") from error
+    except Exception as error:
+        raise LaboratoryError(f"cannot import {module}: {type(error).__name__}: {error}") from error
+    if not isinstance(registry, Registry):
+        raise LaboratoryError(f"{module} has no REGISTRY; see jointattn_mj.sweeps.registry.Registry")
+    return registry
+
+
+def chosen(registry: Registry, ids: tuple[str, ...]) -> list[str]:
+    """Ids of the claims that are meant, in their order.
+
+    Raises:
+        ConfigError: None, or one that is not there.
+    """
+    known = ", ".join(registry)
+    if not ids:
+        raise ConfigError(f"expected ids of claims, or all; there are {known}")
+    if ids == ("all",):
+        return list(registry)
+    for claim in ids:
+        if claim not in registry.entries:
+            raise ConfigError(f"no claim has the id {claim!r}; there are {known}")
+    return [claim for claim in registry if claim in ids]
+
+
+def listing(registry: Registry, folder: Path | None) -> str:
+    """A line a claim; with a folder how many of its cells are there, and how many failed."""
+    rows = [("id", "stored", "claim", "source")] if folder else [("id", "", "claim", "source")]
+    for claim, entry in registry.entries.items():
+        rows.append((claim, _stored(registry, claim, folder) if folder else "", entry.title, entry.source))
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    lines = []
+    for row in rows:
+        lines.append("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True) if width).rstrip())
+    return "\n".join(lines)
+
+
+def _stored(registry: Registry, claim: str, folder: Path) -> str:
+    from jointattn_mj.sweeps.run import Selection, plan
+    from jointattn_mj.sweeps.store import Store
+
+    store = Store(folder)
+    known, failed = store.known(claim), len(store.failures(claim))
+    tasks = list(plan([registry[claim]], Selection()))
+    there = sum(task.key in known for task in tasks)
+    more = f", {len(known) - there} more" if len(known) > there else ""
+    return f"{there}/{len(tasks)}{more}" + (f", {failed} failed" if failed else "")
+
+
+def _run(registry: Registry, options: RunOptions) -> None:
+    from jointattn_mj.io.progress import count
+    from jointattn_mj.sweeps.backends import new_backend
+    from jointattn_mj.sweeps.progress import Progress
+    from jointattn_mj.sweeps.run import Selection, run
+
+    ids = chosen(registry, options.claims)
+    selection = Selection(options.setting, options.runs, options.seed)
+    try:
+        claims = [registry[claim] for claim in ids]
+        backend = new_backend(options.backend, options.jobs, options.address)
+        always = {} if options.registry == EXPERIMENTS else {"registry": options.registry}
+        tally = run(claims, selection, options.out, backend, Progress(), **always)
+    except KeyboardInterrupt:
+        print(f"jointattn: stopped; the same command goes on with what is in {options.out}", file=sys.stderr)
+        raise
+    print(options.out)
+    if tally.failed:
+        raise LaboratoryError(f"{count(len(tally.failed), 'cell')} failed; the same command tries them again")
+
+
+def _report(registry: Registry, options: ReportOptions) -> None:
+    from jointattn_mj.sweeps.report import write_report
+
+    ids = chosen(registry, options.claims) if options.claims else list(registry)
+    print(write_report(registry, ids, options.folder))

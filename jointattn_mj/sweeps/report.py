@@ -1,0 +1,285 @@
+"""What is stored, as one page to read, and as tables for programs. The same cells give the same bytes."""
+
+import base64
+import csv
+import io
+import json
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import yaml
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from matplotlib.figure import Figure
+
+from jointattn_mj.errors import LaboratoryError, OutputError
+from jointattn_mj.io.files import write_whole
+from jointattn_mj.io.progress import count
+from jointattn_mj.io.provenance import plain
+from jointattn_mj.io.results import without_nan
+from jointattn_mj.sweeps.claim import Claim, Finding, Verdict
+from jointattn_mj.sweeps.registry import Entry, Registry
+from jointattn_mj.sweeps.run import command
+from jointattn_mj.sweeps.store import Store, Stored
+
+FEWEST = 5
+"""With fewer runs, and fewer than a claim asks for, nothing is decided."""
+LARGEST_SVG = 300_000
+"""Bytes; a larger drawing is shown as PNG."""
+DPI = 150
+UNCHANGING: dict[Any, Any] = {"svg.hashsalt": "jointattn", "svg.fonttype": "path"}
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """One claim on the page."""
+
+    entry: Entry
+    findings: Sequence[Finding] = ()
+    figures: Mapping[str, Figure] = field(default_factory=dict)
+    seeds: Mapping[str, Sequence[int]] = field(default_factory=dict)
+    """Stored seeds of every setting, an empty list where there is none."""
+    configs: Mapping[str, Any] = field(default_factory=dict)
+    commands: Sequence[str] = ()
+    versions: Sequence[Mapping[str, str]] = ()
+    film: Path | None = None
+    notes: Sequence[str] = ()
+    """What a reader should know of the cells: some failed, some are of other settings."""
+    trouble: Sequence[str] = ()
+    """Errors of the analysis itself."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """Of all findings together."""
+        return Verdict.of_all(finding.verdict for finding in self.findings)
+
+    @property
+    def tally(self) -> str:
+        """How many findings have which verdict, such as ``3 reproduced, 1 undecided``."""
+        given = [finding.verdict for finding in self.findings]
+        return ", ".join(f"{given.count(verdict)} {verdict}" for verdict in Verdict if verdict in given)
+
+    @property
+    def runs(self) -> int:
+        """Stored cells."""
+        return sum(map(len, self.seeds.values()))
+
+
+def write_report(registry: Registry, ids: Sequence[str], folder: Path) -> Path:
+    """Write report.html, claims.json, claims.csv, claims.md and figures/ into ``folder``; returns the page.
+
+    Raises:
+        OutputError: No such folder, no cells in it, or it cannot be written.
+        LaboratoryError: An analysis failed; everything else has been written.
+    """
+    chapters = [chapter(registry, claim, Store(folder)) for claim in ids]
+    if not any(one.runs for one in chapters):
+        raise OutputError(f"{folder} holds no cells of {', '.join(ids)}; run some with `{command(['ID'], folder)}`")
+    pictures = {one.entry.id: _save(one, folder / "figures") for one in chapters}
+    tables = {
+        "claims.json": json.dumps(without_nan([_facts(one) for one in chapters]), indent=1, ensure_ascii=False) + "\n",
+        "claims.csv": _csv(chapters),
+        "claims.md": _markdown(chapters),
+        "report.html": _page(chapters, pictures, folder),
+    }
+    for name, text in tables.items():
+        _write(folder / name, text.encode())
+    trouble = [f"{one.entry.id}: {error}" for one in chapters for error in one.trouble]
+    if trouble:
+        raise LaboratoryError(f"{folder / 'report.html'} is written, but not all of it: {'; '.join(trouble)}")
+    return folder / "report.html"
+
+
+def chapter(registry: Registry, claim_id: str, store: Store) -> Chapter:
+    """All that is to be said about one claim; nothing is imported for one without cells."""
+    entry = registry.entries[claim_id]
+    if not store.known(claim_id):
+        return Chapter(entry)
+    claim = registry[claim_id]
+    stored, trouble = store.read(claim), []
+    findings: Sequence[Finding] = ()
+    figures: Mapping[str, Figure] = {}
+    try:
+        findings = claim.analyse(stored.cells)
+    except Exception as error:
+        trouble.append(f"analyse: {type(error).__name__}: {error}")
+    try:
+        figures = claim.draw(stored.cells)
+    except Exception as error:
+        trouble.append(f"draw: {type(error).__name__}: {error}")
+    seeds = {name: [cell.seed for cell in stored.cells.get(name, ())] for name in claim.settings}
+    return Chapter(
+        entry=entry,
+        findings=[weighed(finding, claim, max(map(len, seeds.values()))) for finding in findings],
+        figures=figures,
+        seeds=seeds,
+        configs={name: plain(setting.config) for name, setting in claim.settings.items()},
+        commands=commands(claim, seeds, store.folder),
+        versions=stored.versions,
+        film=claim.film if claim.film is not None and claim.film.exists() else None,
+        notes=_notes(stored, store.failures(claim_id)),
+        trouble=trouble,
+    )
+
+
+def weighed(finding: Finding, claim: Claim, runs: int) -> Finding:
+    """The finding, undecided where too few runs stand behind it; ``runs``: the most that any setting has."""
+    enough = min(FEWEST, max(setting.runs for setting in claim.settings.values()))
+    n = runs if finding.ours is None else min(finding.ours.n, runs)
+    if n >= enough or finding.verdict in (Verdict.EXTENSION, Verdict.UNDECIDED):
+        return finding
+    return replace(finding, verdict=Verdict.UNDECIDED, note=f"too few to say: {count(n, 'run')}")
+
+
+def commands(claim: Claim, seeds: Mapping[str, Sequence[int]], folder: Path) -> list[str]:
+    """Command lines that compute exactly the cells with these seeds into ``folder``."""
+    wanted = {name: _ranges(found) for name, found in seeds.items() if found}
+    usual = {name: [range(claim.first_seed, claim.first_seed + one.runs)] for name, one in claim.settings.items()}
+    if wanted == {name: ranges for name, ranges in usual.items() if ranges[0]}:
+        return [command([claim.id], folder)]
+    groups: dict[tuple[int, int], list[str]] = {}
+    for name, ranges in wanted.items():
+        for one in ranges:
+            groups.setdefault((one.start, len(one)), []).append(name)
+    lines = []
+    for (first, runs), names in groups.items():
+        every = names == list(claim.settings)
+        seed = None if first == claim.first_seed else first
+        meant: Sequence[str | None] = [None] if every else names
+        lines += [command([claim.id], folder, setting=name, seed=seed, runs=runs) for name in meant]
+    return lines
+
+
+def _ranges(seeds: Sequence[int]) -> list[range]:
+    found: list[range] = []
+    for seed in seeds:
+        if found and seed == found[-1].stop:
+            found[-1] = range(found[-1].start, seed + 1)
+        else:
+            found.append(range(seed, seed + 1))
+    return found
+
+
+def _notes(stored: Stored, failures: Sequence[Mapping[str, Any]]) -> list[str]:
+    notes = []
+    if failures:
+        notes.append(f"Cells that failed: {len(failures)}; the same command tries them again")
+    unread = [failure["damaged"].name for failure in failures if "damaged" in failure]
+    if unread:
+        notes.append(f"Notes of failures that cannot be read: {len(unread)} ({', '.join(unread[:3])}); delete them")
+    if stored.others:
+        notes.append(f"Cells of other settings, or of another version, that are not used: {stored.others}")
+    if stored.damaged:
+        names = ", ".join(path.name for path in stored.damaged[:3])
+        notes.append(f"Files that hold no cell: {len(stored.damaged)} ({names}); delete them and run again")
+    return notes
+
+
+def _save(one: Chapter, folder: Path) -> dict[str, str]:
+    """Write the figures as PNG files; returns each as a data URI."""
+    uris = {}
+    with matplotlib.rc_context(UNCHANGING):
+        for stem, figure in one.figures.items():
+            drawing, picture = io.BytesIO(), io.BytesIO()
+            figure.savefig(picture, format="png", dpi=DPI, metadata={"Software": None})
+            figure.savefig(drawing, format="svg", metadata={"Date": None, "Creator": None})
+            folder.mkdir(parents=True, exist_ok=True)
+            _write(folder / f"{one.entry.id}-{stem}.png", picture.getvalue())
+            small = len(drawing.getvalue()) <= LARGEST_SVG
+            uris[stem] = _uri("image/svg+xml", drawing.getvalue()) if small else _uri("image/png", picture.getvalue())
+    return uris
+
+
+def _uri(kind: str, content: bytes) -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def _facts(one: Chapter) -> dict[str, Any]:
+    return {
+        "id": one.entry.id,
+        "title": one.entry.title,
+        "source": one.entry.source,
+        "says": one.entry.says,
+        "verdict": str(one.verdict) if one.findings else None,
+        "findings": [_row(finding) for finding in one.findings],
+        "commands": list(one.commands),
+        "settings": {
+            name: {"config": one.configs[name], "n": len(seeds), "seeds": _seeds_in_words(seeds)}
+            for name, seeds in one.seeds.items()
+        },
+        "versions": [dict(versions) for versions in one.versions],
+        "notes": [*one.notes, *one.trouble],
+        "figures": [f"figures/{one.entry.id}-{stem}.png" for stem in one.figures],
+    }
+
+
+def _row(finding: Finding) -> dict[str, Any]:
+    ours = finding.ours
+    return {
+        "what": finding.what,
+        "dissertation": finding.dissertation,
+        "value": None if ours is None else float(ours.mean),
+        "low": None if ours is None else float(ours.low),
+        "high": None if ours is None else float(ours.high),
+        "sd": None if ours is None else float(ours.sd),
+        "n": None if ours is None else int(ours.n),
+        "verdict": str(finding.verdict),
+        "note": finding.note,
+    }
+
+
+def _csv(chapters: Sequence[Chapter]) -> str:
+    columns = ("claim", "title", "source", "what", "dissertation", "value", "low", "high", "sd", "n", "verdict", "note")
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    for one in chapters:
+        about = {"claim": one.entry.id, "title": one.entry.title, "source": one.entry.source}
+        writer.writerows({**about, **_row(finding)} for finding in one.findings)
+    return text.getvalue()
+
+
+def _markdown(chapters: Sequence[Chapter]) -> str:
+    lines = ["| claim | what | dissertation | here, 95% interval | n | verdict |", "|---|---|---|---|---|---|"]
+    for one in chapters:
+        for finding in one.findings:
+            ours, n = ("", "") if finding.ours is None else (str(finding.ours), str(finding.ours.n))
+            verdict = f"{finding.verdict}: {finding.note}" if finding.note else str(finding.verdict)
+            cells = (one.entry.id, finding.what, finding.dissertation, ours, n, verdict)
+            lines.append(f"| {' | '.join(map(_plain_in_markdown, cells))} |")
+    return "\n".join(lines) + "\n"
+
+
+def _plain_in_markdown(text: str) -> str:
+    """On one line, and with nothing in it that would be read as a column, as code, as a link or as HTML."""
+    marks = str.maketrans({"\\": "\\\\", "|": "\\|", "`": "\\`", "&": "&amp;", "<": "&lt;"})
+    return " ".join(text.split()).translate(marks).replace("](", "]\\(")
+
+
+def _page(chapters: Sequence[Chapter], pictures: Mapping[str, Mapping[str, str]], folder: Path) -> str:
+    environment = Environment(
+        loader=PackageLoader("jointattn_mj.laboratory"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["seeds"] = _seeds_in_words
+    environment.filters["yaml"] = lambda config: yaml.safe_dump(config, sort_keys=False, default_flow_style=None)
+    films = {one.entry.id: _uri("video/mp4", one.film.read_bytes()) for one in chapters if one.film is not None}
+    return environment.get_template("report.html").render(
+        chapters=chapters, pictures=pictures, films=films, folder=shlex.quote(str(folder))
+    )
+
+
+def _seeds_in_words(seeds: Sequence[int]) -> str:
+    """``0-19, 30``."""
+    parts = _ranges(seeds)
+    return ", ".join(str(one[0]) if len(one) == 1 else f"{one[0]}-{one[-1]}" for one in parts) or "none"
+
+
+def _write(path: Path, content: bytes) -> None:
+    write_whole(path, lambda temporary: temporary.write_bytes(content))

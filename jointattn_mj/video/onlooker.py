@@ -1,0 +1,110 @@
+"""A third person's view of robot and caregiver, with lines of sight. Uses the truth; only for people to look at."""
+
+import copy
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+from dm_control.mujoco.engine import Camera
+from dm_control.mujoco.wrapper import MjModel, MjvScene
+
+from jointattn_mj.scene.camera import PIVOT
+from jointattn_mj.scene.model import ROBOT_GROUP, TABLE_Z
+from jointattn_mj.scene.rendering import RenderingPhysics
+from jointattn_mj.scene.world import World
+from jointattn_mj.video.paint import GREEN, PERSON, ROBOT, Colour
+
+HIT_DEG = 4.0
+"""A line of sight that passes a thing this near ends there; the robot counts 3.5 deg as looking at it."""
+_FARTHEST = 1.35  # m, length of a line of sight that meets nothing
+_START = 0.10  # m, where it leaves the head
+_FOVY_DEG = 33.5  # a little tighter than the camera's own: both heads just fit
+_LEFT, _DOWN = 0.045, 0.022  # rad, turn of the camera towards the middle between the two
+
+
+class Sight(NamedTuple):
+    """A line of sight in the world, metres."""
+
+    start: np.ndarray  # (3,)
+    end: np.ndarray  # (3,)
+    hit: int | None  # which of the things offered it ends at
+
+
+def line_of_sight(start: np.ndarray, ahead: np.ndarray, things: np.ndarray) -> Sight:
+    """Where somebody at ``start`` who looks along the unit vector ``ahead`` looks at; ``things`` (k, 3) may stop it."""
+    to = things - start
+    along = to @ ahead
+    off = np.degrees(np.arctan2(np.linalg.norm(to - along[:, None] * ahead, axis=1), along))
+    nearest = int(np.argmin(off))
+    begin = start + _START * ahead
+    if off[nearest] <= HIT_DEG:
+        return Sight(begin, start + along[nearest] * ahead, nearest)
+    to_table = (TABLE_Z - start[2]) / ahead[2] if ahead[2] < 0 else np.inf
+    return Sight(begin, start + min(to_table, _FARTHEST) * ahead, None)
+
+
+def sights(world: World) -> tuple[Sight, Sight]:
+    """The robot's and the caregiver's line of sight now. Objects are numbered as candidates; n is each other's face."""
+    data, candidates = world.data, world.candidate_points()
+    robot = line_of_sight(PIVOT, data.body("robot/tilt").xmat.reshape(3, 3)[:, 0], candidates)
+    eyes = [data.body(f"caregiver/eye_{side}") for side in ("left", "right")]
+    ahead = np.mean([eye.xmat.reshape(3, 3)[:, 0] for eye in eyes], axis=0)
+    between = np.mean([eye.xpos for eye in eyes], axis=0)
+    person = line_of_sight(between, ahead / np.linalg.norm(ahead), np.vstack([candidates[:-1], PIVOT]))
+    return robot, person
+
+
+class Onlooker:
+    """Renders the camera third_person with the robot's body and both lines of sight.
+
+    Has a physics of its own, the world's but for smooth edges and a tighter view, and copies poses into it: the world
+    and its eye are left as they are. Both render in dm_control's contexts, which know of each other.
+    """
+
+    def __init__(self, world: World, width: int, height: int):
+        model = copy.copy(world.model)
+        model.vis.global_.offwidth, model.vis.global_.offheight = width, height
+        model.vis.quality.offsamples = 4
+        view = model.camera("third_person")
+        view.fovy[:] = _FOVY_DEG
+        turn, quat = np.empty(4), view.quat.copy()
+        mujoco.mju_euler2Quat(turn, np.array([-_DOWN, _LEFT, 0.0]), "xyz")
+        mujoco.mju_mulQuat(view.quat, quat, turn)
+        self._world = world
+        self._physics = RenderingPhysics.from_model(MjModel(model))
+        self._camera = Camera(self._physics, height, width, "third_person", scene_callback=self._add_sights)
+        self._camera.option.geomgroup[ROBOT_GROUP] = 1
+        self.together = False
+
+    def look(self) -> np.ndarray:
+        """The picture now, uint8 (height, width, 3); ``together`` then says whether both look at the same object."""
+        model, data, now = self._physics.model.ptr, self._physics.data.ptr, self._world.data
+        data.qpos[:], data.mocap_pos[:], data.mocap_quat[:] = now.qpos, now.mocap_pos, now.mocap_quat
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_camlight(model, data)
+        return self._camera.render()
+
+    def close(self) -> None:
+        """Free model, data and rendering context."""
+        self._physics.free()
+
+    def _add_sights(self, physics: RenderingPhysics, scene: MjvScene) -> None:
+        robot, person = sights(self._world)
+        objects = range(len(self._world.caregiver.objects))
+        self.together = robot.hit in objects and robot.hit == person.hit
+        _add_line(scene, person, GREEN if self.together else PERSON)
+        _add_line(scene, robot, GREEN if self.together else ROBOT)
+
+
+def _add_line(scene: MjvScene, sight: Sight, colour: Colour) -> None:
+    """One more glowing line in the scene, with a dot where it ends."""
+    rgba = np.array([*0.0028 * np.array(colour), 0.85], np.float32)
+    scene.ngeom += 2
+    line, dot = scene.geoms[-2:]
+    nothing, upright = np.zeros(3), np.eye(3).ravel()
+    mujoco.mjv_initGeom(line, mujoco.mjtGeom.mjGEOM_CAPSULE, nothing, nothing, upright, rgba)
+    mujoco.mjv_connector(line, mujoco.mjtGeom.mjGEOM_CAPSULE, 0.005, sight.start, sight.end)
+    mujoco.mjv_initGeom(dot, mujoco.mjtGeom.mjGEOM_SPHERE, np.full(3, 0.012), sight.end, upright, rgba)
+    for geom in (line, dot):
+        geom.emission = 0.7
