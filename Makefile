@@ -25,7 +25,7 @@ from-pictures:
 # Where nothing can be rendered.
 from-state:
 	@echo "No pictures can be rendered here: this demo runs from the simulator's state, and leaves no video."
-	$(BIN)/jointattn session --minutes 26 --seed 0 --perception truth --out $(OUT)
+	$(BIN)/jointattn session --minutes 26 --seed 0 --perception state --out $(OUT)
 	@echo
 	@echo "26 minutes of a robot that learns:              $(OUT)/success.png  $(OUT)/som.png  $(OUT)/summary.json"
 

@@ -1,6 +1,6 @@
 """Every claim under its id. A claim is one entry here and one folder beside this file:
 
-``sweep.py`` has ``SETTINGS`` and ``cell`` (and ``FIRST_SEED`` or ``VERSION`` where they are not 0 and 1, and ``FILM``,
+``sweep.py`` has ``SETTINGS`` and ``trial`` (and ``FIRST_SEED`` or ``VERSION`` where they are not 0 and 1, and ``FILM``,
 the path of a short video, where there is one), ``analysis.py`` has ``analyse`` and ``draw``. Nothing of them is
 imported before it is needed.
 """

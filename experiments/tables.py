@@ -9,9 +9,9 @@ from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.contingency.online.reactive import AvoidingModule
 from jointattn_mj.development.agent import DeveloperConfig
 from jointattn_mj.development.behaviour import behaviours, phases
-from jointattn_mj.development.loop import Life
+from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.table.presets import PRESETS
-from jointattn_mj.development.table.run import TableLife
+from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.options import Checked, Share, Whole
 
@@ -20,11 +20,11 @@ STAGES = ("(S1, A1, R3)", "(Π1, A1, R1)", "(Π1, A1, R2)")
 
 
 @dataclass(frozen=True)
-class Run(Checked):
+class TableRunConfig(Checked):
     """A mind at a table for some turns."""
 
     world: TableConfig
-    mind: DeveloperConfig
+    agent: DeveloperConfig
     turns: Annotated[int, Whole("[1, 1e10]")] = 100_000
     stop_after: Annotated[int, Whole("[0, 1e10]")] = 100
     """Modules after which it may stop."""
@@ -32,9 +32,9 @@ class Run(Checked):
     """Share of gaze shifts to the face that an avoiding reactive module leaves; None: the random module."""
 
 
-def run(preset: str, **changes: Any) -> Run:
+def table_config(preset: str, **changes: Any) -> TableRunConfig:
     """A preset with changes such as ``world.spots``, ``caregiver.lead``, ``detector.base`` or ``turns``."""
-    chosen = Run(PRESETS[preset].world, PRESETS[preset].mind)
+    chosen = TableRunConfig(PRESETS[preset].world, PRESETS[preset].agent)
     for name, value in changes.items():
         part, _, last = name.partition(".")
         if not last:
@@ -44,35 +44,35 @@ def run(preset: str, **changes: Any) -> Run:
         elif part == "caregiver":
             caregiver = replace(chosen.world.caregiver, **{last: value})
             chosen = replace(chosen, world=replace(chosen.world, caregiver=caregiver))
-        elif part == "mind":
-            chosen = replace(chosen, mind=replace(chosen.mind, **{last: value}))
+        elif part == "agent":
+            chosen = replace(chosen, agent=replace(chosen.agent, **{last: value}))
         else:
-            inner = replace(getattr(chosen.mind, part), **{last: value})
-            chosen = replace(chosen, mind=replace(chosen.mind, **{part: inner}))
+            inner = replace(getattr(chosen.agent, part), **{last: value})
+            chosen = replace(chosen, agent=replace(chosen.agent, **{part: inner}))
     return chosen
 
 
-def live(run: Run, seed: int, sample_every: int = 0) -> TableLife:
-    """The life of a run; contingency is noted every ``sample_every`` turns, or never."""
-    avoiding = () if run.avoids_faces is None else (AvoidingModule("shift gaze", "caregiver", run.avoids_faces),)
-    life = TableLife(run.world, run.mind, seed, run.turns, avoiding, sample_every or run.turns)
-    while life.lived < run.turns and len(life.found) < run.stop_after:
-        life.live(1000)
-    return life
+def run_table(config: TableRunConfig, seed: int, sample_every: int = 0) -> TableRun:
+    """A run at the symbolic table, to its end; contingency is logged every ``sample_every`` steps, or never."""
+    avoiding = () if config.avoids_faces is None else (AvoidingModule("shift gaze", "caregiver", config.avoids_faces),)
+    run = TableRun(config.world, config.agent, seed, config.turns, avoiding, sample_every or config.turns)
+    while run.steps_done < config.turns and len(run.found) < config.stop_after:
+        run.advance(1000)
+    return run
 
 
-def develop(run: Run, seed: int) -> dict[str, Any]:
-    """Cell: which modules were made when, whether gaze following is right, and what the robot did in each phase."""
-    life = live(run, seed)
-    variables, spots = life.mind.variables, run.world.spots
-    made = [found for found in life.found if found.module is not None]
+def develop(config: TableRunConfig, seed: int) -> dict[str, Any]:
+    """Trial: which modules were made when, whether gaze following is right, and what the robot did in each phase."""
+    run = run_table(config, seed)
+    variables, spots = run.agent.variables, config.world.spots
+    made = [found for found in run.found if found.module is not None]
     following = [found.module.command[0] for found in made[:1] if variables.symbol(found.event) == STAGES[0]]
-    done = behaviours(life.log("caregiver's face"), life.log("shift gaze"), spots)
+    done = behaviours(run.log("caregiver's face"), run.log("shift gaze"), spots)
     return {
         "modules": [variables.symbol(found.event) for found in made],
-        "turns": [found.turn for found in made],
+        "turns": [found.step for found in made],
         "directions_right": int((following[0][:spots] == np.arange(spots)).sum()) if following else None,
-        "phases": [list(phase.rates) for phase in phases(done, [found.turn for found in made])],
+        "phases": [list(phase.rates) for phase in phases(done, [found.step for found in made])],
     }
 
 
@@ -86,8 +86,8 @@ def time_of(result: dict[str, Any], stage: int) -> float:
     return result["turns"][stage] if len(result["turns"]) > stage else np.inf
 
 
-def target_lead(life: Life, event: Event) -> float:
+def target_lead(run: DevelopmentRun, event: Event) -> float:
     """How much higher the measure of an event is than that of any other; below 0 where another is higher."""
-    values = life.mind.mind.watch.values
-    number = life.mind.events.index(event)
+    values = run.agent.state.watch.values
+    number = run.agent.events.index(event)
     return float(values[number] - np.delete(values, number).max())

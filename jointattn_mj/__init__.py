@@ -1,4 +1,4 @@
-"""A robot that learns to look where somebody else is looking, from rendered pictures, in MuJoCo."""
+"""A robot that learns to look where somebody else is looking, from rendered images, in MuJoCo."""
 
 from typing import Any
 

@@ -30,7 +30,7 @@ class ClosedError(JointAttnError, RuntimeError):
 
 
 class GLError(JointAttnError, RuntimeError):
-    """No picture can be rendered on this machine as it is."""
+    """No image can be rendered on this machine as it is."""
 
 
 class OutputError(JointAttnError, OSError):
@@ -57,11 +57,11 @@ class SeriesError(JointAttnError, ValueError):
     """Observations cannot be measured as they are: unequal lengths, missing values, what is no code."""
 
 
-class CellError(JointAttnError, ValueError):
+class TrialError(JointAttnError, ValueError):
     """A cell of an experiment has a config or a result that cannot be stored."""
 
 
-class LaboratoryError(JointAttnError, RuntimeError):
+class SweepError(JointAttnError, RuntimeError):
     """Experiments cannot be found, or the workers that were asked for cannot be reached."""
 
 

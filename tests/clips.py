@@ -11,34 +11,34 @@ from jointattn_mj.scene.camera import pixels_of_points
 from jointattn_mj.scene.world import World, WorldConfig
 
 
-def encode(path: Path, pictures: np.ndarray, *arguments: str, rate: str = "30") -> Path:
-    """Write RGB pictures (n, h, w, 3) uint8 with ffmpeg; losslessly where no arguments say otherwise."""
-    height, width = pictures.shape[1:3]
+def encode(path: Path, images: np.ndarray, *arguments: str, rate: str = "30") -> Path:
+    """Write RGB images (n, h, w, 3) uint8 with ffmpeg; losslessly where no arguments say otherwise."""
+    height, width = images.shape[1:3]
     source = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", rate, "-i", "-"]
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-y", *source, "-threads", "1"]
-    subprocess.run([*command, *(arguments or ("-c:v", "ffv1")), str(path)], input=pictures.tobytes(), check=True)
+    subprocess.run([*command, *(arguments or ("-c:v", "ffv1")), str(path)], input=images.tobytes(), check=True)
     return path
 
 
 def counted(frames: int, width: int = 64, height: int = 48) -> np.ndarray:
-    """Pictures that tell their number by how many of their columns are white, (n, h, w, 3); up to ``width`` of them."""
-    pictures = np.zeros((frames, height, width, 3), np.uint8)
-    for number, picture in enumerate(pictures):
-        picture[:, :number] = 255
-    return pictures
+    """Images that tell their number by how many of their columns are white, (n, h, w, 3); up to ``width`` of them."""
+    images = np.zeros((frames, height, width, 3), np.uint8)
+    for number, image in enumerate(images):
+        image[:, :number] = 255
+    return images
 
 
-def number_of(picture: np.ndarray) -> int:
-    """Which of the counted pictures this is."""
-    return int((picture.mean(axis=(0, 2)) > 128).sum())
+def number_of(image: np.ndarray) -> int:
+    """Which of the counted images this is."""
+    return int((image.mean(axis=(0, 2)) > 128).sum())
 
 
 @dataclass
 class Clip:
     """A rendered person at a table, seen by a camera that stands still."""
 
-    pictures: np.ndarray  # (n, 240, 320, 3) uint8 RGB
-    places: np.ndarray  # (n, 5, 2) px, where the objects and the face truly are
+    images: np.ndarray  # (n, 240, 320, 3) uint8 RGB
+    locations: np.ndarray  # (n, 5, 2) px, where the objects and the face truly are
     moving: np.ndarray  # (n, 5) bool
 
     @classmethod
@@ -49,11 +49,11 @@ class Clip:
         world, ahead = World.build(config, np.random.SeedSequence(seed)), np.radians([0.0, -8.0])
         for _ in range(25):
             world.step(ahead)
-        pictures, places, moving = [], [], []
+        images, locations, moving = [], [], []
         for _ in range(frames):
             world.step(ahead)
-            pictures.append(world.picture().copy())
-            places.append(pixels_of_points(world.candidate_points(), np.degrees(world.head_angles())))
+            images.append(world.image().copy())
+            locations.append(pixels_of_points(world.candidate_points(), np.degrees(world.head_angles())))
             moving.append(world.moving(4.0, 0.05))
         world.close()
-        return cls(np.array(pictures), np.array(places), np.array(moving))
+        return cls(np.array(images), np.array(locations), np.array(moving))

@@ -22,7 +22,7 @@ class Block:
     text: str
 
     @property
-    def place(self) -> str:
+    def location(self) -> str:
         return f"{self.page.relative_to(ROOT)}:{self.line}"
 
 
@@ -37,7 +37,7 @@ class Command:
     """Whether it ends in ``&``."""
 
     def __str__(self) -> str:
-        return f"{self.block.place}: {shlex.join(self.words)}"
+        return f"{self.block.location}: {shlex.join(self.words)}"
 
     def option(self, name: str) -> str | None:
         """What follows ``name``; None where it is not there."""

@@ -28,15 +28,15 @@ class Stage:
         self._set("caregiver/neck_yaw", yaw)
         self._set("caregiver/neck_pitch", pitch)
 
-    def put(self, name: str, place: tuple[float, float, float]) -> None:
+    def put(self, name: str, location: tuple[float, float, float]) -> None:
         """Put an object's centre somewhere, metres."""
-        self.data.mocap_pos[self.model.body(f"object/{name}").mocapid[0]] = place
+        self.data.mocap_pos[self.model.body(f"object/{name}").mocapid[0]] = location
 
-    def place_of(self, name: str) -> np.ndarray:
+    def location_of(self, name: str) -> np.ndarray:
         """An object's centre, (3,) metres."""
         return self.data.mocap_pos[self.model.body(f"object/{name}").mocapid[0]].copy()
 
-    def picture(self) -> np.ndarray:
+    def image(self) -> np.ndarray:
         """(240, 320, 3) uint8."""
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_camlight(self.model, self.data)
@@ -45,7 +45,7 @@ class Stage:
 
     def gray(self) -> np.ndarray:
         """(240, 320) uint8."""
-        return cv2.cvtColor(self.picture(), cv2.COLOR_RGB2GRAY)
+        return cv2.cvtColor(self.image(), cv2.COLOR_RGB2GRAY)
 
     def face_px(self) -> np.ndarray:
         """Where the centre of the caregiver's head truly is."""

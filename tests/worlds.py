@@ -67,7 +67,7 @@ def contingency(table: np.ndarray) -> tuple[float, float]:
         given = summed / summed.sum(axis=3, keepdims=True).clip(1e-300)
         before = table.sum(axis=(1, 2), keepdims=True)
         alone = np.broadcast_to(before / before.sum(axis=3, keepdims=True).clip(1e-300), given.shape)
-        seen = summed > 0
-        return float((summed[seen] / n * np.log(given[seen] / alone[seen])).sum())
+        visible = summed > 0
+        return float((summed[visible] / n * np.log(given[visible] / alone[visible])).sum())
 
     return flow("sa") - flow("a"), flow("sa") - flow("s") - flow("a")

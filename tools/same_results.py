@@ -26,9 +26,9 @@ import pyarrow.parquet as pq
 import yaml
 
 COMMANDS = {
-    "session/state": "session --perception truth --minutes 6 --seed 3 --out {out}",
-    "session/no_cues": "session --perception truth --minutes 6 --seed 4 --no-motion-cues --out {out}",
-    "session/varied": "session --perception truth --minutes 2 --variation all --out {out}",
+    "session/state": "session --perception state --minutes 6 --seed 3 --out {out}",
+    "session/no_cues": "session --perception state --minutes 6 --seed 4 --no-motion-cues --out {out}",
+    "session/varied": "session --perception state --minutes 2 --variation all --out {out}",
     "session/pixels": "session --minutes 1 --seed 5 --out {out}",
     "session/video": "session --minutes 0.1 --seed 7 --start-from {session/pixels}/weights.npz --video --out {out}",
     "develop/thesis": "develop --preset thesis --steps 20000 --seed 1 --out {out}",

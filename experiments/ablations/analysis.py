@@ -9,19 +9,19 @@ from matplotlib.figure import Figure
 from experiments.ablations.sweep import SETTINGS
 from experiments.tables import in_order, time_of
 from jointattn_mj.development.behaviour import KEC
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, proportion
 
 
-def _results(cells: Cells, setting: str) -> list[dict[str, Any]]:
-    return [cell.result for cell in cells.get(setting, ())]
+def _results(trials: Trials, setting: str) -> list[dict[str, Any]]:
+    return [trial.result for trial in trials.get(setting, ())]
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """Order kept, with modules a run, the median turn of the third, and eye contact after it."""
     findings = []
     for setting in SETTINGS:
-        results = _results(cells, setting)
+        results = _results(trials, setting)
         if not results:
             continue
         order = proportion(sum(map(in_order, results)), len(results))
@@ -39,15 +39,15 @@ def analyse(cells: Cells) -> list[Finding]:
     return findings
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Share of runs with the order, and modules a run, for each change."""
-    settings = [setting for setting in SETTINGS if _results(cells, setting)]
+    settings = [setting for setting in SETTINGS if _results(trials, setting)]
     if not settings:
         return {}
     figure = Figure(figsize=(8, 0.27 * len(settings) + 1.2), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     rows = np.arange(len(settings))
-    groups = [_results(cells, setting) for setting in settings]
+    groups = [_results(trials, setting) for setting in settings]
     shares = [proportion(sum(map(in_order, results)), len(results)) for results in groups]
     numbers = [mean_interval([len(result["modules"]) for result in results]) for results in groups]
     for axes, values, words in ((left, shares, "FG, SCf, SC in order"), (right, numbers, "modules a run")):

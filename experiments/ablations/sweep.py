@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from experiments.tables import develop, run
+from experiments.tables import develop, table_config
 from jointattn_mj.sweeps.claim import Setting
 
 CHANGES = {
@@ -14,11 +14,11 @@ CHANGES = {
     "measure T^C": {"detector.measure": "tc"},
     "Miller-Madow": {"detector.correction": "miller_madow"},
     "claimed events drop out": {"detector.claimed": "drop"},
-    "history since birth": {"mind.history": "ever"},
-    "memory reset": {"mind.memory": "reset"},
-    "memory window 20,000": {"mind.memory": "window"},
-    "memory fading 20,000": {"mind.memory": "fading"},
-    "maps follow the counts": {"mind.refresh_every": 1000},
+    "history since birth": {"agent.history": "ever"},
+    "memory reset": {"agent.memory": "reset"},
+    "memory window 20,000": {"agent.memory": "window"},
+    "memory fading 20,000": {"agent.memory": "fading"},
+    "maps follow the counts": {"agent.refresh_every": 1000},
     "habituation as observed": {"selector.habituates": "observed"},
     "no habituation": {"selector.habituation": 0.0},
     "rule 1 over all not negative": {"reproduction.mean_over": "not_negative"},
@@ -36,7 +36,7 @@ AVOIDING = {
     f"fast, avoids faces, {words}": share for words, share in (("not", None), ("a third", 0.33), ("a tenth", 0.1))
 }
 """The model of autism that section 5.4 proposes, under a rule that does not mistake waiting for certainty."""
-SETTINGS = {name: Setting(run("thesis", **changes), runs=50) for name, changes in CHANGES.items()} | {
-    name: Setting(run("fast", avoids_faces=share), runs=50) for name, share in AVOIDING.items()
+SETTINGS = {name: Setting(table_config("thesis", **changes), runs=50) for name, changes in CHANGES.items()} | {
+    name: Setting(table_config("fast", avoids_faces=share), runs=50) for name, share in AVOIDING.items()
 }
-cell = develop
+trial = develop

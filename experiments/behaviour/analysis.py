@@ -7,23 +7,23 @@ from matplotlib.figure import Figure
 
 from experiments.tables import in_order
 from jointattn_mj.development.behaviour import BEHAVIOURS, FG, KEC
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
 
 PHASES = 4
 
 
-def _rates(cells: Cells, setting: str) -> np.ndarray:
+def _rates(trials: Trials, setting: str) -> np.ndarray:
     """(runs, phases, behaviours) of the runs with FG, SCf, SC in order."""
-    results = [cell.result for cell in cells.get(setting, ()) if in_order(cell.result)]
+    results = [trial.result for trial in trials.get(setting, ()) if in_order(trial.result)]
     return np.array([result["phases"][:PHASES] for result in results]).reshape(-1, PHASES, len(BEHAVIOURS))
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """Total change of behaviour with each module, and what rises with the third."""
     findings = []
     for setting in ("caregiver first", "robot first"):
-        rates = _rates(cells, setting)
+        rates = _rates(trials, setting)
         if not len(rates):
             continue
         changes = np.abs(np.diff(rates, axis=1)).sum(axis=2) / 2
@@ -43,15 +43,15 @@ def analyse(cells: Cells) -> list[Finding]:
     return findings
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Rates of the six behaviours in each phase."""
-    settings = [setting for setting in ("caregiver first", "robot first") if len(_rates(cells, setting))]
+    settings = [setting for setting in ("caregiver first", "robot first") if len(_rates(trials, setting))]
     if not settings:
         return {}
     figure = Figure(figsize=(8, 3.6), layout="constrained")
     panels = figure.subplots(1, len(settings), sharey=True, squeeze=False)[0]
     for axes, setting in zip(panels, settings, strict=True):
-        rates = _rates(cells, setting)
+        rates = _rates(trials, setting)
         for number, name in enumerate(BEHAVIOURS):
             line = [mean_interval(rates[:, phase, number]) for phase in range(PHASES)]
             errors = [[e.mean - e.low for e in line], [e.high - e.mean for e in line]]

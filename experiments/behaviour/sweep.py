@@ -1,11 +1,11 @@
 """Rates of six behaviours in the last 1000 turns of each phase between modules (Fig. 5.5)."""
 
-from experiments.tables import develop, run
+from experiments.tables import develop, table_config
 from jointattn_mj.sweeps.claim import Setting
 
 FIRST_SEED = 30_000
 SETTINGS = {
-    "caregiver first": Setting(run("thesis"), runs=100),
-    "robot first": Setting(run("thesis_robot_first"), runs=100),
+    "caregiver first": Setting(table_config("thesis"), runs=100),
+    "robot first": Setting(table_config("thesis_robot_first"), runs=100),
 }
-cell = develop
+trial = develop

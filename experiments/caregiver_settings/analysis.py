@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from experiments.caregiver_settings.sweep import CHANCES
 from experiments.tables import STAGES, in_order
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import proportion
 
 KNOWN = {
@@ -17,8 +17,8 @@ KNOWN = {
 }  # fmt: skip
 
 
-def _results(cells: Cells, answer: float, follow: float, lead: float) -> list[dict[str, Any]]:
-    return [cell.result for cell in cells.get(f"answer {answer} follow {follow} lead {lead}", ())]
+def _results(trials: Trials, answer: float, follow: float, lead: float) -> list[dict[str, Any]]:
+    return [trial.result for trial in trials.get(f"answer {answer} follow {follow} lead {lead}", ())]
 
 
 def common(results: list[dict[str, Any]]) -> list[tuple[str, float, float]]:
@@ -31,11 +31,11 @@ def common(results: list[dict[str, Any]]) -> list[tuple[str, float, float]]:
     return sorted(found, key=lambda item: item[1])
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """Settings in which FG is first, in which all three come, and what comes instead without an answer."""
     findings = []
     for answer in (1.0, 0.75, 0.5, 0.25, 0.0):
-        blocks = [results for f in CHANCES for p in CHANCES if (results := _results(cells, answer, f, p))]
+        blocks = [results for f in CHANCES for p in CHANCES if (results := _results(trials, answer, f, p))]
         if not blocks:
             continue
         made = [[symbol for symbol, _, _ in common(results)] for results in blocks]
@@ -76,11 +76,11 @@ def analyse(cells: Cells) -> list[Finding]:
     return findings
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Fig. 5.4: a block for each caregiver, a bar for each module, from the mean turn minus to plus one deviation."""
     figures = {}
     for answer in (1.0, 0.75, 0.5, 0.25, 0.0):
-        if not any(_results(cells, answer, f, p) for f in CHANCES for p in CHANCES):
+        if not any(_results(trials, answer, f, p) for f in CHANCES for p in CHANCES):
             continue
         figure = Figure(figsize=(9, 6.5), layout="constrained")
         grid = figure.subplots(5, 5, sharex=True, sharey=True)
@@ -88,7 +88,7 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
         for row, follow in enumerate(reversed(CHANCES)):
             for column, lead in enumerate(CHANCES):
                 axes = grid[row, column]
-                for place, (symbol, mean, deviation) in enumerate(common(_results(cells, answer, follow, lead))):
+                for location, (symbol, mean, deviation) in enumerate(common(_results(trials, answer, follow, lead))):
                     colour = (
                         KNOWN[symbol][0] if symbol in KNOWN else others.setdefault(symbol, f"C{5 + len(others) % 5}")
                     )
@@ -98,9 +98,9 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
                         else KNOWN.get(symbol, ("", symbol))[1]
                     )
                     axes.barh(
-                        place, max(2 * deviation, 800), left=mean - deviation, height=0.8, color=colour, label=label
+                        location, max(2 * deviation, 800), left=mean - deviation, height=0.8, color=colour, label=label
                     )
-                    axes.plot([mean, mean], [place - 0.4, place + 0.4], color="k", lw=1)
+                    axes.plot([mean, mean], [location - 0.4, location + 0.4], color="k", lw=1)
                 axes.set(xlim=(0, 100_000), ylim=(5.5, -0.5), yticks=[])
                 axes.set_xticks([0, 50_000, 100_000], ["0", "50k", "100k"], fontsize=7)
                 if row == 4:

@@ -6,19 +6,19 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.careless_caregiver.sweep import CARE
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
 
 
-def _leads(cells: Cells, care: float) -> np.ndarray:
-    return np.array([cell.result["lead"] * 1e3 for cell in cells.get(f"at objects {care}", ())])
+def _leads(trials: Trials, care: float) -> np.ndarray:
+    return np.array([trial.result["lead"] * 1e3 for trial in trials.get(f"at objects {care}", ())])
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """Signs: above 0 over p_c = .6 and below .2, in between not."""
     findings = []
     for care in CARE:
-        leads = _leads(cells, care)
+        leads = _leads(trials, care)
         if not len(leads):
             continue
         ours = mean_interval(leads)
@@ -33,9 +33,9 @@ def analyse(cells: Cells) -> list[Finding]:
     return findings
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Fig. 4.6."""
-    runs = [(care, leads) for care in CARE if len(leads := _leads(cells, care))]
+    runs = [(care, leads) for care in CARE if len(leads := _leads(trials, care))]
     figure = Figure(figsize=(6.4, 3.8), layout="constrained")
     axes = figure.subplots()
     axes.errorbar(

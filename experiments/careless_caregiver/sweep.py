@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from experiments.tables import Run, live, run, target_lead
+from experiments.tables import TableRunConfig, run_table, table_config, target_lead
 from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.sweeps.claim import Setting
 
@@ -11,11 +11,11 @@ TARGET = Event(0, 0, 1)
 
 FIRST_SEED = 30_000
 SETTINGS = {
-    f"at objects {care}": Setting(run("chapter4", turns=30_000, **{"caregiver.at_objects": care}), runs=20)
+    f"at objects {care}": Setting(table_config("chapter4", turns=30_000, **{"caregiver.at_objects": care}), runs=20)
     for care in CARE
 }
 
 
-def cell(config: Run, seed: int) -> dict[str, Any]:
+def trial(config: TableRunConfig, seed: int) -> dict[str, Any]:
     """Difference of T^C in bits between (S1, A1, R2) and the highest other event."""
-    return {"lead": target_lead(live(config, seed), TARGET)}
+    return {"lead": target_lead(run_table(config, seed), TARGET)}

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.continuous.sweep import CHECKPOINTS, WITHIN_DEG
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, median_interval, paired_difference, proportion
 
 Result = dict[str, Any]
@@ -19,9 +19,9 @@ LABELS = {
 }
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """Whether it was found; table, continuous map and chapter 6's learner on held-out faces; the same in the life."""
-    everything = [cell.result for cell in cells.get("scattered", ())]
+    everything = [trial.result for trial in trials.get("scattered", ())]
     results = _found(everything)
     if not results:
         return []
@@ -70,9 +70,9 @@ def analyse(cells: Cells) -> list[Finding]:
     return findings
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Errors over turns, with the module and with gaze at random; shifts before and after the map took over."""
-    results = _found([cell.result for cell in cells.get("scattered", ())])
+    results = _found([trial.result for trial in trials.get("scattered", ())])
     if not results:
         return {}
     figure = Figure(figsize=(12, 3.8), layout="constrained")
@@ -94,11 +94,11 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
         pair = [result["landings"][name]["within"] for name in ("table", "map")]
         if None not in pair:
             third.plot((0, 1), pair, "o-", color="#95a5a6", ms=3, lw=0.7)
-    for place, name in enumerate(("table", "map")):
+    for location, name in enumerate(("table", "map")):
         estimate = mean_interval([row["within"] for row in shares[name] if row["within"] is not None])
         off = [[estimate.mean - estimate.low], [estimate.high - estimate.mean]]
         third.errorbar(
-            place + 0.06 * (2 * place - 1), estimate.mean, off,
+            location + 0.06 * (2 * location - 1), estimate.mean, off,
             fmt="s", ms=6, capsize=4, color=COLOURS["informative"],
         )  # fmt: skip
     third.set(xticks=(0, 1), xlim=(-0.4, 1.4), ylim=(0, 1.02), ylabel=f"shifts of the module within {WITHIN_DEG} deg")

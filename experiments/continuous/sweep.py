@@ -1,4 +1,4 @@
-"""Lives from pictures in which the module of gaze following gets a continuous map, and what else could have been
+"""Lives from images in which the module of gaze following gets a continuous map, and what else could have been
 learned from what they saw."""
 
 from collections.abc import Iterable, Sequence
@@ -12,10 +12,10 @@ from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING
 from jointattn_mj.contingency.online.reactive import RandomModule
 from jointattn_mj.development.meaning import FACE, GAZE, OBJECT
-from jointattn_mj.development.rendered.continuous import FORWARD, SCATTERED, ContinuousConfig, ContinuousLife, Pair
+from jointattn_mj.development.rendered.continuous import FORWARD, SCATTERED, ContinuousConfig, ContinuousRun, Pair
 from jointattn_mj.development.rendered.run import RenderedConfig
 from jointattn_mj.development.table.presets import PRESETS
-from jointattn_mj.development.table.world import turn
+from jointattn_mj.development.table.world import step
 from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, make_learner
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.scene.camera import directions_to, off_centre
@@ -29,7 +29,7 @@ LINEAR = LearnerConfig(code="linear", rate=0.1)
 
 
 @dataclass(frozen=True)
-class Trial(Checked):
+class RunConfig(Checked):
     """A life, and what is asked of its maps."""
 
     world: RenderedConfig = SCATTERED
@@ -45,7 +45,7 @@ class Trial(Checked):
 FIRST_SEED = 50_000
 FILM = Path(__file__).with_name("continuous.mp4")
 """Made by ``python -m experiments.continuous.film``."""
-SETTINGS = {"scattered": Setting(Trial(), runs=20)}
+SETTINGS = {"scattered": Setting(RunConfig(), runs=20)}
 
 
 @dataclass(frozen=True)
@@ -58,38 +58,38 @@ class Look:
     others: np.ndarray
 
 
-def cell(trial: Trial, seed: int) -> dict[str, Any]:
+def trial(config: RunConfig, seed: int) -> dict[str, Any]:
     """When the event was found, how the module followed with its table and with its map, and what maps know when."""
     preset = PRESETS["fast"]
-    life = ContinuousLife(
-        preset.world, trial.world, preset.mind, seed, trial.most + trial.after, trial.continuous,
+    run = ContinuousRun(
+        preset.world, config.world, preset.agent, seed, config.most + config.after, config.continuous,
         (RandomModule(GAZE),),
     )  # fmt: skip
     following = None
-    while life.lived < trial.most and following is None:
-        life.live(100)
-        following = next((one for one in life.found if one.module and _follows(life, one.module.event)), None)
-    categories = life.senses.categories.count
+    while run.steps_done < config.most and following is None:
+        run.advance(100)
+        following = next((one for one in run.found if one.module and _follows(run, one.module.event)), None)
+    categories = run.senses.categories.count
     if following is None:
         return {"found": None, "categories": categories}
-    life.live(trial.after)
+    run.advance(config.after)
     by = {
-        name: [(one.off_deg, one.nearest) for one in life.landings if one.by_map is by_map]
+        name: [(one.off_deg, one.nearest) for one in run.landings if one.by_map is by_map]
         for name, by_map in (("table", False), ("map", True))
     }
-    looks = list(_looks(life, trial.looks, np.random.SeedSequence(seed).spawn(7)[6]))
+    looks = list(_looks(run, config.looks, np.random.SeedSequence(seed).spawn(7)[6]))
     return {
-        "found": following.turn,
+        "found": following.step,
         "categories": categories,
-        "ready": next((one.turn for one in life.landings if one.by_map), None),
+        "ready": next((one.step for one in run.landings if one.by_map), None),
         "landings": {name: _landed(rows) for name, rows in by.items()},
-        "pairs": _numbers(life.pairs, following.turn),
-        "maps": _maps(life, following.turn, looks),
+        "pairs": _numbers(run.pairs, following.step),
+        "maps": _maps(run, following.step, looks),
     }
 
 
-def _follows(life: ContinuousLife, event: Event) -> bool:
-    variables = life.mind.variables
+def _follows(run: ContinuousRun, event: Event) -> bool:
+    variables = run.agent.variables
     names = variables.sensors[event.sensor].name, variables.actions[event.action].name
     return (*names, variables.results[event.result].name) == (FACE, GAZE, OBJECT)
 
@@ -105,7 +105,7 @@ def _landed(rows: Sequence[tuple[float, bool]]) -> dict[str, Any]:
 
 
 def _numbers(pairs: Sequence[Pair], found: int) -> dict[str, int]:
-    since = [pair for pair in pairs if pair.turn >= found]
+    since = [pair for pair in pairs if pair.step >= found]
     forward = [pair for pair in since if pair.order == FORWARD]
     return {
         "face to object": len(forward),
@@ -114,43 +114,43 @@ def _numbers(pairs: Sequence[Pair], found: int) -> dict[str, int]:
     }
 
 
-def _looks(life: ContinuousLife, count: int, seed: np.random.SeedSequence) -> Iterable[Look]:
+def _looks(run: ContinuousRun, count: int, seed: np.random.SeedSequence) -> Iterable[Look]:
     """Faces that look at objects, seen while the gaze moves at random at a table of their own."""
     of_table, of_moves = seed.spawn(2)
-    stage, rng = life.stage, np.random.default_rng(of_moves)
+    stage, rng = run.stage, np.random.default_rng(of_moves)
     stage.begin(of_table)
     while count:
-        action = np.array([life.spots if rng.random() < 0.5 else rng.integers(life.spots), 0])
-        turn(stage.table, action, stage.sensors, stage.results)
-        stage.show(0, life.heads)
-        shown = life.look()
-        hers = life.target()
+        action = np.array([run.spots if rng.random() < 0.5 else rng.integers(run.spots), 0])
+        step(stage.table, action, stage.sensors, stage.results)
+        stage.show(0, run.heads)
+        shown = run.look()
+        hers = run.target()
         if shown.pattern is None or hers is None:
             continue
         directions = directions_to(np.vstack([hers, stage.world.caregiver.objects]))
         others = directions[1:][np.abs(directions[1:] - directions[0]).max(axis=1) > 1e-9]
-        categories = life.senses.categories
+        categories = run.senses.categories
         yield Look(categories.som.activations(shown.pattern), categories.of(shown.pattern), directions[0], others)
         count -= 1
 
 
-def _maps(life: ContinuousLife, found: int, looks: Sequence[Look]) -> dict[str, list[dict[str, Any]]]:
+def _maps(run: ContinuousRun, found: int, looks: Sequence[Look]) -> dict[str, list[dict[str, Any]]]:
     """What each way of learning knows at the checkpoints; of turns before the event was found, gaze was random."""
-    following = life.following
+    following = run.following
     if following is None:
         return {}
-    since = [pair for pair in life.pairs if pair.turn >= found]
-    before = [pair for pair in life.pairs if pair.turn < found]
-    face, gaze, object_there = (life.log(name).astype(int) for name in (FACE, GAZE, OBJECT))
+    since = [pair for pair in run.pairs if pair.step >= found]
+    before = [pair for pair in run.pairs if pair.step < found]
+    face, gaze, object_there = (run.log(name).astype(int) for name in (FACE, GAZE, OBJECT))
     informative = [
         pair
         for pair in before
         if pair.order == FORWARD
         and following.is_informative(
-            object_there[pair.turn - 1], face[pair.turn - 1], object_there[pair.turn], gaze[pair.turn - 1]
+            object_there[pair.step - 1], face[pair.step - 1], object_there[pair.step], gaze[pair.step - 1]
         )
     ]  # fmt: skip
-    population, cells = LearnerConfig(), len(life.senses.categories.som.weights)
+    population, units = LearnerConfig(), len(run.senses.categories.som.weights)
     chosen = [pair for pair in since if pair.informative]
     forward = [pair for pair in since if pair.order == FORWARD]
     ways = {
@@ -164,10 +164,10 @@ def _maps(life: ContinuousLife, found: int, looks: Sequence[Look]) -> dict[str, 
         "gaze at random, chapter 6": (population, before, 0),
     }
     answers = [following.module.command[0, look.category] for look in looks]
-    table = [None if a == OFFERS_NOTHING else np.degrees(life.heads[a]) for a in answers]
+    table = [None if a == OFFERS_NOTHING else np.degrees(run.heads[a]) for a in answers]
     known = {"table": [{"turns": 0, **_judged(table, looks)}]}
     for name, (config, pairs, start) in ways.items():
-        learner = make_learner(config, cells, np.random.default_rng(0))
+        learner = make_learner(config, units, np.random.default_rng(0))
         known[name] = list(_examined(learner, pairs, start, found if start == 0 else np.inf, looks))
     return known
 
@@ -180,7 +180,7 @@ def _examined(
     for turns in CHECKPOINTS:
         if start + turns > end:
             return
-        while left and left[0].turn < start + turns:
+        while left and left[0].step < start + turns:
             learner.learn(left[0].activations, left.pop(0).direction)
         yield {"turns": turns, "pairs": len(pairs) - len(left),
                **_judged([learner.predict(look.activations) for look in looks], looks)}  # fmt: skip

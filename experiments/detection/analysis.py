@@ -6,15 +6,15 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.detection.sweep import TARGET
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """The stop, the event that is found, and what remains of the others in the long run."""
     findings = []
     for setting, words in (("chapter4", "in bits"), ("chapter4_nats", "in nats")):
-        results = [cell.result for cell in cells.get(setting, ())]
+        results = [trial.result for trial in trials.get(setting, ())]
         if not results:
             continue
         stopped = [result for result in results if result["stop"] is not None]
@@ -33,7 +33,7 @@ def analyse(cells: Cells) -> list[Finding]:
             Verdict.REPRODUCED if close else Verdict.PARTLY,
             "the text does not say in which unit theta is",
         ))  # fmt: skip
-    long = [cell.result["values"] for cell in cells.get("long", ())]
+    long = [trial.result["values"] for trial in trials.get("long", ())]
     if long:
         target = mean_interval([1e3 * values[TARGET][-1] for values in long])
         others = mean_interval([1e3 * max(v[-1] for name, v in values.items() if name != TARGET) for values in long])
@@ -44,9 +44,9 @@ def analyse(cells: Cells) -> list[Finding]:
     return findings
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Fig. 4.4 with the range of all runs around the median."""
-    results = [cell.result for cell in cells.get("chapter4", ())]
+    results = [trial.result for trial in trials.get("chapter4", ())]
     if not results:
         return {}
     figure = Figure(figsize=(7, 4), layout="constrained")

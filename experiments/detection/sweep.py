@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.tables import Run, live, run
+from experiments.tables import TableRunConfig, run_table, table_config
 from jointattn_mj.sweeps.claim import Setting
 
 TARGET = "(S1, A1, R2)"
@@ -13,22 +13,22 @@ POINTS = 80
 
 FIRST_SEED = 30_000
 SETTINGS = {
-    "chapter4": Setting(run("chapter4"), runs=20),
-    "chapter4_nats": Setting(run("chapter4", **{"detector.base": float(np.e)}), runs=20),
-    "long": Setting(run("chapter4", turns=3_000_000), runs=5),
+    "chapter4": Setting(table_config("chapter4"), runs=20),
+    "chapter4_nats": Setting(table_config("chapter4", **{"detector.base": float(np.e)}), runs=20),
+    "long": Setting(table_config("chapter4", turns=3_000_000), runs=5),
 }
 
 
-def cell(config: Run, seed: int) -> dict[str, Any]:
+def trial(config: TableRunConfig, seed: int) -> dict[str, Any]:
     """Time courses of all events, when the stopping rule held, and since when the right event has been the first."""
-    life = live(config, seed, sample_every=100)
-    turns, values = life.contingency()
-    symbols = [life.mind.variables.symbol(event) for event in life.mind.events]
+    run = run_table(config, seed, sample_every=100)
+    turns, values = run.contingency()
+    symbols = [run.agent.variables.symbol(event) for event in run.agent.events]
     wrong = np.flatnonzero(values.argmax(axis=1) != symbols.index(TARGET))
     kept = np.unique(np.geomspace(1, len(turns), POINTS).astype(int)) - 1
     return {
-        "stop": life.found[0].turn if life.found else None,
-        "first_at_stop": symbols[life.mind.events.index(life.found[0].event)] if life.found else None,
+        "stop": run.found[0].step if run.found else None,
+        "first_at_stop": symbols[run.agent.events.index(run.found[0].event)] if run.found else None,
         "right_since": int(turns[wrong[-1] + 1])
         if len(wrong) and wrong[-1] + 1 < len(turns)
         else (None if len(wrong) else 100),

@@ -5,13 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """Mean counts on and off the diagonal."""
-    tables = [np.array(cell.result["counts"]) for cell in cells.get("chapter4", ())]
+    tables = [np.array(trial.result["counts"]) for trial in trials.get("chapter4", ())]
     if not tables:
         return []
     on = mean_interval([table.diagonal().mean() for table in tables])
@@ -27,9 +27,9 @@ def analyse(cells: Cells) -> list[Finding]:
     ]
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Fig. 4.7 as the mean over runs."""
-    tables = [np.array(cell.result["counts"]) for cell in cells.get("chapter4", ())]
+    tables = [np.array(trial.result["counts"]) for trial in trials.get("chapter4", ())]
     if not tables:
         return {}
     mean = np.mean(tables, axis=0)

@@ -4,24 +4,24 @@ from typing import Any
 
 import numpy as np
 
-from experiments.tables import Run, live, run
-from jointattn_mj.development.loop import Life
+from experiments.tables import TableRunConfig, run_table, table_config
+from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.sweeps.claim import Setting
 
 FIRST_SEED = 30_000
-SETTINGS = {"chapter4": Setting(run("chapter4", turns=30_000), runs=20)}
+SETTINGS = {"chapter4": Setting(table_config("chapter4", turns=30_000), runs=20)}
 
 
-def found_objects(life: Life) -> tuple[np.ndarray, np.ndarray]:
+def found_objects(run: DevelopmentRun) -> tuple[np.ndarray, np.ndarray]:
     """Caregiver's face (S1) and gaze shift (A1) of every turn after which the robot saw an object."""
-    found = life.log("object")[1:] == 1
-    return life.log("caregiver's face")[:-1][found], life.log("shift gaze")[:-1][found]
+    found = run.log("object")[1:] == 1
+    return run.log("caregiver's face")[:-1][found], run.log("shift gaze")[:-1][found]
 
 
-def cell(config: Run, seed: int) -> dict[str, Any]:
+def trial(config: TableRunConfig, seed: int) -> dict[str, Any]:
     """Counts (spots, spots): she looked at spot i, the robot looked at spot j and found an object."""
     spots = config.world.spots
-    face, gaze = found_objects(live(config, seed))
+    face, gaze = found_objects(run_table(config, seed))
     counts = np.zeros((spots, spots), int)
     both = (face < spots) & (gaze < spots)
     np.add.at(counts, (face[both], gaze[both]), 1)

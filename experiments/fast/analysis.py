@@ -8,27 +8,29 @@ from matplotlib.figure import Figure
 
 from experiments.fast.sweep import CHANCES, SETTINGS, SPOTS
 from experiments.tables import in_order, time_of
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import median_interval, proportion
 
 
-def _results(cells: Cells, setting: str) -> list[dict[str, Any]]:
-    return [cell.result for cell in cells.get(setting, ())]
+def _results(trials: Trials, setting: str) -> list[dict[str, Any]]:
+    return [trial.result for trial in trials.get(setting, ())]
 
 
-def _grid(cells: Cells, preset: str, spots: int) -> list[dict[str, Any]]:
-    return [r for f in CHANCES for p in CHANCES for r in _results(cells, f"{preset} spots {spots} follow {f} lead {p}")]
+def _grid(trials: Trials, preset: str, spots: int) -> list[dict[str, Any]]:
+    return [
+        r for f in CHANCES for p in CHANCES for r in _results(trials, f"{preset} spots {spots} follow {f} lead {p}")
+    ]
 
 
 def _third(results: list[dict[str, Any]]) -> list[float]:
     return [time_of(result, 2) if in_order(result) else np.inf for result in results]
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """The two presets in chapter 5's world, then in 45 others, then what each option of the rule does."""
     findings = []
     for preset in ("fast", "thesis"):
-        results = _results(cells, preset)
+        results = _results(trials, preset)
         if results:
             third, order = median_interval(_third(results)), proportion(sum(map(in_order, results)), len(results))
             findings.append(Finding(
@@ -38,7 +40,7 @@ def analyse(cells: Cells) -> list[Finding]:
             findings.append(Finding(f"order kept, preset {preset}", "90% of ten runs", order, Verdict.EXTENSION))
     for spots in SPOTS:
         for preset in ("fast", "thesis"):
-            results = _grid(cells, preset, spots)
+            results = _grid(trials, preset, spots)
             if not results:
                 continue
             order = proportion(sum(map(in_order, results)), len(results))
@@ -51,7 +53,7 @@ def analyse(cells: Cells) -> list[Finding]:
                 "not tried", order, Verdict.EXTENSION, note,
             ))  # fmt: skip
     for setting in SETTINGS:
-        results = _results(cells, setting)
+        results = _results(trials, setting)
         if results and setting.startswith("fast ") and "spots" not in setting:
             order = proportion(sum(map(in_order, results)), len(results))
             note = f"gaze alternation after {np.median(_third(results)):.0f} turns (median)"
@@ -59,14 +61,14 @@ def analyse(cells: Cells) -> list[Finding]:
     return findings
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Times of the third module in chapter 5's world; order kept in the others."""
-    if not _results(cells, "fast"):
+    if not _results(trials, "fast"):
         return {}
     figure = Figure(figsize=(9, 3.8), layout="constrained")
     left, right = figure.subplots(1, 2)
     for number, preset in enumerate(("fast", "thesis")):
-        times = np.sort(_third(_results(cells, preset)))
+        times = np.sort(_third(_results(trials, preset)))
         if len(times):
             left.step(times, (np.arange(len(times)) + 1) / len(times), where="post", color=f"C{number}", label=preset)
     left.axvline(10_000, color="k", ls=":", label="asked of the fast preset")
@@ -78,7 +80,7 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
     left.grid(alpha=0.3)
     for number, preset in enumerate(("fast", "thesis")):
         shares = [
-            (spots, proportion(sum(map(in_order, r)), len(r))) for spots in SPOTS if (r := _grid(cells, preset, spots))
+            (spots, proportion(sum(map(in_order, r)), len(r))) for spots in SPOTS if (r := _grid(trials, preset, spots))
         ]
         if shares:
             right.errorbar(

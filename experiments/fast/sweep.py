@@ -1,6 +1,6 @@
 """The preset ``fast`` beside ``thesis``: in the world of chapter 5, and in others that nobody chose anything for."""
 
-from experiments.tables import develop, run
+from experiments.tables import develop, table_config
 from jointattn_mj.sweeps.claim import Setting
 
 SPOTS = (2, 3, 4, 5, 6)
@@ -12,13 +12,13 @@ def _other_world(preset: str, spots: int, follow: float, lead: float, turns: int
         "world.spots": spots, "world.objects": min(2, spots - 1), "caregiver.follow": follow, "caregiver.lead": lead,
         "turns": turns, "stop_after": 3,
     }  # fmt: skip
-    return Setting(run(preset, **changes), runs=20)
+    return Setting(table_config(preset, **changes), runs=20)
 
 
 FIRST_SEED = 30_000
 SETTINGS = {
-    "fast": Setting(run("fast"), runs=100),
-    "thesis": Setting(run("thesis"), runs=100),
+    "fast": Setting(table_config("fast"), runs=100),
+    "thesis": Setting(table_config("thesis"), runs=100),
     **{
         f"{preset} spots {spots} follow {follow} lead {lead}": _other_world(preset, spots, follow, lead, turns)
         for preset, turns in (("fast", 60_000), ("thesis", 100_000))
@@ -27,7 +27,9 @@ SETTINGS = {
         for lead in CHANCES
     },
     **{
-        f"fast {option} {value}": Setting(run("fast", **{f"detector.{option}": value, "stop_after": 3}), runs=50)
+        f"fast {option} {value}": Setting(
+            table_config("fast", **{f"detector.{option}": value, "stop_after": 3}), runs=50
+        )
         for option, values in (
             ("deviations", (1.5, 2.0, 4.0)),
             ("precision", (0.25, 0.7, 1.0)),
@@ -37,4 +39,4 @@ SETTINGS = {
         for value in values
     },
 }
-cell = develop
+trial = develop

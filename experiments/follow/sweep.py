@@ -18,8 +18,8 @@ class Training(Checked):
     """Name in Gymnasium's registry."""
     truth: bool
     """Whether yaw and pitch of the caregiver's head are observed: which object she looks at follows from them."""
-    picture_height: Annotated[int, Whole("[1, 1000]")] | None = None
-    """Height of the grey picture that is observed, in pixels; None: no picture. Pictures are not stacked: her gaze
+    image_height: Annotated[int, Whole("[1, 1000]")] | None = None
+    """Height of the grey image that is observed, in pixels; None: no image. Images are not stacked: her gaze
     rests, and her face stays in view while the robot looks at the table."""
     steps: Annotated[int, Whole("[0, 1e10]")] = 12_288
     """Of experience, over all copies of the environment."""
@@ -47,15 +47,15 @@ class Training(Checked):
 
 STATE = Training("Follow-v0", truth=True)
 HARD = replace(STATE, environment="FollowHard-v0", steps=102_400, every=10_240)
-PICTURES = replace(
-    STATE, truth=False, picture_height=60, steps=61_440, every=10_240, copies=16, learning_rate=5e-4, batch=256,
+IMAGES = replace(
+    STATE, truth=False, image_height=60, steps=61_440, every=10_240, copies=16, learning_rate=5e-4, batch=256,
     epochs=4,
 )  # fmt: skip
 """More to be learned, so more copies and larger batches at a smaller rate; fewer epochs, for they take longest."""
 SETTINGS = {
     "follow/state": Setting(STATE, 10),
     "follow/blindfolded": Setting(replace(STATE, truth=False), 10),
-    "follow/pictures": Setting(PICTURES, 2),
+    "follow/images": Setting(IMAGES, 2),
     "follow_hard/state": Setting(HARD, 7),
     "follow_hard/blindfolded": Setting(replace(HARD, truth=False, steps=20_480, every=5120), 6),
 }
@@ -65,7 +65,7 @@ FIRST_SEED = 50_000
 """Parameters were chosen while looking at seed 0."""
 
 
-def cell(config: Training, seed: int) -> dict[str, Any]:
+def trial(config: Training, seed: int) -> dict[str, Any]:
     """The curve of a run of training, and baselines on the same episodes.
 
     Raises:

@@ -17,7 +17,7 @@ from stable_baselines3 import PPO  # noqa: E402
 from stable_baselines3.common.evaluation import evaluate_policy  # noqa: E402
 from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv, VecNormalize  # noqa: E402
 
-from experiments.follow.pictures import SmallPicture  # noqa: E402
+from experiments.follow.images import SmallImage  # noqa: E402
 
 if TYPE_CHECKING:
     from experiments.follow.sweep import Training
@@ -50,7 +50,7 @@ def tested(learner: PPO, environment: VecEnv, seed: int, episodes: int) -> float
 
 
 def earned(config: "Training", agent: str, seed: int) -> float:
-    """The same of an agent of ``jointattn play``, in the same episodes; none of the baselines needs a picture."""
+    """The same of an agent of ``jointattn play``, in the same episodes; none of the baselines needs an image."""
     task = IDS[config.environment]
     environment = load(DOMAIN, task, task_kwargs={"random": seed, "camera": False})
     played = play_episodes(environment, AGENTS[agent](environment, seed), PlayOptions(task, agent, config.episodes))
@@ -61,10 +61,10 @@ def earned(config: "Training", agent: str, seed: int) -> float:
 def _copies(config: "Training", number: int) -> VecEnv:
     """So many copies of the task, in this process; each gets a seed of its own from the learner.
 
-    Every pixel of a picture is normalised: as they are, a network for pictures makes nothing of so little contrast.
+    Every pixel of an image is normalised: as they are, a network for images makes nothing of so little contrast.
     """
     copies = DummyVecEnv([lambda: _environment(config)] * number)
-    if config.picture_height is None:
+    if config.image_height is None:
         return copies
     return VecNormalize(copies, norm_reward=False, norm_obs_keys=["camera"])
 
@@ -78,9 +78,9 @@ def _for_tests(config: "Training", practice: VecEnv) -> VecEnv:
 
 
 def _environment(config: "Training") -> gymnasium.Env:
-    camera = config.picture_height is not None
+    camera = config.image_height is not None
     made = gymnasium.make(f"jointattn_mj:{config.environment}", camera=camera, truth=config.truth)
-    return SmallPicture(made, config.picture_height) if camera else made
+    return SmallImage(made, config.image_height) if camera else made
 
 
 def _learner(config: "Training", environment: VecEnv, seed: int) -> PPO:

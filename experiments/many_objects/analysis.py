@@ -6,17 +6,17 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.many_objects.sweep import CHANCES, OBJECTS
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
 
 
-def _leads(cells: Cells, objects: int, follow: float | None = None, lead: float | None = None) -> np.ndarray:
+def _leads(trials: Trials, objects: int, follow: float | None = None, lead: float | None = None) -> np.ndarray:
     """Leads of all runs with so many objects, and where given with this p_r or p_i."""
     return np.array([
-        cell.result["lead"]
+        trial.result["lead"]
         for f in CHANCES if follow in (None, f)
         for p in CHANCES if lead in (None, p)
-        for cell in cells.get(f"follow {f} lead {p} objects {objects}", ())
+        for trial in trials.get(f"follow {f} lead {p} objects {objects}", ())
     ])  # fmt: skip
 
 
@@ -25,11 +25,11 @@ def _difference(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return one[:count] - other[:count]
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """Signs of the lead, and its change with p_r and p_i."""
     findings = []
     for objects in OBJECTS:
-        leads = _leads(cells, objects)
+        leads = _leads(trials, objects)
         if not len(leads):
             continue
         ours = mean_interval(leads * 1e3)
@@ -41,7 +41,7 @@ def analyse(cells: Cells) -> list[Finding]:
             "above 0" if expected else "not above 0", ours, verdict,
         ))  # fmt: skip
     for name, words in (("follow", "p_r"), ("lead", "p_i")):
-        high, low = (_leads(cells, 3, **{name: chance}) for chance in (0.75, 0.25))
+        high, low = (_leads(trials, 3, **{name: chance}) for chance in (0.75, 0.25))
         if len(high) and len(low):
             ours = mean_interval(_difference(high, low) * 1e3)
             findings.append(Finding(
@@ -52,13 +52,13 @@ def analyse(cells: Cells) -> list[Finding]:
     return findings
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Fig. 4.5: the lead over the number of objects, a line for each pair of p_r and p_i."""
     figure = Figure(figsize=(7, 4), layout="constrained")
     axes = figure.subplots()
     for row, follow in enumerate(CHANCES):
         for column, lead in enumerate(CHANCES):
-            runs = [(objects, _leads(cells, objects, follow, lead)) for objects in OBJECTS]
+            runs = [(objects, _leads(trials, objects, follow, lead)) for objects in OBJECTS]
             runs = [(objects, leads * 1e3) for objects, leads in runs if len(leads)]
             if runs:
                 axes.errorbar(

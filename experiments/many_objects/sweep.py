@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from experiments.tables import Run, live, run, target_lead
+from experiments.tables import TableRunConfig, run_table, table_config, target_lead
 from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.sweeps.claim import Setting
 
@@ -13,7 +13,9 @@ TARGET = Event(0, 0, 1)
 FIRST_SEED = 30_000
 SETTINGS = {
     f"follow {follow} lead {lead} objects {objects}": Setting(
-        run("chapter4", turns=30_000, **{"caregiver.follow": follow, "caregiver.lead": lead, "world.objects": objects}),
+        table_config(
+            "chapter4", turns=30_000, **{"caregiver.follow": follow, "caregiver.lead": lead, "world.objects": objects}
+        ),
         runs=20,
     )
     for follow in CHANCES
@@ -22,6 +24,6 @@ SETTINGS = {
 }
 
 
-def cell(config: Run, seed: int) -> dict[str, Any]:
+def trial(config: TableRunConfig, seed: int) -> dict[str, Any]:
     """Difference of T^C in bits between (S1, A1, R2) and the highest other event."""
-    return {"lead": target_lead(live(config, seed), TARGET)}
+    return {"lead": target_lead(run_table(config, seed), TARGET)}

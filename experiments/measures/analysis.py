@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.measures.sweep import MEASURES, OF_EVENTS
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import median_interval, proportion
 
 
@@ -19,9 +19,9 @@ def right_since(result: dict[str, Any], measure: str) -> float:
     return float(result["lengths"][since]) if since < len(right) else np.inf
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """The median over runs, and how many are right at the end."""
-    results = [cell.result for cell in cells.get("chapter4", ())]
+    results = [trial.result for trial in trials.get("chapter4", ())]
     findings = []
     for measure in MEASURES if results else ():
         since = median_interval([right_since(result, measure) for result in results])
@@ -33,9 +33,9 @@ def analyse(cells: Cells) -> list[Finding]:
     return findings
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Share of runs in which each measure is right, over the length of the life."""
-    results = [cell.result for cell in cells.get("chapter4", ())]
+    results = [trial.result for trial in trials.get("chapter4", ())]
     if not results:
         return {}
     figure = Figure(figsize=(8, 4.2), layout="constrained")

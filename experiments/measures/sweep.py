@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.tables import Run, live, run
+from experiments.tables import TableRunConfig, run_table, table_config
 from jointattn_mj.contingency import (
     combined_transfer_entropy,
     conditional_mutual_information,
@@ -20,13 +20,13 @@ from jointattn_mj.sweeps.claim import Setting
 
 FIRST_SEED = 30_000
 LENGTHS = tuple(int(n) for n in np.unique(np.geomspace(500, 40_000, 20).round(-2)))
-SETTINGS = {"chapter4": Setting(run("chapter4", turns=LENGTHS[-1]), runs=20)}
+SETTINGS = {"chapter4": Setting(table_config("chapter4", turns=LENGTHS[-1]), runs=20)}
 
 Measured = Callable[[np.ndarray, np.ndarray, np.ndarray], float]
 
 
-def _strongest_cell(s: np.ndarray, a: np.ndarray, r: np.ndarray) -> float:
-    return max((cell.z for cell in local_contingency(s, a, r) if cell.contribution > 0), default=0.0)
+def _strongest_entry(s: np.ndarray, a: np.ndarray, r: np.ndarray) -> float:
+    return max((entry.z for entry in local_contingency(s, a, r) if entry.contribution > 0), default=0.0)
 
 
 OF_EVENTS: dict[str, Measured] = {
@@ -41,7 +41,7 @@ OF_EVENTS: dict[str, Measured] = {
     ),
     "SAC": state_action_contingency,
     "SAC, Miller-Madow": lambda s, a, r: state_action_contingency(s, a, r, correction="miller_madow"),
-    "local: the strongest cell": _strongest_cell,
+    "local: the strongest cell": _strongest_entry,
 }
 OTHERS: dict[str, Measured] = {
     "I(S; R')": lambda s, a, r: mutual_information(s, r),
@@ -55,15 +55,15 @@ MEASURES = OF_EVENTS | OTHERS
 TARGET = (0, 0, 1)
 
 
-def cell(config: Run, seed: int) -> dict[str, Any]:
+def trial(config: TableRunConfig, seed: int) -> dict[str, Any]:
     """For each measure, whether (S1, A1, R2) is the first of all events, at each of LENGTHS.
 
     A measure without action counts as right where (S1, R2) is the first.
     """
-    life = live(config, seed)
-    variables = life.mind.variables
+    run = run_table(config, seed)
+    variables = run.agent.variables
     s, a, r = (
-        [life.log(variable.name) for variable in group]
+        [run.log(variable.name) for variable in group]
         for group in (variables.sensors, variables.joints, variables.results)
     )
     events = list(product(range(len(s)), range(len(a)), range(len(r))))

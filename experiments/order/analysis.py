@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from experiments.tables import STAGES, in_order, time_of
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
 
 NAMES = ("gaze following, FG-m", "looking back, SCf-m", "gaze alternation, SC-m")
@@ -15,11 +15,11 @@ EXAMPLE = (5748, 42862, 47686)
 """The times of the dissertation's one example run (section 5.3.2)."""
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """Order, number and times."""
     findings = []
     for setting in ("caregiver first", "robot first"):
-        results = [cell.result for cell in cells.get(setting, ())]
+        results = [trial.result for trial in trials.get(setting, ())]
         if not results:
             continue
         order = proportion(sum(map(in_order, results)), len(results))
@@ -45,14 +45,14 @@ def analyse(cells: Cells) -> list[Finding]:
     return findings
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """When each of the three modules was made, a line a run."""
-    settings = [setting for setting in ("caregiver first", "robot first") if cells.get(setting)]
+    settings = [setting for setting in ("caregiver first", "robot first") if trials.get(setting)]
     if not settings:
         return {}
     figure = Figure(figsize=(7, 2.2 * len(settings) + 0.8), layout="constrained")
     for axes, setting in zip(figure.subplots(len(settings), 1, squeeze=False)[:, 0], settings, strict=True):
-        results = sorted((cell.result for cell in cells[setting]), key=lambda result: time_of(result, 2))
+        results = sorted((trial.result for trial in trials[setting]), key=lambda result: time_of(result, 2))
         for number, symbol in enumerate([*STAGES, None]):
             points = [
                 (turn, row)

@@ -1,6 +1,6 @@
-"""How well the pixel path perceives, in closed loop: the numbers that ``TruthConfig`` stands in for.
+"""How well the pixel path perceives, in closed loop: the numbers that ``StateConfig`` stands in for.
 
-    python -m experiments.perception.measure --out experiments/perception/measured.json
+python -m experiments.perception.measure --out experiments/perception/measured.json
 """
 
 import json
@@ -15,7 +15,7 @@ from jointattn_mj.gaze_following.session import Session, SessionConfig
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.options import Checked, Choice, Real, Whole
 from jointattn_mj.perception.som import standardised
-from jointattn_mj.scene.camera import in_picture, pixels_of_points
+from jointattn_mj.scene.camera import in_image, pixels_of_points
 from jointattn_mj.scene.people import IDENTITIES
 
 NEIGHBOURS = 5
@@ -41,7 +41,7 @@ def watch_session(config: SessionConfig) -> dict[str, np.ndarray]:
     session = Session(config)
     session.begin()
     world, robot, face = session.world, session.robot, session.robot.face
-    off, visible, seen, said, real, patterns, angles = [], [], [], [], [], [], []
+    off, in_view, detected, said, real, patterns, angles = [], [], [], [], [], [], []
 
     def look(session: Session) -> None:
         percept = robot.percept
@@ -49,19 +49,19 @@ def watch_session(config: SessionConfig) -> dict[str, np.ndarray]:
             return
         pixels = pixels_of_points(world.candidate_points(), np.degrees(world.head_angles()))
         off.append(percept.px - pixels)
-        visible.append(in_picture(pixels))
-        seen.append(percept.seen.copy())
+        in_view.append(in_image(pixels))
+        detected.append(percept.visible.copy())
         if robot.landed is None:
             said.append(percept.moves.copy())
-            real.append(world.moving(config.truth.face_moves_above_deg_s, config.truth.object_moves_above_m_s))
-        if robot.attended == face and percept.seen[face] and session.frame % 3 == 0:
+            real.append(world.moving(config.state.face_moves_above_deg_s, config.state.object_moves_above_m_s))
+        if robot.attended == face and percept.visible[face] and session.frame % 3 == 0:
             patterns.append(standardised(robot.perceiver.face_pattern()))
             angles.append(world.face_angles_deg())
 
     while session.frame < session.total:
         session.step(look)
     session.close()
-    looks = {"off": off, "visible": visible, "seen": seen, "said": said, "real": real}
+    looks = {"off": off, "in_view": in_view, "detected": detected, "said": said, "real": real}
     return {name: np.array(values) for name, values in {**looks, "patterns": patterns, "angles": angles}.items()}
 
 
@@ -76,7 +76,7 @@ def read_out_error(patterns: np.ndarray, angles: np.ndarray) -> float:
 
 
 def pattern_noise(pixels: dict[str, np.ndarray], exact: dict[str, np.ndarray]) -> float:
-    """Noise (deg) on exact head angles with which they would be read out as badly as from pictures.
+    """Noise (deg) on exact head angles with which they would be read out as badly as from images.
 
     With noise s the mean of k neighbours adds s^2 (1 + 1/k) to the squared error.
     """
@@ -85,14 +85,14 @@ def pattern_noise(pixels: dict[str, np.ndarray], exact: dict[str, np.ndarray]) -
 
 
 def measure(options: Options) -> dict[str, float]:
-    """The rates and standard deviations, pooled over caregivers and seeds; names are those of ``TruthConfig``."""
+    """The rates and standard deviations, pooled over caregivers and seeds; names are those of ``StateConfig``."""
     runs, noise = [], []
     for caregiver in options.caregivers:
         for seed in range(options.seeds):
             config = SessionConfig(minutes=options.minutes, seed=1000 + seed)
             scene = replace(config.world.scene, caregiver=caregiver)
             runs.append(watch_session(replace(config, world=replace(config.world, scene=scene))))
-            exact = replace(config, perception="truth", truth=replace(config.truth, pattern_noise_deg=0.0))
+            exact = replace(config, perception="state", state=replace(config.state, pattern_noise_deg=0.0))
             noise.append(pattern_noise(runs[-1], watch_session(exact)))
             print(f"{caregiver} {seed}: pattern noise {noise[-1]:.2f} deg")
 
@@ -102,18 +102,18 @@ def measure(options: Options) -> dict[str, float]:
     def spread(errors: np.ndarray) -> float:
         return float(np.sqrt(np.nanmean(np.square(errors - np.nanmean(errors, axis=0)))))
 
-    visible, seen, said, real = (pooled(name) for name in ("visible", "seen", "said", "real"))
+    in_view, detected, said, real = (pooled(name) for name in ("in_view", "detected", "said", "real"))
     return {
         "face_noise_px": float(np.mean([spread(run["off"][:, -1]) for run in runs])),
-        "face_miss": 1 - float(seen[:, -1][visible[:, -1]].mean()),
+        "face_miss": 1 - float(detected[:, -1][in_view[:, -1]].mean()),
         "object_noise_px": float(np.nanmedian(np.abs(pooled("off")[:, :-1]))) * 1.4826,
-        "object_miss": 1 - float(seen[:, :-1][visible[:, :-1]].mean()),
+        "object_miss": 1 - float(detected[:, :-1][in_view[:, :-1]].mean()),
         "pattern_noise_deg": float(np.mean(noise)),
         "face_motion_hit": float(said[:, -1][real[:, -1]].mean()),
         "face_motion_false_alarm": float(said[:, -1][~real[:, -1]].mean()),
         "object_motion_hit": float(said[:, :-1][real[:, :-1]].mean()),
         "object_motion_false_alarm": float(said[:, :-1][~real[:, :-1]].mean()),
-        "looks": len(visible),
+        "looks": len(in_view),
         "minutes": options.minutes * len(runs),
     }
 

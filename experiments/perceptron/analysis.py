@@ -5,24 +5,24 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 
 from experiments.perceptron.sweep import EPOCHS, RATES
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval
 
 PUBLISHED = 0.84
 
 
-def _success(cells: Cells, epochs: int, rate: float) -> Estimate:
-    return mean_interval([cell.result["success"][str(epochs)][str(rate)] for cell in cells.get("chapter4", ())])
+def _success(trials: Trials, epochs: int, rate: float) -> Estimate:
+    return mean_interval([trial.result["success"][str(epochs)][str(rate)] for trial in trials.get("chapter4", ())])
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """The rate at which one epoch comes closest to 84%, and the range of all rates."""
-    if not cells.get("chapter4"):
+    if not trials.get("chapter4"):
         return []
-    curve = {rate: _success(cells, 1, rate) for rate in RATES}
+    curve = {rate: _success(trials, 1, rate) for rate in RATES}
     closest = min(RATES, key=lambda rate: abs(curve[rate].mean - PUBLISHED))
     matches = [rate for rate in RATES if curve[rate].low <= PUBLISHED <= curve[rate].high]
-    everything = [_success(cells, epochs, rate) for epochs in EPOCHS for rate in RATES]
+    everything = [_success(trials, epochs, rate) for epochs in EPOCHS for rate in RATES]
     low, high = min(e.mean for e in everything), max(e.mean for e in everything)
     return [
         Finding(
@@ -34,14 +34,14 @@ def analyse(cells: Cells) -> list[Finding]:
     ]  # fmt: skip
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Success over the learning rate, a curve for each number of epochs."""
-    if not cells.get("chapter4"):
+    if not trials.get("chapter4"):
         return {}
     figure = Figure(figsize=(6.4, 3.8), layout="constrained")
     axes = figure.subplots()
     for epochs in EPOCHS:
-        curve = [_success(cells, epochs, rate) for rate in RATES]
+        curve = [_success(trials, epochs, rate) for rate in RATES]
         means = [e.mean for e in curve]
         errors = [[e.mean - e.low for e in curve], [e.high - e.mean for e in curve]]
         axes.errorbar(RATES, means, errors, marker="o", ms=4, capsize=3, label=f"{epochs} epoch{'s' * (epochs > 1)}")

@@ -6,14 +6,14 @@ import numpy as np
 from numba import njit
 
 from experiments.experience.sweep import found_objects
-from experiments.tables import Run, live, run
+from experiments.tables import TableRunConfig, run_table, table_config
 from jointattn_mj.sweeps.claim import Setting
 
 RATES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 EPOCHS = (1, 3, 10)
 
 FIRST_SEED = 30_000
-SETTINGS = {"chapter4": Setting(run("chapter4", turns=30_000), runs=20)}
+SETTINGS = {"chapter4": Setting(table_config("chapter4", turns=30_000), runs=20)}
 
 
 @njit(cache=True)
@@ -36,12 +36,12 @@ def train(weights, bias, inputs, outputs, rate):
             bias[output] += step
 
 
-def cell(config: Run, seed: int) -> dict[str, Any]:
+def trial(config: TableRunConfig, seed: int) -> dict[str, Any]:
     """Share of the caregiver's directions that the perceptron answers with the same direction."""
-    life = live(config, seed)
-    face, gaze = found_objects(life)
+    run = run_table(config, seed)
+    face, gaze = found_objects(run)
     spots = config.world.spots
-    values = [len(variable.values) for variable in (life.mind.variables.sensors[0], life.mind.variables.joints[0])]
+    values = [len(variable.values) for variable in (run.agent.variables.sensors[0], run.agent.variables.joints[0])]
     success: dict[str, dict[str, float]] = {}
     start = np.random.default_rng(np.random.SeedSequence(seed).spawn(3)[2]).normal(0, 0.1, (values[0], values[1]))
     for epochs in EPOCHS:

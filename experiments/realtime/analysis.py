@@ -10,30 +10,30 @@ from matplotlib.figure import Figure
 
 from experiments.realtime.sweep import SETTINGS, STEPS_AN_HOUR, Hour
 from experiments.tables import STAGES
-from jointattn_mj.sweeps.claim import Cell, Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import median_interval, paired_difference, proportion
 
 HOUR = 60.0
 FOLLOWING, BACK, ALTERNATING = STAGES
 NAMES = {FOLLOWING: "gaze following", BACK: "looking back", ALTERNATING: "gaze alternation"}
 WORDS = {
-    "pixels/cues": "from pictures, with motion cues",
-    "pixels/no_cues": "from pictures, without",
-    "truth/cues": "from the state, with motion cues",
-    "truth/no_cues": "from the state, without",
+    "pixels/cues": "from images, with motion cues",
+    "pixels/no_cues": "from images, without",
+    "state/cues": "from the state, with motion cues",
+    "state/no_cues": "from the state, without",
     "table": f"at the symbolic table, {STEPS_AN_HOUR:,} turns",
     "table, objects stay": f"at the symbolic table where objects stay four times as long, {STEPS_AN_HOUR:,} turns",
 }
-COLOURS = {"pixels/cues": "#c0392b", "pixels/no_cues": "#2471a3", "truth/cues": "#e59866", "truth/no_cues": "#7fb3d5"}
+COLOURS = {"pixels/cues": "#c0392b", "pixels/no_cues": "#2471a3", "state/cues": "#e59866", "state/no_cues": "#7fb3d5"}
 STYLES = {FOLLOWING: "-", BACK: "--", ALTERNATING: ":"}
 ANSWERED = 20
 """Looks at her face after following that a share needs."""
 
 
-def minute_of(cell: Cell, event: str) -> float:
+def minute_of(trial: Trial, event: str) -> float:
     """Simulated minutes until an event was found, infinite where it was not."""
-    modules = cell.result["modules"]
-    return cell.result["minutes"][modules.index(event)] if event in modules else np.inf
+    modules = trial.result["modules"]
+    return trial.result["minutes"][modules.index(event)] if event in modules else np.inf
 
 
 def alternates(result: dict[str, Any]) -> bool:
@@ -42,28 +42,28 @@ def alternates(result: dict[str, Any]) -> bool:
     return ALTERNATING in modules and FOLLOWING in modules[: modules.index(ALTERNATING)]
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """The target first, then minutes, what cues do, and link by link what is in the way."""
     findings = []
     for name in WORDS:
-        part = cells.get(name, ())
+        part = trials.get(name, ())
         if part:
             findings += _shares(name, part)
-    findings += _cues(cells)
-    for name in ("pixels/cues", "pixels/no_cues", "truth/cues", "truth/no_cues"):
-        if cells.get(name):
-            findings += _links(name, cells[name])
+    findings += _cues(trials)
+    for name in ("pixels/cues", "pixels/no_cues", "state/cues", "state/no_cues"):
+        if trials.get(name):
+            findings += _links(name, trials[name])
     return findings
 
 
-def _shares(name: str, part: Sequence[Cell]) -> list[Finding]:
+def _shares(name: str, part: Sequence[Trial]) -> list[Finding]:
     """How many found gaze following, and gaze alternation after it, and when."""
     timed, n = isinstance(SETTINGS[name].config, Hour), len(part)
-    orders = Counter(" ".join(cell.result["modules"]) or "nothing" for cell in part).most_common(3)
-    seen = "; ".join(f"{count} of {n}: {order}" for order, count in orders)
+    orders = Counter(" ".join(trial.result["modules"]) or "nothing" for trial in part).most_common(3)
+    visible = "; ".join(f"{count} of {n}: {order}" for order, count in orders)
     if not timed:
-        return _at_the_table(name, part, seen)
-    times = [minute_of(cell, FOLLOWING) for cell in part]
+        return _at_the_table(name, part, visible)
+    times = [minute_of(trial, FOLLOWING) for trial in part]
     found = [
         Finding(
             f"gaze following found within an hour, {WORDS[name]}", "asked for: 80%",
@@ -72,7 +72,7 @@ def _shares(name: str, part: Sequence[Cell]) -> list[Finding]:
         Finding(
             f"gaze alternation after gaze following within an hour, {WORDS[name]}", "asked for: 80%",
             proportion(sum(alternates(c.result) and minute_of(c, ALTERNATING) <= HOUR for c in part), n),
-            Verdict.EXTENSION, seen,
+            Verdict.EXTENSION, visible,
         ),
         Finding(
             f"minutes until gaze following (median), {WORDS[name]}", "not tried", median_interval(times),
@@ -81,28 +81,28 @@ def _shares(name: str, part: Sequence[Cell]) -> list[Finding]:
     ]  # fmt: skip
     longest = SETTINGS[name].config.minutes
     if longest > HOUR:
-        late = proportion(sum(alternates(cell.result) for cell in part), n)
+        late = proportion(sum(alternates(trial.result) for trial in part), n)
         what = f"gaze alternation after gaze following within {longest:.0f} minutes, {WORDS[name]}"
         found.append(Finding(what, "not tried", late, Verdict.EXTENSION))
     return found
 
 
-def _at_the_table(name: str, part: Sequence[Cell], seen: str) -> list[Finding]:
+def _at_the_table(name: str, part: Sequence[Trial], visible: str) -> list[Finding]:
     """The same in as many turns as an hour of real time has steps, about."""
     n = len(part)
-    following = proportion(sum(FOLLOWING in cell.result["modules"] for cell in part), n)
-    both = proportion(sum(alternates(cell.result) for cell in part), n)
+    following = proportion(sum(FOLLOWING in trial.result["modules"] for trial in part), n)
+    both = proportion(sum(alternates(trial.result) for trial in part), n)
     return [
         Finding(f"gaze following found, {WORDS[name]}", "not tried", following, Verdict.EXTENSION),
-        Finding(f"gaze alternation after gaze following, {WORDS[name]}", "not tried", both, Verdict.EXTENSION, seen),
+        Finding(f"gaze alternation after gaze following, {WORDS[name]}", "not tried", both, Verdict.EXTENSION, visible),
     ]
 
 
-def _cues(cells: Cells) -> list[Finding]:
+def _cues(trials: Trials) -> list[Finding]:
     """What motion cues do to the time until gaze following, seed by seed."""
     findings = []
-    for perception in ("pixels", "truth"):
-        both = [{c.seed: c for c in cells.get(f"{perception}/{cues}", ())} for cues in ("cues", "no_cues")]
+    for perception in ("pixels", "state"):
+        both = [{c.seed: c for c in trials.get(f"{perception}/{cues}", ())} for cues in ("cues", "no_cues")]
         seeds = [
             seed
             for seed in sorted(set.intersection(*map(set, both)))
@@ -120,16 +120,16 @@ def _cues(cells: Cells) -> list[Finding]:
     return findings
 
 
-def _links(name: str, part: Sequence[Cell]) -> list[Finding]:
+def _links(name: str, part: Sequence[Trial]) -> list[Finding]:
     """Whether faces are told apart, whether the first map is right, and whether following shows in her face."""
     purity, whole, used, unused = [], [], [], []
-    for cell in part:
-        faces = np.array(cell.result["faces"])[:-1, :-1]
+    for trial in part:
+        faces = np.array(trial.result["faces"])[:-1, :-1]
         purity.append(float(faces.max(axis=1).sum() / faces.sum()))
-        offered = cell.result["directions"]
+        offered = trial.result["directions"]
         if offered is not None:
             whole.append(right_map(offered))
-        after = cell.result["after_following"]
+        after = trial.result["after_following"]
         if after is not None and right_map(offered) and after["used"][0] >= ANSWERED:
             used.append(after["used"][1] / after["used"][0])
             unused.append(after["not used"][1] / after["not used"][0])
@@ -160,15 +160,15 @@ def right_map(offered: Sequence[int] | None) -> bool:
     return offered is not None and offered[1] >= 3 and offered[0] - offered[1] <= 1
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Shares of lives that have found each event, over minutes; where she looks after having been followed."""
-    timed = [name for name in COLOURS if cells.get(name)]
+    timed = [name for name in COLOURS if trials.get(name)]
     if not timed:
         return {}
     figure = Figure(figsize=(9.5, 3.9), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.6, 1))
     for name in timed:
-        _draw_shares(left, name, cells[name])
+        _draw_shares(left, name, trials[name])
     left.axvline(HOUR, color="k", lw=0.8)
     left.axhline(0.8, color="0.6", lw=0.8)
     longest = max(SETTINGS[name].config.minutes for name in timed)
@@ -176,13 +176,13 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
     for event, style in STYLES.items():
         left.plot([], [], "k", ls=style, label=NAMES[event])
     figure.legend(*left.get_legend_handles_labels(), fontsize=7, loc="outside lower center", ncols=3)
-    _draw_answers(right, cells, timed)
+    _draw_answers(right, trials, timed)
     return {"realtime": figure}
 
 
-def _draw_shares(axes: Axes, name: str, part: Sequence[Cell]) -> None:
+def _draw_shares(axes: Axes, name: str, part: Sequence[Trial]) -> None:
     for event, style in STYLES.items():
-        times = np.sort([minute_of(cell, event) for cell in part])
+        times = np.sort([minute_of(trial, event) for trial in part])
         steps = np.concatenate([[0.0], times[np.isfinite(times)], [SETTINGS[name].config.minutes]])
         share = np.arange(len(steps)) / len(part)
         share[-1] = share[-2]
@@ -190,18 +190,18 @@ def _draw_shares(axes: Axes, name: str, part: Sequence[Cell]) -> None:
     axes.plot([], [], color=COLOURS[name], label=f"{WORDS[name]} ({len(part)})")
 
 
-def _draw_answers(axes: Axes, cells: Cells, timed: Sequence[str]) -> None:
+def _draw_answers(axes: Axes, trials: Trials, timed: Sequence[str]) -> None:
     """Her face after following and after anything else, one line a life."""
     for number, name in enumerate(timed):
-        for cell in cells[name]:
-            after = cell.result["after_following"]
+        for trial in trials[name]:
+            after = trial.result["after_following"]
             if after is None or min(after["used"][0], after["not used"][0]) < ANSWERED:
                 continue
             share = [after[key][1] / after[key][0] for key in ("not used", "used")]
-            right = right_map(cell.result["directions"])
+            right = right_map(trial.result["directions"])
             axes.plot(
                 [number * 3, number * 3 + 1], share, color=COLOURS[name], lw=0.9, ls="-" if right else ":",
-                marker="o" if alternates(cell.result) else "", ms=3,
+                marker="o" if alternates(trial.result) else "", ms=3,
             )  # fmt: skip
     ticks = [3 * number + side for number in range(len(timed)) for side in (0, 1)]
     axes.set_xticks(ticks, ["else", "followed"] * len(timed), fontsize=7, rotation=40)

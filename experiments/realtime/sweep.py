@@ -6,11 +6,11 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from jointattn_mj.development.loop import Life
+from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.meaning import meanings
-from jointattn_mj.development.realtime.run import RealtimeConfig, RealtimeLife
+from jointattn_mj.development.realtime.run import RealtimeConfig, RealtimeRun
 from jointattn_mj.development.table.presets import PRESETS
-from jointattn_mj.development.table.run import TableLife
+from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.sweeps.claim import Setting
@@ -38,7 +38,7 @@ class Turns(Checked):
     steps: Annotated[int, Whole("[1, 1e10]")]
 
 
-def _hour(perception: Literal["pixels", "truth"], cues: bool, minutes: float = 60.0, **changes: Any) -> Hour:
+def _hour(perception: Literal["pixels", "state"], cues: bool, minutes: float = 60.0, **changes: Any) -> Hour:
     config = RealtimeConfig()
     config = replace(config, perception=perception, attention=replace(config.attention, motion_cues=cues), **changes)
     return Hour(config, minutes)
@@ -50,70 +50,70 @@ of the robot's senses came after some lives on these very seeds had been seen.""
 SETTINGS = {
     "pixels/cues": Setting(_hour("pixels", True), runs=20),
     "pixels/no_cues": Setting(_hour("pixels", False), runs=20),
-    "truth/cues": Setting(_hour("truth", True, 90.0), runs=20),
-    "truth/no_cues": Setting(_hour("truth", False, 90.0), runs=20),
+    "state/cues": Setting(_hour("state", True, 90.0), runs=20),
+    "state/no_cues": Setting(_hour("state", False, 90.0), runs=20),
     "table": Setting(Turns(PRESETS["fast"].world, STEPS_AN_HOUR), runs=100),
     "table, objects stay": Setting(Turns(replace(PRESETS["fast"].world, replaced_every=40), STEPS_AN_HOUR), runs=100),
 }
 """Perception, a slash, and whether there are motion cues; lives at the symbolic table."""
 
 
-def cell(config: Hour | Turns, seed: int) -> dict[str, Any]:
+def trial(config: Hour | Turns, seed: int) -> dict[str, Any]:
     """Modules, what they mean, when they were made, and how the robot saw and moved."""
     if isinstance(config, Turns):
         preset = PRESETS["fast"]
-        table = TableLife(config.table, preset.mind, seed, config.steps, sample_every=config.steps)
-        while table.lived < table.turns and len(table.found) < MODULES:
-            table.live(100)
+        table = TableRun(config.table, preset.agent, seed, config.steps, sample_every=config.steps)
+        while table.steps_done < table.n_steps and len(table.found) < MODULES:
+            table.advance(100)
         return _made(table)
     preset = PRESETS["fast"]
-    life = RealtimeLife(preset.world, config.realtime, preset.mind, seed, MOST_STEPS, sample_every=MOST_STEPS)
+    run = RealtimeRun(preset.world, config.realtime, preset.agent, seed, MOST_STEPS, sample_every=MOST_STEPS)
     try:
-        while life.minutes < config.minutes and life.lived < life.turns and len(life.found) < MODULES:
-            life.live(1)
+        while run.minutes < config.minutes and run.steps_done < run.n_steps and len(run.found) < MODULES:
+            run.advance(1)
         return {
-            **_made(life),
-            "minutes": [life.minutes_at(turn) for turn in _made(life)["turns"]],
-            "lived_minutes": life.minutes,
-            "faces": life.confusion().tolist(),
-            "directions": _directions(life),
-            "after_following": _after_following(life),
-            "caregiver": life.world.config.scene.caregiver,
+            **_made(run),
+            "minutes": [run.minutes_at(turn) for turn in _made(run)["turns"]],
+            "lived_minutes": run.minutes,
+            "faces": run.confusion().tolist(),
+            "directions": _directions(run),
+            "after_following": _after_following(run),
+            "caregiver": run.world.config.scene.caregiver,
         }
     finally:
-        life.close()
+        run.close()
 
 
-def _made(life: Life) -> dict[str, Any]:
-    made = [one for one in life.found if one.module is not None]
-    variables = life.named_variables()
+def _made(run: DevelopmentRun) -> dict[str, Any]:
+    made = [one for one in run.found if one.module is not None]
+    variables = run.named_variables()
     return {
         "modules": [variables.symbol(one.event) for one in made],
-        "means": [meaning.label for meaning in meanings(variables, life.mind.modules)],
-        "turns": [one.turn for one in made],
-        "lived": life.lived,
+        "means": [meaning.label for meaning in meanings(variables, run.agent.modules)],
+        "turns": [one.step for one in made],
+        "lived": run.steps_done,
     }
 
 
-def _directions(life: RealtimeLife) -> list[int] | None:
+def _directions(run: RealtimeRun) -> list[int] | None:
     """Of gaze following's map, if it was found first: commands, and those that lead to where she mostly looks then."""
-    first = next((one.module for one in life.found if one.module is not None), None)
-    if first is None or life.mind.variables.symbol(first.event) != "(S1, A1, R3)":
+    first = next((one.module for one in run.found if one.module is not None), None)
+    if first is None or run.agent.variables.symbol(first.event) != "(S1, A1, R3)":
         return None
-    mostly, commands = life.confusion()[:-1].argmax(axis=1), first.command[:, :-1]
+    mostly, commands = run.confusion()[:-1].argmax(axis=1), first.command[:, :-1]
     offered = commands >= 0
     return [int(offered.sum()), int(np.sum(offered & (commands == mostly)))]
 
 
-def _after_following(life: RealtimeLife) -> dict[str, list[int]] | None:
+def _after_following(run: RealtimeRun) -> dict[str, list[int]] | None:
     """Looks at her face, and how many of them showed it frontal, in the second step after gaze following was used, and
     when it was not; until the second module."""
-    if not life.found or life.mind.variables.symbol(life.found[0].event) != "(S1, A1, R3)":
+    if not run.found or run.agent.variables.symbol(run.found[0].event) != "(S1, A1, R3)":
         return None
-    last = life.found[1].turn if len(life.found) > 1 else life.lived
-    steps = np.arange(life.found[0].turn, last - 2)
-    used, to_face = life.log("driver of shift gaze")[steps] == 0, life.log("shift gaze")[steps + 1] == life.spots
-    frontal = life.log("frontal face")[steps + 2] == 1
+    last = run.found[1].step if len(run.found) > 1 else run.steps_done
+    steps = np.arange(run.found[0].step, last - 2)
+    used, to_face = run.log("driver of shift gaze")[steps] == 0, run.log("shift gaze")[steps + 1] == run.spots
+    frontal = run.log("frontal face")[steps + 2] == 1
     return {
         name: [int(np.sum(part & to_face)), int(np.sum(part & to_face & frontal))]
         for name, part in (("used", used), ("not used", ~used))

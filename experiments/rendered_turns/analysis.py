@@ -1,4 +1,4 @@
-"""Whether the order holds from pictures, what is mistaken for what, the delay, and which part's errors cost it."""
+"""Whether the order holds from images, what is mistaken for what, the delay, and which part's errors cost it."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from experiments.rendered_turns.sweep import SETTINGS
 from experiments.tables import STAGES, in_order, time_of
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
 
 NAMES = ("FG", "SCf", "SC")
@@ -16,8 +16,8 @@ ASKED = 0.85
 """Share of runs in order that was asked for."""
 
 
-def _results(cells: Cells, setting: str) -> list[dict[str, Any]]:
-    return [cell.result for cell in cells.get(setting, ())]
+def _results(trials: Trials, setting: str) -> list[dict[str, Any]]:
+    return [trial.result for trial in trials.get(setting, ())]
 
 
 def mixed(result: dict[str, Any]) -> float:
@@ -45,17 +45,17 @@ ERRORS = {
 }
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """Order, times and their ratio to those at the symbolic table, and perception's errors."""
     findings = []
     for setting in SETTINGS:
-        results = _results(cells, setting)
+        results = _results(trials, setting)
         if not results:
             continue
         order = proportion(sum(map(in_order, results)), len(results))
         symbolic = proportion(sum(in_order(result["symbolic"]) for result in results), len(results))
         findings.append(Finding(
-            f"FG, SCf, SC first and in this order, from pictures: {setting}", "asked for, never done", order,
+            f"FG, SCf, SC first and in this order, from images: {setting}", "asked for, never done", order,
             Verdict.EXTENSION, f"by the same seeds at the symbolic table {symbolic}",
         ))  # fmt: skip
         for stage, name in ((0, "gaze following"), (2, "gaze alternation")):
@@ -75,20 +75,20 @@ def _time(setting: str, results: list[dict[str, Any]], stage: int, name: str) ->
     ratios = [at / time_of(one["symbolic"], stage) for at, one in zip(times, results, strict=True)]
     published = {0: "5,748 in the example", 2: "47,686 in the example"}[stage]
     return Finding(
-        f"turn of {name} (median), from pictures: {setting}", published, median_interval(times),
+        f"turn of {name} (median), from images: {setting}", published, median_interval(times),
         Verdict.EXTENSION, f"times that at the symbolic table by the same seed: {median_interval(ratios)}",
     )  # fmt: skip
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """When the modules are made, seen and symbolic; what is sensed under each truth; order by replaced part."""
-    shown = [setting for setting in SETTINGS if _results(cells, setting)]
+    shown = [setting for setting in SETTINGS if _results(trials, setting)]
     if not shown:
         return {}
     figure = Figure(figsize=(11, 3.9), layout="constrained")
     times, confusion, order = figure.subplots(1, 3, width_ratios=(1.3, 1, 1))
     for number, setting in enumerate(one for one in ("fast", "thesis") if one in shown):
-        results = _results(cells, setting)
+        results = _results(trials, setting)
         for stage, name in enumerate(NAMES):
             made = [(time_of(one["symbolic"], stage), time_of(one, stage)) for one in results if in_order(one)]
             if made:
@@ -99,23 +99,23 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
     ends = (500, 100_000)
     times.plot(ends, ends, "k:", lw=1)
     times.set(xscale="log", yscale="log", xlim=ends, ylim=ends)
-    times.set(xlabel="turn at the symbolic table", ylabel="turn from pictures", title="When a module is made, by seed")
+    times.set(xlabel="turn at the symbolic table", ylabel="turn from images", title="When a module is made, by seed")
     times.legend(fontsize=7)
     times.grid(alpha=0.3)
-    _draw_confusion(confusion, _results(cells, "unsteady") or _results(cells, shown[0]))
-    for place, setting in enumerate(shown):
-        results = _results(cells, setting)
+    _draw_confusion(confusion, _results(trials, "unsteady") or _results(trials, shown[0]))
+    for location, setting in enumerate(shown):
+        results = _results(trials, setting)
         share = proportion(sum(map(in_order, results)), len(results))
         order.errorbar(
             share.mean,
-            -place,
+            -location,
             xerr=[[share.mean - share.low], [share.high - share.mean]],
             fmt="o",
             color="C0",
             capsize=3,
         )
     order.axvline(ASKED, color="k", ls=":", lw=1)
-    order.set_yticks([-place for place in range(len(shown))], shown, fontsize=8)
+    order.set_yticks([-location for location in range(len(shown))], shown, fontsize=8)
     order.set(xlim=(0, 1.02), xlabel="share of runs in order, 95%", title="Which part's errors cost it")
     order.grid(alpha=0.3, axis="x")
     return {"rendered": figure}

@@ -6,17 +6,17 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from jointattn_mj.development.loop import Life
-from jointattn_mj.development.rendered.run import RenderedConfig, RenderedLife
+from jointattn_mj.development.loop import DevelopmentRun
+from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
 from jointattn_mj.development.rendered.stage import StageConfig
 from jointattn_mj.development.table.presets import PRESETS
-from jointattn_mj.development.table.run import TableLife
+from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.options import Checked, Choice, Whole
 from jointattn_mj.sweeps.claim import Setting
 
 
 @dataclass(frozen=True)
-class Seen(Checked):
+class Visible(Checked):
     """A mind of a preset at the table of chapter 5."""
 
     preset: Annotated[str, Choice(PRESETS)]
@@ -32,54 +32,54 @@ was found after gaze following in four lives of 20,000 turns, whichever part was
 
 def _unsteady(*truth: str) -> Setting:
     config = RenderedConfig(stage=UNSTEADY)
-    return Setting(Seen("fast", 20_000, replace(config, senses=replace(config.senses, truth=truth))), runs=20)
+    return Setting(Visible("fast", 20_000, replace(config, senses=replace(config.senses, truth=truth))), runs=20)
 
 
 FIRST_SEED = 61_000
 """What makes a face frontal was mended after 20 lives on seeds 60,000 to 60,019; these are fresh."""
 SETTINGS = {
-    "fast": Setting(Seen("fast", 40_000), runs=20),
+    "fast": Setting(Visible("fast", 40_000), runs=20),
     "unsteady": _unsteady(),
     "unsteady, true faces": _unsteady("face"),
     "unsteady, true categories": _unsteady("category"),
     "unsteady, true objects": _unsteady("object"),
-    "thesis": Setting(Seen("thesis", 60_000), runs=20),
+    "thesis": Setting(Visible("thesis", 60_000), runs=20),
 }
 FILM = Path(__file__).with_name("gaze_alternation.mp4")
 """``jointattn develop --world rendered --steps 12000 --seed 3 --video``."""
 
 
-def cell(config: Seen, seed: int) -> dict[str, Any]:
+def trial(config: Visible, seed: int) -> dict[str, Any]:
     """Modules and when they were made, seen and at the symbolic table; what was sensed under each truth."""
     preset = PRESETS[config.preset]
-    life = RenderedLife(preset.world, config.rendered, preset.mind, seed, config.turns, sample_every=config.turns)
+    run = RenderedRun(preset.world, config.rendered, preset.agent, seed, config.turns, sample_every=config.turns)
     try:
-        symbolic = TableLife(preset.world, preset.mind, seed, config.turns, sample_every=config.turns)
+        symbolic = TableRun(preset.world, preset.agent, seed, config.turns, sample_every=config.turns)
         return {
-            **_until_three_modules(life),
-            "directions": _directions(life),
-            "faces": life.confusion().tolist(),
-            "objects": life.object_confusion().tolist(),
-            "caregiver": life.stage.world.config.scene.caregiver,
+            **_until_three_modules(run),
+            "directions": _directions(run),
+            "faces": run.confusion().tolist(),
+            "objects": run.object_confusion().tolist(),
+            "caregiver": run.stage.world.config.scene.caregiver,
             "symbolic": _until_three_modules(symbolic),
         }
     finally:
-        life.close()
+        run.close()
 
 
-def _until_three_modules(life: Life) -> dict[str, Any]:
-    while life.lived < life.turns and len(life.found) < 3:
-        life.live(500)
-    found = [one for one in life.found if one.module is not None]
-    symbols = [life.mind.variables.symbol(one.event) for one in found]
-    return {"modules": symbols, "turns": [one.turn for one in found], "lived": life.lived}
+def _until_three_modules(run: DevelopmentRun) -> dict[str, Any]:
+    while run.steps_done < run.n_steps and len(run.found) < 3:
+        run.advance(500)
+    found = [one for one in run.found if one.module is not None]
+    symbols = [run.agent.variables.symbol(one.event) for one in found]
+    return {"modules": symbols, "turns": [one.step for one in found], "lived": run.steps_done}
 
 
-def _directions(life: RenderedLife) -> list[int] | None:
+def _directions(run: RenderedRun) -> list[int] | None:
     """Of gaze following's map, if it was found first: commands, and those that lead to where she mostly looks then."""
-    first = next((one.module for one in life.found if one.module is not None), None)
-    if first is None or life.mind.variables.symbol(first.event) != "(S1, A1, R3)":
+    first = next((one.module for one in run.found if one.module is not None), None)
+    if first is None or run.agent.variables.symbol(first.event) != "(S1, A1, R3)":
         return None
-    mostly, commands = life.confusion()[:-1].argmax(axis=1), first.command[0, :-1]
+    mostly, commands = run.confusion()[:-1].argmax(axis=1), first.command[0, :-1]
     offered = commands >= 0
     return [int(offered.sum()), int(np.sum(offered & (commands == mostly)))]

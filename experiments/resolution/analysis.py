@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.resolution.sweep import SETTINGS
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, median_interval, proportion
 
 Result = dict[str, Any]
@@ -16,11 +16,11 @@ GRID = np.geomspace(300, 40_000, 200)
 NATS_PER_BIT = float(np.log(2))
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """A handful of rows for each number of spots."""
     findings = []
     for setting in SETTINGS:
-        results = [cell.result for cell in cells.get(setting, ())]
+        results = [trial.result for trial in trials.get(setting, ())]
         if not results:
             continue
         spots = SETTINGS[setting].config.spots
@@ -48,9 +48,9 @@ def analyse(cells: Cells) -> list[Finding]:
     return findings
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Contingency against the number of values; faces against spots; turns; the regions of one robot for each table."""
-    by_spots = {spots: [cell.result for cell in cells.get(f"{spots} spots", ())] for spots in COLOURS}
+    by_spots = {spots: [trial.result for trial in trials.get(f"{spots} spots", ())] for spots in COLOURS}
     by_spots = {spots: results for spots, results in by_spots.items() if results}
     if not by_spots:
         return {}

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import tyro
 
-from experiments.resolution.sweep import FILM, Trial
+from experiments.resolution.sweep import FILM, RunConfig
 from jointattn_mj.contingency.online.reactive import RandomModule
 from jointattn_mj.development.meaning import GAZE, meanings
-from jointattn_mj.development.rendered.growing import Babbling, ResolvedLife
+from jointattn_mj.development.rendered.growing import Babbling, GrowingRun
 from jointattn_mj.development.rendered.growth_film import GrowthFilm
 from jointattn_mj.development.table.presets import PRESETS
 
@@ -20,54 +20,54 @@ AFTER = 5
 NATS_PER_BIT = 0.6931
 
 
-def _babbling(life: Babbling) -> list[str]:
-    steps = life.growth.steps
+def _babbling(run: Babbling) -> list[str]:
+    steps = run.growth.steps
     now = f"contingency of face, gaze and object: {steps[-1].contingency / NATS_PER_BIT:.4f} bit" if steps else ""
     return ["Moves its gaze: at random", f"It was told of no places. Splits so far: {len(steps)}", now]
 
 
-def _mover(life: ResolvedLife) -> str:
+def _mover(run: GrowingRun) -> str:
     """What moved the gaze to where it is now."""
-    drivers = life.log(f"driver of {GAZE}")
-    made = meanings(life.named_variables(), life.mind.modules)
+    drivers = run.log(f"driver of {GAZE}")
+    made = meanings(run.named_variables(), run.agent.modules)
     return made[drivers[-2]].label if len(drivers) > 1 and drivers[-2] < len(made) else "at random"
 
 
-def _driven(life: ResolvedLife) -> list[str]:
-    names = [meaning.label for meaning in meanings(life.named_variables(), life.mind.modules)]
-    return [f"Moves its gaze: {_mover(life)}", "Modules: " + (", ".join(names) or "none yet")]
+def _driven(run: GrowingRun) -> list[str]:
+    names = [meaning.label for meaning in meanings(run.named_variables(), run.agent.modules)]
+    return [f"Moves its gaze: {_mover(run)}", "Modules: " + (", ".join(names) or "none yet")]
 
 
 def main() -> None:
     """Live, and film."""
     preset = PRESETS["fast"]
-    life = Babbling(replace(preset.world, spots=SPOTS), Trial(SPOTS).growing, SEED)
+    run = Babbling(replace(preset.world, spots=SPOTS), RunConfig(SPOTS).growing, SEED)
     with GrowthFilm(FILM) as film:
-        life.live(50)
-        film.scene(life, life.growth.resolution, "Born: a face or none, somewhere or at her", _babbling, 4)
-        while life.lived < MOST:
-            known = len(life.growth.steps)
-            life.live(1)
-            for number, step in enumerate(life.growth.steps[known:], known + 1):
+        run.advance(50)
+        film.scene(run, run.growth.resolution, "Born: a face or none, somewhere or at her", _babbling, 4)
+        while run.steps_done < MOST:
+            known = len(run.growth.steps)
+            run.advance(1)
+            for number, step in enumerate(run.growth.steps[known:], known + 1):
                 what = {"S": "Faces split", "A": "Gaze splits"}.get(step.split.kind, "Faces and gaze split together")
-                film.scene(life, step.resolution, f"{what}: split {number}, after {step.turns:,} turns", _babbling, 2)
-        mind = ResolvedLife(life, preset.mind, SEED, MOST, (RandomModule(GAZE),))
-        mind.live(1)
-        film.scene(mind, mind.resolution, "A mind with these values, before gaze following", _driven, 4)
-        while not mind.found and mind.lived < MOST:
-            mind.live(50)
+                film.scene(run, step.resolution, f"{what}: split {number}, after {step.turns:,} turns", _babbling, 2)
+        agent = GrowingRun(run, preset.agent, SEED, MOST, (RandomModule(GAZE),))
+        agent.advance(1)
+        film.scene(agent, agent.resolution, "A mind with these values, before gaze following", _driven, 4)
+        while not agent.found and agent.steps_done < MOST:
+            agent.advance(50)
         before: deque[bytes] = deque(maxlen=2)
         shown = 0
-        while shown < AFTER and mind.lived < MOST:
-            before.append(pickle.dumps(mind))
-            mind.live(1)
-            if _mover(mind) != "at random" and len(before) == 2:
+        while shown < AFTER and agent.steps_done < MOST:
+            before.append(pickle.dumps(agent))
+            agent.advance(1)
+            if _mover(agent) != "at random" and len(before) == 2:
                 moment = pickle.loads(before[0])
-                film.scene(moment, mind.resolution, "Gaze following with the values it has found", _driven, 3)
+                film.scene(moment, agent.resolution, "Gaze following with the values it has found", _driven, 3)
                 moment.body.stage.world.close()
                 before.clear()
                 shown += 1
-    life.body.stage.world.close()
+    run.body.stage.world.close()
 
 
 if __name__ == "__main__":

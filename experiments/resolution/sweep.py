@@ -11,21 +11,21 @@ from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.contingency.online.reactive import RandomModule
 from jointattn_mj.contingency.online.resolution import Growth, Step, contingency
 from jointattn_mj.development.meaning import FACE, GAZE, OBJECT
-from jointattn_mj.development.rendered.growing import Babbling, Body, GrowingConfig, RecallingBody, ResolvedLife
+from jointattn_mj.development.rendered.growing import Babbling, Body, GrowingConfig, GrowingRun, RecallingBody
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.sweeps.claim import Setting
 
 
 @dataclass(frozen=True)
-class Trial(Checked):
+class RunConfig(Checked):
     """Some turns of babbling, and then a mind for some turns."""
 
     spots: Annotated[int, Whole("[2, 120]")]
-    pictures: bool = False
-    """Whether every turn is seen; else her faces come from an album of pictures, objects from geometry."""
+    images: bool = False
+    """Whether every turn is seen; else her faces come from an album of images, objects from geometry."""
     turns: Annotated[int, Whole("[1, 1e10]")] = 40_000
-    mind_turns: Annotated[int, Whole("[0, 1e10]")] = 20_000
+    agent_steps: Annotated[int, Whole("[0, 1e10]")] = 20_000
     growing: GrowingConfig = field(default_factory=GrowingConfig)
 
 
@@ -33,20 +33,20 @@ FIRST_SEED = 50_000
 FILM = Path(__file__).with_name("resolution.mp4")
 """Made by ``python -m experiments.resolution.film``."""
 SETTINGS = {
-    **{f"{spots} spots": Setting(Trial(spots), runs=20) for spots in (2, 3, 4, 5)},
-    "a picture every turn, 3 spots": Setting(Trial(3, pictures=True, turns=20_000, mind_turns=10_000), runs=4),
+    **{f"{spots} spots": Setting(RunConfig(spots), runs=20) for spots in (2, 3, 4, 5)},
+    "an image every turn, 3 spots": Setting(RunConfig(3, images=True, turns=20_000, agent_steps=10_000), runs=4),
 }
 
 
-def cell(trial: Trial, seed: int) -> dict[str, Any]:
+def trial(config: RunConfig, seed: int) -> dict[str, Any]:
     """The path of the resolution, what its values came to mean, and what the preset ``fast`` found with them."""
     preset = PRESETS["fast"]
-    table = replace(preset.world, spots=trial.spots, objects=min(2, trial.spots - 1))
-    babbling = Babbling(table, trial.growing, seed, Body if trial.pictures else RecallingBody)
-    babbling.live(trial.turns)
+    table = replace(preset.world, spots=config.spots, objects=min(2, config.spots - 1))
+    babbling = Babbling(table, config.growing, seed, Body if config.images else RecallingBody)
+    babbling.advance(config.turns)
     growth, given = babbling.growth, babbling.experience()
     confusion = _confusion(babbling)
-    truth = np.degrees(babbling.body.stage.places)
+    truth = np.degrees(babbling.body.stage.locations)
     result = {
         "steps": [_step(step) for step in growth.steps],
         "confusion": confusion.tolist(),
@@ -57,14 +57,14 @@ def cell(trial: Trial, seed: int) -> dict[str, Any]:
         "contingency": contingency(given, growth.resolution),
         "shuffled": _shuffled(babbling, np.random.default_rng(seed)),
     }
-    life = ResolvedLife(babbling, preset.mind, seed, trial.mind_turns, (RandomModule(GAZE),))
+    run = GrowingRun(babbling, preset.agent, seed, config.agent_steps, (RandomModule(GAZE),))
     found = None
-    while life.lived < trial.mind_turns and found is None:
-        life.live(100)
-        found = next((one for one in life.found if one.module and _follows(life.mind.variables, one.module)), None)
-    result["first"] = life.mind.variables.symbol(life.found[0].event) if life.found else None
-    result["found"] = None if found is None else found.turn
-    result["right"] = None if found is None or found.module is None else _right(found.module, confusion, life)
+    while run.steps_done < config.agent_steps and found is None:
+        run.advance(100)
+        found = next((one for one in run.found if one.module and _follows(run.agent.variables, one.module)), None)
+    result["first"] = run.agent.variables.symbol(run.found[0].event) if run.found else None
+    result["found"] = None if found is None else found.step
+    result["right"] = None if found is None or found.module is None else _right(found.module, confusion, run)
     return result
 
 
@@ -89,8 +89,8 @@ def _confusion(babbling: Babbling) -> np.ndarray:
 def _shuffled(babbling: Babbling, rng: np.random.Generator) -> int:
     """Splits made of the same experience, had her faces come in another order."""
     given = babbling.experience()
-    seen, cells = given.cells >= 0, given.cells.copy()
-    cells[seen] = rng.permutation(cells[seen])
+    sensed, cells = given.cells >= 0, given.cells.copy()
+    cells[sensed] = rng.permutation(cells[sensed])
     growth = Growth(babbling.body.som.weights, babbling.body.space, babbling.body.config.resolution)
     shuffled = given._replace(cells=cells)
     for turns in range(500, len(cells) + 1, 500):
@@ -105,7 +105,7 @@ def _follows(variables: Variables, module: Module) -> bool:
     return (*names, variables.results[event.result].name) == (FACE, GAZE, OBJECT)
 
 
-def _right(module: Module, confusion: np.ndarray, life: ResolvedLife) -> list[int]:
+def _right(module: Module, confusion: np.ndarray, run: GrowingRun) -> list[int]:
     """For each spot: 1 if most of her faces that look there send the robot's gaze there, else 0."""
     spots, meant = confusion.shape[1] - 1, confusion.argmax(axis=1)
     right = []
@@ -113,8 +113,7 @@ def _right(module: Module, confusion: np.ndarray, life: ResolvedLife) -> list[in
         values = np.flatnonzero(meant == spot)
         commands = module.command[0, values]
         hits = [
-            command not in (OFFERS_NOTHING, len(life.directions))
-            and life.body.nearest(life.directions[command]) == spot
+            command not in (OFFERS_NOTHING, len(run.directions)) and run.body.nearest(run.directions[command]) == spot
             for command in commands
         ]
         weights = confusion[values, spot]

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from jointattn_mj.gaze_following.summary import LATE_MINUTES, rate_of_success
-from jointattn_mj.sweeps.claim import Cell, Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, paired_difference, too_few
 
 PUBLISHED = {
@@ -15,7 +15,7 @@ PUBLISHED = {
     "no_cues": {"gaze_shifts": 279.6, "successes": 124.4},
 }
 PUBLISHED_GAIN = PUBLISHED["cues"]["successes"] - PUBLISHED["no_cues"]["successes"]
-WORDS = {"cues": "with motion cues", "no_cues": "without motion cues", "truth": "the state", "pixels": "pictures"}
+WORDS = {"cues": "with motion cues", "no_cues": "without motion cues", "state": "the state", "pixels": "images"}
 QUANTITIES = {
     "gaze_shifts": "gaze shifts from the face to an object",
     "successes": "successes",
@@ -35,17 +35,17 @@ COLOURS = {"cues": "#c0392b", "no_cues": "#2471a3"}
 MINUTES = np.arange(1, 26)
 
 
-def value(cell: Cell, key: str) -> float:
+def value(trial: Trial, key: str) -> float:
     """A number of a session by its dotted name; NaN where there is none."""
-    found: Any = cell.result
+    found: Any = trial.result
     for part in key.split("."):
         found = found[part]
     return np.nan if found is None else float(found)
 
 
-def estimate(cells: Sequence[Cell], key: str) -> Estimate:
+def estimate(trials: Sequence[Trial], key: str) -> Estimate:
     """Mean over sessions."""
-    return mean_interval([value(cell, key) for cell in cells])
+    return mean_interval([value(trial, key) for trial in trials])
 
 
 def near(ours: Estimate, published: float) -> Verdict:
@@ -54,27 +54,27 @@ def near(ours: Estimate, published: float) -> Verdict:
     return Verdict.REPRODUCED if off <= REPRODUCED else Verdict.PARTLY if off <= PARTLY else Verdict.NOT
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """The published numbers first, then what has no counterpart there."""
     findings = [
-        published(cells[f"{perception}/{condition}"], perception, condition, key)
-        for perception in ("pixels", "truth")
+        published(trials[f"{perception}/{condition}"], perception, condition, key)
+        for perception in ("pixels", "state")
         for condition in ("cues", "no_cues")
-        if f"{perception}/{condition}" in cells
+        if f"{perception}/{condition}" in trials
         for key in QUANTITIES
     ]
-    for perception in ("pixels", "truth"):
-        findings += differences(cells, perception)
-    for name, part in cells.items():
+    for perception in ("pixels", "state"):
+        findings += differences(trials, perception)
+    for name, part in trials.items():
         perception, _, condition = name.partition("/")
         if condition not in PUBLISHED:
             findings += [extension(part, name, key, QUANTITIES[key]) for key in ("successes", "late_rate")]
-        elif perception == "truth":
+        elif perception == "state":
             findings += [extension(part, name, key, words) for key, words in MORE.items()]
-    return findings + [axes_apart(cells[name], name) for name in ("truth/cues", "truth/no_cues") if name in cells]
+    return findings + [axes_apart(trials[name], name) for name in ("state/cues", "state/no_cues") if name in trials]
 
 
-def published(part: Sequence[Cell], perception: str, condition: str, key: str) -> Finding:
+def published(part: Sequence[Trial], perception: str, condition: str, key: str) -> Finding:
     """A number of the dissertation beside ours."""
     theirs, ours = PUBLISHED[condition].get(key), estimate(part, key)
     what = f"{QUANTITIES[key]}, {WORDS[condition]}, from {WORDS[perception]}"
@@ -85,15 +85,15 @@ def published(part: Sequence[Cell], perception: str, condition: str, key: str) -
     return Finding(what, f"{theirs:g}", ours, verdict, note)
 
 
-def differences(cells: Cells, perception: str) -> list[Finding]:
+def differences(trials: Trials, perception: str) -> list[Finding]:
     """With cues less without, seed by seed."""
-    both = [cells.get(f"{perception}/{condition}", ()) for condition in ("cues", "no_cues")]
-    seeds = sorted(set.intersection(*({cell.seed for cell in part} for part in both)))
+    both = [trials.get(f"{perception}/{condition}", ()) for condition in ("cues", "no_cues")]
+    seeds = sorted(set.intersection(*({trial.seed for trial in part} for part in both)))
     if not seeds:
         return []
     findings = []
     for key, theirs in (("successes", PUBLISHED_GAIN), ("late_rate", None)):
-        with_cues, without = ({cell.seed: value(cell, key) for cell in part} for part in both)
+        with_cues, without = ({trial.seed: value(trial, key) for trial in part} for part in both)
         a, b = [with_cues[seed] for seed in seeds], [without[seed] for seed in seeds]
         ours, note = paired_difference(a, b), ""
         verdict = Verdict.REPRODUCED if ours.low > 0 else Verdict.NOT if ours.high < 0 else Verdict.UNDECIDED
@@ -108,14 +108,14 @@ def differences(cells: Cells, perception: str) -> list[Finding]:
     return findings
 
 
-def extension(part: Sequence[Cell], name: str, key: str, words: str) -> Finding:
+def extension(part: Sequence[Trial], name: str, key: str, words: str) -> Finding:
     """A number that the dissertation does not give."""
     return Finding(f"{words}, {name}", "not given", estimate(part, key), Verdict.EXTENSION)
 
 
-def axes_apart(part: Sequence[Cell], name: str) -> Finding:
+def axes_apart(part: Sequence[Trial], name: str) -> Finding:
     """Whether following of horizontal displacement comes before vertical, as in infants."""
-    pan, tilt = ([half_way(cell, axis) for cell in part] for axis in ("pan", "tilt"))
+    pan, tilt = ([half_way(trial, axis) for trial in part] for axis in ("pan", "tilt"))
     return Finding(
         f"minutes by which half of the gain in tilt comes after half of that in pan, {name}",
         "in infants horizontal comes first (Silverstein et al.)",
@@ -126,48 +126,48 @@ def axes_apart(part: Sequence[Cell], name: str) -> Finding:
     )
 
 
-def within(cell: Cell, axis: str, minutes: float = 1.0) -> np.ndarray:
+def within(trial: Trial, axis: str, minutes: float = 1.0) -> np.ndarray:
     """Share of landings within 3.5 deg of her object in pan or tilt, around every minute of ``MINUTES``."""
-    shifts = cell.result["shifts"]
+    shifts = trial.result["shifts"]
     error = np.array(shifts[f"{axis}_error_deg"], float)
     at = np.array(shifts["landing_s"], float) / 60
     return rate_of_success(MINUTES / minutes, at / minutes, np.abs(error) <= WITHIN_DEG)
 
 
-def half_way(cell: Cell, axis: str) -> float:
+def half_way(trial: Trial, axis: str) -> float:
     """Minute at which the share first gets half of the way from its first to its last six minutes; NaN if it falls."""
-    share = within(cell, axis, minutes=2.0)
+    share = within(trial, axis, minutes=2.0)
     first, last = np.nanmean(share[: int(LATE_MINUTES)]), np.nanmean(share[-int(LATE_MINUTES) :])
     if not last > first:
         return np.nan
     return float(MINUTES[np.argmax(share >= (first + last) / 2)])
 
 
-def curve(cell: Cell) -> np.ndarray:
+def curve(trial: Trial) -> np.ndarray:
     """Eq. 6.9 at every minute of ``MINUTES``."""
-    shifts = cell.result["shifts"]
+    shifts = trial.result["shifts"]
     return rate_of_success(MINUTES, np.array(shifts["landing_s"]) / 60, np.array(shifts["success"], bool))
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Fig. 6.8 for either kind of perception, and the axes apart."""
     figures = {}
-    if any(f"{perception}/{condition}" in cells for perception in ("pixels", "truth") for condition in COLOURS):
-        figures["sessions"] = draw_success(cells)
-    if any(f"truth/{condition}" in cells for condition in COLOURS):
-        figures["pan_and_tilt"] = draw_axes(cells)
+    if any(f"{perception}/{condition}" in trials for perception in ("pixels", "state") for condition in COLOURS):
+        figures["sessions"] = draw_success(trials)
+    if any(f"state/{condition}" in trials for condition in COLOURS):
+        figures["pan_and_tilt"] = draw_axes(trials)
     return figures
 
 
-def draw_success(cells: Cells) -> Figure:
+def draw_success(trials: Trials) -> Figure:
     """Mean and standard deviation over sessions."""
     figure = Figure(figsize=(10, 4.4), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
-    for axes, perception in zip(panels, ("pixels", "truth"), strict=True):
+    for axes, perception in zip(panels, ("pixels", "state"), strict=True):
         for condition, fmt in (("cues", "x-"), ("no_cues", "+-")):
-            part = cells.get(f"{perception}/{condition}", ())
+            part = trials.get(f"{perception}/{condition}", ())
             if part:
-                curves = np.array([curve(cell) for cell in part])
+                curves = np.array([curve(trial) for trial in part])
                 spread = np.nanstd(curves, axis=0, ddof=1) if len(curves) > 1 else None
                 axes.errorbar(
                     MINUTES, np.nanmean(curves, axis=0), spread, fmt=fmt, color=COLOURS[condition], lw=1, capsize=2,
@@ -175,8 +175,8 @@ def draw_success(cells: Cells) -> Figure:
                 )  # fmt: skip
         axes.axhline(0.8, ls="--", color="#7f8c8d", lw=0.8, label="dissertation, with cues, after 20 min")
         axes.axhline(0.25, ls=":", color="#7f8c8d", lw=0.8, label="one of four objects at random")
-        numbers = [len(cells.get(f"{perception}/{condition}", ())) for condition in COLOURS]
-        title = "from rendered pictures" if perception == "pixels" else "from the simulator's state"
+        numbers = [len(trials.get(f"{perception}/{condition}", ())) for condition in COLOURS]
+        title = "from rendered images" if perception == "pixels" else "from the simulator's state"
         axes.set(xlabel="time (simulated minutes)", xlim=(0, 26), ylim=(0, 1))
         axes.set_title(f"{title} ({numbers[0]} and {numbers[1]} sessions)")
         axes.grid(alpha=0.3)
@@ -186,14 +186,14 @@ def draw_success(cells: Cells) -> Figure:
     return figure
 
 
-def draw_axes(cells: Cells) -> Figure:
+def draw_axes(trials: Trials) -> Figure:
     """Landings near her object in pan and in tilt, over time."""
     figure = Figure(figsize=(10, 3.8), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     for panel, condition in zip(panels, COLOURS, strict=True):
-        part = cells.get(f"truth/{condition}", ())
+        part = trials.get(f"state/{condition}", ())
         for axis, colour in (("pan", "#6c3483"), ("tilt", "#b7950b")) if part else ():
-            shares = np.array([within(cell, axis) for cell in part])
+            shares = np.array([within(trial, axis) for trial in part])
             estimates = [mean_interval(column) for column in shares.T]
             panel.fill_between(
                 MINUTES, [e.low for e in estimates], [e.high for e in estimates], color=colour, alpha=0.2, lw=0

@@ -23,18 +23,18 @@ def session_config(
 
 
 SETTINGS = {
-    "truth/cues": Setting(session_config("truth", True), 20),
-    "truth/no_cues": Setting(session_config("truth", False), 20),
+    "state/cues": Setting(session_config("state", True), 20),
+    "state/no_cues": Setting(session_config("state", False), 20),
     "pixels/cues": Setting(session_config("pixels", True), 10),
     "pixels/no_cues": Setting(session_config("pixels", False), 10),
-    "truth/cues_feedback_alone": Setting(session_config("truth", True, gaze={"gate": "shut"}), 8),
-    "truth/no_cues_feedback_alone": Setting(session_config("truth", False, gaze={"gate": "shut"}), 8),
-    "truth/cues_linear": Setting(session_config("truth", True, learner={"code": "linear", "rate": 0.1}), 8),
-    "truth/cues_hidden_layer": Setting(session_config("truth", True, learner={"code": "network"}), 8),
-    "truth/no_cues_without_context": Setting(session_config("truth", False, learner={"context": 0.0}), 8),
-    "truth/cues_open_loop": Setting(session_config("truth", True, gaze={"feedback_frames": ()}), 8),
-    "truth/cues_face_to_object_only": Setting(
-        session_config("truth", True, learner={"directions": "face_to_object"}), 8
+    "state/cues_feedback_alone": Setting(session_config("state", True, gaze={"gate": "shut"}), 8),
+    "state/no_cues_feedback_alone": Setting(session_config("state", False, gaze={"gate": "shut"}), 8),
+    "state/cues_linear": Setting(session_config("state", True, learner={"code": "linear", "rate": 0.1}), 8),
+    "state/cues_hidden_layer": Setting(session_config("state", True, learner={"code": "network"}), 8),
+    "state/no_cues_without_context": Setting(session_config("state", False, learner={"context": 0.0}), 8),
+    "state/cues_open_loop": Setting(session_config("state", True, gaze={"feedback_frames": ()}), 8),
+    "state/cues_face_to_object_only": Setting(
+        session_config("state", True, learner={"directions": "face_to_object"}), 8
     ),
 }
 """Under string ids: perception, a slash, and what the robot has or lacks."""
@@ -45,7 +45,7 @@ FILM = Path(__file__).with_name("gaze_following.mp4")
 ``jointattn session --minutes 0.5 --seed 7 --start-from assets/trained/robin.npz --video --video-every 2``."""
 
 
-def cell(config: SessionConfig, seed: int) -> dict[str, Any]:
+def trial(config: SessionConfig, seed: int) -> dict[str, Any]:
     """A session's summary, and of every shift from the face to an object when it landed, whether it was a success, and
     its errors in pan and tilt (deg)."""
     session = Session(replace(config, seed=seed))

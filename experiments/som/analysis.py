@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from experiments.som.sweep import unpacked
 from jointattn_mj.perception.som import SOMConfig
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, paired_difference
 
 TOUCHING = 0.1
@@ -19,9 +19,9 @@ QUANTITIES = {
 }
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """Over all caregivers."""
-    every = [cell.result for part in cells.values() for cell in part]
+    every = [trial.result for part in trials.values() for trial in part]
     if not every:
         return []
     error = mean_interval([result["topographic_error"] for result in every])
@@ -42,18 +42,18 @@ def analyse(cells: Cells) -> list[Finding]:
     ]  # fmt: skip
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """The maps of the first seed of every caregiver."""
-    shown = [(name, part[0]) for name, part in cells.items() if part]
+    shown = [(name, part[0]) for name, part in trials.items() if part]
     if not shown:
         return {}
     figure = Figure(figsize=(9, 3.3 * ((len(shown) + 2) // 3)), layout="constrained")
     panels = np.atleast_1d(figure.subplots((len(shown) + 2) // 3, min(3, len(shown)))).ravel()
     for axes in panels:
         axes.axis("off")
-    for axes, (name, cell) in zip(panels, shown, strict=False):
-        faces = unpacked(cell.result["pictures"], SOMConfig.rows, SOMConfig.columns)
+    for axes, (name, trial) in zip(panels, shown, strict=False):
+        faces = unpacked(trial.result["pictures"], SOMConfig.rows, SOMConfig.columns)
         rows, columns, side, _ = faces.shape
         axes.imshow(faces.transpose(0, 2, 1, 3).reshape(rows * side, columns * side), cmap="gray")
-        axes.set_title(f"{name}, seed {cell.seed}", fontsize=10)
+        axes.set_title(f"{name}, seed {trial.seed}", fontsize=10)
     return {"som": figure}

@@ -17,7 +17,7 @@ SHUFFLES = 100
 
 
 def session_config(caregiver: str) -> SessionConfig:
-    """Three more minutes with this caregiver, from pictures."""
+    """Three more minutes with this caregiver, from images."""
     config = SessionConfig(minutes=3.0)
     scene = replace(config.world.scene, caregiver=caregiver)
     return replace(config, world=replace(config.world, scene=scene))
@@ -28,12 +28,12 @@ SETTINGS = {name: Setting(session_config(name), 3) for name in ("robin", "noa", 
 FIRST_SEED = 1000
 
 
-def cell(config: SessionConfig, seed: int) -> dict[str, Any]:
+def trial(config: SessionConfig, seed: int) -> dict[str, Any]:
     """How well the sheet keeps neighbours together, and what its place says about the face.
 
     ``topographic_error`` is the share of new faces whose nearest and second nearest cells do not touch, and
     ``shuffled_error`` the same with the cells shuffled; ``yaw_r2`` and ``pitch_r2`` the share of the variance of the
-    head's angles that a quadratic function of row and column explains; ``pictures`` the cells' patterns (Fig. 6.6).
+    head's angles that a quadratic function of row and column explains; ``images`` the cells' patterns (Fig. 6.6).
     """
     session = Session(replace(config, seed=seed))
     patterns, angles = [], []
@@ -41,7 +41,7 @@ def cell(config: SessionConfig, seed: int) -> dict[str, Any]:
     def look(session: Session) -> None:
         robot = session.robot
         face = robot.face
-        if robot.percept is None or session.frame % EVERY or robot.attended != face or not robot.percept.seen[face]:
+        if robot.percept is None or session.frame % EVERY or robot.attended != face or not robot.percept.visible[face]:
             return
         patterns.append(standardised(robot.perceiver.face_pattern()))
         angles.append(session.world.face_angles_deg())
@@ -50,30 +50,30 @@ def cell(config: SessionConfig, seed: int) -> dict[str, Any]:
         session.begin()
         while session.frame < session.total:
             session.step(look)
-        som, seen, turned = session.robot.som, np.array(patterns), np.array(angles)
+        som, visible, turned = session.robot.som, np.array(patterns), np.array(angles)
     finally:
         session.close()
-    cells = np.array([som.winner(pattern) for pattern in seen])
-    nearest = np.array([np.argsort(np.square(som.weights - pattern).sum(axis=1))[:2] for pattern in seen])
+    trials = np.array([som.winner(pattern) for pattern in visible])
+    nearest = np.array([np.argsort(np.square(som.weights - pattern).sum(axis=1))[:2] for pattern in visible])
     rng = np.random.default_rng(seed)
     shuffled = [apart(rng.permutation(len(som.weights))[nearest], som.config.columns) for _ in range(SHUFFLES)]
-    rows, columns = np.divmod(cells, som.config.columns)
+    rows, columns = np.divmod(trials, som.config.columns)
     yaw, pitch = turned.T
     return {
-        "faces": len(seen),
-        "topographic_error": som.topographic_error(seen),
+        "faces": len(visible),
+        "topographic_error": som.topographic_error(visible),
         "shuffled_error": float(np.mean(shuffled)),
-        "cells_used": len(np.unique(cells)),
+        "cells_used": len(np.unique(trials)),
         "yaw_r2": explained(rows, columns, yaw),
         "pitch_r2": explained(rows, columns, pitch),
-        "pictures": packed(som.pictures()),
+        "pictures": packed(som.images()),
     }
 
 
 def apart(pairs: np.ndarray, columns: int) -> float:
     """Share of ``pairs`` (n, 2) of cells that do not touch; diagonals count as touching."""
-    place = np.stack(np.divmod(pairs, columns), axis=-1)
-    return float(np.mean(np.abs(place[:, 0] - place[:, 1]).max(axis=1) > 1))
+    location = np.stack(np.divmod(pairs, columns), axis=-1)
+    return float(np.mean(np.abs(location[:, 0] - location[:, 1]).max(axis=1) > 1))
 
 
 def explained(rows: np.ndarray, columns: np.ndarray, angle: np.ndarray) -> float:
@@ -83,10 +83,10 @@ def explained(rows: np.ndarray, columns: np.ndarray, angle: np.ndarray) -> float
     return float(1 - rest.var() / angle.var())
 
 
-def packed(pictures: np.ndarray) -> str:
-    """(rows, columns, side, side) as text, each picture stretched to 0..255."""
-    low, high = pictures.min(axis=(2, 3), keepdims=True), pictures.max(axis=(2, 3), keepdims=True)
-    grey = np.round(255 * (pictures - low) / np.maximum(high - low, 1e-9)).astype(np.uint8)
+def packed(images: np.ndarray) -> str:
+    """(rows, columns, side, side) as text, each image stretched to 0..255."""
+    low, high = images.min(axis=(2, 3), keepdims=True), images.max(axis=(2, 3), keepdims=True)
+    grey = np.round(255 * (images - low) / np.maximum(high - low, 1e-9)).astype(np.uint8)
     return base64.b64encode(zlib.compress(grey.tobytes(), 9)).decode()
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from jointattn_mj.gaze_following.gate import GazeConfig, gate_probability
-from jointattn_mj.sweeps.claim import Cell, Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval
 
 SHOWN = {
@@ -21,9 +21,9 @@ HALF_OPEN = 150
 """p of the published gate: l at which the learner commands every second time."""
 
 
-def columns(part: Sequence[Cell]) -> dict[str, np.ndarray]:
+def columns(part: Sequence[Trial]) -> dict[str, np.ndarray]:
     """Each quantity of all runs, (runs, tests)."""
-    return {key: np.array([cell.result[key] for cell in part], float) for key in part[0].result}
+    return {key: np.array([trial.result[key] for trial in part], float) for key in part[0].result}
 
 
 def reaches(iterations: np.ndarray, accuracy: np.ndarray, share: float) -> np.ndarray:
@@ -39,13 +39,13 @@ def reaches(iterations: np.ndarray, accuracy: np.ndarray, share: float) -> np.nd
     return np.where(enough.any(axis=1), iterations[np.argmax(enough, axis=1)], np.inf)
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """When the learner is nearly as good as it gets, and how good that is."""
     findings = []
     for name, (label, _) in SHOWN.items():
-        if not cells.get(name):
+        if not trials.get(name):
             continue
-        runs = columns(cells[name])
+        runs = columns(trials[name])
         iterations, accuracy = runs["iterations"][0], runs["accuracy"]
         ready = median_interval(reaches(iterations, accuracy, SHARE))
         verdict, note = Verdict.EXTENSION, "the text does not say whether its preliminary run had motion cues"
@@ -69,7 +69,7 @@ def analyse(cells: Cells) -> list[Finding]:
     return findings
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Accuracy and error against l, with the gate of Fig. 6.7."""
     figure = Figure(figsize=(10, 3.9), layout="constrained")
     rate, error = figure.subplots(1, 2)
@@ -77,9 +77,9 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
     gate = [gate_probability(GazeConfig(), step) for step in steps]
     rate.plot(steps, gate, "--", color="#2c3e50", lw=1.2, label="gate of Fig. 6.7, (p, q) = (150, 22.5)")
     for name, (label, colour) in SHOWN.items():
-        if not cells.get(name):
+        if not trials.get(name):
             continue
-        runs = columns(cells[name])
+        runs = columns(trials[name])
         for axes, key in ((rate, "accuracy"), (error, "error_deg")):
             estimates = [mean_interval(column) for column in runs[key].T]
             at = runs["iterations"][0]

@@ -16,7 +16,7 @@ GAZES = 400
 
 def session_config(cues: bool, directions: str = "both") -> SessionConfig:
     """A synchronised session from the simulator's state, up to an hour (it ends when the last l is reached)."""
-    config = synchronised(SessionConfig(minutes=60.0, perception="truth"))
+    config = synchronised(SessionConfig(minutes=60.0, perception="state"))
     robot = replace(
         config.robot,
         attention=replace(config.robot.attention, motion_cues=cues),
@@ -33,7 +33,7 @@ SETTINGS = {
 """By string id. With motion cues the handled object is more interesting, and so more often the one that is chosen."""
 
 
-def cell(config: SessionConfig, seed: int) -> dict[str, list[float]]:
+def trial(config: SessionConfig, seed: int) -> dict[str, list[float]]:
     """The learning curve of one run."""
     return {name: values.tolist() for name, values in learning_curve(replace(config, seed=seed)).items()}
 
@@ -48,7 +48,7 @@ def learning_curve(
     session = SynchronisedSession(config)
     session.begin()
     rng = np.random.default_rng(np.random.SeedSequence(config.seed).spawn(5)[4])
-    tests = Gazes(config.world, gazes, config.truth.pattern_noise_deg, rng)
+    tests = Gazes(config.world, gazes, config.state.pattern_noise_deg, rng)
     curve = np.full((3, len(iterations)), np.nan)
     pairs = np.full(len(iterations), np.nan)
     due = 0

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.tables import STAGES
-from jointattn_mj.sweeps.claim import Cells, Finding, Verdict
+from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
 from jointattn_mj.sweeps.statistics import proportion
 
 
@@ -15,10 +15,12 @@ def _course(result: dict, symbol: str) -> np.ndarray:
     return np.array([np.nan if value is None else value for value in result["values"].get(symbol, [])], float)
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """FG sinks after FG-m is made; SC rises after SCf-m is made."""
-    results = [cell.result for cell in cells.get("caregiver first", ()) if tuple(cell.result["modules"][:3]) == STAGES]
-    runs = len(cells.get("caregiver first", ()))
+    results = [
+        trial.result for trial in trials.get("caregiver first", ()) if tuple(trial.result["modules"][:3]) == STAGES
+    ]
+    runs = len(trials.get("caregiver first", ()))
     if not results:
         return []
     sinks = rises = 0
@@ -39,12 +41,12 @@ def analyse(cells: Cells) -> list[Finding]:
     ]  # fmt: skip
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Fig. 5.3 for the first seed."""
-    if not cells.get("caregiver first"):
+    if not trials.get("caregiver first"):
         return {}
-    cell = cells["caregiver first"][0]
-    result = cell.result
+    trial = trials["caregiver first"][0]
+    result = trial.result
     figure = Figure(figsize=(8, 4.5), layout="constrained")
     axes = figure.subplots()
     for symbol in sorted(result["values"], key=lambda name: (name not in STAGES, name)):
@@ -61,5 +63,5 @@ def draw(cells: Cells) -> Mapping[str, Figure]:
         )
     axes.set(yscale="log", ylim=(1e-4, top), xlabel="turns", ylabel="state-action contingency (bits)")
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=7, ncols=2, loc="upper left", bbox_to_anchor=(1, 1), title=f"seed {cell.seed}")
+    axes.legend(fontsize=7, ncols=2, loc="upper left", bbox_to_anchor=(1, 1), title=f"seed {trial.seed}")
     return {"time_course": figure}

@@ -4,26 +4,26 @@ from typing import Any
 
 import numpy as np
 
-from experiments.tables import Run, live, run
+from experiments.tables import TableRunConfig, run_table, table_config
 from jointattn_mj.sweeps.claim import Setting
 
 FIRST_SEED = 30_000
-SETTINGS = {"caregiver first": Setting(run("thesis", turns=80_000), runs=20)}
+SETTINGS = {"caregiver first": Setting(table_config("thesis", turns=80_000), runs=20)}
 
 
-def cell(config: Run, seed: int) -> dict[str, Any]:
+def trial(config: TableRunConfig, seed: int) -> dict[str, Any]:
     """Time courses of the events that were ever among the two highest, and when modules were made."""
-    life = live(config, seed, sample_every=200)
-    turns, values = life.contingency()
+    run = run_table(config, seed, sample_every=200)
+    turns, values = run.contingency()
     known = np.nan_to_num(values, nan=-np.inf)
     ever = sorted(set(np.argsort(known, axis=1)[:, -2:].ravel()))
-    symbol = life.mind.variables.symbol
+    symbol = run.agent.variables.symbol
     return {
         "turns": turns.tolist(),
         "values": {
-            symbol(life.mind.events[number]): [None if np.isnan(v) else float(v) for v in values[:, number]]
+            symbol(run.agent.events[number]): [None if np.isnan(v) else float(v) for v in values[:, number]]
             for number in ever
         },
-        "modules": [symbol(found.event) for found in life.found],
-        "made": [found.turn for found in life.found],
+        "modules": [symbol(found.event) for found in run.found],
+        "made": [found.step for found in run.found],
     }

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments.turn_taking.sweep import SETTINGS, Life
-from jointattn_mj.sweeps.claim import Cell, Cells, Finding, Verdict
+from experiments.turn_taking.sweep import SETTINGS, DevelopmentRun
+from jointattn_mj.sweeps.claim import Finding, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
 
 END = 6
@@ -15,66 +15,66 @@ END = 6
 LEVEL = 0.75
 """Success at which a stage counts as reached."""
 COLOURS = {1: "#7f8c8d", 3: "#2471a3", 5: "#c0392b", 10: "#b7950b"}
-ATTEMPTS = Life().attempts
+ATTEMPTS = DevelopmentRun().attempts
 STAGES = {"any": "some object", "right_in_view": "hers, in the first view", "right_outside": "hers, outside it"}
 
 
-def columns(part: Sequence[Cell]) -> dict[str, np.ndarray]:
+def columns(part: Sequence[Trial]) -> dict[str, np.ndarray]:
     """Each count of all lives, (lives, stretches)."""
-    return {key: np.array([cell.result[key] for cell in part]) for key in part[0].result}
+    return {key: np.array([trial.result[key] for trial in part]) for key in part[0].result}
 
 
-def rates(lives: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def rates(runs: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Rates (lives, stretches): any object, the right one, the right one where it was in view at first or was not.
 
     NaN where that was one attempt in a hundred or fewer (an object in view that was missed).
     """
-    outside = lives["attempts"] - lives["in_view"]
-    outside = np.where(outside > lives["attempts"] / 100, outside, np.nan)
+    outside = runs["attempts"] - runs["in_view"]
+    outside = np.where(outside > runs["attempts"] / 100, outside, np.nan)
     with np.errstate(invalid="ignore", divide="ignore"):
         return {
-            "any": lives["reached"] / lives["attempts"],
-            "right": lives["right"] / lives["attempts"],
-            "right_in_view": lives["right_in_view"] / lives["in_view"],
-            "right_outside": lives["right_outside"] / outside,
+            "any": runs["reached"] / runs["attempts"],
+            "right": runs["right"] / runs["attempts"],
+            "right_in_view": runs["right_in_view"] / runs["in_view"],
+            "right_outside": runs["right_outside"] / outside,
         }
 
 
 def reaches(rate: np.ndarray, level: float) -> np.ndarray:
     """(lives,) when a rate first gets to ``level``, in stretches (interpolated); infinite where it never does."""
     reached = np.full(len(rate), np.inf)
-    for life, values in enumerate(rate):
+    for run, values in enumerate(rate):
         above = np.flatnonzero(values >= level)
         if len(above):
             k = above[0]
             before = values[k - 1] if k else values[k]
-            reached[life] = k + 0.5 - ((values[k] - level) / (values[k] - before) if values[k] > before else 0.0)
+            reached[run] = k + 0.5 - ((values[k] - level) / (values[k] - before) if values[k] > before else 0.0)
     return reached
 
 
-def analyse(cells: Cells) -> list[Finding]:
+def analyse(trials: Trials) -> list[Finding]:
     """From chance to a high rate with 1, 3, 5 and 10 objects, the three stages, then other readings."""
     findings: list[Finding] = []
     for objects in COLOURS:
         name = f"objects_{objects}"
-        if cells.get(name):
-            findings += rise(columns(cells[name]), objects)
+        if trials.get(name):
+            findings += rise(columns(trials[name]), objects)
     for objects in (3, 5, 10):
         name = f"objects_{objects}"
-        if cells.get(name):
-            findings += stages(columns(cells[name]), objects)
-    for name, part in cells.items():
+        if trials.get(name):
+            findings += stages(columns(trials[name]), objects)
+    for name, part in trials.items():
         if name in SETTINGS and not name.startswith("objects_"):
             end = mean_interval(rates(columns(part))["right"][:, -END:].mean(axis=1))
             findings.append(Finding(f"her object at the end, {name}", "not given", end, Verdict.EXTENSION))
     return findings
 
 
-def rise(lives: dict[str, np.ndarray], objects: int) -> list[Finding]:
+def rise(runs: dict[str, np.ndarray], objects: int) -> list[Finding]:
     """Where success begins and ends."""
-    right = rates(lives)["right"]
+    right = rates(runs)["right"]
     start, end = mean_interval(right[:, 0]), mean_interval(right[:, -END:].mean(axis=1))
-    new = mean_interval(lives["test_new_right"][:, 0] / lives["test_new_attempts"][:, 0])
+    new = mean_interval(runs["test_new_right"][:, 0] / runs["test_new_attempts"][:, 0])
     of = f"{objects} object{'s' * (objects > 1)}"
     risen = Verdict.REPRODUCED if end.low > LEVEL else Verdict.PARTLY if end.low > start.high else Verdict.NOT
     chance = Verdict.REPRODUCED if objects > 1 and abs(start.mean - 1 / objects) < 0.05 else Verdict.NOT
@@ -86,9 +86,9 @@ def rise(lives: dict[str, np.ndarray], objects: int) -> list[Finding]:
     ]
 
 
-def stages(lives: dict[str, np.ndarray], objects: int) -> list[Finding]:
+def stages(runs: dict[str, np.ndarray], objects: int) -> list[Finding]:
     """Whether any object, the right one in view and the right one outside the view are reached in this order."""
-    rate = rates(lives)
+    rate = rates(runs)
     times = {key: reaches(rate[key], LEVEL) * ATTEMPTS / rate[key].shape[1] for key in STAGES}
     first, second, third = times.values()
     ordered = proportion(int(np.sum((first < second) & (second < third))), len(first))
@@ -105,31 +105,31 @@ def stages(lives: dict[str, np.ndarray], objects: int) -> list[Finding]:
     ]  # fmt: skip
 
 
-def draw(cells: Cells) -> Mapping[str, Figure]:
+def draw(trials: Trials) -> Mapping[str, Figure]:
     """Success by number of objects; the three stages with five and with ten; where objects lie."""
     figure = Figure(figsize=(8.2, 6.0), layout="constrained")
-    by_number, by_place, five, ten = figure.subplots(2, 2, sharey=True).ravel()
+    by_number, by_location, five, ten = figure.subplots(2, 2, sharey=True).ravel()
     for objects, colour in COLOURS.items():
-        part = cells.get(f"objects_{objects}")
+        part = trials.get(f"objects_{objects}")
         if part:
             band(by_number, rates(columns(part))["right"], f"{objects} objects ({len(part)} lives)", colour)
             by_number.axhline(1 / objects, color=colour, ls=":", lw=0.8)
-    places = {
+    locations = {
         "objects_5": ("five, anywhere on the table", "#c0392b"),
         "in_view_5": ("five, in the first view", "#1e8449"),
         "outside_3": ("three, outside the first view", "#6c3483"),
     }
-    for key, (label, colour) in places.items():
-        if cells.get(key):
-            right = rates(columns(cells[key]))["right"]
-            band(by_place, right, label, colour)
+    for key, (label, colour) in locations.items():
+        if trials.get(key):
+            right = rates(columns(trials[key]))["right"]
+            band(by_location, right, label, colour)
             if key == "outside_3":
-                by_place.plot(_times(right), right.T, color=colour, lw=0.4)
-    draw_stages(five, cells, "objects_5")
-    draw_stages(ten, cells, "objects_10")
+                by_location.plot(_times(right), right.T, color=colour, lw=0.4)
+    draw_stages(five, trials, "objects_5")
+    draw_stages(ten, trials, "objects_10")
     titles = {
         by_number: "the object she looks at is reached (dotted: chance)",
-        by_place: "the same, by where objects may lie (thin: single lives)",
+        by_location: "the same, by where objects may lie (thin: single lives)",
         five: "three stages, five objects on the table",
         ten: "three stages, ten objects",
     }
@@ -159,11 +159,11 @@ def _times(rate: np.ndarray) -> np.ndarray:
     return (np.arange(rate.shape[1]) + 0.5) * ATTEMPTS / rate.shape[1] / 1e4
 
 
-def draw_stages(axes: Axes, cells: Cells, name: str) -> None:
+def draw_stages(axes: Axes, trials: Trials, name: str) -> None:
     """Any object; hers where it was in the first view; hers where it was not; the gate."""
-    if not cells.get(name):
+    if not trials.get(name):
         return
-    rate = rates(columns(cells[name]))
+    rate = rates(columns(trials[name]))
     for (key, label), colour in zip(STAGES.items(), ("#7f8c8d", "#1e8449", "#6c3483"), strict=True):
         band(axes, rate[key], label, colour)
     robot, time = SETTINGS[name].config.robot, np.linspace(0, ATTEMPTS, 300)

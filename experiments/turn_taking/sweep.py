@@ -19,7 +19,7 @@ TEST_FACES = FaceBankConfig(faces=1000)
 
 
 @dataclass(frozen=True)
-class Life(Checked):
+class DevelopmentRun(Checked):
     """A life."""
 
     table: TableConfig = field(default_factory=TableConfig)
@@ -38,13 +38,13 @@ class Life(Checked):
 
 def reading(objects: int, **robot: object) -> Setting:
     """A robot that differs from the default."""
-    return Setting(Life(TableConfig(objects=objects), TurnTakerConfig(**robot)), 8)  # type: ignore[arg-type]
+    return Setting(DevelopmentRun(TableConfig(objects=objects), TurnTakerConfig(**robot)), 8)  # type: ignore[arg-type]
 
 
 SETTINGS = {
-    **{f"objects_{n}": Setting(Life(TableConfig(objects=n)), 20) for n in (1, 3, 5, 10)},
-    "in_view_5": Setting(Life(TableConfig(objects=5, region="in_view")), 20),
-    "outside_3": Setting(Life(TableConfig(objects=3, region="outside")), 20),
+    **{f"objects_{n}": Setting(DevelopmentRun(TableConfig(objects=n)), 20) for n in (1, 3, 5, 10)},
+    "in_view_5": Setting(DevelopmentRun(TableConfig(objects=5, region="in_view")), 20),
+    "outside_3": Setting(DevelopmentRun(TableConfig(objects=3, region="outside")), 20),
     "readings/feedback_alone_5": reading(5, gate="shut"),
     "readings/executed_5": reading(5, reference="executed"),
     "readings/first_step_5": reading(5, learns_from="first_step"),
@@ -65,37 +65,37 @@ def counts(outcomes: Outcomes, bins: int) -> dict[str, np.ndarray]:
     def count(which: np.ndarray) -> np.ndarray:
         return np.bincount(stretch, which, minlength=bins)
 
-    seen = outcomes.in_view
+    visible = outcomes.in_view
     return {
         "attempts": count(np.ones(len(stretch))),
         "reached": count(outcomes.reached),
         "right": count(outcomes.right),
-        "in_view": count(seen),
-        "right_in_view": count(outcomes.right & seen),
-        "right_outside": count(outcomes.right & ~seen),
+        "in_view": count(visible),
+        "right_in_view": count(outcomes.right & visible),
+        "right_outside": count(outcomes.right & ~visible),
         "movements": count(outcomes.movements),
     }
 
 
-def live_one(life: Life, faces: FaceBank, strange: FaceBank, seed: int) -> dict[str, np.ndarray]:
-    """A life and its tests, as counts; ``strange`` are pictures of the same face that the life does not hold."""
+def live_one(run: DevelopmentRun, faces: FaceBank, strange: FaceBank, seed: int) -> dict[str, np.ndarray]:
+    """A life and its tests, as counts; ``strange`` are images of the same face that the life does not hold."""
     tables, weights, attempts, after = (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(4))
-    known = faces.inputs(life.robot.face_length)
-    new = strange.inputs(life.robot.face_length, known.mean, known.scale)
-    robot = TurnTaker(life.robot, known.patterns.shape[1], weights)
-    situations = _situations(life, life.tables, known, tables)
-    results = counts(live(robot, situations, known, life.attempts, attempts), BINS)
-    robot.config = replace(life.robot, gate="open")
+    known = faces.inputs(run.robot.face_length)
+    new = strange.inputs(run.robot.face_length, known.mean, known.scale)
+    robot = TurnTaker(run.robot, known.patterns.shape[1], weights)
+    situations = _situations(run, run.tables, known, tables)
+    results = counts(live(robot, situations, known, run.attempts, attempts), BINS)
+    robot.config = replace(run.robot, gate="open")
     for name, inputs in (("known", known), ("new", new)):
-        situations = _situations(life, life.tests, inputs, after)
-        test = live(robot, situations, inputs, life.tests, after, learning=False)
+        situations = _situations(run, run.tests, inputs, after)
+        test = live(robot, situations, inputs, run.tests, after, learning=False)
         results |= {f"test_{name}_{key}": value for key, value in counts(test, 1).items()}
     return results
 
 
-def _situations(life: Life, count: int, faces: FaceInputs, rng: np.random.Generator) -> Situations:
-    places = draw_tables(life.table, count, rng)
-    return Situations.of_places(places, faces, life.faces.jitter_deg, rng)
+def _situations(run: DevelopmentRun, count: int, faces: FaceInputs, rng: np.random.Generator) -> Situations:
+    locations = draw_tables(run.table, count, rng)
+    return Situations.of_locations(locations, faces, run.faces.jitter_deg, rng)
 
 
 @cache
@@ -105,7 +105,7 @@ def face_banks(config: FaceBankConfig) -> tuple[FaceBank, FaceBank]:
     return render_faces(config, known), render_faces(TEST_FACES, new)
 
 
-def cell(life: Life, seed: int) -> dict[str, list[int]]:
+def trial(run: DevelopmentRun, seed: int) -> dict[str, list[int]]:
     """Outcomes of a life, counted in stretches, and of its tests."""
-    found = live_one(life, *face_banks(life.faces), seed)
+    found = live_one(run, *face_banks(run.faces), seed)
     return {name: values.astype(int).tolist() for name, values in found.items()}

@@ -17,18 +17,18 @@ from jointattn_mj.io.files import write_whole
 from jointattn_mj.options import Checked, Seed, Whole
 from jointattn_mj.perception.faces import FaceDetectorConfig, haar_faces
 from jointattn_mj.perception.objects import ColourAreas
-from jointattn_mj.scene.camera import in_picture, pixels_of_points
+from jointattn_mj.scene.camera import in_image, pixels_of_points
 from jointattn_mj.scene.model import OBJECTS
 from jointattn_mj.scene.variation import PRESETS
 from jointattn_mj.scene.world import World
 from jointattn_mj.tasks import load
 
 FRAMES = 12
-"""Of an episode, before a picture is taken: she still looks at the robot."""
+"""Of an episode, before an image is taken: she still looks at the robot."""
 FACE_PX, OBJECT_PX = 10.0, 8.0
 """What is so near to its true place counts as found."""
 SHOWN, WIDTH, HEIGHT = 6, 200, 150
-"""Pictures a preset in the figure, and their size in pixels."""
+"""Images a preset in the figure, and their size in pixels."""
 
 
 @dataclass(frozen=True)
@@ -45,33 +45,33 @@ class Options(Checked):
     """Of the episodes."""
 
 
-def found(picture: np.ndarray, world: World, colours: ColourAreas) -> tuple[bool, int, int]:
+def found(image: np.ndarray, world: World, colours: ColourAreas) -> tuple[bool, int, int]:
     """Whether OpenCV's cascade finds the face, how many objects their colours find, and how many are in view."""
     truth = pixels_of_points(world.candidate_points(), np.degrees(world.head_angles()))
-    faces = haar_faces(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), FaceDetectorConfig())
+    faces = haar_faces(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), FaceDetectorConfig())
     areas = colours.nothing()
-    colours.find(picture, np.empty(picture.shape[:2], np.uint8), areas)
+    colours.find(image, np.empty(image.shape[:2], np.uint8), areas)
     near = np.linalg.norm(areas.px - truth[:-1], axis=1) < OBJECT_PX
-    view = in_picture(truth[:-1])
+    view = in_image(truth[:-1])
     face = len(faces) > 0 and np.linalg.norm(faces[0, :2] - truth[-1]) < FACE_PX
     return bool(face), int(np.sum(near & view)), int(view.sum())
 
 
 def measure(preset: str, options: Options) -> tuple[dict[str, int], np.ndarray]:
-    """How much was found in so many draws, and the first pictures side by side."""
+    """How much was found in so many draws, and the first images side by side."""
     settings = {"random": options.seed, "variation": preset}
     environment = load("joint_attention", "object_transfer", task_kwargs=settings)
     colours = ColourAreas([item.rgb for item in OBJECTS[:4]])
-    rows, pictures = [], []
+    rows, images = [], []
     for _ in range(options.draws):
         environment.reset()
         for _ in range(FRAMES):
             step = environment.step(np.zeros(2))
         rows.append(found(step.observation["camera"], environment.task.world, colours))
-        pictures.append(step.observation["camera"])
+        images.append(step.observation["camera"])
     environment.close()
     faces, objects, in_view = np.sum(rows, axis=0).tolist()
-    band = np.hstack([cv2.resize(one, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA) for one in pictures[:SHOWN]])
+    band = np.hstack([cv2.resize(one, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA) for one in images[:SHOWN]])
     for colour, thickness in (((255, 255, 255), 3), ((0, 0, 0), 1)):
         cv2.putText(band, preset, (6, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.55, colour, thickness, cv2.LINE_AA)
     return {"draws": options.draws, "faces": faces, "objects": objects, "objects_in_view": in_view}, band

@@ -18,14 +18,14 @@ from jointattn_mj.options import Checked
 from jointattn_mj.scene.camera import directions_to, off_centre
 from jointattn_mj.sweeps.claim import Setting
 
-BASE = session_config("truth", cues=False)
+BASE = session_config("state", cues=False)
 TOLERANCE_DEG = 3.5
 """A pair is right when its command leads to within this angle of what the caregiver looks at."""
 
 
-def with_truth(**noise: float) -> SessionConfig:
+def exact(**noise: float) -> SessionConfig:
     """The base with other errors of perception."""
-    return replace(BASE, truth=replace(BASE.truth, **noise))
+    return replace(BASE, state=replace(BASE.state, **noise))
 
 
 def only_right_pairs(
@@ -40,8 +40,8 @@ def only_still_pairs(
     session: Session, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
 ) -> None:
     """Leave out the pairs whose face was turning, or whose object was moving, when they were learned."""
-    truth = session.config.truth
-    moving = session.world.moving(truth.face_moves_above_deg_s, truth.object_moves_above_m_s)
+    state = session.config.state
+    moving = session.world.moving(state.face_moves_above_deg_s, state.object_moves_above_m_s)
     if not moving.any():
         pair(shift, activations, command)
 
@@ -87,19 +87,19 @@ FILTERS: dict[str, Callable[..., None]] = {
 }
 SETTINGS = {
     "as_it_is": Setting(Condition(BASE), 10),
-    "with_cues": Setting(Condition(session_config("truth", cues=True)), 10),
-    "exact_face_pattern": Setting(Condition(with_truth(pattern_noise_deg=0.0)), 10),
+    "with_cues": Setting(Condition(session_config("state", cues=True)), 10),
+    "exact_face_pattern": Setting(Condition(exact(pattern_noise_deg=0.0)), 10),
     "exact_places": Setting(
-        Condition(with_truth(face_noise_px=0.0, face_miss=0.0, object_noise_px=0.0, object_miss=0.0)), 10
+        Condition(exact(face_noise_px=0.0, face_miss=0.0, object_noise_px=0.0, object_miss=0.0)), 10
     ),
-    "feedback_commands": Setting(Condition(session_config("truth", cues=False, gaze={"gate": "shut"})), 10),
+    "feedback_commands": Setting(Condition(session_config("state", cues=False, gaze={"gate": "shut"})), 10),
     "only_still_pairs": Setting(Condition(BASE, "only_still"), 10),
     "wrong_pairs_scattered": Setting(Condition(BASE, "wrong_scattered"), 10),
     "only_right_pairs": Setting(Condition(BASE, "only_right"), 10),
 }
 
 
-def cell(condition: Condition, seed: int) -> dict[str, Any]:
+def trial(condition: Condition, seed: int) -> dict[str, Any]:
     """A session's numbers, and the share of its pairs that were right."""
     session = Session(replace(condition.config, seed=seed))
     right = _watch_pairs(session, session.robot, FILTERS.get(condition.pairs))

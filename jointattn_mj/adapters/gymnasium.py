@@ -8,7 +8,7 @@ from dm_env import TimeStep, specs
 
 from jointattn_mj.adapters.extras import extra
 from jointattn_mj.errors import ConfigError, EpisodeError
-from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH, ROBOT_GROUP
+from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH, ROBOT_GROUP
 from jointattn_mj.tasks import load
 from jointattn_mj.tasks.actions import checked
 from jointattn_mj.tasks.arguments import unknown
@@ -94,9 +94,7 @@ class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
             return None
         option = MjvOption()
         option.geomgroup[ROBOT_GROUP] = 1
-        return self.environment.physics.render(
-            PICTURE_HEIGHT, PICTURE_WIDTH, camera_id="third_person", scene_option=option
-        )
+        return self.environment.physics.render(IMAGE_HEIGHT, IMAGE_WIDTH, camera_id="third_person", scene_option=option)
 
     def get_state(self) -> EnvironmentState:
         """See ``jointattn_mj.tasks.environment.Environment``; with wrappers it is ``env.unwrapped.get_state()``."""

@@ -49,11 +49,11 @@ class ToldSelector(AttentionSelector):
         self._attended = attended
         super().advance(attended, moves)
 
-    def draw(self, seen: np.ndarray) -> int | None:
+    def draw(self, visible: np.ndarray) -> int | None:
         """From the face: an object, once, when told. From anywhere else: the face, after a moment."""
         if self._attended != self.face:
             return self.face if self._dwell >= DWELL_FRAMES else None
-        objects = seen & (np.arange(len(seen)) != self.face)
+        objects = visible & (np.arange(len(visible)) != self.face)
         if not self.told or not objects.any():
             return None
         self.told = False
@@ -103,7 +103,7 @@ class Gazes:
     """
 
     def __init__(self, config: WorldConfig, count: int, pattern_noise_deg: float, rng: np.random.Generator):
-        """``pattern_noise_deg``: noise of the face pattern that stands for a picture (``TruthConfig``)."""
+        """``pattern_noise_deg``: noise of the face pattern that stands for an image (``StateConfig``)."""
         objects = len(config.scene.objects)
         layout = Layout(config.layout, rng)
         points = np.array([

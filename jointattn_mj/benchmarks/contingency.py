@@ -22,15 +22,15 @@ from jointattn_mj.contingency.online.counts import add, empty_counts
 from jointattn_mj.contingency.online.detector import DetectorConfig, look, new_watch
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.development.table.presets import PRESETS, Preset
-from jointattn_mj.development.table.run import TableLife
+from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.development.table.world import CHAPTER_5, table_variables
 
-STEPS = 20_000
+TRANSITIONS = 20_000
 """Transitions of a block for the detector."""
 RECOMPUTED = 300
 """Transitions of a block for full recomputation."""
-TURNS = 100_000
-"""Of a life, as in section 5.3.2."""
+RUN_STEPS = 100_000
+"""Of a run, as in section 5.3.2."""
 SAMPLES = 1_000_000
 """Of series for transfer entropy."""
 MODULES = {12: 0, 48: 2, 108: 4, 300: 8}
@@ -78,7 +78,7 @@ def run_contingency_benchmark(blocks: int) -> ContingencyBenchmark:
         for padded in (False, True):
             works[f"numpy {triples} {padded}"] = partial(Recomputing(detecting[triples].variables, padded).run, *series)
     for name in ("thesis", "fast"):
-        works[name] = partial(_live, PRESETS[name], count())
+        works[name] = partial(_advance, PRESETS[name], count())
     source, target = (np.random.default_rng(1).integers(0, size, SAMPLES, np.int32) for size in (4, 2))
     works["transfer entropy"] = partial(transfer_entropy, source, target)
     if theirs := _pyinform():
@@ -90,12 +90,12 @@ def run_contingency_benchmark(blocks: int) -> ContingencyBenchmark:
     cpu, wall = (
         {name: np.array(pairs)[1:, which] for name, pairs in times.items()} for which in (0, 1)
     )  # [0] compiled
-    step = {triples: float(np.median(cpu[f"detector {triples}"])) / STEPS for triples in detecting}
+    step = {triples: float(np.median(cpu[f"detector {triples}"])) / TRANSITIONS for triples in detecting}
 
     def to_numpy(triples: int) -> float:
         """In comparison with the layout that suits numpy better at this size."""
         recomputed = [cpu[f"numpy {triples} {padded}"] / RECOMPUTED for padded in (False, True)]
-        return float(min(np.median(one / (cpu[f"detector {triples}"] / STEPS)) for one in recomputed))
+        return float(min(np.median(one / (cpu[f"detector {triples}"] / TRANSITIONS)) for one in recomputed))
 
     compiling, compiling_wall = compile_seconds()
     return ContingencyBenchmark(
@@ -129,7 +129,7 @@ class _Detecting:
         events, random = list(self.variables.events()), np.random.default_rng(0)
         self.counts, self.watch = empty_counts(self.variables, events), new_watch(DetectorConfig(), len(events))
         self.series = tuple(
-            np.column_stack([random.integers(0, len(one.values), STEPS + 1) for one in group])
+            np.column_stack([random.integers(0, len(one.values), TRANSITIONS + 1) for one in group])
             for group in (self.variables.sensors, self.variables.actions, self.variables.results)
         )
 
@@ -211,8 +211,8 @@ def _pyinform() -> Callable[..., float] | None:
     return theirs
 
 
-def _live(preset: Preset, seeds: Iterator[int]) -> None:
-    TableLife(preset.world, preset.mind, next(seeds), TURNS).live(TURNS)
+def _advance(preset: Preset, seeds: Iterator[int]) -> None:
+    TableRun(preset.world, preset.agent, next(seeds), RUN_STEPS).advance(RUN_STEPS)
 
 
 def _seconds(work: Callable[[], object]) -> tuple[float, float]:

@@ -23,7 +23,7 @@ class BenchmarkOptions(Checked):
     """How long to measure."""
 
     what: Literal["scene", "turns", "contingency", "all"] = "scene"
-    """``scene``: closed loop, rendering alone, truth and cartpole. ``turns``: turns of chapter 5 from pictures,
+    """``scene``: closed loop, rendering alone, truth and cartpole. ``turns``: turns of chapter 5 from images,
     rendering these alone, and turns at the symbolic table. ``contingency``: the detector beside recomputation
     in numpy, whole lives at the table, compiling, transfer entropy beside pyinform."""
     blocks: Annotated[int, Whole("[1, 100000]")] = 8
@@ -40,9 +40,9 @@ class Benchmark:
 
     renderer: str
     render_ms: float
-    """Rendering alone, a picture: the same ones that the loop rendered."""
-    loop_ms_per_picture: float
-    """Closed loop from pixels: everything in it, divided by the pictures that were rendered for it."""
+    """Rendering alone, an image: the same ones that the loop rendered."""
+    loop_ms_per_image: float
+    """Closed loop from pixels: everything in it, divided by the images that were rendered for it."""
     loop_to_render: float
     """The ratio of the two, block by block."""
     loop_times_real_time: float
@@ -52,7 +52,7 @@ class Benchmark:
     cartpole_ms: float
     """dm_control's own cartpole swingup, a step with pixels at 320x240."""
     loop_to_cartpole: float
-    """Closed loop per rendered picture, in cartpole steps."""
+    """Closed loop per rendered image, in cartpole steps."""
 
     def rows(self) -> dict[str, float | str]:
         """The figures by name."""
@@ -71,11 +71,11 @@ def run_benchmark(options: BenchmarkOptions) -> Benchmark:
     """Measure in turns, so that a machine that changes its pace changes it for all.
 
     Raises:
-        GLError: No picture can be rendered here.
+        GLError: No image can be rendered here.
     """
     minutes = options.blocks * options.seconds / 60
     loop = Session(SessionConfig(minutes=minutes))
-    truth = Session(SessionConfig(minutes=minutes, perception="truth"))
+    truth = Session(SessionConfig(minutes=minutes, perception="state"))
     scene = World.build(loop.config.world, np.random.SeedSequence(1))
     cartpole = _cartpole()
     loop.begin()
@@ -84,10 +84,10 @@ def run_benchmark(options: BenchmarkOptions) -> Benchmark:
     block, times = round(options.seconds / FRAME_S), []
     try:
         for _ in range(options.blocks):
-            seen = Poses()
-            in_loop = _live(loop, block, seen.note)
-            alone, in_truth = _render(scene, seen), _live(truth, block)
-            times.append((in_loop, len(seen.poses), alone, in_truth, _steps(cartpole, CARTPOLE_STEPS)))
+            visible = Poses()
+            in_loop = _live(loop, block, visible.note)
+            alone, in_truth = _render(scene, visible), _live(truth, block)
+            times.append((in_loop, len(visible.poses), alone, in_truth, _steps(cartpole, CARTPOLE_STEPS)))
         with loop.world.physics.contexts.gl.make_current() as context:
             renderer = context.call(_renderer_name)
     finally:
@@ -95,23 +95,23 @@ def run_benchmark(options: BenchmarkOptions) -> Benchmark:
         truth.close()
         scene.close()
         cartpole.close()
-    in_loop, pictures, rendering, in_truth, steps = np.array(times, float).T
-    per_picture = in_loop / pictures
+    in_loop, images, rendering, in_truth, steps = np.array(times, float).T
+    per_image = in_loop / images
     return Benchmark(
         renderer=renderer,
-        render_ms=1000 * float(np.median(rendering / pictures)),
-        loop_ms_per_picture=1000 * float(np.median(per_picture)),
+        render_ms=1000 * float(np.median(rendering / images)),
+        loop_ms_per_image=1000 * float(np.median(per_image)),
         loop_to_render=float(np.median(in_loop / rendering)),
         loop_times_real_time=float(np.median(options.seconds / in_loop)),
         session_26_min_s=float(np.median(in_loop)) * 26 * 60 / options.seconds,
         truth_times_real_time=float(np.median(options.seconds / in_truth)),
         cartpole_ms=1000 * float(np.median(steps)) / CARTPOLE_STEPS,
-        loop_to_cartpole=float(np.median(per_picture / (steps / CARTPOLE_STEPS))),
+        loop_to_cartpole=float(np.median(per_image / (steps / CARTPOLE_STEPS))),
     )
 
 
 class Poses:
-    """How everything stood whenever the robot looked, so that the very same pictures can be rendered again."""
+    """How everything stood whenever the robot looked, so that the very same images can be rendered again."""
 
     def __init__(self) -> None:
         self.poses: list[tuple[np.ndarray, np.ndarray]] = []
@@ -133,11 +133,11 @@ def _live(session: Session, frames: int, watch: Callable[[Session], None] | None
     return time.perf_counter() - start
 
 
-def _render(world: World, seen: Poses) -> float:
-    """Seconds for rendering alone; things are put into their places before each picture, untimed."""
+def _render(world: World, visible: Poses) -> float:
+    """Seconds for rendering alone; things are put into their places before each image, untimed."""
     spent = 0.0
-    for qpos, places in seen.poses:
-        world.data.qpos[:], world.data.mocap_pos[:] = qpos, places
+    for qpos, locations in visible.poses:
+        world.data.qpos[:], world.data.mocap_pos[:] = qpos, locations
         mujoco.mj_fwdPosition(world.model, world.data)
         start = time.perf_counter()
         world.eye.look()

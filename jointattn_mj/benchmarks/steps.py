@@ -1,29 +1,29 @@
-"""How much longer a turn of a life from pictures takes than its picture, and than a turn at the symbolic table."""
+"""How much longer a turn of a life from images takes than its image, and than a turn at the symbolic table."""
 
 import time
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from jointattn_mj.development.loop import Life
-from jointattn_mj.development.rendered.run import RenderedConfig, RenderedLife
+from jointattn_mj.development.loop import DevelopmentRun
+from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
 from jointattn_mj.development.table.presets import PRESETS
-from jointattn_mj.development.table.run import TableLife
+from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.scene.looker import Pose, TurnWorld
 
-TURNS = 1000
+STEPS = 1000
 """In a block."""
 
 
 @dataclass(frozen=True)
-class TurnsBenchmark:
+class StepsBenchmark:
     """Medians over the blocks."""
 
-    turn_picture_ms: float
-    """Rendering alone, a picture: the same ones that the life rendered."""
+    turn_image_ms: float
+    """Rendering alone, an image: the same ones that the life rendered."""
     turn_ms: float
-    """A turn of a life from pictures, with everything."""
-    turn_to_picture: float
+    """A turn of a life from images, with everything."""
+    turn_to_image: float
     """The ratio of the two, block by block."""
     symbolic_turn_us: float
     """A turn of the same mind at the symbolic table."""
@@ -33,53 +33,53 @@ class TurnsBenchmark:
         return asdict(self)
 
 
-class _Noted(RenderedLife):
-    """Notes how bodies stood in each picture."""
+class _Noted(RenderedRun):
+    """Notes how bodies stood in each image."""
 
     poses: list[Pose]
 
     def see(self) -> None:
-        """See ``RenderedLife``."""
+        """See ``RenderedRun``."""
         super().see()
         self.poses.append(self.stage.world.pose())
 
 
-def run_turns_benchmark(blocks: int) -> TurnsBenchmark:
-    """Measure lives and pictures in turns.
+def run_steps_benchmark(blocks: int) -> StepsBenchmark:
+    """Measure lives and images in turns.
 
     Raises:
-        GLError: No picture can be rendered here.
+        GLError: No image can be rendered here.
     """
-    preset, turns, times = PRESETS["thesis"], (blocks + 1) * TURNS, []
-    life = _Noted(preset.world, RenderedConfig(), preset.mind, 0, turns)
-    symbolic = TableLife(preset.world, preset.mind, 0, turns)
-    world = life.stage.world
+    preset, n_steps, times = PRESETS["thesis"], (blocks + 1) * STEPS, []
+    run = _Noted(preset.world, RenderedConfig(), preset.agent, 0, n_steps)
+    symbolic = TableRun(preset.world, preset.agent, 0, n_steps)
+    world = run.stage.world
     try:
         for block in range(blocks + 1):
-            life.poses = []
-            measured = _seconds(life), _render(world, life.poses), _seconds(symbolic)
+            run.poses = []
+            measured = _seconds(run), _render(world, run.poses), _seconds(symbolic)
             if block:  # the first compiles
                 times.append(measured)
-            world.stand(life.poses[-1])
+            world.stand(run.poses[-1])
     finally:
-        life.close()
-    in_life, pictures, at_table = np.array(times).T
-    return TurnsBenchmark(
-        turn_picture_ms=1000 * float(np.median(pictures)) / TURNS,
-        turn_ms=1000 * float(np.median(in_life)) / TURNS,
-        turn_to_picture=float(np.median(in_life / pictures)),
-        symbolic_turn_us=1e6 * float(np.median(at_table)) / TURNS,
+        run.close()
+    in_run, images, at_table = np.array(times).T
+    return StepsBenchmark(
+        turn_image_ms=1000 * float(np.median(images)) / STEPS,
+        turn_ms=1000 * float(np.median(in_run)) / STEPS,
+        turn_to_image=float(np.median(in_run / images)),
+        symbolic_turn_us=1e6 * float(np.median(at_table)) / STEPS,
     )
 
 
-def _seconds(life: Life) -> float:
+def _seconds(run: DevelopmentRun) -> float:
     start = time.perf_counter()
-    life.live(TURNS)
+    run.advance(STEPS)
     return time.perf_counter() - start
 
 
 def _render(world: TurnWorld, poses: list[Pose]) -> float:
-    """Seconds for rendering alone; bodies are put into their places before each picture, untimed."""
+    """Seconds for rendering alone; bodies are put into their places before each image, untimed."""
     spent = 0.0
     for pose in poses:
         world.stand(pose)

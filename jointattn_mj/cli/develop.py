@@ -5,7 +5,7 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from jointattn_mj.development.loop import Found, Life
+from jointattn_mj.development.loop import DevelopmentRun, Found
 from jointattn_mj.development.meaning import Meaning
 from jointattn_mj.development.run import DevelopConfig, DevelopOptions, run_development
 from jointattn_mj.io.progress import Progress, count
@@ -16,12 +16,12 @@ def run_with_bar(config: DevelopConfig, options: DevelopOptions) -> None:
     started = time.perf_counter()
     shown = Progress("developing", config.length, config.unit)
 
-    def progress(life: Life, found: Sequence[tuple[Found, Meaning | None]]) -> None:
+    def progress(run: DevelopmentRun, found: Sequence[tuple[Found, Meaning | None]]) -> None:
         for one, meaning in found:
             if meaning is not None:
-                shown.say(f"turn {one.turn:,}: {meaning.label}  [{life.mind.variables.describe(one.event)}]")
-        modules = len(life.mind.modules)
-        shown.to(life.spent, count(modules, "module"))
+                shown.say(f"turn {one.step:,}: {meaning.label}  [{run.agent.variables.describe(one.event)}]")
+        modules = len(run.agent.modules)
+        shown.to(run.spent, count(modules, "module"))
 
     try:
         with shown:

@@ -187,8 +187,8 @@ def _perceive(arguments: Sequence[str] = ()) -> Callable[..., Any]:
     ) -> Callable[[], None]:
         """Watch a video of a person at a table: what the robot would perceive, and where it would look (6.3.2).
 
-        The camera stands still, so a fixation is attention to a place in the picture, and nothing turns.
-        Leaves in --out: config.yaml, summary.json (with the mapping from the video to the robot's picture),
+        The camera stands still, so a fixation is attention to a place in the image, and nothing turns.
+        Leaves in --out: config.yaml, summary.json (with the mapping from the video to the robot's image),
         percepts.parquet (a row a frame), fixations.parquet, fixations.png, som.png, faces.parquet, overlay.mp4, and
         checkpoint.bin.
         """
@@ -200,14 +200,14 @@ def _perceive(arguments: Sequence[str] = ()) -> Callable[..., Any]:
 def _benchmark(arguments: Sequence[str] = ()) -> Callable[..., Any]:
     from jointattn_mj.benchmarks.contingency import run_contingency_benchmark
     from jointattn_mj.benchmarks.loop import BenchmarkOptions, as_text, run_benchmark
-    from jointattn_mj.benchmarks.steps import run_turns_benchmark
+    from jointattn_mj.benchmarks.steps import run_steps_benchmark
     from jointattn_mj.io.files import write_whole
     from jointattn_mj.io.progress import Progress
 
     def run(options: BenchmarkOptions) -> None:
         parts: dict[str, Callable[[], Any]] = {
             "scene": lambda: run_benchmark(options),
-            "turns": lambda: run_turns_benchmark(options.blocks),
+            "turns": lambda: run_steps_benchmark(options.blocks),
             "contingency": lambda: run_contingency_benchmark(options.blocks),
         }
         rows: dict[str, Any] = {}
@@ -222,7 +222,7 @@ def _benchmark(arguments: Sequence[str] = ()) -> Callable[..., Any]:
 
     def benchmark(options: Annotated[BenchmarkOptions, tyro.conf.arg(name="")]) -> Callable[[], None]:
         """Measure, in one run: the closed loop beside rendering alone, the truth path, and dm_control's cartpole; turns
-        from pictures beside rendering these; the search for contingency beside recomputation in numpy, and beside
+        from images beside rendering these; the search for contingency beside recomputation in numpy, and beside
         pyinform."""
         return lambda: _with_one_thread(run, options)
 
@@ -307,7 +307,7 @@ COMMANDS = {
 def _with_one_thread(run: Callable[..., None], *arguments: Any) -> None:
     import cv2
 
-    cv2.setNumThreads(1)  # pictures are small: handing them round threads costs more than it gains
+    cv2.setNumThreads(1)  # images are small: handing them round threads costs more than it gains
     run(*arguments)
 
 

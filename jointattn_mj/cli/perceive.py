@@ -14,7 +14,7 @@ def run_with_bar(config: PerceiveConfig, options: PerceiveOptions) -> None:
     shown = Progress("going back to where it was" if options.resume else "looking for a face", unit="s of video")
 
     def progress(viewing: Viewing) -> None:
-        found = viewing.seen / viewing.frames
+        found = viewing.visible / viewing.frames
         words = f"face in {found[-1]:.0%}, {len(viewing.fixations.all)} fixations"
         shown.doing("watching")
         shown.to(viewing.frames / RATE, words, _seconds(viewing))

@@ -24,14 +24,14 @@ def without_class(message: str) -> str:
 
 
 def _placed(text: str) -> str:
-    """``Error parsing PLACE: MESSAGE`` as an option or a dotted name and what is wrong with it."""
+    """``Error parsing LOCATION: MESSAGE`` as an option or a dotted name and what is wrong with it."""
     found = re.match(r"Error parsing (?:__tyro-dummy-inner__\.\w+\.)?(\S+): (.*)", text)
     if found is None:
         return text
-    place, message = found.groups()
+    location, message = found.groups()
     if without_class(message) != message:
-        return f"{place}.{without_class(message)}"
-    return f"{place}: {message}" if place.startswith("-") else message
+        return f"{location}.{without_class(message)}"
+    return f"{location}: {message}" if location.startswith("-") else message
 
 
 def _commands(parts: list[str]) -> str:

@@ -30,7 +30,7 @@ class ViewOptions(Checked):
     task: tyro.conf.Positional[Annotated[str, Choice(IDS.values())]]
     """Task of the suite."""
     agent: Literal["zero", "random", "oracle", "gaze_follower"] | None = None
-    """Who acts. Not given: the gaze follower of chapter 6 where the task gives pictures in time, else the oracle."""
+    """Who acts. Not given: the gaze follower of chapter 6 where the task gives images in time, else the oracle."""
     seed: Seed = 0
     """All randomness comes from it."""
     browser: bool = False
@@ -47,7 +47,7 @@ def view(options: ViewOptions) -> None:
     Raises:
         ConfigError: No such task, an agent that cannot live in it, an interface that this machine does not have.
         ExtraError: No display, and the package for the browser is missing.
-        GLError: The robot's pictures cannot be rendered here.
+        GLError: The robot's images cannot be rendered here.
     """
     print(f"jointattn: the view of {options.task} is starting", file=sys.stderr, flush=True)
     if options.browser or options.host != HERE or not _has_display():
@@ -78,8 +78,8 @@ def _show(options: ViewOptions) -> "Show":
     from jointattn_mj.tasks.agents import AGENTS
     from jointattn_mj.viewing.show import Show
 
-    pictures = options.agent in (None, "gaze_follower")
-    environment = load(DOMAIN, options.task, task_kwargs={"random": options.seed, "camera": pictures})
+    images = options.agent in (None, "gaze_follower")
+    environment = load(DOMAIN, options.task, task_kwargs={"random": options.seed, "camera": images})
     sees = "head_moves" in environment.observation_spec()
     agent = options.agent or ("gaze_follower" if sees else "oracle")
     return Show(environment, AGENTS[agent](environment, options.seed))

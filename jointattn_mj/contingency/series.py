@@ -124,11 +124,11 @@ def combined(columns: Sequence[np.ndarray], sizes: Sequence[int]) -> tuple[np.nd
     keys, bound = columns[0].astype(np.int64, copy=False), int(sizes[0])
     for column, size in zip(columns[1:], sizes[1:], strict=True):
         if bound * int(size) >= 2**62:
-            seen, keys = np.unique(keys, return_inverse=True)
-            bound = len(seen)
+            visible, keys = np.unique(keys, return_inverse=True)
+            bound = len(visible)
         if bound * int(size) >= 2**62:
-            seen, column = np.unique(column, return_inverse=True)
-            size = len(seen)
+            visible, column = np.unique(column, return_inverse=True)
+            size = len(visible)
         keys, bound = keys * size + column, bound * int(size)
     return keys, bound
 

@@ -41,8 +41,8 @@ class Cells:
         keys, bound = combined([self.columns[i] for i in chosen], [self.sizes[i] for i in chosen])
         if bound <= max(DENSE, 4 * len(keys)):
             return keys, bound
-        seen, keys = np.unique(keys, return_inverse=True)
-        return keys, len(seen)
+        visible, keys = np.unique(keys, return_inverse=True)
+        return keys, len(visible)
 
     def marginal(self, axes: str) -> np.ndarray:
         """Count (m,) of the marginal over ``axes`` to which each cell belongs; over no axes: all transitions."""
@@ -131,8 +131,8 @@ class Steps:
         dense = self.dense() if dense is None else dense
         if dense is None:
             return _sorted(self.columns(), self.sizes)
-        seen = np.flatnonzero(dense)
-        return Cells(np.array(np.unravel_index(seen, self.sizes)), dense.ravel()[seen].astype(float), self.sizes)
+        visible = np.flatnonzero(dense)
+        return Cells(np.array(np.unravel_index(visible, self.sizes)), dense.ravel()[visible].astype(float), self.sizes)
 
     def cells_by_step(self) -> tuple[Cells, np.ndarray]:
         """The cells, and for each transition the number of its cell (n,)."""

@@ -26,7 +26,7 @@ from jointattn_mj.contingency.online.modules import Module, ReproductionConfig, 
 from jointattn_mj.contingency.online.reactive import RandomModule, ReactiveModule
 from jointattn_mj.contingency.online.selector import NOBODY, Maps, SelectorConfig, flat_maps, select
 from jointattn_mj.development.one_type import one_type
-from jointattn_mj.development.restored_agent import check_mind, check_module
+from jointattn_mj.development.restored_agent import check_agent, check_module
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.guards.finite import check_finite
 from jointattn_mj.options import Checked, Whole
@@ -79,7 +79,7 @@ class Past(NamedTuple):
 
 
 @one_type
-class Mind(NamedTuple):
+class AgentState(NamedTuple):
     """What a turn needs, for compiled code."""
 
     counts: Counts
@@ -97,7 +97,7 @@ class Mind(NamedTuple):
     """(joints,) which module drives each."""
     strength: np.ndarray
     """Working space (modules,)."""
-    turns: np.ndarray
+    n_steps: np.ndarray
     """(1,) turns so far."""
     random: np.random.Generator
 
@@ -109,36 +109,44 @@ FADED = 1e9
 @njit(cache=True, forceinline=True)
 def _copy(values, to):
     """As slices, numba would compile them together with messages about every shape that does not fit."""
-    for place in range(len(values)):
-        to[place] = values[place]
+    for location in range(len(values)):
+        to[location] = values[location]
 
 
 @njit(cache=True)
-def _remember_for_a_while(mind, r_next):
+def _remember_for_a_while(state, r_next):
     """Count the transition from the turn before to this one, and let older ones fade or take the oldest out."""
-    counts, past = mind.counts, mind.past
+    counts, past = state.counts, state.past
     contexts = len(counts.contexts)
     if past.weight[1] != 1.0:
         past.weight[0] *= past.weight[1]
-        add(counts, mind.s, mind.a, mind.r, r_next, past.weight[0], contexts)
+        add(counts, state.s, state.a, state.r, r_next, past.weight[0], contexts)
         if past.weight[0] > FADED:
             divide(counts, past.weight[0])
             past.weight[0] = 1.0
         return
-    place = (mind.turns[0] - 1) % len(past.contexts)
-    if past.contexts[place] > 0:
-        add(counts, past.s[place], past.a[place], past.r[place], past.r_next[place], -1, past.contexts[place])
-    add(counts, mind.s, mind.a, mind.r, r_next, 1, contexts)
-    _copy(mind.s, past.s[place])
-    _copy(mind.a, past.a[place])
-    _copy(mind.r, past.r[place])
-    _copy(r_next, past.r_next[place])
-    past.contexts[place] = contexts
+    location = (state.n_steps[0] - 1) % len(past.contexts)
+    if past.contexts[location] > 0:
+        add(
+            counts,
+            past.s[location],
+            past.a[location],
+            past.r[location],
+            past.r_next[location],
+            -1,
+            past.contexts[location],
+        )
+    add(counts, state.s, state.a, state.r, r_next, 1, contexts)
+    _copy(state.s, past.s[location])
+    _copy(state.a, past.a[location])
+    _copy(state.r, past.r[location])
+    _copy(r_next, past.r_next[location])
+    past.contexts[location] = contexts
 
 
 @njit(cache=True, forceinline=True)
-def think(mind, s, r):
-    """A turn: learn from what has come of the last one, then choose ``mind.a``.
+def think(state, s, r):
+    """A turn: learn from what has come of the last one, then choose ``state.a``.
 
     Args:
         mind: Changed in place.
@@ -149,17 +157,17 @@ def think(mind, s, r):
         Number of the event that was just found to be contingent, or NOTHING.
     """
     found = NOTHING
-    if mind.turns[0] > 0:
-        if mind.forgets:
-            _remember_for_a_while(mind, r)
+    if state.n_steps[0] > 0:
+        if state.forgets:
+            _remember_for_a_while(state, r)
         else:
-            add(mind.counts, mind.s, mind.a, mind.r, r, 1, len(mind.counts.contexts))
-        found = look(mind.watch, mind.counts)
-    mind.turns[0] += 1
-    _copy(s, mind.s)
-    _copy(mind.a[len(mind.driver) :], mind.s[len(s) :])
-    _copy(r, mind.r)
-    select(mind.maps, mind.s, mind.r, mind.random, mind.strength, mind.a, mind.driver)
+            add(state.counts, state.s, state.a, state.r, r, 1, len(state.counts.contexts))
+        found = look(state.watch, state.counts)
+    state.n_steps[0] += 1
+    _copy(s, state.s)
+    _copy(state.a[len(state.driver) :], state.s[len(s) :])
+    _copy(r, state.r)
+    select(state.maps, state.s, state.r, state.random, state.strength, state.a, state.driver)
     return found
 
 
@@ -182,7 +190,7 @@ class Developer:
         self.reactive += [RandomModule(joint.name) for joint in variables.joints if joint.name not in served]
         joints = len(variables.joints)
         maps = flat_maps(variables, [], self.reactive, config.selector)
-        self.mind = Mind(
+        self.state = AgentState(
             counts=empty_counts(variables, self.events),
             watch=new_watch(config.detector, len(self.events)),
             maps=maps,
@@ -193,7 +201,7 @@ class Developer:
             a=np.zeros(joints, np.int64),
             driver=np.full(joints, NOBODY, np.int64),
             strength=np.zeros(len(maps.joint)),
-            turns=np.zeros(1, np.int64),
+            n_steps=np.zeros(1, np.int64),
             random=np.random.default_rng(seed),
         )
 
@@ -205,18 +213,18 @@ class Developer:
         """
         variables = self.variables
         sensors = variables.sensors[: len(variables.sensors) - variables.modules]
-        self.take_in(think(self.mind, _observed(s, sensors), _observed(r, variables.results)))
-        return self.mind.a[: len(self.mind.driver)].copy()
+        self.take_in(think(self.state, _observed(s, sensors), _observed(r, variables.results)))
+        return self.state.a[: len(self.state.driver)].copy()
 
     def take_in(self, found: int) -> Module | None:
         """What follows a turn: a module for the event of number ``found``, unless that is NOTHING; maps made anew."""
         every = self.config.refresh_every
-        if every and self.modules and self.mind.turns[0] % every == 0:
+        if every and self.modules and self.state.n_steps[0] % every == 0:
             self._set_modules([self._module(module.event) for module in self.modules])
         if found == NOTHING:
             return None
         if len(self.modules) >= self.config.most_modules:
-            self.mind.watch.claimed[found] = True
+            self.state.watch.claimed[found] = True
             return None
         made = self._module(self.events[found])
         self._grow(found, made)
@@ -228,12 +236,12 @@ class Developer:
         Raises:
             NotFiniteError: Counts, measures or maps hold NaN or infinity.
         """
-        counts, maps = self.mind.counts, self.mind.maps
+        counts, maps = self.state.counts, self.state.maps
         check_finite(
             {
                 "counts": counts.cells,
                 "sums of counts": counts.contexts["sum"],
-                "contingency": self.mind.watch.values,
+                "contingency": self.state.watch.values,
                 "reliability": maps.reliability,
                 "odds": maps.odds,
                 "trust": maps.trust,
@@ -247,7 +255,7 @@ class Developer:
             ValueError: It is none that compiled code can live with.
         """
         self.__dict__.update(state)
-        check_mind(self.mind, self._unlived().mind, self.variables)
+        check_agent(self.state, self._unlived().state, self.variables)
 
     def _unlived(self) -> "Developer":
         """A mind of the same variables and modules that has lived nothing."""
@@ -260,17 +268,17 @@ class Developer:
         return other
 
     def drivers(self) -> list[str]:
-        """Names of all modules, in the order that ``mind.driver`` counts them in."""
+        """Names of all modules, in the order that ``state.driver`` counts them in."""
         made = [f"module {number}" for number in range(1, len(self.modules) + 1)]
         return made + [type(module).__name__ for module in self.reactive]
 
     def _module(self, event: Event) -> Module:
-        table = joint_table(self.mind.counts, self.events.index(event))
+        table = joint_table(self.state.counts, self.events.index(event))
         return make_module(event, table, self.config.reproduction)
 
     def _grow(self, found: int, made: Module) -> None:
         """Add a module, its two variables, and all events with them."""
-        mind, config = self.mind, self.config
+        state, config = self.state, self.config
         self.variables = self.variables.with_module(f"module {len(self.modules) + 1}")
         known = set(self.events)
         new = [event for event in self.variables.events() if event not in known]
@@ -279,27 +287,27 @@ class Developer:
         if anew:
             counts = empty_counts(self.variables, self.events)
         else:
-            counts = joined(mind.counts, empty_counts(self.variables, new))
+            counts = joined(state.counts, empty_counts(self.variables, new))
         if config.history == "ever":
             for event in new:
                 set_joint_table(counts, self.events.index(event), self._unused(event))
-        self.mind = mind._replace(
+        self.state = state._replace(
             counts=counts,
-            watch=grown(mind.watch, len(self.events), found, anew),
-            past=self._wider(mind.past),
-            s=np.append(mind.s, 0),
-            a=np.append(mind.a, 0),
-            driver=np.where(mind.driver >= len(self.modules), mind.driver + 1, mind.driver),
+            watch=grown(state.watch, len(self.events), found, anew),
+            past=self._wider(state.past),
+            s=np.append(state.s, 0),
+            a=np.append(state.a, 0),
+            driver=np.where(state.driver >= len(self.modules), state.driver + 1, state.driver),
         )
         self._set_modules([*self.modules, made])
 
     def _set_modules(self, modules: list[Module]) -> None:
         """Let the selector choose among these; those that it knew keep their habituation."""
-        old, known = self.mind.maps, len(self.modules)
+        old, known = self.state.maps, len(self.modules)
         maps = flat_maps(self.variables, modules, self.reactive, self.config.selector)
         maps.repeats[:known], maps.under[:known] = old.repeats[:known], old.under[:known]
         self.modules = modules
-        self.mind = self.mind._replace(maps=maps, strength=np.zeros(len(maps.joint)))
+        self.state = self.state._replace(maps=maps, strength=np.zeros(len(maps.joint)))
 
     def _unused(self, event: Event) -> np.ndarray:
         """Counts (R, S, A, R') of a new event, had its module's variables been there, and 0, from the beginning."""
@@ -307,7 +315,7 @@ class Developer:
         alike = Event(
             event.sensor if event.sensor < sensors else 0, event.action if event.action < actions else 0, event.result
         )
-        table = joint_table(self.mind.counts, self.events.index(alike))
+        table = joint_table(self.state.counts, self.events.index(alike))
         for axis, is_new in ((1, event.sensor == sensors), (2, event.action == actions)):
             if is_new:
                 table = table.sum(axis, keepdims=True)

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from jointattn_mj.development.loop import Life
+from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.meaning import GAZE
 from jointattn_mj.errors import ConfigError
 
@@ -44,14 +44,14 @@ def behaviours(face: np.ndarray, gaze: np.ndarray, spots: int) -> np.ndarray:
     """
     if len(face) != len(gaze):
         raise ConfigError(f"face and gaze must be equally long; got {len(face)} and {len(gaze)} turns")
-    seen, to_her = face <= spots, gaze == spots
+    visible, to_her = face <= spots, gaze == spots
     same = np.empty(len(gaze), np.bool_)
     same[:1] = False  # a robot whose first turn it is has looked at no spot before
     same[1:] = gaze[1:] == gaze[:-1]
-    found = np.where(seen, NFG, np.where(same, SS, SO)).astype(np.int8)
-    found[seen & (face == gaze)] = FG
-    found[seen & to_her] = KEC
-    found[~seen & to_her] = SC
+    found = np.where(visible, NFG, np.where(same, SS, SO)).astype(np.int8)
+    found[visible & (face == gaze)] = FG
+    found[visible & to_her] = KEC
+    found[~visible & to_her] = SC
     return found
 
 
@@ -66,24 +66,24 @@ class Series(Protocol):
 
 
 class BehaviourLog:
-    """What each turn of a life was, worked out from its log where it is asked for: ``BehaviourLog(life)[100:200]``."""
+    """What each turn of a life was, worked out from its log where it is asked for: ``BehaviourLog(run)[100:200]``."""
 
-    def __init__(self, life: Life):
-        self._life = life
+    def __init__(self, run: DevelopmentRun):
+        self._life = run
 
     def __len__(self) -> int:
         """Turns that have been lived."""
-        return self._life.lived
+        return self._life.steps_done
 
     def __getitem__(self, part: slice, /) -> np.ndarray:
         """(turns,) int8 of some successive turns, what ``behaviours`` says."""
         first, last, _ = part.indices(len(self))
         before = max(first - 1, 0)
-        life = self._life
-        return behaviours(life.faces(before, last), life.log(GAZE, before, last), life.spots)[first - before :]
+        run = self._life
+        return behaviours(run.faces(before, last), run.log(GAZE, before, last), run.spots)[first - before :]
 
 
-def moving_rates(found: Series, turns: np.ndarray, window: int = WINDOW) -> np.ndarray:
+def moving_rates(found: Series, n_steps: np.ndarray, window: int = WINDOW) -> np.ndarray:
     """Rate of each behaviour over the last ``window`` turns, (len(turns), 6); over fewer where there were not so many.
 
     Args:
@@ -91,9 +91,9 @@ def moving_rates(found: Series, turns: np.ndarray, window: int = WINDOW) -> np.n
         turns: After how many turns it is asked; each from 1 to all.
         window: Turns.
     """
-    rates = np.empty((len(turns), len(BEHAVIOURS)))
-    for row, turn in zip(rates, np.asarray(turns).tolist(), strict=True):
-        row[:] = _rates(found[max(turn - window, 0) : turn])
+    rates = np.empty((len(n_steps), len(BEHAVIOURS)))
+    for row, step in zip(rates, np.asarray(n_steps).tolist(), strict=True):
+        row[:] = _rates(found[max(step - window, 0) : step])
     return rates
 
 
@@ -122,7 +122,7 @@ def phases(found: Series, made: Sequence[int], window: int = WINDOW) -> list[Pha
         made: Turns that had been lived when each module was made.
         window: Turns.
     """
-    bounds = [0, *(turn for turn in made if turn < len(found)), len(found)]
+    bounds = [0, *(step for step in made if step < len(found)), len(found)]
     parts = []
     for first, last in pairwise(bounds):
         if last > first:

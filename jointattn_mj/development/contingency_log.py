@@ -43,7 +43,7 @@ class ContingencyLog:
         """See ``RowStore``."""
         self._stages[-1].fill(rows)
 
-    def turns(self, first: int = 0, last: int | None = None) -> np.ndarray:
+    def n_steps(self, first: int = 0, last: int | None = None) -> np.ndarray:
         """(last - first,) turns that had been lived when the rows from ``first`` to before ``last`` were noted."""
         return (np.arange(first, len(self) if last is None else last) + 1) * self.every
 

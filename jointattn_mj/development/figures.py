@@ -1,4 +1,4 @@
-"""Three pictures of a life: contingency over time (Fig. 5.3), behaviour over time (Fig. 5.5), and the learned maps."""
+"""Three images of a life: contingency over time (Fig. 5.3), behaviour over time (Fig. 5.5), and the learned maps."""
 
 import textwrap
 from collections.abc import Sequence
@@ -25,21 +25,21 @@ BEHAVIOUR_INKS = ("#c0392b", "#e59866", "#d63384", "#2471a3", "#7f8c8d", "#a9cce
 LEAST_SHARE = 1e-3
 """The logarithmic axis ends at this share of the highest value: a measure near 0 is noise, and can be negative."""
 MOST_POINTS = 2000
-"""Points of a curve: more than that many cannot be told apart in a picture of this width."""
+"""Points of a curve: more than that many cannot be told apart in an image of this width."""
 
 
 ROW, MAP_WIDTH = 0.27, 3.4
 """Inches: height of a map's row, width of a map."""
 
 AFTER = 2
-"""A picture goes on for so many times the turns that the last module took."""
+"""An image goes on for so many times the turns that the last module took."""
 
 
 @dataclass(frozen=True)
 class Made:
     """A module and its place in time."""
 
-    turn: int
+    step: int
     """Turns lived when it was made."""
     event: int
     """Number of its event."""
@@ -64,7 +64,7 @@ def draw_contingency(
     few = np.unique(np.linspace(0, min(len(noted), (end - 1) // noted.every), MOST_POINTS).astype(int))
     few = few[few < len(noted)]
     curves = _curves(noted, few)
-    shown, turns = curves.shown, (few + 1) * noted.every
+    shown, n_steps = curves.shown, (few + 1) * noted.every
     figure = Figure(figsize=(9, 4 + 0.18 * -(-len(shown) // 2)), layout="constrained")
     axes = figure.subplots()
     claimed = {one.event: number for number, one in enumerate(made)}
@@ -74,22 +74,22 @@ def draw_contingency(
         if number is None:
             others = len([other for other in axes.get_lines() if other.get_zorder() == 2])
             ink, dash = PALE[others % len(PALE)], ("-", "--", ":")[others // len(PALE) % 3]
-            axes.plot(turns, curve, lw=1, ls=dash, color=ink, label=names[event], zorder=2)
+            axes.plot(n_steps, curve, lw=1, ls=dash, color=ink, label=names[event], zorder=2)
         else:
             label = f"{number + 1}: {names[event]}"
-            axes.plot(turns, curve, lw=2.2, color=INKS[number % len(INKS)], label=label, zorder=3)
+            axes.plot(n_steps, curve, lw=2.2, color=INKS[number % len(INKS)], label=label, zorder=3)
     for number, one in enumerate(made):
         ink = INKS[number % len(INKS)]
-        axes.axvline(one.turn, color=ink, lw=0.8, ls=":", zorder=1)
-        axes.plot(one.turn, 1.02, "kv", ms=8, transform=axes.get_xaxis_transform(), clip_on=False, zorder=4)
+        axes.axvline(one.step, color=ink, lw=0.8, ls=":", zorder=1)
+        axes.plot(one.step, 1.02, "kv", ms=8, transform=axes.get_xaxis_transform(), clip_on=False, zorder=4)
         axes.text(
-            one.turn, 1.05, str(number + 1), transform=axes.get_xaxis_transform(), ha="center", va="bottom",
+            one.step, 1.05, str(number + 1), transform=axes.get_xaxis_transform(), ha="center", va="bottom",
             color=ink, weight="bold",
         )  # fmt: skip
     if curves.highest > 0:
         axes.set_yscale("log")
         axes.set_ylim(curves.highest * LEAST_SHARE, curves.highest * 1.6)
-    axes.set(xlabel=_turns(end, last), ylabel=measure, xlim=(0, end))
+    axes.set(xlabel=_step_label(end, last), ylabel=measure, xlim=(0, end))
     _thousands(axes)
     axes.grid(alpha=0.3)
     handles, labels = axes.get_legend_handles_labels()
@@ -113,14 +113,14 @@ def draw_behaviour(path: Path, found: Series, parts: Sequence[Phase], made: Sequ
     """
     figure = Figure(figsize=(9, 5.2), layout="constrained")
     axes = figure.subplots()
-    lived = len(found)
-    end = _end(made, lived)
-    turns = np.unique(np.linspace(min(WINDOW, end), end, MOST_POINTS // 4).astype(int))
-    rates = moving_rates(found, turns)
+    steps_done = len(found)
+    end = _end(made, steps_done)
+    n_steps = np.unique(np.linspace(min(WINDOW, end), end, MOST_POINTS // 4).astype(int))
+    rates = moving_rates(found, n_steps)
     for number, (short, words) in enumerate(zip(SHORT, BEHAVIOURS, strict=True)):
-        axes.plot(turns, rates[:, number], color=BEHAVIOUR_INKS[number], lw=1.6, label=f"{short}  {words}")
+        axes.plot(n_steps, rates[:, number], color=BEHAVIOUR_INKS[number], lw=1.6, label=f"{short}  {words}")
     for one in made:
-        axes.axvline(one.turn, color="#2c3e50", lw=1, ls="--")
+        axes.axvline(one.step, color="#2c3e50", lw=1, ls="--")
     for number, part in enumerate(parts):
         first, last = part.first, min(part.last, end)
         if last - first > 0.03 * end:
@@ -129,7 +129,9 @@ def draw_behaviour(path: Path, found: Series, parts: Sequence[Phase], made: Sequ
                 ha="center", va="bottom", weight="bold", color="#2c3e50",
             )  # fmt: skip
     top = max(0.1, float(rates.max(initial=0)) * 1.08)
-    axes.set(xlabel=_turns(end, lived), ylabel=f"rate over the last {WINDOW:,} turns", xlim=(0, end), ylim=(0, top))
+    axes.set(
+        xlabel=_step_label(end, steps_done), ylabel=f"rate over the last {WINDOW:,} turns", xlim=(0, end), ylim=(0, top)
+    )
     _thousands(axes)
     axes.grid(alpha=0.3)
     handles, labels = axes.get_legend_handles_labels()
@@ -143,7 +145,7 @@ def draw_behaviour(path: Path, found: Series, parts: Sequence[Phase], made: Sequ
 
 
 @dataclass(frozen=True)
-class MapPicture:
+class MapImage:
     """A module's map with the names that it needs."""
 
     title: str
@@ -151,7 +153,7 @@ class MapPicture:
     variables: Variables
 
 
-def draw_maps(path: Path, maps: Sequence[MapPicture]) -> None:
+def draw_maps(path: Path, maps: Sequence[MapImage]) -> None:
     """Each module's map: observables down, commands across, the commands that it offers with their reliability."""
     columns = min(2, max(1, len(maps)))
     heights = [
@@ -174,7 +176,7 @@ def draw_maps(path: Path, maps: Sequence[MapPicture]) -> None:
     save(figure, path)
 
 
-def _draw_map(axes: Axes, one: MapPicture) -> None:
+def _draw_map(axes: Axes, one: MapImage) -> None:
     results, sensors = one.module.command.shape
     event = one.module.event
     sensor, action = one.variables.sensors[event.sensor], one.variables.actions[event.action]
@@ -242,14 +244,14 @@ def _curves(noted: ContingencyLog, points: np.ndarray) -> _Curves:
     return _Curves(np.concatenate(kept), shown, highest)
 
 
-def _end(made: Sequence[Made], lived: int) -> int:
-    """Where a picture ends: what comes long after the last module is more of the same."""
-    return min(lived, AFTER * made[-1].turn) if made else lived
+def _end(made: Sequence[Made], steps_done: int) -> int:
+    """Where an image ends: what comes long after the last module is more of the same."""
+    return min(steps_done, AFTER * made[-1].step) if made else steps_done
 
 
-def _turns(end: int, lived: int) -> str:
-    return "turns" if end == lived else f"turns (the first of {lived:,}; no module was made later)"
+def _step_label(end: int, steps_done: int) -> str:
+    return "turns" if end == steps_done else f"turns (the first of {steps_done:,}; no module was made later)"
 
 
 def _thousands(axes: Axes) -> None:
-    axes.xaxis.set_major_formatter(lambda value, place: f"{value:,.0f}")
+    axes.xaxis.set_major_formatter(lambda value, location: f"{value:,.0f}")

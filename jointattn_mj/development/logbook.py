@@ -10,7 +10,7 @@ import pyarrow as pa
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.development.behaviour import SHORT, BehaviourLog
-from jointattn_mj.development.loop import Life
+from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.gaze_following.columns import described
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.parquet import write_parts
@@ -22,14 +22,14 @@ PART_BYTES = 1 << 23
 """Of the contingency that is written at a time."""
 
 
-def write_turns(path: Path, life: Life) -> None:
+def write_steps(path: Path, run: DevelopmentRun) -> None:
     """Write the log as Parquet, a row a turn."""
-    write_parts(path, _turns(life))
+    write_parts(path, _steps(run))
 
 
-def write_contingency(path: Path, life: Life) -> None:
+def write_contingency(path: Path, run: DevelopmentRun) -> None:
     """Write the measure of every event as Parquet, a row each time it was noted; null before the event existed."""
-    write_parts(path, _contingency(life))
+    write_parts(path, _contingency(run))
 
 
 def write_map(path: Path, variables: Variables, module: Module) -> None:
@@ -52,21 +52,21 @@ def write_map(path: Path, variables: Variables, module: Module) -> None:
     write_whole(path, write)
 
 
-def _contingency(life: Life) -> Iterator[pa.Table]:
+def _contingency(run: DevelopmentRun) -> Iterator[pa.Table]:
     """What was noted in parts of some turns; at least one, which may be empty."""
-    unit = f"{life.mind.config.detector.measure} in units of base {life.mind.config.detector.base:g}"
-    names = [life.mind.variables.describe(event) for event in life.mind.events]
+    unit = f"{run.agent.config.detector.measure} in units of base {run.agent.config.detector.base:g}"
+    names = [run.agent.variables.describe(event) for event in run.agent.events]
     meanings = {"turn": "turns lived", **dict.fromkeys(names, unit)}
-    for first, last in spans(len(life.noted), max(1, PART_BYTES // (8 * len(names)))):
-        values = life.noted.values(first, last)
-        columns = {"turn": pa.array(life.noted.turns(first, last))}
+    for first, last in spans(len(run.noted), max(1, PART_BYTES // (8 * len(names)))):
+        values = run.noted.values(first, last)
+        columns = {"turn": pa.array(run.noted.n_steps(first, last))}
         columns |= {name: pa.array(values[:, number], from_pandas=True) for number, name in enumerate(names)}
         yield described(pa.table(columns), meanings)
 
 
-def _turns(life: Life) -> Iterator[pa.Table]:
+def _steps(run: DevelopmentRun) -> Iterator[pa.Table]:
     """The log in parts of ROWS turns; at least one, which may be empty."""
-    variables, meanings = life.mind.variables, {"turn": "counted from 1"}
+    variables, meanings = run.agent.variables, {"turn": "counted from 1"}
     worlds = variables.sensors[: len(variables.sensors) - variables.modules]
     words: dict[str, tuple[str, ...]] = {}
     for group, meaning in ((worlds, "sensed before the robot acts"), (variables.results, "result seen with it")):
@@ -74,31 +74,31 @@ def _turns(life: Life) -> Iterator[pa.Table]:
             words[variable.name], meanings[variable.name] = variable.values, meaning
     for joint in variables.joints:
         words[joint.name], meanings[joint.name] = joint.values, "command that the robot then gives"
-    words |= life.witnessed
-    meanings |= {name: "truth, not known to the robot" for name in life.witnessed}
+    words |= run.witnessed
+    meanings |= {name: "truth, not known to the robot" for name in run.witnessed}
     behaviour = "what the robot does, by the names of Fig. 5.5"
     drivers = {f"driver of {joint.name}": "module that gave the command" for joint in variables.joints}
     meanings |= {**drivers, "behaviour": behaviour}
-    names, codes = _drivers(life)
-    done = BehaviourLog(life)
-    for first, last in spans(life.lived, ROWS):
-        turns = np.arange(first, last)
-        columns = {"turn": pa.array(turns + 1)}
-        columns |= {name: _in_words(life.log(name, first, last), values) for name, values in words.items()}
-        made = np.searchsorted(_made(life), turns, side="right")
+    names, codes = _drivers(run)
+    done = BehaviourLog(run)
+    for first, last in spans(run.steps_done, ROWS):
+        n_steps = np.arange(first, last)
+        columns = {"turn": pa.array(n_steps + 1)}
+        columns |= {name: _in_words(run.log(name, first, last), values) for name, values in words.items()}
+        made = np.searchsorted(_made(run), n_steps, side="right")
         for name in drivers:
-            columns[name] = _in_words(codes[made, life.log(name, first, last)], names)
+            columns[name] = _in_words(codes[made, run.log(name, first, last)], names)
         columns["behaviour"] = _in_words(done[first:last], SHORT)
         yield described(pa.table(columns), meanings)
 
 
-def _made(life: Life) -> list[int]:
-    return [one.turn for one in life.found if one.module is not None]
+def _made(run: DevelopmentRun) -> list[int]:
+    return [one.step for one in run.found if one.module is not None]
 
 
-def _drivers(life: Life) -> tuple[tuple[str, ...], np.ndarray]:
+def _drivers(run: DevelopmentRun) -> tuple[tuple[str, ...], np.ndarray]:
     """Names of modules, and which of them a number in the log means, (modules made by then + 1, numbers)."""
-    drivers, made = life.mind.drivers(), len(life.mind.modules)
+    drivers, made = run.agent.drivers(), len(run.agent.modules)
     names = tuple(dict.fromkeys(drivers))
     codes = np.zeros((made + 1, len(drivers)), np.int8)
     for known in range(made + 1):

@@ -11,7 +11,7 @@ from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.guards.restored import check_alike, check_array
 
 if TYPE_CHECKING:
-    from jointattn_mj.development.agent import Mind
+    from jointattn_mj.development.agent import AgentState
 
 LAYOUT = ("sensor", "action", "result", "per_sensor", "per_action", "per_result", "width", "offset")
 """Fields of ``counts.CONTEXT`` that say where counts are."""
@@ -33,14 +33,14 @@ def check_module(module: Module, variables: Variables) -> None:
     check_array("a module's saliency", module.saliency, (*shape, results, actions), float)
 
 
-def check_mind(mind: "Mind", model: "Mind", variables: Variables) -> None:
+def check_agent(state: "AgentState", model: "AgentState", variables: Variables) -> None:
     """Refuse a mind that is not laid out as ``model``, one of the same variables and modules that has lived nothing.
 
     Raises:
         ValueError: Something differs, or a value is none of its variable.
     """
-    check_alike(mind, model)
-    counts, maps, past = mind.counts, mind.maps, mind.past
+    check_alike(state, model)
+    counts, maps, past = state.counts, state.maps, state.past
     fixed = {"of_event": (counts.of_event, model.counts.of_event)}
     fixed |= {name: (counts.contexts[name], model.counts.contexts[name]) for name in LAYOUT}
     of_maps = ("sensor", "result", "joint", "uses", "size", "offset", "command", "commands")
@@ -52,14 +52,14 @@ def check_mind(mind: "Mind", model: "Mind", variables: Variables) -> None:
         np.array([len(variable.values) for variable in group])
         for group in (variables.sensors, variables.actions, variables.results)
     ]
-    for name, values, size in zip("sar", (mind.s, mind.a, mind.r), sizes, strict=True):
+    for name, values, size in zip("sar", (state.s, state.a, state.r), sizes, strict=True):
         check_array(name, values, values.shape, np.int64, 0, size - 1)
     for values, size in ((past.s, sizes[0]), (past.a, sizes[1]), (past.r, sizes[2]), (past.r_next, sizes[2])):
         check_array("past", values, values.shape, np.int64, 0, size - 1)
     check_array("past", past.contexts, past.contexts.shape, np.int64, 0, len(counts.contexts))
-    check_array("driver", mind.driver, mind.driver.shape, np.int64, -1, len(maps.joint) - 1)
-    check_array("turns", mind.turns, (1,), np.int64, 0)
-    check_array("first", mind.watch.first[:1], (1,), np.int64, -1, len(mind.watch.values) - 1)
+    check_array("driver", state.driver, state.driver.shape, np.int64, -1, len(maps.joint) - 1)
+    check_array("turns", state.n_steps, (1,), np.int64, 0)
+    check_array("first", state.watch.first[:1], (1,), np.int64, -1, len(state.watch.values) - 1)
     check_array("counts", counts.cells, counts.cells.shape, float, 0)
     if len(past.contexts):  # what is forgotten is taken out of the counts again
         remembered = counts._replace(cells=np.zeros_like(counts.cells), contexts=model.counts.contexts.copy())
@@ -71,6 +71,14 @@ def check_mind(mind: "Mind", model: "Mind", variables: Variables) -> None:
 @njit(cache=True)
 def _remember(counts, past):
     """Count all transitions of a ring."""
-    for place in range(len(past.contexts)):
-        if past.contexts[place] > 0:
-            add(counts, past.s[place], past.a[place], past.r[place], past.r_next[place], 1, past.contexts[place])
+    for location in range(len(past.contexts)):
+        if past.contexts[location] > 0:
+            add(
+                counts,
+                past.s[location],
+                past.a[location],
+                past.r[location],
+                past.r_next[location],
+                1,
+                past.contexts[location],
+            )

@@ -9,11 +9,11 @@ from typing import Annotated, Any, ClassVar, Literal
 from jointattn_mj.contingency.online.reactive import AvoidingModule, RandomModule, ReactiveModule
 from jointattn_mj.development.agent import DeveloperConfig
 from jointattn_mj.development.behaviour import BehaviourLog, phases
-from jointattn_mj.development.loop import Found, Life
+from jointattn_mj.development.loop import DevelopmentRun, Found
 from jointattn_mj.development.meaning import CAREGIVER, GAZE, Meaning, meanings
 from jointattn_mj.development.summary import summarise
 from jointattn_mj.development.table.presets import PRESETS
-from jointattn_mj.development.table.run import TableLife
+from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.io import checkpoint
@@ -49,9 +49,9 @@ class DevelopConfig(Checked):
     sample_every: Annotated[int, Whole("[1, 1e10]")] = 100
     """Turns between two notes of every event's contingency."""
     table: TableConfig = field(default_factory=TableConfig)
-    mind: DeveloperConfig = field(default_factory=DeveloperConfig)
+    agent: DeveloperConfig = field(default_factory=DeveloperConfig)
 
-    kind: ClassVar[type[Life]] = TableLife
+    kind: ClassVar[type[DevelopmentRun]] = TableRun
     """Of the life that it makes."""
     at_a_time: ClassVar[int] = 20_000
     """Turns between two looks at the bar and at Ctrl-C."""
@@ -60,7 +60,7 @@ class DevelopConfig(Checked):
     films: ClassVar[bool] = False
     """Whether there is anything to be filmed."""
     unit: ClassVar[str] = "turns"
-    """Of ``Life.spent``."""
+    """Of ``DevelopmentRun.spent``."""
 
     @classmethod
     def of(cls, preset: str) -> "DevelopConfig":
@@ -71,9 +71,9 @@ class DevelopConfig(Checked):
         """
         if preset not in PRESETS:
             return cls(preset=preset)  # which says so
-        return cls(preset=preset, table=PRESETS[preset].world, mind=PRESETS[preset].mind)
+        return cls(preset=preset, table=PRESETS[preset].world, agent=PRESETS[preset].agent)
 
-    def born_with(self) -> tuple[ReactiveModule, ...]:
+    def initial_modules(self) -> tuple[ReactiveModule, ...]:
         """The reactive module of the gaze; the gesture moves at random in any case."""
         return (RandomModule(GAZE) if self.reactive == "random" else AvoidingModule(GAZE, CAREGIVER),)
 
@@ -82,13 +82,13 @@ class DevelopConfig(Checked):
         """How long the life is to last, in ``unit``."""
         return self.steps
 
-    def film(self, path: Path, moments: Iterable[Life]) -> None:
+    def film(self, path: Path, moments: Iterable[DevelopmentRun]) -> None:
         """Film some turns from each of a life's moments on, which may be used up."""
         raise ConfigError(f"a life in world {self.world} cannot be filmed; choose --world rendered")
 
-    def new_life(self) -> Life:
+    def new_run(self) -> DevelopmentRun:
         """A life before its first turn."""
-        return TableLife(self.table, self.mind, self.seed, self.steps, self.born_with(), self.sample_every)
+        return TableRun(self.table, self.agent, self.seed, self.steps, self.initial_modules(), self.sample_every)
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def world_in(arguments: Sequence[str]) -> str:
 
 
 def mode_in(arguments: Sequence[str]) -> str:
-    """How time goes on in the rendered world that a command line names; ``turns`` where it does not say."""
+    """How time goes on in the rendered world that a command line names; ``n_steps`` where it does not say."""
     return _named_in(arguments, "--mode", ("turns", "realtime")) or "turns"
 
 
@@ -131,7 +131,7 @@ def _named_in(arguments: Sequence[str], option: str, names: Collection[str]) -> 
 def run_development(
     config: DevelopConfig,
     options: DevelopOptions,
-    progress: Callable[[Life, Sequence[tuple[Found, Meaning | None]]], object] = lambda life, found: None,
+    progress: Callable[[DevelopmentRun, Sequence[tuple[Found, Meaning | None]]], object] = lambda run, found: None,
 ) -> dict[str, Any]:
     """Live a life and leave its results in ``options.out``; returns the summary.
 
@@ -155,48 +155,48 @@ def run_development(
 def _run(
     config: DevelopConfig,
     options: DevelopOptions,
-    progress: Callable[[Life, Sequence[tuple[Found, Meaning | None]]], object],
+    progress: Callable[[DevelopmentRun, Sequence[tuple[Found, Meaning | None]]], object],
 ) -> dict[str, Any]:
     """Live a life in a folder that is held for it."""
     out, frozen = options.out, options.out / "checkpoint.bin"
     every = options.checkpoint_every or config.checkpoint_every
     if options.resume:
-        life: Life = checkpoint.load(frozen, config, kind=config.kind)
+        run: DevelopmentRun = checkpoint.load(frozen, config, kind=config.kind)
         if (summary := summary_of_ended(out)) is not None:
             _forget_moments(out)
             return summary
-        life.attach(log_folder(out))
+        run.attach(log_folder(out))
     else:
-        life = config.new_life()
-        life.attach(log_folder(out))
+        run = config.new_run()
+        run.attach(log_folder(out))
         if options.video:
-            _keep(_moment(out, 0), life, config)
-        _keep(frozen, life, config)
+            _keep(_moment(out, 0), run, config)
+        _keep(frozen, run, config)
     if not (out / "config.yaml").exists():
         write_config(out / "config.yaml", config)
     with deferred() as interrupts:
-        while life.spent < config.length and life.lived < life.turns:
-            pause = min(life.turns, (life.lived // every + 1) * every)
-            found = life.live(min(config.at_a_time, pause - life.lived))
-            if options.video and found and life.mind.modules:
-                _keep(_moment(out, len(life.mind.modules)), life, config)
-            progress(life, _with_meanings(life, found))
-            if life.lived == pause or interrupts.requested:
-                _keep(frozen, life, config)
+        while run.spent < config.length and run.steps_done < run.n_steps:
+            pause = min(run.n_steps, (run.steps_done // every + 1) * every)
+            found = run.advance(min(config.at_a_time, pause - run.steps_done))
+            if options.video and found and run.agent.modules:
+                _keep(_moment(out, len(run.agent.modules)), run, config)
+            progress(run, _with_meanings(run, found))
+            if run.steps_done == pause or interrupts.requested:
+                _keep(frozen, run, config)
             if interrupts.requested:
                 raise KeyboardInterrupt
     if options.video:
         kept = sorted(out.glob("moment_*.bin"))
         config.film(out / "video.mp4", (_recalled(path, config, out) for path in kept))
-    life.check()
-    summary = _leave_results(config, life, out)
+    run.check()
+    summary = _leave_results(config, run, out)
     _forget_moments(out)
     return summary
 
 
-def _keep(path: Path, life: Life, config: DevelopConfig) -> None:
-    life.check()
-    checkpoint.save(path, life, config)
+def _keep(path: Path, run: DevelopmentRun, config: DevelopConfig) -> None:
+    run.check()
+    checkpoint.save(path, run, config)
 
 
 def _moment(out: Path, modules: int) -> Path:
@@ -210,11 +210,11 @@ def _forget_moments(out: Path) -> None:
         path.unlink()
 
 
-def _recalled(path: Path, config: DevelopConfig, out: Path) -> Life:
+def _recalled(path: Path, config: DevelopConfig, out: Path) -> DevelopmentRun:
     """A life as it was at some moment, with its log in memory: what it lives from there on is nobody's result."""
-    life: Life = checkpoint.load(path, config, kind=config.kind)
-    life.recall(log_folder(out))
-    return life
+    run: DevelopmentRun = checkpoint.load(path, config, kind=config.kind)
+    run.recall(log_folder(out))
+    return run
 
 
 def check_space(config: DevelopConfig, out: Path) -> None:
@@ -224,58 +224,58 @@ def check_space(config: DevelopConfig, out: Path) -> None:
         ConfigError: It would not.
     """
     log = 16 * config.steps  # first as rows, then as Parquet as well
-    modules = min(LIKELY_MODULES, config.mind.most_modules)
+    modules = min(LIKELY_MODULES, config.agent.most_modules)
     samples = 2 * 8 * 3 * (2 + modules) ** 2 * (config.steps // config.sample_every)
     what = f"--steps {config.steps}"
     check_free(out, log + samples, what, f"fewer --steps{', or a larger --sample-every' if samples > log else ''}")
 
 
-def _with_meanings(life: Life, found: Sequence[Found]) -> list[tuple[Found, Meaning | None]]:
+def _with_meanings(run: DevelopmentRun, found: Sequence[Found]) -> list[tuple[Found, Meaning | None]]:
     if not found:
         return []
-    known = dict(zip((id(module) for module in life.mind.modules), _meanings(life), strict=True))
+    known = dict(zip((id(module) for module in run.agent.modules), _meanings(run), strict=True))
     return [(one, known.get(id(one.module))) for one in found]
 
 
-def _meanings(life: Life) -> list[Meaning]:
-    return meanings(life.named_variables(), life.mind.modules)
+def _meanings(run: DevelopmentRun) -> list[Meaning]:
+    return meanings(run.named_variables(), run.agent.modules)
 
 
-def _leave_results(config: DevelopConfig, life: Life, out: Path) -> dict[str, Any]:
+def _leave_results(config: DevelopConfig, run: DevelopmentRun, out: Path) -> dict[str, Any]:
     from jointattn_mj.development import figures, logbook  # bring matplotlib and pyarrow, which take a second to import
 
-    mind, variables = life.mind, life.named_variables()
-    found = BehaviourLog(life)
-    made = [one for one in life.found if one.module is not None]
-    parts = phases(found, [one.turn for one in made])
-    known = _meanings(life)
+    agent, variables = run.agent, run.named_variables()
+    found = BehaviourLog(run)
+    made = [one for one in run.found if one.module is not None]
+    parts = phases(found, [one.step for one in made])
+    known = _meanings(run)
     marks = [
-        figures.Made(one.turn, mind.events.index(one.event), meaning.label)
+        figures.Made(one.step, agent.events.index(one.event), meaning.label)
         for one, meaning in zip(made, known, strict=True)
     ]
-    names = [variables.describe(event) for event in mind.events]
-    detector = mind.config.detector
+    names = [variables.describe(event) for event in agent.events]
+    detector = agent.config.detector
     unit = "bits" if detector.base == 2 else f"units of base {detector.base:g}"
     measure = f"{'SAC' if detector.measure == 'sac' else 'T^C'} ({unit})"
-    figures.draw_contingency(out / "sac.png", life.noted, names, marks, measure)
+    figures.draw_contingency(out / "sac.png", run.noted, names, marks, measure)
     figures.draw_behaviour(out / "behaviour.png", found, parts, marks)
     figures.draw_maps(
         out / "maps.png",
         [
-            figures.MapPicture(f"{number}: {mark.label}", module, variables)
-            for number, (mark, module) in enumerate(zip(marks, mind.modules, strict=True), 1)
+            figures.MapImage(f"{number}: {mark.label}", module, variables)
+            for number, (mark, module) in enumerate(zip(marks, agent.modules, strict=True), 1)
         ],
     )
-    logbook.write_turns(out / "turns.parquet", life)
-    logbook.write_contingency(out / "contingency.parquet", life)
-    for number, module in enumerate(mind.modules, 1):
+    logbook.write_steps(out / "turns.parquet", run)
+    logbook.write_contingency(out / "contingency.parquet", run)
+    for number, module in enumerate(agent.modules, 1):
         logbook.write_map(out / f"module_{number}.csv", variables, module)
     summary = {
         "world": config.world,
         "preset": config.preset,
         "seed": config.seed,
-        **summarise(life, known, parts),
-        **life.more(),
+        **summarise(run, known, parts),
+        **run.more(),
     }
     text = json.dumps(summary, indent=1, ensure_ascii=False) + "\n"
     write_whole(out / "summary.json", lambda path: path.write_text(text, "utf-8"))

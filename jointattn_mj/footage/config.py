@@ -18,7 +18,7 @@ from jointattn_mj.perception.som import SOMConfig
 
 FOR_CAMERAS = MotionConfig(frames_back=3, face_px=0.08)
 """Cameras have noise, and renderings none. With noise of 6 grey values the still faces of two rendered people seemed to
-move in 14 and 4 % of the pictures (41 and 13 % with the defaults for renderings), and their turning ones in 92 and 89 %
+move in 14 and 4 % of the images (41 and 13 % with the defaults for renderings), and their turning ones in 92 and 89 %
 (97 and 93)."""
 
 
@@ -30,17 +30,17 @@ class PerceiveConfig(Checked):
     """Video file of a person at a table, from a camera that stands still; any format that OpenCV's ffmpeg reads."""
     objects: tuple[str, ...] = ("red", "yellow", "blue", "green")
     """Things that interest the robot, by colour: names that it knows (red, yellow, blue, green, magenta, cyan, orange,
-    violet, lime, azure), or names of your own with a colour as picked from the picture, cup=#c03a2b. Saturated colours
+    violet, lime, azure), or names of your own with a colour as picked from the image, cup=#c03a2b. Saturated colours
     only, hues 8 degrees apart or more; --pixels.colours says how near a colour must be."""
     max_minutes: Annotated[float, Real("(0, 1e6]")] | None = None
     """Minutes of the video to watch; all of it if not given."""
     fps: Annotated[float, Real("[0.01, 1000]")] | None = None
-    """Pictures a second, where the file's timestamps are wrong or missing; they are not looked at then."""
+    """Images a second, where the file's timestamps are wrong or missing; they are not looked at then."""
     fit: Fit = "whole"
-    """How the video comes into the robot's picture of 320x240: the whole of it with black bars, or its middle, which
+    """How the video comes into the robot's image of 320x240: the whole of it with black bars, or its middle, which
     fills it."""
     scale: Annotated[float, Real("[0.001, 10]")] | None = None
-    """Pixels of the robot's picture for one of the video. If not given, so that it fits, and less where the face would
+    """Pixels of the robot's image for one of the video. If not given, so that it fits, and less where the face would
     be larger than the robot's templates."""
     face_follow: Annotated[float, Real("(0, 1]")] = 0.4
     """Share of each look in the remembered place of the face, where it is searched for. The caregiver of chapter 6
@@ -53,7 +53,7 @@ class PerceiveConfig(Checked):
     attention: AttentionConfig = field(default_factory=AttentionConfig)
     """Where and when to look (6.3.2)."""
     pixels: PixelConfig = field(default_factory=lambda: PixelConfig(motion=FOR_CAMERAS))
-    """How pictures are perceived; sizes are pixels of the robot's picture."""
+    """How images are perceived; sizes are pixels of the robot's image."""
     som: SOMConfig = field(default_factory=SOMConfig)
     """The map of faces (6.3.3, 6.4.1)."""
 
@@ -73,6 +73,6 @@ class PerceiveOptions(Checked):
     overlay: bool = True
     """Leave a video with everything that is perceived drawn on it; it takes most of the time."""
     overlay_every: Annotated[int, Whole("[1, 1e6]")] = 1
-    """Frames for one picture of that video: 1 is 30 a second."""
+    """Frames for one image of that video: 1 is 30 a second."""
     checkpoint_minutes: Annotated[float, Real("(0, 1e6]")] = 2.0
     """Minutes of the video between checkpoints: at most so much is lost by a kill."""

@@ -30,9 +30,9 @@ def face_side(footage: Footage, fit: Fit, config: FaceDetectorConfig) -> float |
     """Height of the cascade's box around the face, pixels of the video; None where no frontal face is found."""
     sides = []
     for still in islice(footage, 0, round(LOOK_S * RATE), EVERY):
-        height, width = still.picture.shape[:2]
+        height, width = still.image.shape[:2]
         mapped = FrameMap.fitted(width, height, footage.aspect, fit)
-        gray = cv2.cvtColor(mapped.picture(still.picture), cv2.COLOR_RGB2GRAY)
+        gray = cv2.cvtColor(mapped.image(still.image), cv2.COLOR_RGB2GRAY)
         faces = haar_faces(gray, config)
         if len(faces):
             sides.append(float(faces[0, 2]) / mapped.scale_y)

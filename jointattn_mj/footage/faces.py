@@ -15,7 +15,7 @@ from jointattn_mj.perception.som import SOM, SOMConfig
 KEPT = 1800
 """Face patterns kept: the three minutes of section 6.4.1 at ten looks a second."""
 EVERY = 3
-"""Pictures with a face from one that is kept to the next, as where the robot gets to know a caregiver (6.4.1)."""
+"""Images with a face from one that is kept to the next, as where the robot gets to know a caregiver (6.4.1)."""
 MEANINGS = {
     "time_s": "time in the video",
     "row": "row of the cell of the map that is most like this face",
@@ -28,39 +28,39 @@ class FaceAlbum:
     """Keeps face patterns; from more of them than fit, every one has the same chance to be kept."""
 
     def __init__(self, capacity: int, dimension: int, rng: np.random.Generator):
-        self.seen = 0
+        self.visible = 0
         self._rng = rng
         self._patterns = np.zeros((capacity, dimension), np.float32)
         self._times = np.zeros(capacity)
 
     def add(self, pattern: np.ndarray, time_s: float) -> None:
         """Offer one pattern."""
-        slot = self.seen if self.seen < len(self._times) else int(self._rng.integers(self.seen + 1))
+        slot = self.visible if self.visible < len(self._times) else int(self._rng.integers(self.visible + 1))
         if slot < len(self._times):
             self._patterns[slot], self._times[slot] = pattern, time_s
-        self.seen += 1
+        self.visible += 1
 
     @property
     def patterns(self) -> np.ndarray:
         """Those that are kept, (m, dimension), in order of time."""
-        kept = min(self.seen, len(self._times))
+        kept = min(self.visible, len(self._times))
         return self._patterns[np.argsort(self._times[:kept], kind="stable")]
 
     @property
     def times(self) -> np.ndarray:
         """When they were seen, (m,), s."""
-        return np.sort(self._times[: min(self.seen, len(self._times))])
+        return np.sort(self._times[: min(self.visible, len(self._times))])
 
     def __getstate__(self) -> dict[str, Any]:
         """Only the patterns that are kept, in the order of their slots."""
-        kept = min(self.seen, len(self._times))
+        kept = min(self.visible, len(self._times))
         filled = {"_patterns": self._patterns[:kept], "_times": self._times[:kept]}
         return {**vars(self), **filled, "_capacity": len(self._times)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         patterns, times, capacity = (state.pop(name) for name in ("_patterns", "_times", "_capacity"))
         self.__init__(capacity, patterns.shape[1], state["_rng"])  # type: ignore[misc]
-        self.seen = state["seen"]
+        self.visible = state["seen"]
         self._patterns[: len(patterns)], self._times[: len(times)] = patterns, times
 
     def learn(self, config: SOMConfig) -> SOM:

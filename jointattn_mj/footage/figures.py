@@ -1,4 +1,4 @@
-"""The figure of a video's fixations: where in the picture, when, and out of what interest."""
+"""The figure of a video's fixations: where in the image, when, and out of what interest."""
 
 from pathlib import Path
 
@@ -18,13 +18,13 @@ FACE = "#8a5a3c"
 
 
 def draw_fixations(
-    path: Path, picture: np.ndarray, fixations: list[Fixation], percepts: Path, names: tuple[str, ...], rgb: np.ndarray
+    path: Path, image: np.ndarray, fixations: list[Fixation], percepts: Path, names: tuple[str, ...], rgb: np.ndarray
 ) -> None:
     """Draw them.
 
     Args:
         path: Where to write the PNG.
-        picture: What the robot saw, (240, 320, 3) uint8 RGB.
+        image: What the robot saw, (240, 320, 3) uint8 RGB.
         fixations: All of them.
         percepts: The file of percepts, for what interested it meanwhile.
         names: Of the candidates.
@@ -33,7 +33,7 @@ def draw_fixations(
     inks = [*(tuple(0.85 * np.asarray(colour)) for colour in rgb), FACE]
     figure = Figure(figsize=(11, 5.2), layout="constrained")
     parts = figure.subplot_mosaic([["where", "when"], ["where", "why"]], width_ratios=[1.25, 1], height_ratios=[1, 1.3])
-    _where(parts["where"], picture, fixations, inks)
+    _where(parts["where"], image, fixations, inks)
     _when(parts["when"], fixations, names, inks)
     _why(parts["why"], percepts, names, inks)
     parts["why"].sharex(parts["when"])
@@ -45,15 +45,15 @@ def _seconds(percepts: Path) -> float:
     return pq.ParquetFile(percepts).metadata.num_rows / RATE
 
 
-def _where(axes: Axes, picture: np.ndarray, fixations: list[Fixation], inks: list) -> None:
-    axes.imshow(picture // 2 + 127)
-    seen = [one for one in fixations if one.seen]
-    places = np.array([one.place / one.seen for one in seen]).reshape(-1, 2)
-    axes.plot(*places.T, color="#34495e", lw=0.6, alpha=0.5)
-    sizes, colours = [160 * one.seconds for one in seen], [inks[one.candidate] for one in seen]
-    axes.scatter(places[:, 0], places[:, 1], sizes, colours, alpha=0.55, edgecolors="white", linewidths=0.8)
+def _where(axes: Axes, image: np.ndarray, fixations: list[Fixation], inks: list) -> None:
+    axes.imshow(image // 2 + 127)
+    visible = [one for one in fixations if one.visible]
+    locations = np.array([one.location / one.visible for one in visible]).reshape(-1, 2)
+    axes.plot(*locations.T, color="#34495e", lw=0.6, alpha=0.5)
+    sizes, colours = [160 * one.seconds for one in visible], [inks[one.candidate] for one in visible]
+    axes.scatter(locations[:, 0], locations[:, 1], sizes, colours, alpha=0.55, edgecolors="white", linewidths=0.8)
     axes.set(title=f"{len(fixations)} fixations; area: how long", xticks=[], yticks=[])
-    axes.set(xlim=(-0.5, picture.shape[1] - 0.5), ylim=(picture.shape[0] - 0.5, -0.5))
+    axes.set(xlim=(-0.5, image.shape[1] - 0.5), ylim=(image.shape[0] - 0.5, -0.5))
 
 
 def _when(axes: Axes, fixations: list[Fixation], names: tuple[str, ...], inks: list) -> None:

@@ -14,8 +14,8 @@ MEANINGS = {
     "start_s": "time at which attention arrived",
     "end_s": "time at which it was drawn elsewhere, or the video ended",
     "candidate": "what was looked at",
-    "x_px": "mean place while it was seen, pixels of the robot's picture",
-    "y_px": "mean place while it was seen, pixels of the robot's picture",
+    "x_px": "mean place while it was seen, pixels of the robot's image",
+    "y_px": "mean place while it was seen, pixels of the robot's image",
     "video_x_px": "the same in pixels of the video",
     "video_y_px": "the same in pixels of the video",
     "seen": "share of the frames in which it was seen",
@@ -30,9 +30,9 @@ class Fixation:
     candidate: int
     start: int
     end: int  # exclusive
-    place: np.ndarray  # (2,) sum over the frames in which it was seen, robot's picture
-    video_place: np.ndarray  # (2,) the same in the video
-    seen: int = 0
+    location: np.ndarray  # (2,) sum over the frames in which it was seen, robot's image
+    video_location: np.ndarray  # (2,) the same in the video
+    visible: int = 0
     moving: int = 0
 
     @property
@@ -49,7 +49,7 @@ class Fixations:
         self._open = False
 
     def note(self, watcher: Watcher, frame: int, mapped: FrameMap) -> None:
-        """What ``watcher`` did in this frame; ``mapped``: how its picture comes from the video's."""
+        """What ``watcher`` did in this frame; ``mapped``: how its image comes from the video's."""
         attended, percept = watcher.attended, watcher.percept
         if attended is None or percept is None or watcher.goal is not None:
             self._open = False
@@ -60,10 +60,10 @@ class Fixations:
         fixation = self.all[-1]
         fixation.end = frame + 1
         fixation.moving += bool(percept.moves[attended])
-        if percept.seen[attended]:
-            fixation.seen += 1
-            fixation.place += percept.px[attended]
-            fixation.video_place += mapped.to_video(percept.px[attended])
+        if percept.visible[attended]:
+            fixation.visible += 1
+            fixation.location += percept.px[attended]
+            fixation.video_location += mapped.to_video(percept.px[attended])
 
     def table(self, names: tuple[str, ...]) -> pa.Table:
         """A row a fixation; it has its columns even without a row."""
@@ -83,11 +83,12 @@ class Fixations:
 
 def _row(one: Fixation, names: tuple[str, ...]) -> dict[str, float | str | None]:
     frames = one.end - one.start
-    place, video = (
-        [float(value) for value in total / one.seen] if one.seen else [None, None]
-        for total in (one.place, one.video_place)
+    location, video = (
+        [float(value) for value in total / one.visible] if one.visible else [None, None]
+        for total in (one.location, one.video_location)
     )
     values = (
-        one.start / RATE, one.end / RATE, names[one.candidate], *place, *video, one.seen / frames, one.moving / frames,
+        one.start / RATE, one.end / RATE, names[one.candidate], *location, *video,
+        one.visible / frames, one.moving / frames,
     )  # fmt: skip
     return dict(zip(MEANINGS, values, strict=True))

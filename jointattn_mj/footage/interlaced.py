@@ -1,6 +1,6 @@
-"""Interlaced pictures, which OpenCV cannot convert: are there any in a file, and the file without them.
+"""Interlaced images, which OpenCV cannot convert: are there any in a file, and the file without them.
 
-A camcorder takes the even and the odd lines of a picture one after the other. For such a picture OpenCV's ``retrieve``
+A camcorder takes the even and the odd lines of an image one after the other. For such an image OpenCV's ``retrieve``
 leaves its buffer as it was, and says that all is well. The program ffmpeg knows them, and fills in each other line.
 """
 
@@ -15,11 +15,11 @@ import imageio_ffmpeg
 from jointattn_mj.errors import FootageError
 
 FILTER = "yadif=deint=interlaced"
-"""One picture for each; those that are not interlaced stay as they are."""
+"""One image for each; those that are not interlaced stay as they are."""
 
 
-def interlaced_pictures(path: Path, start_s: float, seconds: float) -> bool:
-    """Whether any picture in ``seconds`` from ``start_s`` on is interlaced.
+def interlaced_images(path: Path, start_s: float, seconds: float) -> bool:
+    """Whether any image in ``seconds`` from ``start_s`` on is interlaced.
 
     Raises:
         FootageError: There is no ffmpeg program to ask.
@@ -34,7 +34,7 @@ def interlaced_pictures(path: Path, start_s: float, seconds: float) -> bool:
 
 @contextmanager
 def deinterlaced(path: Path) -> Iterator[str]:
-    """The video of a file without interlaced pictures, as a name that ffmpeg opens while the block runs.
+    """The video of a file without interlaced images, as a name that ffmpeg opens while the block runs.
 
     Raises:
         FootageError: There is no ffmpeg program.
@@ -62,7 +62,7 @@ def _running(command: list[str]) -> Iterator[subprocess.Popen[bytes]]:
 
 
 def _command(before: list[str], path: Path, filters: str, *after: str) -> list[str]:
-    """The command line of ffmpeg that sends the pictures of a file through a filter."""
+    """The command line of ffmpeg that sends the images of a file through a filter."""
     try:
         program = imageio_ffmpeg.get_ffmpeg_exe()
     except RuntimeError as error:

@@ -21,15 +21,15 @@ BLOCK = 60 * RATE
 """Rows of a row group of the file; the first one has ``RECENT`` more."""
 FRAME = {
     "time_s": "time in the video; frames are a thirtieth of a second apart",
-    "picture": "picture of the video that the frame shows, counted from 0",
-    "fresh": "another one than in the frame before; what is perceived holds while a picture is shown",
+    "image": "image of the video that the frame shows, counted from 0",
+    "fresh": "another one than in the frame before; what is perceived holds while an image is shown",
     "attended": "candidate that is fixated, or was last while attention shifts",
     "head_moves": "attention shifts: as long as the robot's head would turn, interest does not change",
     "face_fit": "normalised cross-correlation of the face's best view, -1..1",
 }
 PER_CANDIDATE = ("saliency", "motion", "interest", "seen", "moves", "x_px", "y_px")
 _KINDS = {
-    "picture": pa.int32(),
+    "image": pa.int32(),
     "fresh": pa.bool_(),
     "head_moves": pa.bool_(),
     "seen": pa.bool_(),
@@ -38,7 +38,7 @@ _KINDS = {
 
 
 class PerceptLog:
-    """The table of percepts, growing; places are pixels of the robot's picture.
+    """The table of percepts, growing; places are pixels of the robot's image.
 
     Attributes:
         candidates: Names of the objects and, last, the face.
@@ -68,7 +68,7 @@ class PerceptLog:
         """Rows so far."""
         return len(self.rows)
 
-    def add(self, watcher: Watcher, picture: int, fresh: bool) -> None:
+    def add(self, watcher: Watcher, image: int, fresh: bool) -> None:
         """Write down what the watcher made of this frame.
 
         Raises:
@@ -78,9 +78,9 @@ class PerceptLog:
         if percept is None:
             raise ValueError("a watcher that has seen nothing has nothing to write down")
         attended = np.nan if watcher.attended is None else watcher.attended
-        frame = (picture, fresh, attended, watcher.goal is not None, fix.score)
+        frame = (image, fresh, attended, watcher.goal is not None, fix.score)
         interest = (attention.saliency, attention.motion, attention.interest)
-        row = np.concatenate([frame, *interest, percept.seen, percept.moves, *percept.px.T])
+        row = np.concatenate([frame, *interest, percept.visible, percept.moves, *percept.px.T])
         self.rows.append(row)
         if self._filled == len(self._recent):
             self._recent[:RECENT] = self._recent[RECENT:]

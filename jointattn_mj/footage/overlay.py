@@ -1,24 +1,24 @@
-"""One picture of the overlay video: what the robot makes of the video, what it attends to, and why."""
+"""One image of the overlay video: what the robot makes of the video, what it attends to, and why."""
 
 import numpy as np
 
-from jointattn_mj.footage.frame_map import PICTURE_HEIGHT, PICTURE_WIDTH, FrameMap
+from jointattn_mj.footage.frame_map import IMAGE_HEIGHT, IMAGE_WIDTH, FrameMap
 from jointattn_mj.footage.log import PerceptLog
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.watcher import Watcher
 from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.gaze_following.film.interest import InterestPanel
 from jointattn_mj.video.paint import GREY, GROUND, PERSON, WHITE, Box, Colour, disc, ink_of, lines, shade, write
-from jointattn_mj.video.percepts import SCALE, PerceptInk, place
+from jointattn_mj.video.percepts import SCALE, PerceptInk, location
 
 WIDTH, HEIGHT = 672, 688
-_EYE = Box(16, 44, PICTURE_WIDTH * SCALE, PICTURE_HEIGHT * SCALE)
+_EYE = Box(16, 44, IMAGE_WIDTH * SCALE, IMAGE_HEIGHT * SCALE)
 _INTEREST = Box(16, 532, 640, 148)
-_BAR = 34  # height of the line of text below the picture's contents
+_BAR = 34  # height of the line of text below the image's contents
 
 
 class FootageOverlay:
-    """Draws pictures, uint8 (688, 672, 3)."""
+    """Draws images, uint8 (688, 672, 3)."""
 
     def __init__(self, names: tuple[str, ...], rgb: np.ndarray, attention: AttentionConfig):
         """``names`` of the objects and, last, the face; ``rgb`` (n, 3), 0..1, of the objects."""
@@ -31,10 +31,10 @@ class FootageOverlay:
         self._canvas = blank.copy()
 
     def compose(self, video: np.ndarray, mapped: FrameMap, watcher: Watcher, log: PerceptLog) -> np.ndarray:
-        """The picture of this frame; it holds until the next one.
+        """The image of this frame; it holds until the next one.
 
         Args:
-            video: The video's picture, (h, w, 3) uint8 BGR.
+            video: The video's image, (h, w, 3) uint8 BGR.
             mapped: How the robot's comes from it.
             watcher: Who has just seen it.
             log: Where that is written down.
@@ -44,7 +44,7 @@ class FootageOverlay:
         seconds = max(0, log.frames - 1) / RATE
         write(canvas, WIDTH - 16, 17, f"{int(seconds // 60):02d}:{seconds % 60:04.1f}", WHITE, 15, align="right")
         area = _EYE.of(canvas)
-        area[:] = mapped.picture(video, SCALE)
+        area[:] = mapped.image(video, SCALE)
         if watcher.percept is not None:
             self._percept.draw(area, watcher.percept, self._fixated(watcher), watcher.perceiver.motion)
         if watcher.goal is not None:
@@ -60,12 +60,12 @@ class FootageOverlay:
     def _draw_shift(self, area: np.ndarray, watcher: Watcher, goal: int) -> None:
         """A line from what was attended to what will be."""
         percept = watcher.percept
-        if percept is None or not percept.seen[goal]:
+        if percept is None or not percept.visible[goal]:
             return
-        end = place(percept.px[goal])
+        end = location(percept.px[goal])
         disc(area, end, 12, self._inks[goal], 2)
-        if watcher.attended is not None and percept.seen[watcher.attended]:
-            lines(area, [np.stack([place(percept.px[watcher.attended]), end])], self._inks[goal], 2)
+        if watcher.attended is not None and percept.visible[watcher.attended]:
+            lines(area, [np.stack([location(percept.px[watcher.attended]), end])], self._inks[goal], 2)
 
     def _draw_status(self, area: np.ndarray, watcher: Watcher) -> None:
         """One line in plain words."""
@@ -79,5 +79,5 @@ class FootageOverlay:
         else:
             x = write(bar, 12, 8, "looks at", WHITE, 15, True) + 6
             x = write(bar, x, 8, self._names[watcher.attended], self._inks[watcher.attended], 15, True) + 6
-            if watcher.percept is not None and not watcher.percept.seen[watcher.attended]:
+            if watcher.percept is not None and not watcher.percept.visible[watcher.attended]:
                 write(bar, x, 8, "(not seen now)", GREY, 15)

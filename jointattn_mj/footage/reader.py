@@ -1,6 +1,6 @@
-"""A video file as pictures 30 times a second, whatever it holds: by its timestamps, and by its rate where it has none.
+"""A video file as images 30 times a second, whatever it holds: by its timestamps, and by its rate where it has none.
 
-Each thirtieth of a second shows the newest picture taken by then. Faster videos lose pictures, slower ones show some
+Each thirtieth of a second shows the newest image taken by then. Faster videos lose images, slower ones show some
 for longer; repetitions are marked, since whoever looks for motion must not take them for stillness.
 """
 
@@ -15,31 +15,31 @@ import cv2
 import numpy as np
 
 from jointattn_mj.errors import FootageError
-from jointattn_mj.footage.interlaced import deinterlaced, interlaced_pictures
+from jointattn_mj.footage.interlaced import deinterlaced, interlaced_images
 
 RATE = 30
 """Frames a second, section 6.4.1."""
 EARLY_S = 1 / (3 * RATE)
-"""So much before its picture a frame may already show it: containers round timestamps."""
+"""So much before its image a frame may already show it: containers round timestamps."""
 LONGEST_HOLD_S = 10.0
-"""Longest time between two pictures that is believed; a longer one is a jump of the timestamps, and left out."""
+"""Longest time between two images that is believed; a longer one is a jump of the timestamps, and left out."""
 DECODERS = 2
-"""Threads that decode. Each holds pictures of its own, and one of the largest has 100 MB."""
+"""Threads that decode. Each holds images of its own, and one of the largest has 100 MB."""
 TEXT = int.from_bytes(b"ansi", "little")  # ffmpeg plays text files, as an old terminal would show them
 PROBED_S = 2.0
-"""Seconds in which interlaced pictures are looked for."""
+"""Seconds in which interlaced images are looked for."""
 AHEAD_S = 10.0
-"""Seconds that are looked through after a picture that was perhaps not read."""
+"""Seconds that are looked through after an image that was perhaps not read."""
 FASTEST = 1000.0
-"""Declared rates above this (pictures a second) are units of a container's clock."""
+"""Declared rates above this (images a second) are units of a container's clock."""
 
 
 @dataclass(frozen=True)
 class Still:
     """What a frame shows."""
 
-    picture: np.ndarray  # (h, w, 3) uint8, BGR, the video's own pixels
-    number: int  # of the picture in the video, from 0
+    image: np.ndarray  # (h, w, 3) uint8, BGR, the video's own pixels
+    number: int  # of the image in the video, from 0
     fresh: bool  # another one than in the frame before
     cut: bool  # no motion can be seen from the frame before to this one: the first, or first after a jump
 
@@ -49,10 +49,10 @@ class Footage:
 
     Attributes:
         path: The file.
-        fps: Pictures a second, as given or declared; 0 if neither.
+        fps: Images a second, as given or declared; 0 if neither.
         aspect: Width of a pixel over its height.
         declared_s: How long the file says that it is, or None.
-        pictures: How many the last iteration has read so far.
+        images: How many the last iteration has read so far.
         seconds: When the last of them was taken.
         jumps: Jumps in the timestamps that it met.
         timed: Whether it went by timestamps.
@@ -73,14 +73,14 @@ class Footage:
         self.declared_s = count / self.fps if self.fps and 0 < count < 1e9 else None
         self.aspect = _pixel_aspect(capture)
         capture.release()
-        self.interlaced = interlaced_pictures(path, 0.0, PROBED_S)
-        self.pictures, self.seconds, self.jumps, self.timed = 0, 0.0, 0, fps is None
+        self.interlaced = interlaced_images(path, 0.0, PROBED_S)
+        self.images, self.seconds, self.jumps, self.timed = 0, 0.0, 0, fps is None
 
     def __iter__(self) -> Iterator[Still]:
         """What there is to see at 0 s, 1/30 s, 2/30 s and so on.
 
         Raises:
-            FootageError: No picture can be decoded, or there are neither timestamps nor a rate.
+            FootageError: No image can be decoded, or there are neither timestamps nor a rate.
         """
         with ExitStack() as stack:
             capture = _capture(stack.enter_context(deinterlaced(self.path))) if self.interlaced else self._open()
@@ -89,57 +89,57 @@ class Footage:
 
     def _stills(self, capture: cv2.VideoCapture) -> Iterator[Still]:
         frame, held, shown, cut = 0, None, -1, True
-        for picture, jumped in self._pictures(capture):
+        for image, jumped in self._images(capture):
             while held is not None and frame / RATE + EARLY_S < self.seconds:
-                yield Still(held, self.pictures - 2, shown != self.pictures - 2, cut)
-                frame, shown, cut = frame + 1, self.pictures - 2, False
-            held, cut = picture, cut or jumped
+                yield Still(held, self.images - 2, shown != self.images - 2, cut)
+                frame, shown, cut = frame + 1, self.images - 2, False
+            held, cut = image, cut or jumped
         if held is None:
             raise FootageError(
-                f"{self.path} holds no picture that can be decoded; is it damaged, or its codec unknown here? "
+                f"{self.path} holds no image that can be decoded; is it damaged, or its codec unknown here? "
                 f"A copy may do: ffmpeg -i {self.path.name} -c:v libx264 copy.mp4"
             )
-        last, end = self.pictures - 1, self.seconds + (1 / self.fps if self.fps else 1 / RATE)
+        last, end = self.images - 1, self.seconds + (1 / self.fps if self.fps else 1 / RATE)
         while frame == 0 or frame / RATE + EARLY_S < end:
             yield Still(held, last, shown != last, cut)
             frame, shown, cut = frame + 1, last, False
 
-    def _pictures(self, capture: cv2.VideoCapture) -> Iterator[tuple[np.ndarray, bool]]:
-        """Every picture, and whether the timestamps jumped before it; keeps the attributes up to date."""
-        self.pictures, self.seconds, self.jumps, self.timed = 0, 0.0, 0, self._given is None
+    def _images(self, capture: cv2.VideoCapture) -> Iterator[tuple[np.ndarray, bool]]:
+        """Every image, and whether the timestamps jumped before it; keeps the attributes up to date."""
+        self.images, self.seconds, self.jumps, self.timed = 0, 0.0, 0, self._given is None
         start = last = 0.0
         before, sure_s = None, -math.inf
         while capture.grab():
-            there, picture = capture.retrieve()
-            if not there or picture is None or not picture.size:
+            there, image = capture.retrieve()
+            if not there or image is None or not image.size:
                 continue
             stamp, jumped = capture.get(cv2.CAP_PROP_POS_MSEC) / 1000, False
             lost = self.jumps > 0 or stamp < self.seconds - PROBED_S  # no timestamp says where in the file this is
-            if not self.interlaced and (stamp > sure_s or (lost and sure_s < math.inf)) and _same(picture, before):
+            if not self.interlaced and (stamp > sure_s or (lost and sure_s < math.inf)) and _same(image, before):
                 sure_s = self._check_read(stamp, lost)
-            before = picture
-            if self.pictures == 0:
+            before = image
+            if self.images == 0:
                 start = last = stamp
-            elif self.pictures == 1 and stamp == start:
+            elif self.images == 1 and stamp == start:
                 self.timed = False
             if not self.timed or not math.isfinite(stamp):
-                self.seconds += self._interval() if self.pictures else 0.0
+                self.seconds += self._interval() if self.images else 0.0
             else:
                 if abs(stamp - last) > LONGEST_HOLD_S:
                     start += stamp - last - (1 / self.fps if self.fps else 1 / RATE)
                     jumped = True
                     self.jumps += 1
                 last, self.seconds = stamp, max(self.seconds, stamp - start)
-            self.pictures += 1
-            yield picture, jumped
+            self.images += 1
+            yield image, jumped
 
     def _check_read(self, stamp: float, lost: bool) -> float:
-        """Make sure that a picture that is the same as the one before was read at all; until when others were too.
+        """Make sure that an image that is the same as the one before was read at all; until when others were too.
 
-        OpenCV leaves out interlaced pictures in silence. All of the file is looked through where it is ``lost``.
+        OpenCV leaves out interlaced images in silence. All of the file is looked through where it is ``lost``.
         """
         part = (0.0, 1e6) if lost else (max(0.0, stamp - PROBED_S), PROBED_S + AHEAD_S)
-        if interlaced_pictures(self.path, *part):
+        if interlaced_images(self.path, *part):
             raise FootageError(
                 f"{self.path} is interlaced from about {stamp:.0f} s on, but not from its beginning, so it cannot be "
                 f"read; make a copy that is not: ffmpeg -i {self.path.name} -vf yadif -c:v libx264 copy.mp4"
@@ -149,7 +149,7 @@ class Footage:
     def _interval(self) -> float:
         if not self.fps:
             raise FootageError(
-                f"{self.path} says neither when its pictures were taken nor how many a second; say it with --fps"
+                f"{self.path} says neither when its images were taken nor how many a second; say it with --fps"
             )
         return 1 / self.fps
 
@@ -180,11 +180,11 @@ def _capture(name: str) -> cv2.VideoCapture:
         return cv2.VideoCapture(name, cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, DECODERS])
 
 
-def _same(picture: np.ndarray, before: np.ndarray | None) -> bool:
-    """Whether two pictures are the same to the last bit; most are told apart by a few of their rows."""
-    if before is None or picture.shape != before.shape:
+def _same(image: np.ndarray, before: np.ndarray | None) -> bool:
+    """Whether two images are the same to the last bit; most are told apart by a few of their rows."""
+    if before is None or image.shape != before.shape:
         return False
-    return np.array_equal(picture[::16], before[::16]) and np.array_equal(picture, before)
+    return np.array_equal(image[::16], before[::16]) and np.array_equal(image, before)
 
 
 @contextmanager
@@ -212,5 +212,5 @@ def _pixel_aspect(capture: cv2.VideoCapture) -> float:
     aspect = wide / high if wide > 0 and high > 0 else 1.0
     if not 0.1 < aspect < 10:
         return 1.0
-    lying = round(capture.get(cv2.CAP_PROP_ORIENTATION_META)) % 180 == 90  # pictures come upright, the ratio does not
+    lying = round(capture.get(cv2.CAP_PROP_ORIENTATION_META)) % 180 == 90  # images come upright, the ratio does not
     return 1 / aspect if lying else aspect

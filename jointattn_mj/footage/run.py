@@ -32,7 +32,7 @@ def run_perceive(
     so far leaves a checkpoint and all its results before KeyboardInterrupt goes on.
 
     Raises:
-        FootageError: The file is no video, or has no picture.
+        FootageError: The file is no video, or has no image.
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
         VideoError: The overlay cannot be written.
@@ -81,7 +81,7 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
             mapped = viewing.see(still)
             log.add(viewing.watcher, still.number, still.fresh)
             if every is not None and (viewing.frames - 1) % every == 0:
-                film.add(drawing.compose(still.picture, mapped, viewing.watcher, log), viewing.frames - 1)
+                film.add(drawing.compose(still.image, mapped, viewing.watcher, log), viewing.frames - 1)
             if viewing.frames % RATE == 0:
                 progress(viewing)
             if viewing.frames % pause == 0:
@@ -101,7 +101,7 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
 def _unseen(viewing: Viewing, interrupts: Interrupts) -> Iterator[Still]:
     """The frames that were not seen yet, until enough are seen or somebody stops; at least one of a new viewing.
 
-    Going on means to read the video from its beginning: that alone leads to the same pictures.
+    Going on means to read the video from its beginning: that alone leads to the same images.
     """
     stills = iter(viewing.footage)
     for _ in islice(stills, viewing.frames):
@@ -137,7 +137,7 @@ def _leave_results(viewing: Viewing, out: Path, stopped: bool, wall_seconds: flo
         viewing.rgb,
     )
     error = None
-    if viewing.album.seen:
+    if viewing.album.visible:
         som = viewing.album.learn(viewing.config.som)
         error = round(som.quantisation_error(viewing.album.patterns), 4)
         draw_som(out / "som.png", som)

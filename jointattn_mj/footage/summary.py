@@ -9,7 +9,7 @@ from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.viewing import Viewing
 
 FEWEST_FPS = 15
-"""Pictures a second below which motion and its end are seen late."""
+"""Images a second below which motion and its end are seen late."""
 MISSING_S = 1.0
 """Seconds of its declared length that may be missing from a file: headers round."""
 
@@ -18,7 +18,7 @@ def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: f
     """The viewing in numbers: what ``summary.json`` holds."""
     footage, mapped, frames = viewing.footage, viewing.mapped, viewing.frames
     if mapped is None:
-        raise FootageError(f"{footage.path} has no picture")
+        raise FootageError(f"{footage.path} has no image")
     watched = frames / RATE
     return {
         "video": {
@@ -27,7 +27,7 @@ def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: f
             "pixel_aspect": footage.aspect,
             "fps": footage.fps or None,
             "declared_seconds": footage.declared_s,
-            "pictures_read": footage.pictures,
+            "pictures_read": footage.images,
             "went_by_timestamps": footage.timed,
             "timestamp_jumps": footage.jumps,
         },
@@ -39,11 +39,11 @@ def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: f
             **{name: value for name, value in asdict(mapped).items() if name not in ("width", "height")},
             "cascade_face_side_in_video_px": viewing.face_side,
         },
-        "found": dict(zip(viewing.names, (viewing.seen / frames).round(4), strict=True)),
+        "found": dict(zip(viewing.names, (viewing.visible / frames).round(4), strict=True)),
         "moving": dict(zip(viewing.names, (viewing.moves / frames).round(4), strict=True)),
         "fixations": len(viewing.fixations.all),
         "by_candidate": viewing.fixations.shares(viewing.names),
-        "face_patterns": min(viewing.album.seen, KEPT),
+        "face_patterns": min(viewing.album.visible, KEPT),
         "som_quantisation_error": som_error,
         "notes": notes(viewing, stopped),
         "wall_seconds": round(wall_seconds, 2),
@@ -62,19 +62,19 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
             "off or damaged, or says so wrongly"
         )
     if not footage.timed and viewing.config.fps is None:
-        said.append(f"no timestamps in the file: {footage.fps:g} pictures a second were assumed; --fps says otherwise")
+        said.append(f"no timestamps in the file: {footage.fps:g} images a second were assumed; --fps says otherwise")
     if footage.interlaced:
         said.append("the video is interlaced: each other line was filled in from those around it, in space and time")
     if footage.jumps:
         said.append(f"the timestamps jumped {footage.jumps} times; the time between is left out")
-    if frames > RATE and footage.pictures / (frames / RATE) < FEWEST_FPS:
-        said.append(f"fewer than {FEWEST_FPS} pictures a second: motion is seen late and in leaps")
+    if frames > RATE and footage.images / (frames / RATE) < FEWEST_FPS:
+        said.append(f"fewer than {FEWEST_FPS} images a second: motion is seen late and in leaps")
     if len(viewing.sizes) > 1:
-        said.append(f"the picture's size changes ({sorted(viewing.sizes)}): the mapping is that of the last")
+        said.append(f"the image's size changes ({sorted(viewing.sizes)}): the mapping is that of the last")
     if not viewing.coloured:
         said.append("the video is grey: objects are found by their colour, so none can be")
-    elif not viewing.seen[:-1].any():
-        said.append("no object was found; --objects cup=#c03a2b takes a colour as picked from the picture")
-    if not viewing.seen[-1]:
-        said.append("no face was found: it must look at the camera once, and be 24 pixels wide in the robot's picture")
+    elif not viewing.visible[:-1].any():
+        said.append("no object was found; --objects cup=#c03a2b takes a colour as picked from the image")
+    if not viewing.visible[-1]:
+        said.append("no face was found: it must look at the camera once, and be 24 pixels wide in the robot's image")
     return said

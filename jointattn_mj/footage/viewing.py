@@ -33,16 +33,16 @@ class Viewing:
     Attributes:
         footage: The video.
         watcher: Who watches.
-        mapped: How its picture comes from the video's; None before the first.
+        mapped: How its image comes from the video's; None before the first.
         frames: Frames seen.
         fixations: What it looked at.
         album: Faces that it saw.
         names: Of the candidates.
         rgb: (n, 3) colours of the objects, 0..1.
         seen: (n + 1,) frames in which each was found; ``moves``: in which it was seen to move.
-        sample: One of the robot's pictures, for the figure: the first with a face.
+        sample: One of the robot's images, for the figure: the first with a face.
         coloured: Whether any colour was met.
-        sizes: Widths and heights of the video's pictures.
+        sizes: Widths and heights of the video's images.
     """
 
     def __init__(self, config: PerceiveConfig):
@@ -64,7 +64,7 @@ class Viewing:
         if config.max_minutes is not None:
             self.total = max(1, round(config.max_minutes * 60 * RATE))
         self.face_side: float | None = None
-        self.seen = np.zeros(len(self.names), int)
+        self.visible = np.zeros(len(self.names), int)
         self.moves = np.zeros(len(self.names), int)
         self.coloured = False
         self.sizes: set[tuple[int, int]] = set()
@@ -75,7 +75,7 @@ class Viewing:
         """See how large the face is, unless a scale is given; and whether the video can be read at all.
 
         Raises:
-            FootageError: The video has no picture, or neither timestamps nor a rate.
+            FootageError: The video has no image, or neither timestamps nor a rate.
         """
         if self.config.scale is None:
             self.face_side = face_side(self.footage, self.config.fit, self.config.pixels.faces)
@@ -83,21 +83,21 @@ class Viewing:
             deque(islice(self.footage, 2), maxlen=0)
 
     def see(self, still: Still) -> FrameMap:
-        """One frame; how the robot's picture comes from the video's."""
+        """One frame; how the robot's image comes from the video's."""
         self.mapped = mapped = self._map(still)
-        first_face = self.seen[-1] == 0
-        picture = mapped.picture(still.picture) if still.fresh or self.frames == 0 else self.sample
-        percept = self.watcher.see(picture, still.fresh, still.cut)
-        self.seen += percept.seen
+        first_face = self.visible[-1] == 0
+        image = mapped.image(still.image) if still.fresh or self.frames == 0 else self.sample
+        percept = self.watcher.see(image, still.fresh, still.cut)
+        self.visible += percept.visible
         self.moves += percept.moves
-        if still.fresh and percept.seen[-1]:
+        if still.fresh and percept.visible[-1]:
             if self._faces % EVERY == 0:
                 self.album.add(self.watcher.perceiver.face_pattern(), self.frames / RATE)
             self._faces += 1
-        if self.frames == 0 or (first_face and percept.seen[-1]):
-            self.sample = picture
+        if self.frames == 0 or (first_face and percept.visible[-1]):
+            self.sample = image
         if still.fresh and self.frames % RATE == 0 and not self.coloured:
-            spread = picture.max(axis=2) - picture.min(axis=2)
+            spread = image.max(axis=2) - image.min(axis=2)
             self.coloured = bool(np.percentile(spread, 99) > GREY_SPREAD)
         self.fixations.note(self.watcher, self.frames, mapped)
         self.frames += 1
@@ -128,7 +128,7 @@ class Viewing:
         return self.footage.path.stat().st_size
 
     def _map(self, still: Still) -> FrameMap:
-        height, width = still.picture.shape[:2]
+        height, width = still.image.shape[:2]
         if self.mapped is not None and (self.mapped.width, self.mapped.height) == (width, height):
             return self.mapped
         self.sizes.add((width, height))

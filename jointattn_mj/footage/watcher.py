@@ -1,6 +1,6 @@
 """Who watches a video: the robot's perception and attention (boxes of Fig. 6.2), before a camera that never turns.
 
-A fixation is attention to a place of the picture, and a gaze shift moves attention alone. It takes as long as the
+A fixation is attention to a place of the image, and a gaze shift moves attention alone. It takes as long as the
 robot's head would turn, and as then (Fig. 6.3b) no interest changes meanwhile. Perception goes on: the camera is still.
 """
 
@@ -38,22 +38,22 @@ class Watcher:
         self._shift_frames = shift_frames
         self._left = 0
 
-    def see(self, picture: np.ndarray, fresh: bool, cut: bool) -> Percept:
+    def see(self, image: np.ndarray, fresh: bool, cut: bool) -> Percept:
         """One frame of life.
 
         Args:
-            picture: (240, 320, 3) uint8 RGB, contiguous.
-            fresh: Whether it is another picture than in the frame before; a repetition is not looked at again.
-            cut: Whether no motion can be seen from the picture before to this one.
+            image: (240, 320, 3) uint8 RGB, contiguous.
+            fresh: Whether it is another image than in the frame before; a repetition is not looked at again.
+            cut: Whether no motion can be seen from the image before to this one.
         """
         percept = self.percept
         if percept is None or fresh:
-            self.percept = percept = self.perceiver.look({"camera": picture, "head_angles": AHEAD}, landed=cut)
+            self.percept = percept = self.perceiver.look({"camera": image, "head_angles": AHEAD}, landed=cut)
         if self.goal is None:
             self.attention.advance(self.attended, percept.moves)
         elif not self._arrive(self.goal):
             return percept
-        chosen = self.attention.consider(percept.seen)
+        chosen = self.attention.consider(percept.visible)
         if chosen is not None and chosen != self.attended:
             self.goal, self._left = chosen, self._shift_frames
             if self._left == 0:

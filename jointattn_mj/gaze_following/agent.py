@@ -61,7 +61,7 @@ class GazeShift:
 class GazeFollower:
     """Learns to look where the caregiver looks; maps observations to desired head angles.
 
-    Observations are a mapping with ``camera`` (uint8 picture, read only when the robot looks), ``head_angles`` (pan,
+    Observations are a mapping with ``camera`` (uint8 image, read only when the robot looks), ``head_angles`` (pan,
     tilt; rad) and ``head_moves`` (bool); the action is the desired pan and tilt, rad.
 
     Attributes:
@@ -94,7 +94,7 @@ class GazeFollower:
         head = np.degrees(observation["head_angles"])
         if frame % self.config.familiarise.every == 0:
             percept = self.perceiver.look(observation, landed=True)
-            if percept.seen[self.face]:
+            if percept.visible[self.face]:
                 self._hold(direction_of(percept.px[self.face], head))
                 self.som.update(self.perceiver.face_pattern())
         self.attended = self.face
@@ -111,7 +111,7 @@ class GazeFollower:
             self.attention.advance(self.attended, percept.moves)
         else:
             self._land(shift, percept, np.degrees(observation["head_angles"]))
-        chosen = self.attention.consider(percept.seen)
+        chosen = self.attention.consider(percept.visible)
         if chosen is not None and chosen != self.attended:
             self._launch(chosen, percept, np.degrees(observation["head_angles"]))
         return self._command
@@ -130,13 +130,13 @@ class GazeFollower:
         command = direction_of(percept.px[chosen], head)
         suggestion = activations = None
         by_learner = False
-        if source == self.face and percept.seen[self.face]:
+        if source == self.face and percept.visible[self.face]:
             activations = self.face_input()
             suggestion = head + self.learner.predict(activations)
             by_learner = bool(self._gate.random() < gate_probability(self.config.gaze, self.iterations))
             if by_learner:
                 command = suggestion
-        source_seen = source is not None and percept.seen[source]
+        source_visible = source is not None and percept.visible[source]
         self.shift = GazeShift(
             source=source,
             chosen=chosen,
@@ -145,7 +145,7 @@ class GazeFollower:
             command=command,
             suggestion=suggestion,
             activations=activations,
-            source_direction=direction_of(percept.px[source], head) if source_seen else None,
+            source_direction=direction_of(percept.px[source], head) if source_visible else None,
         )
         self._movement = HeadShift(self._held, command, self.config.gaze.shift_frames)
         self._hold(self._movement.next_reference())
@@ -155,7 +155,7 @@ class GazeFollower:
         looks = movement.frame in self.config.gaze.feedback_frames and not movement.commanded
         if looks and not shift.by_learner and shift.chosen != self.face:
             percept = self.perceiver.look(observation, landed=True)
-            if percept.seen[shift.chosen]:
+            if percept.visible[shift.chosen]:
                 head = np.degrees(observation["head_angles"])
                 shift.command = direction_of(percept.px[shift.chosen], head)
                 movement.aim(shift.command)
@@ -175,11 +175,11 @@ class GazeFollower:
     @staticmethod
     def _nearest(percept: Percept, head: np.ndarray) -> tuple[int | None, float]:
         """The candidate in view that is nearest to its centre, and how far off (deg) that is."""
-        if not percept.seen.any():
+        if not percept.visible.any():
             return None, np.inf
         distances = [
-            off_centre(direction_of(pixel, head), head) if seen else np.inf
-            for pixel, seen in zip(percept.px, percept.seen, strict=True)
+            off_centre(direction_of(pixel, head), head) if visible else np.inf
+            for pixel, visible in zip(percept.px, percept.visible, strict=True)
         ]
         nearest = int(np.argmin(distances))
         return nearest, distances[nearest]

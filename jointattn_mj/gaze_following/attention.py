@@ -84,8 +84,8 @@ class Attention(Protocol):
     def settle(self) -> None:
         """A gaze shift has ended."""
 
-    def consider(self, seen: np.ndarray) -> int | None:
-        """After each frame: which candidate to look at next among those ``seen``, (n + 1,) bool; None to stay."""
+    def consider(self, visible: np.ndarray) -> int | None:
+        """After each frame: which candidate to look at next among those ``visible``, (n + 1,) bool; None to stay."""
 
 
 class AttentionSelector:
@@ -137,14 +137,14 @@ class AttentionSelector:
         """A shift has ended: the time to the next draw begins."""
         self._dwelt = 0
 
-    def consider(self, seen: np.ndarray) -> int | None:
-        """One more frame of dwell; every ``selection_period`` of them a draw among candidates ``seen``, else None."""
+    def consider(self, visible: np.ndarray) -> int | None:
+        """One more frame of dwell; every ``selection_period`` of them a draw among the ``visible``, else None."""
         self._dwelt += 1
-        return self.draw(seen) if self._dwelt % self.config.selection_period == 0 else None
+        return self.draw(visible) if self._dwelt % self.config.selection_period == 0 else None
 
-    def draw(self, seen: np.ndarray) -> int | None:
+    def draw(self, visible: np.ndarray) -> int | None:
         """The next candidate to look at, drawn by eq. 6.7 among those in view; None when none is of any interest."""
-        bound = np.cumsum(np.where(seen, self.interest, 0.0))
+        bound = np.cumsum(np.where(visible, self.interest, 0.0))
         if not bound[-1] > 0:
             return None
         return int(np.searchsorted(bound, self._rng.random() * bound[-1], side="right"))

@@ -15,7 +15,7 @@ FRAME = {
     "held": "object in her hand",
     "attended": "candidate that the robot fixates, or fixated last while its head turns",
     "head_moves": "a gaze shift is under way, from its first command to the frame before landing",
-    "rendered": "a picture was rendered for this frame",
+    "rendered": "an image was rendered for this frame",
     "looked": "the robot perceived this frame while fixating; the percept's columns are empty where not",
     "landed": "a gaze shift ended in this frame",
     "iterations": "l of eq. 6.8",
@@ -32,11 +32,11 @@ CANDIDATE = {
     "saliency": "S_i, eq. 6.5 and 6.6",
     "motion": "m_i, eq. 6.3, frames",
     "interest": "I_i, eq. 6.1",
-    "seen": "found in the picture",
+    "seen": "found in the image",
     "moves": "seen to move, eq. 6.3",
     "x_px": "where it was seen",
     "y_px": "where it was seen",
-    "really_moves": "really moved since the frame before, faster than truth.*_moves_above_*",
+    "really_moves": "really moved since the frame before, faster than state.*_moves_above_*",
 }
 """Of the columns whose names begin with a candidate's: an object's name, or face."""
 SHIFT = {

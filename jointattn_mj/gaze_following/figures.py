@@ -9,7 +9,7 @@ from jointattn_mj.gaze_following.shifts import Shifts
 from jointattn_mj.gaze_following.summary import LEARNER, moving_average
 from jointattn_mj.io.figures import save
 from jointattn_mj.perception.som import SOM
-from jointattn_mj.perception.state import TruthPerception
+from jointattn_mj.perception.state import StatePerception
 
 FOUR_OBJECTS = 0.25
 
@@ -41,13 +41,13 @@ def draw_som(path: Path, som: SOM) -> None:
     rows, columns = som.config.rows, som.config.columns
     figure = Figure(figsize=(6, 6), layout="constrained")
     axes = figure.subplots()
-    if som.weights.shape[1] == TruthPerception.pattern_size:
+    if som.weights.shape[1] == StatePerception.pattern_size:
         yaw, pitch = som.weights.reshape(rows, columns, 2).transpose(2, 0, 1)
         axes.plot(yaw, pitch, "o-", yaw.T, pitch.T, "-", color="#2980b9", ms=4, lw=0.8)
         axes.set(xlabel="head yaw (deg, to her left)", ylabel="head pitch (deg, down)", title="SOM of head directions")
         axes.invert_yaxis()
     else:
-        cells = som.pictures()
+        cells = som.images()
         side = cells.shape[-1]
         faces = cells.transpose(0, 2, 1, 3).reshape(rows * side, columns * side)
         axes.imshow(faces, cmap="gray")

@@ -65,7 +65,7 @@ def run_session(
         ConfigError: The session's log would not fit onto the disk.
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
-        GLError: Pictures are needed and cannot be rendered.
+        GLError: Images are needed and cannot be rendered.
         VideoError: A video is asked for and cannot be written.
         ExtraError: A log is asked for, and the package that writes it is missing.
         NotFiniteError: What is learned or simulated has become NaN; the last checkpoint stays.

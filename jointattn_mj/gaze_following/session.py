@@ -20,7 +20,7 @@ from jointattn_mj.io.weights import read_weights
 from jointattn_mj.options import Checked, Real, Seed
 from jointattn_mj.perception.percept import Perceiver
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
-from jointattn_mj.perception.state import TruthConfig, TruthPerception
+from jointattn_mj.perception.state import StateConfig, StatePerception
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.world import Observation, World, WorldConfig
 
@@ -36,10 +36,10 @@ class SessionConfig(Checked):
     """Simulated minutes; "each session lasted approximately 26 minutes" (6.4.3)."""
     seed: Seed = 0
     """All randomness comes from it, one stream a component."""
-    perception: Literal["pixels", "truth"] = "pixels"
-    """Rendered pictures, or the simulator's state with the errors that the pixel path was measured to make."""
+    perception: Literal["pixels", "state"] = "pixels"
+    """Rendered images, or the simulator's state with the errors that the pixel path was measured to make."""
     success: Literal["either", "launch", "landing"] = "either"
-    """Which moment's target a shift is held against (see ``referee``). All are logged."""
+    """Which moment's target a shift is held against (see ``scoring``). All are logged."""
     start_from: Path | None = None
     """weights.npz of an earlier session: begin with what that robot had learned."""
     world: WorldConfig = field(default_factory=WorldConfig)
@@ -47,9 +47,9 @@ class SessionConfig(Checked):
     robot: RobotConfig = field(default_factory=RobotConfig)
     """The robot's mind."""
     pixels: PixelConfig = field(default_factory=PixelConfig)
-    """How it perceives pictures."""
-    truth: TruthConfig = field(default_factory=TruthConfig)
-    """What stands for that with ``perception truth``."""
+    """How it perceives images."""
+    state: StateConfig = field(default_factory=StateConfig)
+    """What stands for that with ``perception state``."""
 
 
 class Session:
@@ -69,7 +69,7 @@ class Session:
         self.frame = 0
         self.shifts = Shifts(self.names)
         self.frames = FrameTable(
-            self.names[:-1], config.truth.face_moves_above_deg_s, config.truth.object_moves_above_m_s
+            self.names[:-1], config.state.face_moves_above_deg_s, config.state.object_moves_above_m_s
         )
         self._launch: Moment | None = None
         self._observation = Observation(self.world)
@@ -84,8 +84,8 @@ class Session:
 
     def new_perceiver(self, rng: np.random.Generator) -> Perceiver:
         """How the robot perceives; ``self.world`` is there already."""
-        if self.config.perception == "truth":
-            return TruthPerception(self.config.truth, self.world, rng)
+        if self.config.perception == "state":
+            return StatePerception(self.config.state, self.world, rng)
         return PixelPerception(self.config.pixels, np.array([item.rgb for item in self.config.world.scene.objects]))
 
     def begin(self) -> None:
@@ -151,5 +151,5 @@ class Session:
         return summarise(self.frames, self.shifts, self.config.minutes, wall_seconds)
 
     def close(self) -> None:
-        """Free what pictures needed."""
+        """Free what images needed."""
         self.world.close()

@@ -53,13 +53,13 @@ def _write(row, numbers, head, face, objects, saliency, motion, interest):
 
 
 @njit(cache=True)
-def _write_percept(row, seen, moves, px):
+def _write_percept(row, visible, moves, px):
     """The columns of what was seen, the last of a row."""
-    n = len(seen)
+    n = len(visible)
     if 4 * n > len(row) or n > len(moves) or n > len(px):
         raise ValueError("a row of the table is too short for the candidates")
     for k in range(n):
-        row[k], row[n + k], row[2 * n + 2 * k], row[2 * n + 2 * k + 1] = seen[k], moves[k], px[k, 0], px[k, 1]
+        row[k], row[n + k], row[2 * n + 2 * k], row[2 * n + 2 * k + 1] = visible[k], moves[k], px[k, 0], px[k, 1]
 
 
 class FrameTable:
@@ -110,11 +110,11 @@ class FrameTable:
             row, numbers, head, world.face_angles(), caregiver.objects,
             attention.saliency, attention.motion, attention.interest,
         )  # fmt: skip
-        seen = row[-4 * len(self.candidates) :]
+        visible = row[-4 * len(self.candidates) :]
         if percept is None:
-            seen[:] = np.nan
+            visible[:] = np.nan
         else:
-            _write_percept(seen, percept.seen, percept.moves, percept.px)
+            _write_percept(visible, percept.visible, percept.moves, percept.px)
         self.rows.fill(1)
 
     def column(self, name: str, candidate: int | None = None) -> np.ndarray:

@@ -61,9 +61,9 @@ class Encoder:
 
     def _entry(self, kind: type, value: Any) -> Entry:
         if is_dataclass(kind):
-            place = next((place for place, part in self._parts if type(part) is kind and part == value), None)
-            if place is not None:
-                return ["config", *place]
+            location = next((location for location, part in self._parts if type(part) is kind and part == value), None)
+            if location is not None:
+                return ["config", *location]
         if kind in _WRITERS:
             return _WRITERS[kind](self, value)
         if isinstance(value, np.ndarray):
@@ -136,7 +136,7 @@ class Decoder:
     def __init__(self, entries: list[Entry], array: Callable[[int], np.ndarray], config: Any, own: str):
         """``array`` reads the array of a number; ``config`` and ``own`` as for ``Encoder``."""
         self._entries, self._array, self._own = entries, array, own
-        self._config = {place: part for place, part in _parts(config)}
+        self._config = {location: part for location, part in _parts(config)}
         self._made: dict[int, Any] = {}
         self._begun: set[int] = set()
 
@@ -246,7 +246,7 @@ def _scalar(text: str, content: str) -> np.generic:
 
 
 _READERS: dict[str, Callable[..., Any]] = {
-    "config": lambda of, number, *place: of._config[place],
+    "config": lambda of, number, *location: of._config[location],
     "array": Decoder._array_of,
     "scalar": lambda of, number, dtype, content: _scalar(dtype, content),
     "enum": Decoder._enum,
@@ -272,15 +272,15 @@ _READERS: dict[str, Callable[..., Any]] = {
 }
 
 
-def _parts(config: Any, place: tuple[Any, ...] = ()) -> Iterable[tuple[tuple[Any, ...], Any]]:
+def _parts(config: Any, location: tuple[Any, ...] = ()) -> Iterable[tuple[tuple[Any, ...], Any]]:
     """Every dataclass in a config, and the names of fields and positions that lead to it."""
     if is_dataclass(config) and not isinstance(config, type):
-        yield place, config
+        yield location, config
         for field in fields(config):
-            yield from _parts(getattr(config, field.name), (*place, field.name))
+            yield from _parts(getattr(config, field.name), (*location, field.name))
     elif isinstance(config, tuple):
         for position, item in enumerate(config):
-            yield from _parts(item, (*place, position))
+            yield from _parts(item, (*location, position))
 
 
 def _key(value: Any) -> Any:

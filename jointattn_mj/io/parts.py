@@ -11,20 +11,38 @@ from typing import Any
 
 PACKAGE = __name__.split(".")[0]
 _CLASSES = """
-attention: AttentionConfig AttentionSelector
-contingency.counts: Counts
-contingency.detector: DetectorConfig Rule Watch
-contingency.events: Event Variable Variables
-contingency.modules: Module ReproductionConfig
-contingency.reactive: AvoidingModule RandomModule
-contingency.selector: Maps SelectorConfig
+contingency.online.counts: Counts
+contingency.online.detector: DetectorConfig Rule Watch
+contingency.online.events: Event Variable Variables
+contingency.online.modules: Module ReproductionConfig
+contingency.online.reactive: AvoidingModule RandomModule
+contingency.online.selector: Maps SelectorConfig
+development.agent: Developer DeveloperConfig AgentState Past
+development.contingency_log: ContingencyLog
+development.loop: Found
+development.realtime.partner: Partner PartnerConfig PartnerWorld
+development.realtime.run: RealtimeConfig RealtimeRun
+development.rendered.run: RenderedConfig RenderedRun
+development.rendered.senses: Senses SensesConfig
+development.rendered.stage: Stage StageConfig
+development.table.caregiver: CaregiverConfig Rules
+development.table.run: TableRun
+development.table.world: Table TableConfig
 footage.faces: FaceAlbum
 footage.fixations: Fixation Fixations
 footage.frame_map: FrameMap
 footage.watcher: Watcher
-gaze: GazeConfig HeadShift
-learning: LearnerConfig LinearLearner PopulationCode PopulationLearner
-network_learner: NetworkLearner
+gaze_following.agent: FamiliariseConfig GazeFollower GazeShift RobotConfig
+gaze_following.attention: AttentionConfig AttentionSelector
+gaze_following.gate: GazeConfig HeadShift
+gaze_following.learners: LearnerConfig LinearLearner PopulationCode PopulationLearner
+gaze_following.network_learner: NetworkLearner
+gaze_following.scoring: Moment
+gaze_following.session: Session
+gaze_following.shifts: Shifts
+gaze_following.tables: FrameTable
+gaze_following.varied_session: VariedSession
+io.rows: RowStore
 perception.categories: FaceCategories GroupingConfig
 perception.faces: FaceDetector FaceDetectorConfig FaceFix
 perception.motion: Motion MotionConfig MotionDetector
@@ -32,21 +50,8 @@ perception.objects: Areas ColourAreas ColourConfig
 perception.percept: Percept
 perception.pixels: PixelConfig PixelPerception
 perception.som: SOM SOMConfig
-perception.truth: TruthConfig TruthPerception
+perception.state: StateConfig StatePerception
 perception.views: ViewBank
-realtime.life: RealtimeConfig RealtimeLife
-realtime.partner: Partner PartnerConfig PartnerWorld
-recording.rows: RowStore
-recording.shifts: Shifts
-recording.tables: FrameTable
-referee: Moment
-rendered.life: RenderedConfig RenderedLife
-rendered.senses: Senses SensesConfig
-rendered.stage: Stage StageConfig
-robots.contingency_log: ContingencyLog
-robots.developer: Developer DeveloperConfig Mind Past
-robots.gaze_follower: FamiliariseConfig GazeFollower GazeShift RobotConfig
-robots.life: Found
 scene.caregiver: CaregiverConfig ObjectTransfer Phase Plan
 scene.delay: Past
 scene.dressing: Conditions Lamp Surfaces
@@ -57,11 +62,6 @@ scene.movement: Arm
 scene.people: FaceConfig
 scene.sensor: Sensor
 scene.world: Observation World WorldConfig
-session: Session
-symbolic.caregiver: CaregiverConfig Rules
-symbolic.life: TableLife
-symbolic.table: Table TableConfig
-varied_session: VariedSession
 """
 PARTS = frozenset(
     f"{PACKAGE}.{module}.{name}"

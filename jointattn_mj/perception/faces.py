@@ -6,7 +6,7 @@ That view is its first template. As the head turns and the fit gets worse, it ke
 expects the face's centre rather than where the features went, for a face that turns in place moves its features, not
 its place; and the poorer the fit, the more it answers with the expected place.
 
-When no view fits near the expected place, the whole picture is searched. A good fit elsewhere wins; else a fair one
+When no view fits near the expected place, the whole image is searched. A good fit elsewhere wins; else a fair one
 where the robot expects the face is taken for a pose not seen before; else no face is reported.
 """
 
@@ -36,7 +36,7 @@ class FaceDetectorConfig(Checked):
     """Options of the face detector. Section 6.4.1 fixes template matching and the 32x32 patch; the rest is open."""
 
     side_px: Annotated[int, Whole("[8, 240]")] = 32
-    """Side of template and patch in the picture. A head at the caregiver's distance is 27 wide and 41 high."""
+    """Side of template and patch in the image. A head at the caregiver's distance is 27 wide and 41 high."""
     search_radius_px: Annotated[int, Whole("[0, 120]")] = 4
     """How far from the expected place a face is looked for: the robot knows its head's angles to a pixel or two."""
     distance_penalty: Annotated[float, Real("[0, 100]")] = 0.002
@@ -45,31 +45,31 @@ class FaceDetectorConfig(Checked):
     max_views: Annotated[int, Whole("[2, 1000]")] = 48
     """Views kept. Spread over yaw +-45 and pitch -5..45 deg that is one for every 10 deg or so."""
     forget_after: Annotated[int, Whole("[0, 1e9]")] = 20_000
-    """Pictures for which a view fits best in none before a new one may take its place: eleven minutes of looking."""
+    """Images for which a view fits best in none before a new one may take its place: eleven minutes of looking."""
     search_all_below: Fit = 0.80
     """Fit of the last view and its neighbours below which every view is tried in the whole window."""
     add_view_below: Fit = 0.82
     """Fit below which the present look is kept as a new view, if the place is plausible. From here down to
     ``redetect_below`` the answer passes over from the fitted place to the expected one."""
-    place_gain: Share = 0.05
+    location_gain: Share = 0.05
     """Share by which the detector's own memory of the face's place follows what it sees, where none is given to it."""
     add_view_every: Annotated[int, Whole("[0, 1e6]")] = 3
-    """Pictures in a row with a face before a view may be added, and between two additions: 6 deg of a 60 deg/s turn."""
+    """Images in a row with a face before a view may be added, and between two additions: 6 deg of a 60 deg/s turn."""
     contrast_ratio: Annotated[float, Real("[0, 100]")] = 0.4
     """Share of the first view's contrast that a face has at least: keeps stains on the wall out."""
     redetect_below: Fit = 0.65
-    """Fit below which the tracked place is given up and the whole picture searched."""
+    """Fit below which the tracked place is given up and the whole image searched."""
     elsewhere_above: Fit = 0.82
     """Fit that a place other than the expected one needs; ``redetect_below`` is enough if the cascade sees a face
     there. Clutter of a face's contrast reached .75 in the rendered room, with the bank full of views."""
     confirm_above: Fit = 0.40
     """A fit this good where the robot expects the face is the face in an unknown pose, if none elsewhere is good."""
     redetect_every: Annotated[int, Whole("[1, 1e6]")] = 5
-    """Pictures from one search to the next while that is so."""
+    """Images from one search to the next while that is so."""
     redetect_views: Annotated[int, Whole("[1, 1000]")] = 6
-    """Views tried over the whole picture, at half resolution: the first and those used last."""
+    """Views tried over the whole image, at half resolution: the first and those used last."""
     haar_every: Annotated[int, Whole("[1, 1e6]")] = 15
-    """Pictures between two tries of the Haar cascade while no face is known or found: it costs several ms."""
+    """Images between two tries of the Haar cascade while no face is known or found: it costs several ms."""
     haar_scale: Annotated[float, Real("[1.01, 10]")] = 1.08
     """Scale step of the cascade."""
     haar_neighbours: Annotated[int, Whole("[0, 1000]")] = 3
@@ -99,11 +99,11 @@ class FaceFix(NamedTuple):
 
 
 class FaceFinder(Protocol):
-    """What any face detector must offer; pictures are grey, (h, w) uint8, pixels x to the right and y down."""
+    """What any face detector must offer; images are grey, (h, w) uint8, pixels x to the right and y down."""
 
     @property
     def reach_px(self) -> int:
-        """How far from the expected place it reads the picture, unless it calls ``complete``."""
+        """How far from the expected place it reads the image, unless it calls ``complete``."""
 
     def detect(
         self, gray: np.ndarray, expected_px: tuple[float, float] | None, complete: Callable[[], None]
@@ -114,7 +114,7 @@ class FaceFinder(Protocol):
         """The face pattern f_v: (32, 32) float32 grey values 0..255 around ``fix``."""
 
     def box(self, fix: FaceFix, shape: tuple[int, int]) -> tuple[int, int, int, int]:
-        """Its region x0, y0, x1, y1 (the last two exclusive) inside a picture (h, w); motion is looked for there."""
+        """Its region x0, y0, x1, y1 (the last two exclusive) inside an image (h, w); motion is looked for there."""
 
 
 @cache
@@ -145,20 +145,20 @@ class FaceDetector:
             self.config.side_px, self.config.max_views, self.config.search_radius_px, self.config.distance_penalty,
             self.config.search_all_below, self.config.contrast_ratio, self.config.forget_after,
         )  # fmt: skip
-        self._place: tuple[float, float] | None = None  # slow memory in the picture, for want of a better one
-        self._streak = 0  # pictures in a row with a face, since the last view was added
+        self._location: tuple[float, float] | None = None  # slow memory in the image, for want of a better one
+        self._streak = 0  # images in a row with a face, since the last view was added
         self._until_haar = 0
         self._until_search = 0
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Restore a detector. Raises ValueError: Its face is in no place of a picture."""
+        """Restore a detector. Raises ValueError: Its face is in no place of an image."""
         self.__dict__.update(state)
-        if self._place is not None:
-            check_array("place", np.array(self._place), (2,), float, -MOST_PX, MOST_PX)
+        if self._location is not None:
+            check_array("place", np.array(self._location), (2,), float, -MOST_PX, MOST_PX)
 
     @property
     def reach_px(self) -> int:
-        """How far from the expected place `detect` and `patch` read the picture while the face is about there."""
+        """How far from the expected place `detect` and `patch` read the image while the face is about there."""
         return self.config.side_px // 2 + self.config.search_radius_px + PATCH_MARGIN + 2
 
     def detect(
@@ -167,16 +167,16 @@ class FaceDetector:
         expected_px: tuple[float, float] | None = None,
         complete: Callable[[], None] = lambda: None,
     ) -> FaceFix:
-        """Find the face in a picture (h, w) uint8.
+        """Find the face in an image (h, w) uint8.
 
         Args:
-            gray: The picture.
+            gray: The image.
             expected_px: (x, y) where the face's centre should be, from the robot's slow memory of its direction in the
-                world; None if it has none, then the detector's own memory of the last pictures serves.
+                world; None if it has none, then the detector's own memory of the last images serves.
             complete: Called to fill in all of ``gray`` when it is to be read beyond ``reach_px``.
 
         Raises:
-            ObservationError: ``gray`` is no such picture.
+            ObservationError: ``gray`` is no such image.
         """
         require_gray(gray)
         if self.bank.n == 0 or expected_px is None:
@@ -184,7 +184,7 @@ class FaceDetector:
         if self.bank.n == 0:
             return self._first_sight(gray)
         config = self.config
-        expected = self._place if expected_px is None else expected_px
+        expected = self._location if expected_px is None else expected_px
         score, x, y = self.bank.match(gray, *expected) if expected is not None else (-1.0, 0.0, 0.0)
         near = score >= (config.redetect_below if expected_px is None else config.confirm_above)
         if score >= config.redetect_below:
@@ -198,14 +198,14 @@ class FaceDetector:
             if elsewhere is not None:
                 (score, x, y), near = elsewhere, False
             elif not near:
-                self._place, self._streak = None, 0
+                self._location, self._streak = None, 0
                 return FaceFix(float("nan"), float("nan"), score, False)
         if near and expected is not None:
             x, y = self._learn(gray, expected, (x, y), score)
-            gain = config.place_gain
-            self._place = expected[0] + gain * (x - expected[0]), expected[1] + gain * (y - expected[1])
+            gain = config.location_gain
+            self._location = expected[0] + gain * (x - expected[0]), expected[1] + gain * (y - expected[1])
         else:
-            self._place, self._streak = (x, y), 0
+            self._location, self._streak = (x, y), 0
         return FaceFix(x, y, score, True)
 
     def _learn(
@@ -236,7 +236,7 @@ class FaceDetector:
         return np.ascontiguousarray(face)
 
     def box(self, fix: FaceFix, shape: tuple[int, int]) -> tuple[int, int, int, int]:
-        """The region of ``fix`` as x0, y0, x1, y1 (the last two exclusive), cut at the border of a picture (h, w)."""
+        """The region of ``fix`` as x0, y0, x1, y1 (the last two exclusive), cut at the border of an image (h, w)."""
         x0, y0 = round(fix.x - (self.config.side_px - 1) / 2), round(fix.y - (self.config.side_px - 1) / 2)
         x1, y1 = x0 + self.config.side_px, y0 + self.config.side_px
         return max(x0, 0), max(y0, 0), min(x1, shape[1]), min(y1, shape[0])
@@ -247,11 +247,11 @@ class FaceDetector:
         found = self._ask_cascade(gray)
         if found is None or not self.bank.add(gray, *found):
             return nothing
-        self._place = found
+        self._location = found
         return FaceFix(found[0], found[1], 1.0, True)
 
     def _ask_cascade(self, gray: np.ndarray) -> tuple[float, float] | None:
-        """Centre of the largest frontal face, at most once in ``haar_every`` pictures."""
+        """Centre of the largest frontal face, at most once in ``haar_every`` images."""
         if self._until_haar > 0:
             self._until_haar -= 1
             return None
@@ -262,10 +262,12 @@ class FaceDetector:
         return float(faces[0, 0]), float(faces[0, 1])
 
     def _search_everywhere(self, gray: np.ndarray) -> tuple[float, float, float] | None:
-        """Score and centre of the best fit in the whole picture, if it is good or the cascade sees a face there."""
+        """Score and centre of the best fit in the whole image, if it is good or the cascade sees a face there."""
         config = self.config
-        places = self.bank.search(gray, config.redetect_views)
-        best = max((self.bank.match(gray, *place) for place in places), default=(-1.0, float("nan"), float("nan")))
+        locations = self.bank.search(gray, config.redetect_views)
+        best = max(
+            (self.bank.match(gray, *location) for location in locations), default=(-1.0, float("nan"), float("nan"))
+        )
         if best[0] >= config.elsewhere_above:
             return best
         found = self._ask_cascade(gray)

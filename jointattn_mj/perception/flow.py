@@ -1,10 +1,10 @@
-"""Optical flow by block matching between two grey pictures (section 6.4.1), to a fraction of a pixel.
+"""Optical flow by block matching between two grey images (section 6.4.1), to a fraction of a pixel.
 
 Each block of 8x8 pixels descends to the displacement with the least sum of squared differences, in whole pixels, and a
 parabola through the neighbouring sums on each axis gives the fraction. Squares, not absolute values: near its minimum a
 sum of squares is a parabola, whereas a sum of absolute values is a wedge, and a parabola through a wedge halves small
-displacements. The sums are taken both ways, the new block in the old picture and the old block in the new one; one way
-alone reads up to .1 px of motion from two equal pictures, since what enters the block on its two sides differs.
+displacements. The sums are taken both ways, the new block in the old image and the old block in the new one; one way
+alone reads up to .1 px of motion from two equal images, since what enters the block on its two sides differs.
 """
 
 import numpy as np
@@ -66,7 +66,7 @@ def _block_flow(now, before, part, y, x, start_y, start_x, reach, floor, out):
         here = best
     if not (_inside(y - 1, x - 1, part) and _inside(y + 1, x + 1, part)):
         return False
-    for side in range(4):  # and the other way round: the old block, moved by the same difference, in the new picture
+    for side in range(4):  # and the other way round: the old block, moved by the same difference, in the new image
         off_y = (side == 0) - (side == 1)
         off_x = (side == 2) - (side == 3)
         around[side] += _difference(before, now, y - dy, x - dx, -dy - off_y, -dx - off_x)
@@ -85,7 +85,7 @@ def region_flow(
 ):
     """Flow of the textured blocks of one region, appended to the arrays. Returns the new count.
 
-    part: x0, y0, x1, y1 (the last two exclusive) of what may be read of both pictures.
+    part: x0, y0, x1, y1 (the last two exclusive) of what may be read of both images.
     """
     y1, x1 = min(box[3] + margin, part[3]), min(box[2] + margin, part[2])  # a negative margin leaves a rim out
     for y in range(max(box[1] - margin, part[1]), y1 - BLOCK + 1, step):

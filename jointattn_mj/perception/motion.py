@@ -1,11 +1,11 @@
 """What moves while the robot's head is still (eq. 6.3, |f_i| > epsilon_i; section 6.4.1: block matching).
 
-A picture is compared with the one two frames back, in blocks of 8x8 pixels. Each block descends to the displacement
+An image is compared with the one two frames back, in blocks of 8x8 pixels. Each block descends to the displacement
 with the least sum of squared differences, in whole pixels, and a parabola through the neighbouring sums on each axis
 gives the fraction. Squares, not absolute values: near its minimum a sum of squares is a parabola, whereas a sum of
 absolute values is a wedge, and a parabola through a wedge halves small displacements. The sums are taken both ways,
-the new block in the old picture and the old block in the new one; one way alone reads up to .1 px of motion from two
-pictures that are equal, since what enters the block on its two sides differs.
+the new block in the old image and the old block in the new one; one way alone reads up to .1 px of motion from two
+images that are equal, since what enters the block on its two sides differs.
 
 The face moves when the mean flow of its textured blocks is long enough; the region is the same through a fixation, so
 that it does not move with the face. An object moves when its centroid and the flow of its blocks both do, and when its
@@ -28,7 +28,7 @@ from jointattn_mj.perception.gray import require_gray
 from jointattn_mj.perception.objects import Areas, check_areas
 from jointattn_mj.perception.views import MOST_PX
 
-MAX_BLOCKS = 1024  # flow vectors kept for one picture
+MAX_BLOCKS = 1024  # flow vectors kept for one image
 Box = tuple[int, int, int, int]  # x0, y0, x1, y1, the last two exclusive
 NOWHERE: Box = (0, 0, 0, 0)
 
@@ -50,7 +50,7 @@ class MotionConfig(Checked):
     stay_ratio: Annotated[float, Real("[0, 100]")] = 1.0
     """A flag that is on stays on above this share of its threshold; less than 1 bridges noise."""
     linger_frames: Annotated[int, Whole("[0, 1e6]")] = 0
-    """And so many frames longer. With clean pictures the two frames back already delay the end by one."""
+    """And so many frames longer. With clean images the two frames back already delay the end by one."""
     texture: Annotated[float, Real("[0.001, 1e6]")] = 4.0
     """Mean squared grey difference that one pixel's shift makes in a block, below which an axis has no flow."""
     face_inset_px: Annotated[int, Whole("[0, 120]")] = 4
@@ -67,12 +67,12 @@ class MotionConfig(Checked):
 
 @dataclass
 class Motion:
-    """What moves now. Arrays belong to the detector and hold until its next picture."""
+    """What moves now. Arrays belong to the detector and hold until its next image."""
 
     face_moves: bool
     object_moves: np.ndarray  # (n,) bool
     blocks: np.ndarray  # (m, 2) centres (x, y) of the textured blocks
-    flow: np.ndarray  # (m, 2) displacement (x, y), pixels since the picture compared with
+    flow: np.ndarray  # (m, 2) displacement (x, y), pixels since the image compared with
     owner: np.ndarray  # (m,) which object a block belongs to, n for the face
 
 
@@ -123,7 +123,7 @@ def _mean_length(flow, start, count):
 
 @njit(cache=True)
 def _common(corner, other, side, shape, part):
-    """What two windows of ``side`` pixels have in common within the picture."""
+    """What two windows of ``side`` pixels have in common within the image."""
     for axis in range(2):
         part[axis] = max(corner[axis], other[axis], 0)
         part[2 + axis] = min(min(corner[axis], other[axis]) + side, shape[1 - axis])
@@ -131,7 +131,7 @@ def _common(corner, other, side, shape, part):
 
 @njit(cache=True)
 def _equal(now, before, part):
-    """Whether a part is the same in two pictures."""
+    """Whether a part is the same in two images."""
     for y in range(part[1], part[3]):
         for x in range(part[0], part[2]):
             if now[y, x] != before[y, x]:
@@ -141,8 +141,8 @@ def _equal(now, before, part):
 
 @njit(cache=True)
 def _measure(
-    now, before, face_box, face_part, seen, px, box, mask, corner,
-    seen_before, px_before, box_before, mask_before, corner_before,
+    now, before, face_box, face_part, visible, px, box, mask, corner,
+    visible_before, px_before, box_before, mask_before, corner_before,
     inset, step, margin, reach, floor, least, refit_ratio, blocks, flow, owners, strength,
 ):  # fmt: skip
     """Flow of the blocks of the face and of objects that may have moved, and each one's strength of motion, pixels.
@@ -150,11 +150,11 @@ def _measure(
     An object whose centroid has not moved by ``least`` has no flow, nor has a face that looks the same to the last
     grey value. Returns the number of blocks.
     """
-    n, count = len(seen), 0
+    n, count = len(visible), 0
     part = np.zeros(4, np.int64)
     for k in range(n):
         strength[k] = 0.0
-        if seen[k] and seen_before[k]:
+        if visible[k] and visible_before[k]:
             x, y = px[k, 0] - px_before[k, 0], px[k, 1] - px_before[k, 1]
             if np.hypot(x, y) > least and _moved_as_one(
                 mask[k], corner[k], box[k], mask_before[k], corner_before[k], box_before[k], x, y, refit_ratio
@@ -193,7 +193,7 @@ def _raise_flags(strength, flow, scale, face_px, object_px, stay_ratio, linger, 
 
 
 class MotionDetector:
-    """Tells who moves. Holds the last few pictures and areas: it can be pickled."""
+    """Tells who moves. Holds the last few images and areas: it can be pickled."""
 
     def __init__(self, config: MotionConfig | None = None):
         self.config = config or MotionConfig()
@@ -220,20 +220,20 @@ class MotionDetector:
                 check_whole("an edge", edge, -MOST_PX, MOST_PX)
 
     def check_kept(self, gray: np.ndarray, areas: Areas) -> None:
-        """Refuse what is kept of other pictures than such. Raises ValueError."""
+        """Refuse what is kept of other images than such. Raises ValueError."""
         for before, _, found in self._kept:
-            check_array("a picture", before, gray.shape, np.uint8)
+            check_array("an image", before, gray.shape, np.uint8)
             check_areas(found, areas)
 
     def reset(self) -> None:
-        """Forget all pictures: the head has moved, and a fixation begins (section 6.3.2: no flow while it turns)."""
+        """Forget all images: the head has moved, and a fixation begins (section 6.3.2: no flow while it turns)."""
         self._kept.clear()
         self._box = None
         self._on[:] = False
         self._left[:] = 0
 
     def face_part(self, face_box: Box | None, shape: tuple[int, ...]) -> Box:
-        """What `update` will read of a picture (h, w) for the face; it reads the objects in the windows of their masks.
+        """What `update` will read of an image (h, w) for the face; it reads the objects in the windows of their masks.
 
         Args:
             face_box: As for `update`.
@@ -250,22 +250,22 @@ class MotionDetector:
         return max(box[0] - rim, 0), max(box[1] - rim, 0), min(box[2] + rim, shape[1]), min(box[3] + rim, shape[0])
 
     def update(self, gray: np.ndarray, face_box: Box | None, areas: Areas) -> Motion:
-        """What moves, from one more picture of this fixation.
+        """What moves, from one more image of this fixation.
 
         Args:
             gray: (h, w) uint8, contiguous.
             face_box: x0, y0, x1, y1 of the face, None if unseen. The first of a fixation stays in force until `reset`,
                 or until the face is found half a box away.
-            areas: The objects' areas in the same picture.
+            areas: The objects' areas in the same image.
 
-        Picture and areas are kept, not copied: the caller leaves them as they are for the next ``frames_back`` updates.
-        In the first picture nothing moves; in the next ones, before ``frames_back`` pictures have passed, the oldest is
-        compared with, and the displacement scaled up. A picture of another size begins anew.
+        Image and areas are kept, not copied: the caller leaves them as they are for the next ``frames_back`` updates.
+        In the first image nothing moves; in the next ones, before ``frames_back`` images have passed, the oldest is
+        compared with, and the displacement scaled up. An image of another size begins anew.
 
         Raises:
             ObservationError: ``gray`` or ``face_box`` is not such.
         """
-        config, n = self.config, len(areas.seen)
+        config, n = self.config, len(areas.visible)
         require_gray(gray)
         if face_box is not None:
             require_array("face_box", np.asarray(face_box), (4,), "iu")
@@ -281,8 +281,8 @@ class MotionDetector:
             box = self._box if part == part_before and self._box is not None else NOWHERE
             blocks = _measure(
                 gray, before, box, part,
-                areas.seen, areas.px, areas.box, areas.mask, areas.corner,
-                old.seen, old.px, old.box, old.mask, old.corner,
+                areas.visible, areas.px, areas.box, areas.mask, areas.corner,
+                old.visible, old.px, old.box, old.mask, old.corner,
                 config.face_inset_px, config.step_px, config.object_margin_px, config.reach_px,
                 config.texture * BLOCK * BLOCK * 2, min(config.stay_ratio, 1.0) * config.object_px / scale,
                 config.refit_ratio, self._blocks, self._flow, self._owners, self._strength,

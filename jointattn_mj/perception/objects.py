@@ -1,10 +1,10 @@
-"""Objects as colour areas (sections 6.3.2 and 6.4.1): where each known colour is in the picture, and the grey picture.
+"""Objects as colour areas (sections 6.3.2 and 6.4.1): where each known colour is in the image, and the grey image.
 
 A pixel belongs to a colour by its hue, if it is saturated and bright enough; shading scales the three channels alike
 and so leaves hue and saturation alone. The rule is worked out once, for every colour on a coarse cube, and looked up
 after.
 
-One picture is read in two passes. The first looks at one pixel in sixteen and counts hits on a grid of cells; the
+One image is read in two passes. The first looks at one pixel in sixteen and counts hits on a grid of cells; the
 fullest 2x2 cells tell where the colour's largest cluster is. The second reads what lies around each cluster at full
 resolution, so a few stray pixels elsewhere (skin, hair, wood) do not bend the centre.
 """
@@ -21,7 +21,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.guards.border import require_array
 from jointattn_mj.guards.restored import check_array, check_whole
 from jointattn_mj.options import Checked, Real, Share, Whole
-from jointattn_mj.perception.gray import fill_gray, require_gray, require_picture
+from jointattn_mj.perception.gray import fill_gray, require_gray, require_image
 
 LEVEL_BITS = 6  # the look-up table has 2^6 levels a channel: 256 kB, and a level is 4 grey values wide
 MOST_COLOURS = 254
@@ -47,14 +47,14 @@ class ColourConfig(Checked):
 
 @dataclass
 class Areas:
-    """What was found of each of ``n`` colours in one picture."""
+    """What was found of each of ``n`` colours in one image."""
 
-    seen: np.ndarray  # (n,) bool
+    visible: np.ndarray  # (n,) bool
     area: np.ndarray  # (n,) pixels
     px: np.ndarray  # (n, 2) centroid (x, y); NaN when not seen
     box: np.ndarray  # (n, 4) x0, y0, x1, y1, the last two exclusive; zeros when not seen
     mask: np.ndarray  # (n, m, m) bool, the object's own pixels in a window whose upper left pixel is ``corner``
-    corner: np.ndarray  # (n, 2) x, y of that pixel; it may lie outside the picture
+    corner: np.ndarray  # (n, 2) x, y of that pixel; it may lie outside the image
 
     @classmethod
     def empty(cls, n: int, reach_px: int) -> "Areas":
@@ -133,10 +133,10 @@ def _label(channels, table, at):
 
 
 @njit(cache=True)
-def _read_coarsely(picture, table, hits):
+def _read_coarsely(image, table, hits):
     """First pass: (label - 1, x, y) of the pixels looked at that have a label. Returns their number."""
-    height, width = picture.shape[0], picture.shape[1]
-    channels, count = picture.ravel(), 0
+    height, width = image.shape[0], image.shape[1]
+    channels, count = image.ravel(), 0
     for y in range(0, height, STRIDE):
         start = uintp(3 * y * width)
         for x in range(uintp(y // STRIDE % 2 * STRIDE // 2), uintp(width), uintp(STRIDE)):
@@ -184,20 +184,20 @@ def _surround(hits, k, cx, cy, reach, out):
 
 
 @njit(cache=True)
-def _find(picture, table, hits, votes, clusters, reach, min_area, gray, seen, area, px, box, mask, corner):
+def _find(image, table, hits, votes, clusters, reach, min_area, gray, visible, area, px, box, mask, corner):
     """Both passes: area, centroid, box and mask of each label within ``reach`` of its cluster, and ``gray`` there."""
-    height, width = picture.shape[0], picture.shape[1]
-    hits = hits[: _read_coarsely(picture, table, hits)]
+    height, width = image.shape[0], image.shape[1]
+    hits = hits[: _read_coarsely(image, table, hits)]
     _find_clusters(hits, votes, clusters)
-    channels = picture.ravel()
+    channels = image.ravel()
     around = np.empty(4, np.int64)
     for k in range(clusters.shape[0]):
-        seen[k], area[k], px[k, :], box[k, :] = False, 0, np.nan, 0
+        visible[k], area[k], px[k, :], box[k, :] = False, 0, np.nan, 0
         if clusters[k, 0] == 0:
             continue
         cx, cy = clusters[k, 1], clusters[k, 2]
         corner[k, 0], corner[k, 1] = cx - reach, cy - reach
-        fill_gray(picture, gray, cx - reach, cy - reach, cx + reach + 1, cy + reach + 1)
+        fill_gray(image, gray, cx - reach, cy - reach, cx + reach + 1, cy + reach + 1)
         _surround(hits, k, cx, cy, reach, around)
         mask[k] = False
         count, sum_x, sum_y = 0, 0, 0
@@ -219,13 +219,13 @@ def _find(picture, table, hits, votes, clusters, reach, min_area, gray, seen, ar
                 top, bottom = min(top, y), y
         area[k] = count
         if count >= min_area:
-            seen[k] = True
+            visible[k] = True
             px[k, 0], px[k, 1] = sum_x / count, sum_y / count
             box[k, 0], box[k, 1], box[k, 2], box[k, 3] = left, top, right + 1, bottom + 1
 
 
 class ColourAreas:
-    """Finds known colours in pictures. Holds a table and buffers only: it can be pickled, and has no memory."""
+    """Finds known colours in images. Holds a table and buffers only: it can be pickled, and has no memory."""
 
     def __init__(self, rgb, config: ColourConfig | None = None):
         """``rgb``: (n, 3) nominal colours of the objects, 0..1, in the objects' order."""
@@ -236,7 +236,7 @@ class ColourAreas:
     def _lay_out(self, n: int) -> None:
         """Working space for ``n`` colours."""
         self._clusters = np.zeros((n, 3), np.int32)
-        self._shape = (0, 0, 3)  # of pictures, for which these two are laid out
+        self._shape = (0, 0, 3)  # of images, for which these two are laid out
         self._votes = np.zeros((n, 0, 0, 3), np.int32)
         self._hits = np.zeros((0, 3), np.int32)
 
@@ -255,38 +255,38 @@ class ColourAreas:
         """Areas to be found by `find`."""
         return Areas.empty(len(self._clusters), self.config.reach_px)
 
-    def find(self, picture: np.ndarray, gray: np.ndarray, found: Areas) -> None:
-        """Fill in the colour areas of an RGB picture (h, w, 3) uint8, and ``gray`` (h, w) uint8 in their windows.
+    def find(self, image: np.ndarray, gray: np.ndarray, found: Areas) -> None:
+        """Fill in the colour areas of an RGB image (h, w, 3) uint8, and ``gray`` (h, w) uint8 in their windows.
 
-        A window is ``mask.shape`` pixels from ``corner``; picture and ``gray`` are contiguous.
+        A window is ``mask.shape`` pixels from ``corner``; image and ``gray`` are contiguous.
 
         Raises:
-            ObservationError: Picture or ``gray`` are not such, or ``found`` is not what ``nothing`` gives.
+            ObservationError: Image or ``gray`` are not such, or ``found`` is not what ``nothing`` gives.
         """
         config = self.config
-        require_picture(picture)
-        require_gray(gray, picture.shape[:2])
+        require_image(image)
+        require_gray(gray, image.shape[:2])
         side = 2 * config.reach_px + 1
         require_array("areas", found.mask, (len(self._clusters), side, side), "b")
-        if self._shape != picture.shape:
-            self._shape = height, width, _ = picture.shape
+        if self._shape != image.shape:
+            self._shape = height, width, _ = image.shape
             cell = 1 << CELL_BITS
-            self._votes = np.zeros((len(found.seen), -(-height // cell), -(-width // cell), 3), np.int32)
+            self._votes = np.zeros((len(found.visible), -(-height // cell), -(-width // cell), 3), np.int32)
             self._hits = np.zeros((-(-height // STRIDE) * -(-width // STRIDE), 3), np.int32)
         _find(
-            picture, self._table, self._hits, self._votes, self._clusters, config.reach_px, config.min_area_px, gray,
-            found.seen, found.area, found.px, found.box, found.mask, found.corner,
+            image, self._table, self._hits, self._votes, self._clusters, config.reach_px, config.min_area_px, gray,
+            found.visible, found.area, found.px, found.box, found.mask, found.corner,
         )  # fmt: skip
 
-    def segment(self, picture: np.ndarray) -> tuple[np.ndarray, Areas]:
-        """The whole grey picture (h, w) uint8, and the colour areas, of an RGB picture (h, w, 3) uint8."""
-        require_picture(picture)
-        gray, areas = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), self.nothing()
-        self.find(picture, gray, areas)
+    def segment(self, image: np.ndarray) -> tuple[np.ndarray, Areas]:
+        """The whole grey image (h, w) uint8, and the colour areas, of an RGB image (h, w, 3) uint8."""
+        require_image(image)
+        gray, areas = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), self.nothing()
+        self.find(image, gray, areas)
         return gray, areas
 
-    def labels(self, picture: np.ndarray) -> np.ndarray:
+    def labels(self, image: np.ndarray) -> np.ndarray:
         """Label of every pixel, (h, w) uint8, 0 for none: for overlays and for looking into errors."""
-        require_picture(picture)
-        level = picture.astype(np.int32) >> 2
+        require_image(image)
+        level = image.astype(np.int32) >> 2
         return self._table[level[..., 0] << 12 | level[..., 1] << 6 | level[..., 2]]

@@ -1,4 +1,4 @@
-"""What the robot perceives in one picture: the only thing that passes from eye to mind."""
+"""What the robot perceives in one image: the only thing that passes from eye to mind."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,11 +11,11 @@ import numpy as np
 class Percept:
     """One look at the scene (boxes "face detection", "object detection" and "optical flow" of Fig. 6.2).
 
-    Pixels have x to the right and y down, from the upper left corner of the picture. Candidates for attention are the
+    Pixels have x to the right and y down, from the upper left corner of the image. Candidates for attention are the
     n objects that the robot knows and, last, the face. Arrays hold until the perceiver's next look.
     """
 
-    seen: np.ndarray  # (n + 1,) bool
+    visible: np.ndarray  # (n + 1,) bool
     px: np.ndarray  # (n + 1, 2) centre of each candidate; NaN where not seen
     moves: np.ndarray  # (n + 1,) bool, |f_i| > epsilon_i of eq. 6.3
 

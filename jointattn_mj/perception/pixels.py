@@ -1,4 +1,4 @@
-"""The robot's own perception: everything from the camera picture (boxes left of the attention selector in Fig. 6.2)."""
+"""The robot's own perception: everything from the camera image (boxes left of the attention selector in Fig. 6.2)."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ from jointattn_mj.guards.border import require_array
 from jointattn_mj.guards.restored import check_array
 from jointattn_mj.options import Checked
 from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig, FaceFinder, FaceFix
-from jointattn_mj.perception.gray import fill_gray, require_picture
+from jointattn_mj.perception.gray import fill_gray, require_image
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
 from jointattn_mj.perception.objects import Areas, ColourAreas, ColourConfig, check_areas
 from jointattn_mj.perception.percept import Percept
@@ -30,26 +30,26 @@ _direction_of = njit(cache=True)(camera.direction_of)
 
 
 @njit(cache=True)
-def _expect(direction, head, picture, gray, reach):
+def _expect(direction, head, image, gray, reach):
     """Where a remembered direction (2,), deg, should appear to a head at (2,), rad: x, y; fills ``gray`` there."""
     x, y = _pixel_of(direction, np.degrees(head))
     column, row = round(x), round(y)
-    fill_gray(picture, gray, column - reach, row - reach, column + reach, row + reach)
+    fill_gray(image, gray, column - reach, row - reach, column + reach, row + reach)
     return x, y
 
 
 @njit(cache=True)
 def _remember(direction, x, y, head, rate):
-    """Let a remembered direction (2,), deg, follow what a head at (2,), rad, sees at (x, y) in the picture."""
+    """Let a remembered direction (2,), deg, follow what a head at (2,), rad, sees at (x, y) in the image."""
     direction += rate * (_direction_of(np.array([x, y]), np.degrees(head)) - direction)
 
 
 @njit(cache=True)
-def _gather(seen, px, moves, areas_seen, areas_px, objects_move, found, x, y, face_moves):
+def _gather(visible, px, moves, areas_visible, areas_px, objects_move, found, x, y, face_moves):
     """Write down what was seen of the objects and, last, of the face."""
-    n = len(areas_seen)
-    seen[:n], px[:n], moves[:n] = areas_seen, areas_px, objects_move
-    seen[n], px[n, 0], px[n, 1], moves[n] = found, x, y, face_moves
+    n = len(areas_visible)
+    visible[:n], px[:n], moves[:n] = areas_visible, areas_px, objects_move
+    visible[n], px[n, 0], px[n, 1], moves[n] = found, x, y, face_moves
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class PixelConfig(Checked):
 
 
 class PixelPerception:
-    """Looks at the picture; knows nothing of the world but the colours of the objects that interest it.
+    """Looks at the image; knows nothing of the world but the colours of the objects that interest it.
 
     Attributes:
         faces: Who finds the face; can be exchanged before the first look.
@@ -85,7 +85,7 @@ class PixelPerception:
         self._memory_rate = memory_rate
         self._gray = np.zeros((0, 0), np.uint8)
         self.fix = FaceFix(float("nan"), float("nan"), -1.0, False)
-        self._looks: deque[tuple[np.ndarray, Areas]] = deque()  # grey pictures and areas, written by turns
+        self._looks: deque[tuple[np.ndarray, Areas]] = deque()  # grey images and areas, written by turns
         self.motion: Motion | None = None
         count = len(rgb) + 1
         self._percept = Percept(np.zeros(count, bool), np.full((count, 2), np.nan), np.zeros(count, bool))
@@ -93,35 +93,35 @@ class PixelPerception:
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Restore a perceiver. Raises ValueError: It is none that compiled code can go on with."""
         self.__dict__.update(state)
-        areas, count = self.colours.nothing(), len(self.colours.nothing().seen) + 1
+        areas, count = self.colours.nothing(), len(self.colours.nothing().visible) + 1
         check_array("the face's direction", self._face_direction, (2,), float, -360, 360)
-        check_array("seen", self._percept.seen, (count,), bool)
+        check_array("seen", self._percept.visible, (count,), bool)
         check_array("moves", self._percept.moves, (count,), bool)
         check_array("px", self._percept.px, (count, 2), float)
         for gray, found in self._looks:
-            check_array("a grey picture", gray, self._gray.shape, np.uint8)
+            check_array("a grey image", gray, self._gray.shape, np.uint8)
             check_areas(found, areas)
-        check_array("the grey picture", self._gray, self._gray.shape, np.uint8)
+        check_array("the grey image", self._gray, self._gray.shape, np.uint8)
         self._motion.check_kept(self._gray, areas)
 
     def look(self, observation: Mapping[str, np.ndarray], landed: bool) -> Percept:
-        """Face, colour areas and motion of this picture; ``landed`` begins a new history of motion.
+        """Face, colour areas and motion of this image; ``landed`` begins a new history of motion.
 
         Raises:
-            ObservationError: No picture (h, w, 3) uint8, contiguous, under ``camera``, or no two angles, rad, under
+            ObservationError: No image (h, w, 3) uint8, contiguous, under ``camera``, or no two angles, rad, under
                 ``head_angles``.
         """
         if not {"camera", "head_angles"} <= set(observation):
             raise ObservationError(f"an observation has camera and head_angles; got {', '.join(observation)}")
-        head, picture = observation["head_angles"], observation["camera"]
-        require_picture(picture)
+        head, image = observation["head_angles"], observation["camera"]
+        require_image(image)
         require_array("head_angles", head, (2,), "f", -MOST_RAD, MOST_RAD)
-        gray, areas = self._next_look(picture.shape[:2])
+        gray, areas = self._next_look(image.shape[:2])
         expected = None
-        self.colours.find(picture, gray, areas)
+        self.colours.find(image, gray, areas)
         if self._knows_face:
-            expected = _expect(self._face_direction, head, picture, gray, self.faces.reach_px)
-        self.fix = fix = self.faces.detect(gray, expected, lambda: fill_gray(picture, gray, 0, 0, *gray.shape[::-1]))
+            expected = _expect(self._face_direction, head, image, gray, self.faces.reach_px)
+        self.fix = fix = self.faces.detect(gray, expected, lambda: fill_gray(image, gray, 0, 0, *gray.shape[::-1]))
         box = None
         if fix.found:
             _remember(self._face_direction, fix.x, fix.y, head, self._memory_rate if self._knows_face else 1.0)
@@ -129,17 +129,17 @@ class PixelPerception:
             box = self.faces.box(fix, gray.shape)
         if landed:
             self._motion.reset()
-        fill_gray(picture, gray, *self._motion.face_part(box, gray.shape))
+        fill_gray(image, gray, *self._motion.face_part(box, gray.shape))
         self.motion = self._motion.update(gray, box, areas)
         percept = self._percept
         _gather(
-            percept.seen, percept.px, percept.moves, areas.seen, areas.px, self.motion.object_moves,
+            percept.visible, percept.px, percept.moves, areas.visible, areas.px, self.motion.object_moves,
             fix.found, fix.x, fix.y, self.motion.face_moves,
         )  # fmt: skip
         return percept
 
     def _next_look(self, shape: tuple[int, ...]) -> tuple[np.ndarray, Areas]:
-        """Where to write this look's grey picture (h, w) and areas: what the motion detector needs no more."""
+        """Where to write this look's grey image (h, w) and areas: what the motion detector needs no more."""
         if self._gray.shape != shape:
             kept = self._motion.config.frames_back + 1
             self._looks = deque((np.zeros(shape, np.uint8), self.colours.nothing()) for _ in range(kept))

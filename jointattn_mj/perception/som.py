@@ -4,8 +4,8 @@ A sheet of 9x9 cells, each holding a pattern. Every face seen pulls the most sim
 sheet less, towards itself; pull and neighbourhood shrink with time. Afterwards similar faces have neighbouring cells,
 and a face is described by how near it is to each cell: 81 activations, the input of the learner.
 
-Patterns are standardised (zero mean, unit variance), so that brightness and contrast of the picture do not count. Any
-dimension works; below four it is a measured quantity rather than a picture (the truth path: yaw and pitch), and is
+Patterns are standardised (zero mean, unit variance), so that brightness and contrast of the image do not count. Any
+dimension works; below four it is a measured quantity rather than an image (the truth path: yaw and pitch), and is
 taken as it is.
 """
 
@@ -18,7 +18,7 @@ from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.guards.border import numbers
 from jointattn_mj.options import Checked, Count, Real, Whole
 
-PICTURE_DIMENSION = 4  # inputs with at least so many numbers are patterns, and are standardised
+IMAGE_DIMENSION = 4  # inputs with at least so many numbers are patterns, and are standardised
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class SOMConfig(Checked):
 def standardised(x: np.ndarray) -> np.ndarray:
     """(d,) float32: ``x`` flattened; if it is a pattern, with zero mean and unit variance (zeros if it is flat)."""
     flat = np.asarray(x, np.float32).ravel()
-    if flat.size < PICTURE_DIMENSION:
+    if flat.size < IMAGE_DIMENSION:
         return flat
     centred = flat - flat.mean()
     spread = float(np.sqrt(np.dot(centred, centred) / flat.size))
@@ -78,9 +78,9 @@ class SOM:
         self.weights = np.zeros((cells, dimension), np.float32)
         if rng is not None:
             self.weights += rng.normal(0.0, 0.1, self.weights.shape).astype(np.float32)
-        self.seen = 0
-        place = np.stack(np.divmod(np.arange(cells), self.config.columns), axis=1)
-        between = place[:, None] - place[None]
+        self.visible = 0
+        location = np.stack(np.divmod(np.arange(cells), self.config.columns), axis=1)
+        between = location[:, None] - location[None]
         self._grid_distance = np.square(between).sum(axis=2).astype(np.float32)  # squared, in cells
         self._width: float | None = None
         self._norms: np.ndarray | None = None
@@ -94,7 +94,7 @@ class SOM:
         """
         config = self.config
         pattern = self._pattern(x)
-        progress = min(self.seen / config.updates, 1.0)
+        progress = min(self.visible / config.updates, 1.0)
         sigma = config.sigma_start * (config.sigma_end / config.sigma_start) ** progress
         rate = config.rate_start * (config.rate_end / config.rate_start) ** progress
         difference = pattern - self.weights
@@ -102,7 +102,7 @@ class SOM:
         pull = rate * np.exp(self._grid_distance[winner] / (-2 * sigma * sigma))
         difference *= pull[:, None]
         self.weights += difference
-        self.seen += 1
+        self.visible += 1
         self._width = self._norms = None
         return winner
 
@@ -111,7 +111,7 @@ class SOM:
         if not len(patterns):
             raise ObservationError("patterns: expected one or more to learn from; got none")
         prepared = np.stack([self._pattern(x) for x in patterns])
-        for index in rng.integers(len(prepared), size=max(0, self.config.updates - self.seen)):
+        for index in rng.integers(len(prepared), size=max(0, self.config.updates - self.visible)):
             self.update(prepared[index])
 
     def activations(self, x: np.ndarray) -> np.ndarray:
@@ -147,8 +147,8 @@ class SOM:
         nearest = np.array([np.argsort(self._distances(x), kind="stable")[:2] for x in patterns])
         return float(np.mean(self._grid_distance[nearest[:, 0], nearest[:, 1]] > 2))
 
-    def pictures(self) -> np.ndarray:
-        """(rows, columns, side, side) the cells' patterns, if they are square pictures: Fig. 6.6."""
+    def images(self) -> np.ndarray:
+        """(rows, columns, side, side) the cells' patterns, if they are square images: Fig. 6.6."""
         side = round(self.weights.shape[1] ** 0.5)
         if side * side != self.weights.shape[1]:
             raise ConfigError(f"som: expected square patterns to show, came {self.weights.shape[1]} numbers a cell")
@@ -156,7 +156,7 @@ class SOM:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All that was learned, to be saved with ``np.savez``."""
-        return {"weights": self.weights.copy(), "seen": np.array(self.seen)}
+        return {"weights": self.weights.copy(), "seen": np.array(self.visible)}
 
     @classmethod
     def from_arrays(cls, arrays: dict[str, np.ndarray], config: SOMConfig | None = None) -> "SOM":
@@ -171,7 +171,7 @@ class SOM:
         if weights.shape != som.weights.shape or not np.isfinite(weights).all():
             raise ConfigError(f"som: expected weights {som.weights.shape} of finite numbers, came {weights.shape}")
         som.weights[:] = weights
-        som.seen = whole_number("seen", arrays["seen"])
+        som.visible = whole_number("seen", arrays["seen"])
         return som
 
     def _pattern(self, x: np.ndarray) -> np.ndarray:

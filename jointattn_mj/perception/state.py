@@ -13,12 +13,12 @@ import numpy as np
 
 from jointattn_mj.options import Checked, Real, Share, Spread
 from jointattn_mj.perception.percept import Percept
-from jointattn_mj.scene.camera import in_picture, pixels_of_points
+from jointattn_mj.scene.camera import in_image, pixels_of_points
 from jointattn_mj.scene.world import World
 
 
 @dataclass(frozen=True)
-class TruthConfig(Checked):
+class StateConfig(Checked):
     """Noise, misses and false alarms; defaults are the pixel path's, measured in closed loop over six caregivers by
     ``python -m experiments.perception.measure``."""
 
@@ -46,12 +46,12 @@ class TruthConfig(Checked):
     """Chance that a still object is seen to move."""
 
 
-class TruthPerception:
+class StatePerception:
     """Looks at the world's state through the camera's geometry."""
 
     pattern_size = 2
 
-    def __init__(self, config: TruthConfig, world: World, rng: np.random.Generator):
+    def __init__(self, config: StateConfig, world: World, rng: np.random.Generator):
         self.config, self._world, self._rng = config, world, rng
         objects = len(world.config.scene.objects)
         face = np.arange(objects + 1) == objects
@@ -64,12 +64,12 @@ class TruthPerception:
         """The percept of this frame; just landed, nothing is seen to move, as in the pixel path."""
         pixels = pixels_of_points(self._world.candidate_points(), np.degrees(observation["head_angles"]))
         draws = self._rng.random((2, len(pixels)))
-        seen = in_picture(pixels) & (draws[0] >= self._miss)
+        visible = in_image(pixels) & (draws[0] >= self._miss)
         pixels += self._noise * self._rng.standard_normal(pixels.shape)
-        pixels[~seen] = np.nan
+        pixels[~visible] = np.nan
         moving = self._world.moving(self.config.face_moves_above_deg_s, self.config.object_moves_above_m_s)
-        moves = seen & (draws[1] < np.where(moving, self._hit, self._alarm)) & (not landed)
-        return Percept(seen=seen, px=pixels, moves=moves)
+        moves = visible & (draws[1] < np.where(moving, self._hit, self._alarm)) & (not landed)
+        return Percept(visible=visible, px=pixels, moves=moves)
 
     def face_pattern(self) -> np.ndarray:
         """Yaw and pitch of her head (2,), deg, with noise: stands for the 32x32 patch f_v."""

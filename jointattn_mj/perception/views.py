@@ -1,6 +1,6 @@
-"""A bank of views of one face, and where in a grey picture any of them fits best (section 6.4.1: "template matching").
+"""A bank of views of one face, and where in a grey image any of them fits best (section 6.4.1: "template matching").
 
-The measure is the normalised cross-correlation of template and picture, -1..1, blind to brightness and contrast. Being
+The measure is the normalised cross-correlation of template and image, -1..1, blind to brightness and contrast. Being
 blind to contrast, it takes a faint stain on a wall for a face; so regions of much less contrast than the first view
 score nothing.
 
@@ -16,7 +16,7 @@ from numba import njit, uintp
 
 from jointattn_mj.guards.restored import check_array, check_whole
 
-MOST_PX = 1 << 15  # of a picture's side, and so of a template's
+MOST_PX = 1 << 15  # of an image's side, and so of a template's
 FLAT = 5.0  # standard deviation of grey values below which a region has no pattern to correlate
 FAR = 1e6  # pixels; nothing is looked for beyond
 NEAR = 0.05  # a view that scores this much less than the best at a place may still win when it is moved a little
@@ -109,7 +109,7 @@ def _match(
     gray, views, n, last, side, x, y, radius, distance_penalty, search_all_below, least_norm,
     region, shifted, norm, penalty, out,
 ):  # fmt: skip
-    """Best view with its centre within ``radius`` of (x, y); its number, or -1 where the picture has no such place.
+    """Best view with its centre within ``radius`` of (x, y); its number, or -1 where the image has no such place.
 
     The view that fitted last climbs from the place next to (x, y). The others are tried where it arrives, and those
     that come near climb too. All are tried on every second place if the best scores below ``search_all_below``.
@@ -247,7 +247,7 @@ class ViewBank:
         """Best fit of any view with its centre within ``radius`` of (x, y), where a place near (x, y) is preferred.
 
         Returns:
-            Score -1..1 (-1 if the window lies outside the picture) and the centre (x, y) in pixels, to a fraction.
+            Score -1..1 (-1 if the window lies outside the image) and the centre (x, y) in pixels, to a fraction.
         """
         view = -1
         if self.n > 0 and abs(x) < FAR and abs(y) < FAR:
@@ -265,9 +265,9 @@ class ViewBank:
         return score, found_x, found_y
 
     def search(self, gray: np.ndarray, count: int) -> list[tuple[float, float]]:
-        """Centres (x, y) where the ``count`` views of `recent` fit best in the whole picture, at half resolution.
+        """Centres (x, y) where the ``count`` views of `recent` fit best in the whole image, at half resolution.
 
-        Nowhere in a picture that is smaller than a view.
+        Nowhere in an image that is smaller than a view.
         """
         if min(gray.shape) < self.side:
             return []
@@ -275,12 +275,12 @@ class ViewBank:
         side, middle = self.side // 2, (self.side - 1) / 2
         mean = cv2.blur(half, (side, side), anchor=(0, 0), borderType=cv2.BORDER_REPLICATE)
         square = cv2.blur(half * half, (side, side), anchor=(0, 0), borderType=cv2.BORDER_REPLICATE)
-        faint = square - mean * mean < (self._least_norm / self.side / 2) ** 2  # the coarse picture has less contrast
-        places = []
+        faint = square - mean * mean < (self._least_norm / self.side / 2) ** 2  # the coarse image has less contrast
+        locations = []
         for index in self.recent(count):
             small = cv2.resize(self.views[index], (side, side), interpolation=cv2.INTER_AREA)
             fit = cv2.matchTemplate(half, small, cv2.TM_CCOEFF_NORMED)
             fit[faint[: fit.shape[0], : fit.shape[1]]] = -1
             left, top = cv2.minMaxLoc(fit)[3]
-            places.append((2 * left + middle, 2 * top + middle))
-        return places
+            locations.append((2 * left + middle, 2 * top + middle))
+        return locations

@@ -71,7 +71,7 @@ def _read_csv(data: bytes, path: Path, wanted: Sequence[str], skip_rows: int, ro
 
     table = layout(data, path, skip_rows)
     try:
-        places = [str(place) for place in _places(table.header, wanted, path, rows_are_steps)]
+        locations = [str(location) for location in _locations(table.header, wanted, path, rows_are_steps)]
     except SeriesError as error:
         line = line_of_header(data, wanted)
         if line is None or line <= skip_rows:
@@ -86,7 +86,7 @@ def _read_csv(data: bytes, path: Path, wanted: Sequence[str], skip_rows: int, ro
         read_options=csv.ReadOptions(use_threads=False, column_names=[str(i) for i in range(len(table.header))]),
         parse_options=csv.ParseOptions(delimiter=table.delimiter, ignore_empty_lines=False, newlines_in_values=True),
         convert_options=csv.ConvertOptions(
-            include_columns=places, column_types=dict.fromkeys(places, text), strings_can_be_null=False
+            include_columns=locations, column_types=dict.fromkeys(locations, text), strings_can_be_null=False
         ),
     )
     return columns.rename_columns(list(wanted))
@@ -98,7 +98,7 @@ def _read_parquet(data: bytes, path: Path, wanted: Sequence[str], rows_are_steps
 
     source = parquet.ParquetFile(pa.BufferReader(data))
     header = source.schema_arrow.names
-    names = [header[place] for place in _places(header, wanted, path, rows_are_steps)]
+    names = [header[location] for location in _locations(header, wanted, path, rows_are_steps)]
     columns = source.read(columns=names, use_threads=False).select(names).columns
     for name, column in zip(wanted, columns, strict=True):
         if pa.types.is_floating(column.type) and compute.any(compute.is_inf(column)).as_py():
@@ -106,7 +106,7 @@ def _read_parquet(data: bytes, path: Path, wanted: Sequence[str], rows_are_steps
     return pa.table([column.cast(pa.string()).dictionary_encode() for column in columns], names=list(wanted))
 
 
-def _places(header: Sequence[str], wanted: Sequence[str], path: Path, rows_are_steps: bool) -> list[int]:
+def _locations(header: Sequence[str], wanted: Sequence[str], path: Path, rows_are_steps: bool) -> list[int]:
     """Where the wanted columns stand; blanks around their names do not count."""
     names = [" ".join(name.split()) for name in header]
     meant = [" ".join(name.split()) for name in wanted]

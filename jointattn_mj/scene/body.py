@@ -2,7 +2,7 @@
 
 Trunk frame: the caregiver's (origin on the floor below her, x towards the robot). Limb frames: the limb lies along x
 from its joint. Clothes have a texture in figures; in the closed loop their ribs come from normals, which
-costs a tenth of a picture less.
+costs a tenth of an image less.
 """
 
 from __future__ import annotations

@@ -14,14 +14,14 @@ from dm_control.mujoco.engine import Camera
 
 from jointattn_mj.errors import GLError
 from jointattn_mj.scene import gl
-from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH
+from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 
 FOVY_DEG = 48.5
 """Vertical angle of view (6.4.1); at 4:3 the horizontal one is 61.9 degrees, as the text says."""
 PIVOT = np.array([0.0, 0.0, 1.0])
 """Where pan axis, tilt axis and optical centre meet, world frame, metres."""
-FOCAL_PX = PICTURE_HEIGHT / 2 / tan(radians(FOVY_DEG / 2))
-CENTRE_X, CENTRE_Y = (PICTURE_WIDTH - 1) / 2, (PICTURE_HEIGHT - 1) / 2
+FOCAL_PX = IMAGE_HEIGHT / 2 / tan(radians(FOVY_DEG / 2))
+CENTRE_X, CENTRE_Y = (IMAGE_WIDTH - 1) / 2, (IMAGE_HEIGHT - 1) / 2
 
 
 def direction_of(pixel: np.ndarray, head: np.ndarray) -> np.ndarray:
@@ -74,22 +74,22 @@ def _pixels(points: np.ndarray, cos_pan: Any, sin_pan: Any, cos_tilt: Any, sin_t
     return np.stack([CENTRE_X - FOCAL_PX * left / depth, CENTRE_Y - FOCAL_PX * up / depth], axis=1)
 
 
-def in_picture(pixels: np.ndarray) -> np.ndarray:
-    """Which pixels (k, 2) lie inside the picture: (k,) bool."""
-    inside = (pixels >= -0.5) & (pixels <= (PICTURE_WIDTH - 0.5, PICTURE_HEIGHT - 0.5))
+def in_image(pixels: np.ndarray) -> np.ndarray:
+    """Which pixels (k, 2) lie inside the image: (k,) bool."""
+    inside = (pixels >= -0.5) & (pixels <= (IMAGE_WIDTH - 0.5, IMAGE_HEIGHT - 0.5))
     return inside[:, 0] & inside[:, 1]
 
 
 class Eye:
     """Renders one camera of a physics into one reused buffer.
 
-    The renderer is made at the first picture: a scene that nobody looks at needs no OpenGL. It lives in the physics'
+    The renderer is made at the first image: a scene that nobody looks at needs no OpenGL. It lives in the physics'
     own rendering context, so that dm_control's ``physics.render`` and wrappers work beside it. It makes the calls of
-    dm_control's ``Camera.render`` that a plain picture needs, which saves 4 percent of it.
+    dm_control's ``Camera.render`` that a plain image needs, which saves 4 percent of it.
     """
 
     def __init__(
-        self, physics: Physics, camera: str = "robot/eye", width: int = PICTURE_WIDTH, height: int = PICTURE_HEIGHT
+        self, physics: Physics, camera: str = "robot/eye", width: int = IMAGE_WIDTH, height: int = IMAGE_HEIGHT
     ):
         self._physics, self._name, self._size = physics, camera, (height, width)
         self._camera: Camera | None = None
@@ -98,10 +98,10 @@ class Eye:
         self._buffer = np.empty((height, width, 3), np.uint8)
 
     def look(self) -> np.ndarray:
-        """The picture now, uint8 (height, width, 3), RGB; it holds until the next look.
+        """The image now, uint8 (height, width, 3), RGB; it holds until the next look.
 
         Raises:
-            GLError: No picture can be rendered here; the message names the packages to install.
+            GLError: No image can be rendered here; the message names the packages to install.
         """
         if self._camera is None:
             self._camera = self._open()
@@ -123,5 +123,5 @@ class Eye:
         except GLError:
             raise
         except Exception as error:  # PyOpenGL, mujoco and dm_control raise a dozen kinds here
-            raise GLError(f"The OpenGL library could not open an offscreen picture ({error}). {gl.INSTALL}") from error
+            raise GLError(f"The OpenGL library could not open an offscreen image ({error}). {gl.INSTALL}") from error
         return camera

@@ -17,7 +17,7 @@ from jointattn_mj.scene.layout import Layout, LayoutConfig
 from jointattn_mj.scene.movement import Arm, gaze_angles, minimum_jerk, path_between
 
 FRAME_S = 1 / 30
-"""One step of caregiver, robot and camera: 30 pictures a second (section 6.4.1)."""
+"""One step of caregiver, robot and camera: 30 images a second (section 6.4.1)."""
 
 
 class Phase(StrEnum):
@@ -65,7 +65,7 @@ class CaregiverConfig(Checked):
     """Each duration is multiplied by a uniform draw from 1 +- this: people are not clockwork."""
     withdraw_s: Seconds = 0.8
     """How long the hand takes back to its resting place while she gazes."""
-    holding_place: tuple[Metres, Metres, Metres] = (1.20, 0.0, 0.895)
+    holding_location: tuple[Metres, Metres, Metres] = (1.20, 0.0, 0.895)
     """Where an object is brought to be observed, world frame, metres: before and below her face."""
     wobble_m: Annotated[float, Real("[0, 1]")] = 0.015
     """While observed the object is moved to and fro by so much; a still object gives the robot no motion cue and cost
@@ -84,7 +84,7 @@ class CaregiverConfig(Checked):
     """With the hand at the table the elbow is raised so far, and the forearm passes over the other objects."""
     elbow_at_holding_deg: Angle = -10.0
     """With the hand at the holding place the elbow hangs, and the forearm leaves the face free."""
-    rest_place: tuple[Metres, Metres, Metres] = (1.21, 0.36, 0.752)
+    rest_location: tuple[Metres, Metres, Metres] = (1.21, 0.36, 0.752)
     """Where the hand rests, on the table beside the objects; world frame, metres."""
 
 
@@ -123,10 +123,10 @@ class ObjectTransfer:
         rng: np.random.Generator,
     ):
         """``rest_height`` is that of an object's centre on the table; ``head`` (3,) the head's centre, world frame."""
-        if not config.holding_place[2] > rest_height:
+        if not config.holding_location[2] > rest_height:
             raise ConfigError(
                 f"caregiver.holding_place must lie above the objects on the table, z > {rest_height:.3f} m; "
-                f"got {config.holding_place}"
+                f"got {config.holding_location}"
             )
         self.config = config
         self._rng = rng
@@ -140,7 +140,7 @@ class ObjectTransfer:
         self.held: int | None = None
         self._taken_from = self.objects[0]
         self._gaze = np.zeros(2)
-        self._hand = np.array(config.rest_place)
+        self._hand = np.array(config.rest_location)
         self._begin(Phase.GREET)
         self._play(0)
 
@@ -182,27 +182,27 @@ class ObjectTransfer:
                 self._plan = self._planned(gaze, path_between(hand, target, frames, config.reach_arch_m))
             case Phase.LIFT:
                 self.held, self._taken_from = self.target, self.objects[self.target].copy()
-                path = path_between(hand, np.array(config.holding_place), frames, config.carry_arch_m)
+                path = path_between(hand, np.array(config.holding_location), frames, config.carry_arch_m)
                 self._plan = self._planned(self._sight(path), path)
             case Phase.OBSERVE:
-                path = np.array(config.holding_place) + self._wobble(frames)
-                steady = np.broadcast_to(self._sight(np.array(config.holding_place)), (frames, 2))
+                path = np.array(config.holding_location) + self._wobble(frames)
+                steady = np.broadcast_to(self._sight(np.array(config.holding_location)), (frames, 2))
                 self._plan = self._planned(self._sight(path), path, head_towards=steady)
             case Phase.PUT:
-                path = path_between(hand, self._new_place(), frames, config.carry_arch_m)
+                path = path_between(hand, self._new_location(), frames, config.carry_arch_m)
                 self._plan = self._planned(self._sight(path), path)
             case Phase.GAZE:
                 self.held = None
                 gaze = np.broadcast_to(self._gaze, (frames, 2))
                 back = max(1, min(frames, round(config.withdraw_s / FRAME_S)))
-                path = path_between(hand, np.array(config.rest_place), back, config.reach_arch_m)
+                path = path_between(hand, np.array(config.rest_location), back, config.reach_arch_m)
                 self._plan = self._planned(gaze, path)
 
-    def _new_place(self) -> np.ndarray:
+    def _new_location(self) -> np.ndarray:
         """Where to put the held object, (3,): somewhere else, or back where it was if the table has no room left."""
         others = self.objects[np.arange(len(self.objects)) != self.held, :2]
         try:
-            return np.append(self._layout.place(others), self._rest_height)
+            return np.append(self._layout.location(others), self._rest_height)
         except ConfigError:
             return self._taken_from
 
@@ -221,7 +221,7 @@ class ObjectTransfer:
     def _elbow(self, height: np.ndarray) -> np.ndarray:
         """Swing of the elbow (T,), rad, for a hand at ``height`` (T,), between the table's and the holding place's."""
         table, holding = np.radians([self.config.elbow_at_table_deg, self.config.elbow_at_holding_deg])
-        risen = (height - self._rest_height) / (self.config.holding_place[2] - self._rest_height)
+        risen = (height - self._rest_height) / (self.config.holding_location[2] - self._rest_height)
         return table + risen * (holding - table)
 
     def _wobble(self, frames: int) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The world as it was some frames ago, for cameras whose pictures come late; nothing is rendered to be kept."""
+"""The world as it was some frames ago, for cameras whose images come late; nothing is rendered to be kept."""
 
 from collections import deque
 from collections.abc import Iterator
@@ -37,10 +37,10 @@ class Past:
         states = [*self._states, (data.qpos.copy(), data.mocap_pos.copy())]
         back = min(self.steps, len(states) - 1)
         whole, part = int(back), back - int(back)
-        angles, places = states[-1 - whole]
+        angles, locations = states[-1 - whole]
         if part > 0:
             angles = (1 - part) * angles + part * states[-2 - whole][0]
-        return angles, places
+        return angles, locations
 
     @contextmanager
     def shown(self, model: mujoco.MjModel, data: mujoco.MjData) -> Iterator[None]:

@@ -46,7 +46,7 @@ class Lamp(Checked):
 
 @dataclass(frozen=True)
 class Surfaces(Checked):
-    """Factors on red, green and blue of what is large in the picture, and what is painted on it."""
+    """Factors on red, green and blue of what is large in the image, and what is painted on it."""
 
     table: Factors = PLAIN
     wall: Factors = PLAIN

@@ -43,7 +43,7 @@ def identity(name: str) -> FaceConfig:
 
 
 def build_face(config: FaceConfig, detail: int = 1, texture_size: int = 256) -> FaceMesh:
-    """The head for one person; `detail` 1 suits pictures of 320x240, 3 suits figures."""
+    """The head for one person; `detail` 1 suits images of 320x240, 3 suits figures."""
     mesh = face_shape.head(config, detail)
     return FaceMesh(
         mesh.vertices, mesh.faces, mesh.uv, face_paint.skin_and_hair(config, texture_size), mesh.normals,

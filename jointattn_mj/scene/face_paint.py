@@ -12,9 +12,9 @@ from jointattn_mj.scene.people import FaceConfig
 from jointattn_mj.scene.shapes import bump, curve, noise, smoothstep, to_bytes
 
 
-def _blend(picture: np.ndarray, colour: tuple[float, ...] | np.ndarray, weight: np.ndarray) -> np.ndarray:
+def _blend(image: np.ndarray, colour: tuple[float, ...] | np.ndarray, weight: np.ndarray) -> np.ndarray:
     weight = np.clip(weight, 0, 1)[..., None]
-    return picture * (1 - weight) + np.asarray(colour) * weight
+    return image * (1 - weight) + np.asarray(colour) * weight
 
 
 def _shade(config: FaceConfig, y: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -52,20 +52,20 @@ def _folds(config: FaceConfig, side: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 def _skin(config: FaceConfig, y: np.ndarray, z: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     side, size = np.abs(y), y.shape
-    picture = np.broadcast_to(np.array(config.skin), (*size, 3)).copy()
+    image = np.broadcast_to(np.array(config.skin), (*size, 3)).copy()
     warm = np.array([1.05, 0.86, 0.84])
     blush = 0.55 * bump((side - 0.041) / 0.014, (z + 0.026) / 0.013) + 0.45 * bump(y / 0.010, (z + 0.030) / 0.010)
-    picture *= 1 + (warm - 1) * np.clip(blush, 0, 1)[..., None]
+    image *= 1 + (warm - 1) * np.clip(blush, 0, 1)[..., None]
     beard = config.stubble * smoothstep(z, -0.034, -0.052) * (1 - bump(y / 0.020, (z + 0.063) / 0.007))
-    picture = _blend(picture, np.array(config.skin) * 0.55 + np.array(config.hair) * 0.2, 0.62 * beard)
-    picture *= 1.05  # the shade below takes as much away
+    image = _blend(image, np.array(config.skin) * 0.55 + np.array(config.hair) * 0.2, 0.62 * beard)
+    image *= 1.05  # the shade below takes as much away
     blotches = 0.5 * noise(rng, size, (24, 24)) + 0.5 * noise(rng, size, (64, 64))
-    picture *= (_shade(config, y, z) + 0.022 * blotches)[..., None]
-    picture *= (1 - 0.30 * config.age * _folds(config, side, z))[..., None]
-    return picture
+    image *= (_shade(config, y, z) + 0.022 * blotches)[..., None]
+    image *= (1 - 0.30 * config.age * _folds(config, side, z))[..., None]
+    return image
 
 
-def _lips(config: FaceConfig, picture: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+def _lips(config: FaceConfig, image: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
     side = np.abs(y)
     wide = 0.0245
     taper = np.clip(1 - (side / wide) ** 2, 0, 1)
@@ -75,43 +75,43 @@ def _lips(config: FaceConfig, picture: np.ndarray, y: np.ndarray, z: np.ndarray)
     low = line - config.lip_fullness * 0.0086 * taper**0.6
     inside = smoothstep(top - z, -0.0008, 0.0010) * smoothstep(z - low, -0.0010, 0.0012) * (side < wide)
     colour = np.array(config.lips) * (1 + 0.16 * bump(y / 0.012, (z + 0.0690) / 0.0028) - 0.10 * (z > line))[..., None]
-    picture = _blend(picture, colour, 0.88 * inside)
+    image = _blend(image, colour, 0.88 * inside)
     gap = bump((z - line) / 0.0010) * smoothstep(side, wide + 0.002, wide - 0.004)
-    return _blend(picture, np.array(config.lips) * 0.30, 0.85 * gap)
+    return _blend(image, np.array(config.lips) * 0.30, 0.85 * gap)
 
 
-def _brows(config: FaceConfig, picture: np.ndarray, y: np.ndarray, z: np.ndarray, strand: np.ndarray) -> np.ndarray:
+def _brows(config: FaceConfig, image: np.ndarray, y: np.ndarray, z: np.ndarray, strand: np.ndarray) -> np.ndarray:
     side = np.abs(y)
     arch = curve(side, [(0.010, 0.0225), (0.020, 0.0245), (0.034, 0.0285), (0.042, 0.0280), (0.054, 0.0215)])
     thick = config.brow * curve(side, [(0.010, 0.0032), (0.022, 0.0040), (0.040, 0.0030), (0.054, 0.0012)])
     inside = smoothstep(np.abs(z - arch), thick * 1.25, thick * 0.55) * smoothstep(side, 0.0095, 0.0135)
     inside *= smoothstep(side, 0.0545, 0.0500)
     colour = np.array(config.hair) * 0.75 + 0.02
-    return _blend(picture, np.minimum(colour, np.array(config.skin) * 0.62), inside * (0.82 + 0.16 * strand))
+    return _blend(image, np.minimum(colour, np.array(config.skin) * 0.62), inside * (0.82 + 0.16 * strand))
 
 
-def _lids(config: FaceConfig, picture: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+def _lids(config: FaceConfig, image: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
     upper, lower = shape.lid_rims(config, y)
     across = (np.abs(y) - shape.EYE_Y) / shape.EYE_HALF_WIDTH
     open_here = smoothstep(np.abs(across), 1.12, 0.92)
     dark = np.array(config.skin) * 0.16
-    picture = _blend(
-        picture, np.array(config.skin) * (0.62, 0.50, 0.48), 0.8 * bump((z - upper - 0.0042) / 0.0008) * open_here
+    image = _blend(
+        image, np.array(config.skin) * (0.62, 0.50, 0.48), 0.8 * bump((z - upper - 0.0042) / 0.0008) * open_here
     )
-    picture = _blend(picture, dark, 0.95 * smoothstep(z, upper + 0.0024, upper + 0.0008) * (z > lower) * open_here)
+    image = _blend(image, dark, 0.95 * smoothstep(z, upper + 0.0024, upper + 0.0008) * (z > lower) * open_here)
     lower_lash = smoothstep(np.abs(z - lower + 0.0004), 0.0013, 0.0004) * open_here
-    return _blend(picture, np.array(config.skin) * (0.50, 0.36, 0.33), 0.75 * lower_lash)
+    return _blend(image, np.array(config.skin) * (0.50, 0.36, 0.33), 0.75 * lower_lash)
 
 
-def _nostrils(picture: np.ndarray, config: FaceConfig, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+def _nostrils(image: np.ndarray, config: FaceConfig, y: np.ndarray, z: np.ndarray) -> np.ndarray:
     hole = bump((np.abs(y) - 0.0070 * config.nose_width) / 0.0026, (z + 0.0418) / 0.0016)
-    return _blend(picture, np.array(config.skin) * 0.18, 0.9 * smoothstep(hole, 0.25, 0.7))
+    return _blend(image, np.array(config.skin) * 0.18, 0.9 * smoothstep(hole, 0.25, 0.7))
 
 
 def skin_and_hair(config: FaceConfig, size: int) -> np.ndarray:
     """The head's texture, (size, size, 3) uint8, rows from v = 0 (chin) to v = 1 (crown).
 
-    Painted fine and averaged down: a texture no finer than the picture's pixels spares the renderer its mipmaps.
+    Painted fine and averaged down: a texture no finer than the image's pixels spares the renderer its mipmaps.
     """
     times = -(-256 // size)
     fine = _paint(config, size * times)
@@ -128,14 +128,14 @@ def _paint(config: FaceConfig, size: int) -> np.ndarray:
         0.6 * noise(rng, (size, size), (6, size // 3)) + 0.4 * noise(rng, (size, size), (10, size // 6)), -1.5, 1.5
     )
 
-    picture = _skin(config, y, z, rng)
-    picture = _nostrils(_lips(config, picture, y, z), config, y, z)
-    picture = _lids(config, _brows(config, picture, y, z, strand), y, z)
+    image = _skin(config, y, z, rng)
+    image = _nostrils(_lips(config, image, y, z), config, y, z)
+    image = _lids(config, _brows(config, image, y, z, strand), y, z)
 
     hair = shape.hair_thickness(config, azimuth + 2.0 * strand, z)
     light = 1 + 0.22 * strand + 0.25 * bump((z - 0.085) / 0.012) * smoothstep(np.abs(azimuth), 120, 20)
-    picture = picture * (1 - 0.25 * bump((hair - 0.15) / 0.15))[..., None]
-    return _blend(picture, np.array(config.hair) * light[..., None], hair)
+    image = image * (1 - 0.25 * bump((hair - 0.15) / 0.15))[..., None]
+    return _blend(image, np.array(config.hair) * light[..., None], hair)
 
 
 def iris(config: FaceConfig, size: int) -> np.ndarray:
@@ -144,9 +144,9 @@ def iris(config: FaceConfig, size: int) -> np.ndarray:
     row, column = np.meshgrid(*[(np.arange(size) + 0.5) / size * 2 - 1] * 2, indexing="ij")
     angle = 85 * np.hypot(row, column)  # degrees
     ray = np.interp((np.arctan2(row, column) / (2 * np.pi)) % 1, np.linspace(0, 1, 24), rng.uniform(-1, 1, 24))
-    picture = np.broadcast_to(np.array([0.80, 0.78, 0.76]), (size, size, 3)).copy()
-    picture = _blend(picture, np.array([0.62, 0.45, 0.41]), 0.7 * smoothstep(angle, 45, 80))
+    image = np.broadcast_to(np.array([0.80, 0.78, 0.76]), (size, size, 3)).copy()
+    image = _blend(image, np.array([0.62, 0.45, 0.41]), 0.7 * smoothstep(angle, 45, 80))
     colour = np.array(config.eyes) * (1 + 0.25 * ray * (angle < 26))[..., None]
-    picture = _blend(picture, colour, smoothstep(angle, 31, 28))
-    picture = _blend(picture, np.array(config.eyes) * 0.35, bump((angle - 28) / 2.2))
-    return to_bytes(_blend(picture, np.array([0.02, 0.02, 0.02]), smoothstep(angle, 13, 10.5)))
+    image = _blend(image, colour, smoothstep(angle, 31, 28))
+    image = _blend(image, np.array(config.eyes) * 0.35, bump((angle - 28) / 2.2))
+    return to_bytes(_blend(image, np.array([0.02, 0.02, 0.02]), smoothstep(angle, 13, 10.5)))

@@ -20,7 +20,7 @@ EYE_LEVEL_BREADTH = 0.073
 
 # The mesh's lines on the average face, dense where the face has features: heights of rows above and below the eyes
 # (whose own three rows are the lids' rims and what lies between), and columns of her left half, in front as y at eye
-# level, then as azimuth. One set for figures and one as coarse as pictures of 320x240 allow.
+# level, then as azimuth. One set for figures and one as coarse as images of 320x240 allow.
 EYE_ROWS = [0.0105, 0.004, -0.0025]
 FINE_LINES = (
     [0.120, 0.116, 0.108, 0.096, 0.082, 0.068, 0.054, 0.042, 0.033, 0.026, 0.0185],
@@ -254,7 +254,7 @@ def _bun(sides: int) -> Mesh:
 
 
 def head(config: FaceConfig, detail: int) -> Mesh:
-    """The whole head without eyeballs; `detail` 1 for pictures of 320x240, 2 or 3 for figures."""
+    """The whole head without eyeballs; `detail` 1 for images of 320x240, 2 or 3 for figures."""
     parts = [_skull(config, detail)]
     if config.hair_style == "bob":
         parts.append(_curtain(min(detail, 2)))

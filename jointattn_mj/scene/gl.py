@@ -2,7 +2,7 @@
 
 A backend is software (EGL or OSMesa, both through Mesa) or a GPU driver's EGL. MuJoCo reads ``MUJOCO_GL`` when it is
 imported and fails there with a traceback when a library or a driver is missing; this file asks both first. Where no
-picture can be rendered everything else works, and the first look says why there is none.
+image can be rendered everything else works, and the first look says why there is none.
 """
 
 import ctypes
@@ -26,11 +26,11 @@ INSTALL = (
     "Install one of these and start again:\n"
     "  EGL:    apt-get install --no-install-recommends libegl1 libopengl0 libgl1-mesa-dri\n"
     "  OSMesa: apt-get install --no-install-recommends libosmesa6, then set MUJOCO_GL=osmesa\n"
-    "Without pictures, `--perception truth` works as it is."
+    "Without images, `--perception state` works as it is."
 )
 
 
-_why_not = "Pictures need an OpenGL library, and none that works was found."
+_why_not = "Images need an OpenGL library, and none that works was found."
 
 
 def why_not() -> str:

@@ -48,7 +48,7 @@ class Layout:
         self._size = np.array([config.x_range[1], config.y_range[1]]) - self._low
         self._used = np.zeros(config.cells, int)
 
-    def place(self, others: np.ndarray) -> np.ndarray:
+    def location(self, others: np.ndarray) -> np.ndarray:
         """A new place (2,) at least ``spacing`` away from ``others`` (k, 2).
 
         Raises:
@@ -89,12 +89,12 @@ class Layout:
             ConfigError: So many objects do not fit.
         """
         for _ in range(FILLS):
-            places = np.empty((0, 2))
+            locations = np.empty((0, 2))
             for _ in range(count):
-                free = self._free(places)
+                free = self._free(locations)
                 if not len(free):
                     break
-                places = np.vstack([places, self._least_used(free)])
+                locations = np.vstack([locations, self._least_used(free)])
             else:
-                return places
+                return locations
         raise self._full(count)

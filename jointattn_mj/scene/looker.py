@@ -13,7 +13,7 @@ from jointattn_mj.scene.model import SceneConfig, rest_height
 from jointattn_mj.scene.movement import Arm
 from jointattn_mj.scene.world import World, WorldConfig
 
-PLACES_X = 1.0
+LOCATIONS_X = 1.0
 """Depth of the row of places between robot and caregiver, world frame, metres."""
 MOST_Y, LEAST_APART = 0.36, 0.24
 """A row reaches so far to either side, or less with few places, which are then so far apart; metres."""
@@ -122,7 +122,7 @@ class TurnWorld(World):
         """Let bodies stand like that, until the next step or arrival."""
         self.data.qpos[:], self.data.mocap_pos[:], self.data.mocap_quat[:] = pose
         mujoco.mj_forward(self.model, self.data)
-        self._picture = None
+        self._image = None
 
     def arrive(self, head: np.ndarray) -> None:
         """Let things be as they would be after a step, with the robot's head at ``head`` (2,), rad."""
@@ -130,13 +130,13 @@ class TurnWorld(World):
         caregiver.advance()
         self._script_angles[:], self._script_speeds[:] = caregiver.joints, 0
         self._head_angles[:], self._head_speeds[:], self._controls[:] = head, 0, head
-        self._object_places[:] = self._objects_before[:] = caregiver.objects
+        self._object_locations[:] = self._objects_before[:] = caregiver.objects
         mujoco.mj_forward(self.model, self.data)
         self._past.forget()
-        self._picture = None
+        self._image = None
 
 
-def places(count: int, scene: SceneConfig) -> np.ndarray:
+def locations(count: int, scene: SceneConfig) -> np.ndarray:
     """Places for objects (count, 3) in a row from the robot's left to its right; world frame, metres."""
     reach = min(MOST_Y, LEAST_APART * (count - 1) / 2)
-    return np.array([(PLACES_X, y, rest_height(scene)) for y in np.linspace(reach, -reach, count)])
+    return np.array([(LOCATIONS_X, y, rest_height(scene)) for y in np.linspace(reach, -reach, count)])

@@ -21,8 +21,8 @@ from jointattn_mj.scene import body, room
 from jointattn_mj.scene.face import IDENTITIES, FaceConfig, FaceMesh, build_face, identity
 from jointattn_mj.scene.shapes import Mesh
 
-PICTURE_WIDTH, PICTURE_HEIGHT = 320, 240  # camera pictures of section 6.4.1
-TIMESTEP = 1 / 30  # one physics step a picture: nothing collides, and the servos are damped implicitly
+IMAGE_WIDTH, IMAGE_HEIGHT = 320, 240  # camera images of section 6.4.1
+TIMESTEP = 1 / 30  # one physics step an image: nothing collides, and the servos are damped implicitly
 TABLE_Z = 0.71  # height of the table top
 HEAD_POSITION = (1.5, 0.0, 1.08)  # centre of the caregiver's head; her yaw and pitch axes meet here
 Shape = Literal["box", "cylinder", "sphere"]
@@ -70,7 +70,7 @@ class SceneConfig(Checked):
     clothing: Colour = (0.40, 0.43, 0.48)  # dull, unlike any object
     objects: tuple[ObjectConfig, ...] = OBJECTS[:4]  # four objects, section 6.4.1
     object_size: Annotated[float, Real("[0.01, 0.12]")] = 0.06
-    """Metres, edge or diameter: about 16 px in the picture (choice)."""
+    """Metres, edge or diameter: about 16 px in the image (choice)."""
     quality: Annotated[Quality, TOP_LEVEL] = "fast"
     """"fast" for the closed loop; "high" (shadows, smooth edges, fine meshes) for figures."""
 
@@ -191,7 +191,7 @@ def _options(spec: mujoco.MjSpec) -> None:
 def _visuals(spec: mujoco.MjSpec, high: bool) -> None:
     """Lean drawing for the closed loop (no shadows, no multisampling, few slices), or fine drawing for figures."""
     visual = spec.visual
-    visual.global_.offwidth, visual.global_.offheight = (1280, 960) if high else (PICTURE_WIDTH, PICTURE_HEIGHT)
+    visual.global_.offwidth, visual.global_.offheight = (1280, 960) if high else (IMAGE_WIDTH, IMAGE_HEIGHT)
     visual.quality.offsamples = 2 if high else 0
     visual.quality.shadowsize = 2048 if high else 0
     visual.quality.numslices, visual.quality.numstacks = (32, 16) if high else (12, 6)
@@ -216,28 +216,28 @@ def _visuals(spec: mujoco.MjSpec, high: bool) -> None:
 
 
 def _add_objects(spec: mujoco.MjSpec, config: SceneConfig) -> None:
-    for thing, place in zip(config.objects, rest_positions(config), strict=True):
-        body = spec.worldbody.add_body(name=f"object/{thing.name}", mocap=True, pos=place)
+    for thing, location in zip(config.objects, rest_positions(config), strict=True):
+        body = spec.worldbody.add_body(name=f"object/{thing.name}", mocap=True, pos=location)
         kind, size = object_size(thing.shape, config.object_size)
         body.add_geom(name=f"object/{thing.name}", type=kind, size=size, rgba=(*thing.rgb, 1), contype=0, conaffinity=0)
 
 
-def _add_onlooker(spec: mujoco.MjSpec, place: tuple[float, float, float], at: tuple[float, float, float]) -> None:
+def _add_onlooker(spec: mujoco.MjSpec, location: tuple[float, float, float], at: tuple[float, float, float]) -> None:
     """The camera third_person at `place`, upright, looking at the point `at`."""
-    ahead = np.subtract(at, place)
+    ahead = np.subtract(at, location)
     right = np.cross(ahead, (0.0, 0.0, 1.0))
     right = right / np.linalg.norm(right)
     up = np.cross(right, ahead) / np.linalg.norm(ahead)
     rotation = np.column_stack([right, up, -ahead / np.linalg.norm(ahead)])
     quat = np.zeros(4)
     mujoco.mju_mat2Quat(quat, rotation.ravel())
-    spec.worldbody.add_camera(name="third_person", pos=place, quat=quat, fovy=48)
+    spec.worldbody.add_camera(name="third_person", pos=location, quat=quat, fovy=48)
 
 
 def build_model(config: SceneConfig | None = None, blank: bool = False) -> mujoco.MjModel:
     """The compiled scene. Bodies come in drawing order, near to far: people, objects, table, wall, floor.
 
-    ``blank``: surfaces that have colours alone get white textures, to be painted on (``scene.dressing``); pictures
+    ``blank``: surfaces that have colours alone get white textures, to be painted on (``scene.dressing``); images
     then take longer.
     """
     config = config or SceneConfig()
@@ -246,7 +246,7 @@ def build_model(config: SceneConfig | None = None, blank: bool = False) -> mujoc
     spec.modelname = "jointattn"
     _options(spec)
     _visuals(spec, high)
-    _add_onlooker(spec, place=(0.25, -1.75, 1.50), at=(0.80, 0.0, 0.80))
+    _add_onlooker(spec, location=(0.25, -1.75, 1.50), at=(0.80, 0.0, 0.80))
     _add_caregiver(spec, config, high, blank)
     spec.attach(_part("robot"), prefix="robot/", frame=spec.worldbody.add_frame())
     _add_objects(spec, config)

@@ -1,8 +1,8 @@
-"""Physics whose pictures any thread may draw, and which says in one line why there are none.
+"""Physics whose images any thread may draw, and which says in one line why there are none.
 
-An OpenGL context belongs to the thread that it is current in. dm_control leaves it there: a picture from another
+An OpenGL context belongs to the thread that it is current in. dm_control leaves it there: an image from another
 thread, and ``close`` or garbage collection in one, end in tracebacks. Here a context is current while something is
-drawn and no longer, which costs 8 microseconds a picture. In a process that was forked from one that has rendered,
+drawn and no longer, which costs 8 microseconds an image. In a process that was forked from one that has rendered,
 OpenGL cannot go on: contexts are left alone there.
 """
 
@@ -39,7 +39,7 @@ class RenderingPhysics(Closable, mujoco.Physics):
         """See ``mujoco.Physics``.
 
         Raises:
-            GLError: No picture can be rendered here; the message says why, and names the packages to install.
+            GLError: No image can be rendered here; the message says why, and names the packages to install.
         """
         if gl.rendering_disabled():
             raise GLError(gl.why_not())
@@ -50,7 +50,7 @@ class RenderingPhysics(Closable, mujoco.Physics):
             context = _context_class()(size.offwidth, size.offheight)
             self._contexts = engine.Contexts(gl=context, mujoco=_MjrContext(self.model, context))
         except Exception as error:  # PyOpenGL, mujoco and dm_control raise a dozen kinds here
-            raise GLError(f"The OpenGL library could not open an offscreen picture ({error}). {gl.INSTALL}") from error
+            raise GLError(f"The OpenGL library could not open an offscreen image ({error}). {gl.INSTALL}") from error
 
 
 class _MjrContext(wrapper.MjrContext):

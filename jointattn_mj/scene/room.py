@@ -26,7 +26,7 @@ def _relief(corner: tuple[float, float, float], right: tuple[float, float, float
             cells: tuple[int, int], rough: tuple[float, float], seed: int) -> Mesh:  # fmt: skip
     """A flat rectangle of cells (across, upwards) whose normals waver by `rough` (rad, about up and about right).
 
-    Shading then varies as a texture would make it, without the cost of one (a third of a picture).
+    Shading then varies as a texture would make it, without the cost of one (a third of an image).
     """
     rng = np.random.default_rng(seed)
     s, t = np.meshgrid(np.linspace(0, 1, cells[0] + 1), np.linspace(1, 0, cells[1] + 1))

@@ -1,4 +1,4 @@
-"""The camera's sensor: how a rendered picture comes out grainy, darker or brighter, and late."""
+"""The camera's sensor: how a rendered image comes out grainy, darker or brighter, and late."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -20,19 +20,19 @@ class Sensor(Checked):
     noise: Annotated[float, Real("[0, 64]")] = 0.0
     """Standard deviation, in grey values of 0..255, of what is added to each channel of each pixel, each frame anew."""
     delay: Annotated[int, Whole("[0, 30]")] = 0
-    """The picture shows the world of so many frames (1/30 s) ago."""
+    """The image shows the world of so many frames (1/30 s) ago."""
     seed: Seed = 0
     """Of the noise."""
 
-    def expose(self, picture: np.ndarray, frame: int) -> None:
-        """Change a picture (h, w, 3) uint8 in place; its noise depends on ``seed`` and the frame's number alone."""
+    def expose(self, image: np.ndarray, frame: int) -> None:
+        """Change an image (h, w, 3) uint8 in place; its noise depends on ``seed`` and the frame's number alone."""
         if self.brightness != 1.0:
-            cv2.convertScaleAbs(picture, picture, self.brightness)
+            cv2.convertScaleAbs(image, image, self.brightness)
         if self.noise > 0:
-            drawn = np.random.default_rng((self.seed, frame)).integers(0, 256, picture.shape, np.uint8)
+            drawn = np.random.default_rng((self.seed, frame)).integers(0, 256, image.shape, np.uint8)
             lighter, darker = _noise_tables(self.noise)
-            cv2.add(picture, cv2.LUT(drawn, lighter), picture)
-            cv2.subtract(picture, cv2.LUT(drawn, darker), picture)
+            cv2.add(image, cv2.LUT(drawn, lighter), image)
+            cv2.subtract(image, cv2.LUT(drawn, darker), image)
 
 
 @lru_cache(maxsize=8)

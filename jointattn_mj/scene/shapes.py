@@ -74,11 +74,11 @@ def _normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Area-weighted vertex normals; vertices at the same place share one."""
     corner = vertices[faces]
     face_normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    _, place = np.unique(np.round(vertices, 7), axis=0, return_inverse=True)
-    total = np.zeros((place.max() + 1, 3))
+    _, location = np.unique(np.round(vertices, 7), axis=0, return_inverse=True)
+    total = np.zeros((location.max() + 1, 3))
     for k in range(3):
-        np.add.at(total, place[faces[:, k]], face_normal)
-    total = total[place]
+        np.add.at(total, location[faces[:, k]], face_normal)
+    total = total[location]
     length = np.linalg.norm(total, axis=1, keepdims=True)
     return np.where(length > 0, total / np.maximum(length, 1e-20), (0, 0, 1))
 

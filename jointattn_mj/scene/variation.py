@@ -50,9 +50,9 @@ class VariationConfig(Checked):
     camera_noise: Annotated[float, Real("[0, 64]")] = 0.0
     """Largest standard deviation of noise, grey values of 0..255; a frame then takes 1.4 times as long."""
     camera_brightness: Part = 0.0
-    """Share by which pictures are brighter or darker."""
+    """Share by which images are brighter or darker."""
     camera_delay: Annotated[int, Whole("[0, 30]")] = 0
-    """Most frames (1/30 s) by which pictures come late."""
+    """Most frames (1/30 s) by which images come late."""
     object_shapes: tuple[Shape, ...] = ()
     """Shapes, one of which each object has: box, cylinder, sphere."""
     object_size: Part = 0.0
@@ -87,7 +87,7 @@ PRESETS: dict[str, VariationConfig] = {
 """Moderate ranges by name; "all" is all of them.
 
 Measured in object_transfer, 60 draws each: OpenCV's frontal cascade finds the caregiver's face, while she looks at the
-robot, in 60 of 60 pictures with each of them, and as usual; with "all" in 59. Colour areas find every object that is in
+robot, in 60 of 60 images with each of them, and as usual; with "all" in 59. Colour areas find every object that is in
 view, by the colours that the robot expects (240 of 240 each).
 """
 

@@ -33,7 +33,7 @@ EYE_JOINTS = ("eye_left_yaw", "eye_left_pitch", "eye_right_yaw", "eye_right_pitc
 SCRIPTED_JOINTS = tuple(f"caregiver/{name}" for name in ("neck_yaw", "neck_pitch", *EYE_JOINTS, *ARM_JOINTS))
 HEAD_JOINTS = ("robot/pan", "robot/tilt")
 HEAD_STILL_DEG_S = 0.5
-"""Below this speed the head counts as still: less than a tenth of a pixel from one picture to the next."""
+"""Below this speed the head counts as still: less than a tenth of a pixel from one image to the next."""
 
 UNSTABLE = tuple(getattr(mujoco.mjtWarning, f"mjWARN_BAD{name}") for name in ("QPOS", "QVEL", "QACC", "CTRL"))
 """What MuJoCo counts when it meets NaN or huge numbers."""
@@ -90,11 +90,11 @@ class World(Closable):
         self._face_angles = self._script_angles[:2]
         self._head_angles, self._head_speeds = self.data.qpos[head[0]], self.data.qvel[head[1]]
         objects = _span([model.body(f"object/{item.name}").mocapid[0] for item in config.scene.objects])
-        self._object_places = self.data.mocap_pos[objects]
+        self._object_locations = self.data.mocap_pos[objects]
         self._controls = self.data.ctrl
         self._steps = self.frames * steps_per_frame(model)
         self._wardrobe: Wardrobe | None = None
-        self._picture: np.ndarray | None = None
+        self._image: np.ndarray | None = None
 
     @classmethod
     def build(cls, config: WorldConfig, seed: np.random.SeedSequence, conditions: Conditions = AS_USUAL) -> Self:
@@ -121,13 +121,13 @@ class World(Closable):
         arm = Arm.from_model(self.model, np.radians(self.config.behaviour.hand_pitch_deg))
         self.caregiver = self.new_caregiver(head, arm, np.random.default_rng(seed))
         self._script_angles[:] = self.caregiver.joints
-        self._object_places[:] = self.caregiver.objects
+        self._object_locations[:] = self.caregiver.objects
         mujoco.mj_forward(self.model, self.data)
         self._objects_before = self.caregiver.objects.copy()
         self._points = np.vstack([self.caregiver.objects, self.data.site("caregiver/face").xpos])
         self._past.forget()
         self.rendered_frames = 0
-        self._picture = None
+        self._image = None
 
     def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> ObjectTransfer:
         """Who sits at the table, for an episode; ``head`` (3,) is the head's centre, world frame, metres."""
@@ -156,27 +156,27 @@ class World(Closable):
             caregiver.advance()
         self._controls[:] = command
         _set_out(
-            caregiver.joints, self._script_angles, self._script_speeds, caregiver.objects, self._object_places,
+            caregiver.joints, self._script_angles, self._script_speeds, caregiver.objects, self._object_locations,
             self.frames * FRAME_S,
         )  # fmt: skip
-        self._picture = None
+        self._image = None
 
-    def picture(self) -> np.ndarray:
+    def image(self) -> np.ndarray:
         """What the robot's eye sees now, uint8 (240, 320, 3); rendered at the first call in a frame."""
-        if self._picture is None:
-            self._picture = self._look()
+        if self._image is None:
+            self._image = self._look()
             self.rendered_frames += 1
-        return self._picture
+        return self._image
 
     def _look(self) -> np.ndarray:
         sensor = self.conditions.sensor
         if sensor.delay:
             with self._past.shown(self.model, self.data):
-                picture = self.eye.look()
+                image = self.eye.look()
         else:
-            picture = self.eye.look()
-        sensor.expose(picture, round(self.data.time / FRAME_S))
-        return picture
+            image = self.eye.look()
+        sensor.expose(image, round(self.data.time / FRAME_S))
+        return image
 
     def head_angles(self) -> np.ndarray:
         """Pan and tilt of the robot's head, (2,), rad."""
@@ -187,7 +187,7 @@ class World(Closable):
         return self._head_speeds.copy()
 
     def head_moves(self) -> bool:
-        """Whether the robot's head turns; while it does, flow in the picture is its own."""
+        """Whether the robot's head turns; while it does, flow in the image is its own."""
         pan, tilt = self._head_speeds
         return max(abs(pan), abs(tilt)) > _HEAD_STILL
 
@@ -267,14 +267,14 @@ class World(Closable):
         """Let bodies stand and move as they did in another world with the same model."""
         mujoco.mj_setState(self.model, self.data, integration, mujoco.mjtState.mjSTATE_INTEGRATION)
         mujoco.mj_step1(self.model, self.data)
-        self._picture = None
+        self._image = None
 
 
 @njit(cache=True)
-def _set_out(joints, angles, speeds, objects, places, seconds):
+def _set_out(joints, angles, speeds, objects, locations, seconds):
     """Speeds that bring ``angles`` to ``joints`` in time, and objects to where they are: one call, not four."""
     speeds[:] = (joints - angles) / seconds
-    places[:] = objects
+    locations[:] = objects
 
 
 def _span(addresses: Sequence[int]) -> slice:
@@ -292,13 +292,13 @@ def _spans(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[slice, slice]:
 
 
 class Observation(Mapping[str, np.ndarray]):
-    """What the robot may know of a world in this frame; the picture is rendered when, and only when, it is read.
+    """What the robot may know of a world in this frame; the image is rendered when, and only when, it is read.
 
     Keys: ``camera`` uint8 (240, 320, 3); ``head_angles`` (2,) pan and tilt, rad; ``head_moves`` bool.
     """
 
     _READ: ClassVar[dict[str, Callable[[World], Any]]] = {
-        "camera": World.picture,
+        "camera": World.image,
         "head_angles": World.head_angles,
         "head_moves": World.head_moves,
     }

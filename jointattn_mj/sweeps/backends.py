@@ -1,4 +1,4 @@
-"""Where cells are computed: processes of this machine (loky), or the workers of a dask scheduler somebody started.
+"""Where trials are computed: processes of this machine (loky), or the workers of a dask scheduler somebody started.
 
 Both take a function and its arguments and hand back a ``concurrent.futures.Future``; what differs is how the death of a
 worker shows, and what is left after it.
@@ -18,7 +18,7 @@ from joblib.externals.loky import ProcessPoolExecutor
 from joblib.externals.loky.backend.resource_tracker import ensure_running
 from joblib.externals.loky.process_executor import BrokenProcessPool
 
-from jointattn_mj.errors import ConfigError, LaboratoryError
+from jointattn_mj.errors import ConfigError, SweepError
 from jointattn_mj.sweeps.worker import SINGLE_THREADED, start
 
 
@@ -30,10 +30,10 @@ class Backend(Protocol):
     all_die_together: bool
     """Whether one death takes everything under way with it."""
     most_deaths: int
-    """So often a cell may end in one, the last times alone, before it counts as failed."""
+    """So often a trial may end in one, the last times alone, before it counts as failed."""
 
     def slots(self) -> int:
-        """How many cells can run at once; 0 while there is no worker."""
+        """How many trials can run at once; 0 while there is no worker."""
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
         """Compute somewhere, soon."""
@@ -95,7 +95,7 @@ def _hangup_ignored() -> Iterator[None]:
 
 @contextmanager
 def _manager_unheard() -> Iterator[None]:
-    """Cells that were waiting when workers are killed make loky's own thread look up what it has just thrown away: a
+    """Trials that were waiting when workers are killed make loky's own thread look up what it has just thrown away: a
     KeyError without consequence, whose stack trace would stand in front of the user."""
     before = threading.excepthook
 
@@ -122,13 +122,13 @@ class Dask:
             from distributed import Client
             from distributed.scheduler import KilledWorker
         except ImportError as error:
-            raise LaboratoryError("--backend dask needs dask: pip install 'jointattn-mj[cluster]'") from error
+            raise SweepError("--backend dask needs dask: pip install 'jointattn-mj[cluster]'") from error
         _silence("distributed", "tornado")
         self.deaths: tuple[type[BaseException], ...] = (KilledWorker,)
         try:
             self._client = Client(address, timeout=patience_s, set_as_default=False)
         except (OSError, ValueError) as error:
-            raise LaboratoryError(
+            raise SweepError(
                 f"no dask scheduler answers at {address} ({error}); start one with `dask scheduler`, workers with "
                 f"`dask worker {address} --nthreads 1`"
             ) from error
@@ -161,9 +161,9 @@ def _silence(*names: str) -> None:
             logger.setLevel(logging.CRITICAL + 1)
 
 
-def gone(error: BaseException) -> LaboratoryError:
+def gone(error: BaseException) -> SweepError:
     """What to say where nobody is there any more to compute."""
-    return LaboratoryError(
+    return SweepError(
         f"nobody computes any more ({type(error).__name__}); start scheduler and workers again, then the same command "
         "goes on"
     )

@@ -1,4 +1,4 @@
-"""What an experiment is: settings, one pure function for a cell, and an analysis that reads stored cells."""
+"""What an experiment is: settings, one pure function for a trial, and an analysis that reads stored trials."""
 
 from __future__ import annotations
 
@@ -58,22 +58,22 @@ class Setting(Checked):
     """One condition of an experiment."""
 
     config: Any
-    """A dataclass or a plain dict: all that a cell needs but its seed."""
+    """A dataclass or a plain dict: all that a trial needs but its seed."""
     runs: Annotated[int, Whole("[0, 1e6]")]
     """Seeds by default."""
 
 
 @dataclass(frozen=True)
-class Cell:
-    """A finished cell, as read from its file."""
+class Trial:
+    """A finished trial, as read from its file."""
 
     setting: str
     seed: int
     result: dict[str, Any]
 
 
-Cells = Mapping[str, Sequence[Cell]]
-"""By setting id, ordered by seed; only what is stored: a setting without a cell is missing."""
+Trials = Mapping[str, Sequence[Trial]]
+"""By setting id, ordered by seed; only what is stored: a setting without a trial is missing."""
 
 
 @dataclass(frozen=True)
@@ -103,14 +103,14 @@ class Claim:
     says: str
     """What the dissertation claims, in one or two sentences."""
     settings: Mapping[str, Setting]
-    cell: Callable[[Any, int], dict[str, Any]]
+    trial: Callable[[Any, int], dict[str, Any]]
     """(config, seed) -> numbers, strings, lists and dicts, None for what is missing. Pure: the same for ever."""
-    analyse: Callable[[Cells], list[Finding]]
-    draw: Callable[[Cells], Mapping[str, Figure]]
+    analyse: Callable[[Trials], list[Finding]]
+    draw: Callable[[Trials], Mapping[str, Figure]]
     """Figures by file stem; copes with missing settings and few runs."""
     first_seed: int = 0
     version: int = 1
-    """Raised when the meaning of a cell changes: stored files of another version are not used."""
+    """Raised when the meaning of a trial changes: stored files of another version are not used."""
     film: Path | None = None
     """A short video (MP4) to show beside the figures."""
 

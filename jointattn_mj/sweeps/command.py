@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from jointattn_mj.errors import ConfigError, LaboratoryError
+from jointattn_mj.errors import ConfigError, SweepError
 from jointattn_mj.options import Checked, Seed, Whole
 from jointattn_mj.sweeps.registry import Registry
 
@@ -45,7 +45,7 @@ class RunOptions(Checked):
     setting: str | None = None
     """Only this setting, or those whose ids begin so."""
     jobs: Annotated[int, Whole("[0, 1024]")] = 0
-    """Cells at once on this machine; 0 for one a core."""
+    """Trials at once on this machine; 0 for one a core."""
     backend: Literal["loky", "dask"] = "loky"
     """Processes of this machine, or the workers of a dask scheduler."""
     address: str | None = None
@@ -61,7 +61,7 @@ class ReportOptions(Checked):
     folder: Annotated[Path, tyro.conf.Positional]
     """Folder of results."""
     claims: tuple[str, ...] = ()
-    """Only these; by default all that have cells there."""
+    """Only these; by default all that have trials there."""
     registry: str = EXPERIMENTS
     """Module whose REGISTRY has the claims."""
 
@@ -72,7 +72,7 @@ def do(options: ListOptions | RunOptions | ReportOptions) -> None:
     Raises:
         ConfigError: Options that cannot work.
         OutputError: The folder cannot be used.
-        LaboratoryError: No experiments here, no workers there, or cells that failed.
+        LaboratoryError: No experiments here, no workers there, or trials that failed.
     """
     registry = load_registry(options.registry)
     if isinstance(options, ListOptions):
@@ -91,19 +91,19 @@ def load_registry(module: str) -> Registry:
     """
     expected = CHECKOUT if module == EXPERIMENTS else "expected a module that Python finds, such as my_claims.registry"
     if not all(part.isidentifier() for part in module.split(".")) or len(module) > LONGEST_NAME:
-        raise LaboratoryError(f"{module[:60]!r} is no name of a module; {expected}")
+        raise SweepError(f"{module[:60]!r} is no name of a module; {expected}")
     if (Path.cwd() / module.split(".")[0]).is_dir() and str(Path.cwd()) not in sys.path:
         sys.path.append(str(Path.cwd()))
     try:
         registry = getattr(import_module(module), "REGISTRY", None)
     except ModuleNotFoundError as error:
         if error.name is None or not module.startswith(error.name):
-            raise LaboratoryError(f"cannot import {module}: {error}") from error
-        raise LaboratoryError(f"cannot import {module}; {expected}") from error
+            raise SweepError(f"cannot import {module}: {error}") from error
+        raise SweepError(f"cannot import {module}; {expected}") from error
     except Exception as error:
-        raise LaboratoryError(f"cannot import {module}: {type(error).__name__}: {error}") from error
+        raise SweepError(f"cannot import {module}: {type(error).__name__}: {error}") from error
     if not isinstance(registry, Registry):
-        raise LaboratoryError(f"{module} has no REGISTRY; see jointattn_mj.sweeps.registry.Registry")
+        raise SweepError(f"{module} has no REGISTRY; see jointattn_mj.sweeps.registry.Registry")
     return registry
 
 
@@ -125,7 +125,7 @@ def chosen(registry: Registry, ids: tuple[str, ...]) -> list[str]:
 
 
 def listing(registry: Registry, folder: Path | None) -> str:
-    """A line a claim; with a folder how many of its cells are there, and how many failed."""
+    """A line a claim; with a folder how many of its trials are there, and how many failed."""
     rows = [("id", "stored", "claim", "source")] if folder else [("id", "", "claim", "source")]
     for claim, entry in registry.entries.items():
         rows.append((claim, _stored(registry, claim, folder) if folder else "", entry.title, entry.source))
@@ -166,7 +166,7 @@ def _run(registry: Registry, options: RunOptions) -> None:
         raise
     print(options.out)
     if tally.failed:
-        raise LaboratoryError(f"{count(len(tally.failed), 'cell')} failed; the same command tries them again")
+        raise SweepError(f"{count(len(tally.failed), 'trial')} failed; the same command tries them again")
 
 
 def _report(registry: Registry, options: ReportOptions) -> None:

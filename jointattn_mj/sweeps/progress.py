@@ -10,7 +10,7 @@ from jointattn_mj.sweeps.run import Tally, Watcher
 
 SCREEN_S = 0.1
 MOST_FAILURES = 20
-"""Failed cells that are shown one by one."""
+"""Failed trials that are shown one by one."""
 
 
 class Progress(Watcher):
@@ -24,7 +24,7 @@ class Progress(Watcher):
 
     def begin(self, tally: Tally, slots: int) -> None:
         self._started = time.monotonic()
-        self._line(f"{count(tally.todo, 'cell')} to compute, {tally.stored} stored already")
+        self._line(f"{count(tally.todo, 'trial')} to compute, {tally.stored} stored already")
         self._told = time.monotonic()
 
     def tick(self, tally: Tally, slots: int) -> None:
@@ -51,7 +51,7 @@ class Progress(Watcher):
     def state(self, tally: Tally, slots: int | None, seconds: float) -> str:
         """One line; ``slots`` is None when the run is over."""
         ended = tally.done + len(tally.failed)
-        parts = [f"{ended}/{tally.todo} cells"]
+        parts = [f"{ended}/{tally.todo} trials"]
         if slots is not None:
             parts.append(f"{tally.running} running" if slots else "no worker yet")
         parts.append(f"{len(tally.failed)} failed")
@@ -71,7 +71,7 @@ class Progress(Watcher):
 
 
 def rate(per_second: float) -> str:
-    """Cells a second, a minute or an hour, whichever makes a number to read."""
+    """Trials a second, a minute or an hour, whichever makes a number to read."""
     for unit, seconds in (("s", 1), ("min", 60)):
         if per_second * seconds >= 1:
             return f"{per_second * seconds:.3g}/{unit}"

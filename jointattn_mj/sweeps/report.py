@@ -1,4 +1,4 @@
-"""What is stored, as one page to read, and as tables for programs. The same cells give the same bytes."""
+"""What is stored, as one page to read, and as tables for programs. The same trials give the same bytes."""
 
 import base64
 import csv
@@ -15,7 +15,7 @@ import yaml
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from matplotlib.figure import Figure
 
-from jointattn_mj.errors import LaboratoryError, OutputError
+from jointattn_mj.errors import OutputError, SweepError
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import plain
@@ -47,7 +47,7 @@ class Chapter:
     versions: Sequence[Mapping[str, str]] = ()
     film: Path | None = None
     notes: Sequence[str] = ()
-    """What a reader should know of the cells: some failed, some are of other settings."""
+    """What a reader should know of the trials: some failed, some are of other settings."""
     trouble: Sequence[str] = ()
     """Errors of the analysis itself."""
 
@@ -64,7 +64,7 @@ class Chapter:
 
     @property
     def runs(self) -> int:
-        """Stored cells."""
+        """Stored trials."""
         return sum(map(len, self.seeds.values()))
 
 
@@ -72,29 +72,29 @@ def write_report(registry: Registry, ids: Sequence[str], folder: Path) -> Path:
     """Write report.html, claims.json, claims.csv, claims.md and figures/ into ``folder``; returns the page.
 
     Raises:
-        OutputError: No such folder, no cells in it, or it cannot be written.
+        OutputError: No such folder, no trials in it, or it cannot be written.
         LaboratoryError: An analysis failed; everything else has been written.
     """
     chapters = [chapter(registry, claim, Store(folder)) for claim in ids]
     if not any(one.runs for one in chapters):
-        raise OutputError(f"{folder} holds no cells of {', '.join(ids)}; run some with `{command(['ID'], folder)}`")
-    pictures = {one.entry.id: _save(one, folder / "figures") for one in chapters}
+        raise OutputError(f"{folder} holds no trials of {', '.join(ids)}; run some with `{command(['ID'], folder)}`")
+    images = {one.entry.id: _save(one, folder / "figures") for one in chapters}
     tables = {
         "claims.json": json.dumps(without_nan([_facts(one) for one in chapters]), indent=1, ensure_ascii=False) + "\n",
         "claims.csv": _csv(chapters),
         "claims.md": _markdown(chapters),
-        "report.html": _page(chapters, pictures, folder),
+        "report.html": _page(chapters, images, folder),
     }
     for name, text in tables.items():
         _write(folder / name, text.encode())
     trouble = [f"{one.entry.id}: {error}" for one in chapters for error in one.trouble]
     if trouble:
-        raise LaboratoryError(f"{folder / 'report.html'} is written, but not all of it: {'; '.join(trouble)}")
+        raise SweepError(f"{folder / 'report.html'} is written, but not all of it: {'; '.join(trouble)}")
     return folder / "report.html"
 
 
 def chapter(registry: Registry, claim_id: str, store: Store) -> Chapter:
-    """All that is to be said about one claim; nothing is imported for one without cells."""
+    """All that is to be said about one claim; nothing is imported for one without trials."""
     entry = registry.entries[claim_id]
     if not store.known(claim_id):
         return Chapter(entry)
@@ -103,14 +103,14 @@ def chapter(registry: Registry, claim_id: str, store: Store) -> Chapter:
     findings: Sequence[Finding] = ()
     figures: Mapping[str, Figure] = {}
     try:
-        findings = claim.analyse(stored.cells)
+        findings = claim.analyse(stored.trials)
     except Exception as error:
         trouble.append(f"analyse: {type(error).__name__}: {error}")
     try:
-        figures = claim.draw(stored.cells)
+        figures = claim.draw(stored.trials)
     except Exception as error:
         trouble.append(f"draw: {type(error).__name__}: {error}")
-    seeds = {name: [cell.seed for cell in stored.cells.get(name, ())] for name in claim.settings}
+    seeds = {name: [trial.seed for trial in stored.trials.get(name, ())] for name in claim.settings}
     return Chapter(
         entry=entry,
         findings=[weighed(finding, claim, max(map(len, seeds.values()))) for finding in findings],
@@ -135,7 +135,7 @@ def weighed(finding: Finding, claim: Claim, runs: int) -> Finding:
 
 
 def commands(claim: Claim, seeds: Mapping[str, Sequence[int]], folder: Path) -> list[str]:
-    """Command lines that compute exactly the cells with these seeds into ``folder``."""
+    """Command lines that compute exactly the trials with these seeds into ``folder``."""
     wanted = {name: _ranges(found) for name, found in seeds.items() if found}
     usual = {name: [range(claim.first_seed, claim.first_seed + one.runs)] for name, one in claim.settings.items()}
     if wanted == {name: ranges for name, ranges in usual.items() if ranges[0]}:
@@ -166,15 +166,15 @@ def _ranges(seeds: Sequence[int]) -> list[range]:
 def _notes(stored: Stored, failures: Sequence[Mapping[str, Any]]) -> list[str]:
     notes = []
     if failures:
-        notes.append(f"Cells that failed: {len(failures)}; the same command tries them again")
+        notes.append(f"Trials that failed: {len(failures)}; the same command tries them again")
     unread = [failure["damaged"].name for failure in failures if "damaged" in failure]
     if unread:
         notes.append(f"Notes of failures that cannot be read: {len(unread)} ({', '.join(unread[:3])}); delete them")
     if stored.others:
-        notes.append(f"Cells of other settings, or of another version, that are not used: {stored.others}")
+        notes.append(f"Trials of other settings, or of another version, that are not used: {stored.others}")
     if stored.damaged:
         names = ", ".join(path.name for path in stored.damaged[:3])
-        notes.append(f"Files that hold no cell: {len(stored.damaged)} ({names}); delete them and run again")
+        notes.append(f"Files that hold no trial: {len(stored.damaged)} ({names}); delete them and run again")
     return notes
 
 
@@ -183,13 +183,13 @@ def _save(one: Chapter, folder: Path) -> dict[str, str]:
     uris = {}
     with matplotlib.rc_context(UNCHANGING):
         for stem, figure in one.figures.items():
-            drawing, picture = io.BytesIO(), io.BytesIO()
-            figure.savefig(picture, format="png", dpi=DPI, metadata={"Software": None})
+            drawing, image = io.BytesIO(), io.BytesIO()
+            figure.savefig(image, format="png", dpi=DPI, metadata={"Software": None})
             figure.savefig(drawing, format="svg", metadata={"Date": None, "Creator": None})
             folder.mkdir(parents=True, exist_ok=True)
-            _write(folder / f"{one.entry.id}-{stem}.png", picture.getvalue())
+            _write(folder / f"{one.entry.id}-{stem}.png", image.getvalue())
             small = len(drawing.getvalue()) <= LARGEST_SVG
-            uris[stem] = _uri("image/svg+xml", drawing.getvalue()) if small else _uri("image/png", picture.getvalue())
+            uris[stem] = _uri("image/svg+xml", drawing.getvalue()) if small else _uri("image/png", image.getvalue())
     return uris
 
 
@@ -248,8 +248,8 @@ def _markdown(chapters: Sequence[Chapter]) -> str:
         for finding in one.findings:
             ours, n = ("", "") if finding.ours is None else (str(finding.ours), str(finding.ours.n))
             verdict = f"{finding.verdict}: {finding.note}" if finding.note else str(finding.verdict)
-            cells = (one.entry.id, finding.what, finding.dissertation, ours, n, verdict)
-            lines.append(f"| {' | '.join(map(_plain_in_markdown, cells))} |")
+            columns = (one.entry.id, finding.what, finding.dissertation, ours, n, verdict)
+            lines.append(f"| {' | '.join(map(_plain_in_markdown, columns))} |")
     return "\n".join(lines) + "\n"
 
 
@@ -259,7 +259,7 @@ def _plain_in_markdown(text: str) -> str:
     return " ".join(text.split()).translate(marks).replace("](", "]\\(")
 
 
-def _page(chapters: Sequence[Chapter], pictures: Mapping[str, Mapping[str, str]], folder: Path) -> str:
+def _page(chapters: Sequence[Chapter], images: Mapping[str, Mapping[str, str]], folder: Path) -> str:
     environment = Environment(
         loader=PackageLoader("jointattn_mj.laboratory"),
         autoescape=True,
@@ -271,7 +271,7 @@ def _page(chapters: Sequence[Chapter], pictures: Mapping[str, Mapping[str, str]]
     environment.filters["yaml"] = lambda config: yaml.safe_dump(config, sort_keys=False, default_flow_style=None)
     films = {one.entry.id: _uri("video/mp4", one.film.read_bytes()) for one in chapters if one.film is not None}
     return environment.get_template("report.html").render(
-        chapters=chapters, pictures=pictures, films=films, folder=shlex.quote(str(folder))
+        chapters=chapters, images=images, films=films, folder=shlex.quote(str(folder))
     )
 
 

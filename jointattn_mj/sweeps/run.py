@@ -27,19 +27,19 @@ class Tally:
     """How far a run has come."""
 
     todo: int = 0
-    """Cells that were missing when it began."""
+    """Trials that were missing when it began."""
     stored: int = 0
-    """Cells that were there already."""
+    """Trials that were there already."""
     done: int = 0
     failed: list[tuple[Task, str, str]] = field(default_factory=list)
-    """Cells that failed, with their error and the command that runs them alone."""
+    """Trials that failed, with their error and the command that runs them alone."""
     running: int = 0
     deaths: int = 0
     """Workers that died."""
     left: Counter[tuple[str, str]] = field(default_factory=Counter)
-    """Cells still to do, by claim and setting."""
+    """Trials still to do, by claim and setting."""
     seconds: dict[tuple[str, str], tuple[int, float]] = field(default_factory=dict)
-    """Cells and their computing time, by claim and setting."""
+    """Trials and their computing time, by claim and setting."""
 
     def work_left_s(self) -> float | None:
         """Computing time of what is left, from what the same settings took so far; None before anything is known."""
@@ -47,26 +47,26 @@ class Tally:
         if not known:
             return None
         mean = sum(spent for _, spent in self.seconds.values()) / known
-        per_cell = {kind: spent / count for kind, (count, spent) in self.seconds.items()}
-        return sum(count * per_cell.get(kind, mean) for kind, count in self.left.items())
+        per_trial = {kind: spent / count for kind, (count, spent) in self.seconds.items()}
+        return sum(count * per_trial.get(kind, mean) for kind, count in self.left.items())
 
 
 class Watcher:
     """Is told how a run goes; this one does not listen."""
 
     def begin(self, tally: Tally, slots: int) -> None:
-        """Before the first cell."""
+        """Before the first trial."""
 
     def tick(self, tally: Tally, slots: int) -> None:
-        """Whenever a cell has ended, and every second."""
+        """Whenever a trial has ended, and every second."""
 
     def end(self, tally: Tally) -> None:
-        """After the last cell, or when the run is cut short."""
+        """After the last trial, or when the run is cut short."""
 
 
 @dataclass(frozen=True)
 class Selection(Checked):
-    """Which cells of a claim: its own settings, seeds and runs where nothing else is said."""
+    """Which trials of a claim: its own settings, seeds and runs where nothing else is said."""
 
     setting: str | None = None
     """A setting's id, or how the ids of several begin."""
@@ -91,7 +91,7 @@ class Selection(Checked):
 
 
 def plan(claims: Sequence[Claim], selection: Selection) -> Iterator[Task]:
-    """All cells that are meant, claim after claim.
+    """All trials that are meant, claim after claim.
 
     Raises:
         ConfigError: No claim has the setting.
@@ -112,13 +112,13 @@ def run(
     watcher: Watcher | None = None,
     **always: object,
 ) -> Tally:
-    """Compute and store what is missing; cells that failed before are tried again.
+    """Compute and store what is missing; trials that failed before are tried again.
 
-    The error of a cell, or the death of its worker, ends that cell and no other. ``always`` are options that the
-    command line needs to run a cell again.
+    The error of a trial, or the death of its worker, ends that trial and no other. ``always`` are options that the
+    command line needs to run a trial again.
 
     Raises:
-        OutputError: The folder cannot be written; all cells that had been stored stay.
+        OutputError: The folder cannot be written; all trials that had been stored stay.
         LaboratoryError: The workers are gone for good.
     """
     store, watcher = Store(folder), watcher or Watcher()
@@ -149,7 +149,7 @@ class _Run:
         self.packed: dict[tuple[str, str], bytes] = {}
         self.deaths: Counter[str] = Counter()
         self.doubtful: deque[Task] = deque()
-        """Cells during which a worker died. They run last and alone, so that a guilty one takes nothing with it."""
+        """Trials during which a worker died. They run last and alone, so that a guilty one takes nothing with it."""
 
     def through(self, queue: deque[Task]) -> None:
         """Compute everything in ``queue``."""
@@ -167,7 +167,7 @@ class _Run:
             self.watcher.tick(self.tally, slots)
 
     def launch(self, queue: deque[Task]) -> None:
-        """Hand the first cell to a worker, unless another run has stored it by now."""
+        """Hand the first trial to a worker, unless another run has stored it by now."""
         task = queue.popleft()
         kind = task.claim.id, task.name
         if self.store.has(task):
@@ -176,7 +176,7 @@ class _Run:
             self.tally.left[kind] -= 1
             return
         if kind not in self.packed:
-            self.packed[kind] = pack(task.claim.cell, task.setting.config)
+            self.packed[kind] = pack(task.claim.trial, task.setting.config)
         try:
             self.flying[self.backend.submit(compute, self.packed[kind], task.seed)] = task
         except self.backend.deaths:
@@ -184,7 +184,7 @@ class _Run:
             self.bury([])
 
     def land(self, future: Future[Outcome]) -> Task | None:
-        """Take in a future that has ended; returns its cell where the worker died."""
+        """Take in a future that has ended; returns its trial where the worker died."""
         task = self.flying.pop(future)
         kind = task.claim.id, task.name
         try:
@@ -223,7 +223,7 @@ class _Run:
                 self.fail(task, "its worker died every time that it was tried, the last times alone", "")
 
     def fail(self, task: Task, error: str, told: str) -> None:
-        """Note a cell that failed."""
+        """Note a trial that failed."""
         alone = command([task.claim.id], self.store.folder, setting=task.name, seed=task.seed, runs=1, **self.always)
         self.store.write_failure(task, error, told, alone)
         self.tally.failed.append((task, error, alone))

@@ -1,7 +1,7 @@
-"""Cells on disk: one JSON file each, named after a hash of all that went into it, there whole or not at all.
+"""Trials on disk: one JSON file each, named after a hash of all that went into it, there whole or not at all.
 
     <folder>/cells/<claim>/<key>.json      a finished cell: what it was computed from, its result, versions, wall time
-    <folder>/failed/<claim>/<key>.json     a cell that failed: the error, its traceback; gone once it has succeeded
+    <folder>/failed/<claim>/<key>.json     a trial that failed: the error, its traceback; gone once it has succeeded
 
 Several runs may use one folder at once: they can only write the same file twice.
 """
@@ -18,17 +18,43 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from jointattn_mj.errors import CellError, OutputError
+from jointattn_mj.errors import OutputError, TrialError
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.lock import locked
 from jointattn_mj.io.provenance import plain
-from jointattn_mj.sweeps.claim import Cell, Cells, Claim, Setting
+from jointattn_mj.sweeps.claim import Claim, Setting, Trial, Trials
 
 END = b"\n}\n"
 UNREADABLE = (OSError, ValueError, KeyError, TypeError, RecursionError)
 """What reading a file can end in that is damaged, or something else under its name."""
 ABANDONED_S = 3600.0
 """A temporary file as old as this was left by a process that was killed."""
+
+
+NAMES_IN_KEYS = {
+    "agent": "mind", "holding_location": "holding_place", "rest_location": "rest_place", "location_gain": "place_gain",
+    "agent_steps": "mind_turns", "images": "pictures", "image_height": "picture_height",
+}  # fmt: skip
+"""Fields of configs that have been renamed, by their name now. Keys and stored configs keep the first name, so that
+trials stored before are found."""
+
+
+def config_text(config: Any) -> str:
+    """The config of a setting as the JSON text that the keys of its trials are made of."""
+    return text_of(_with_first_names(plain(config)))
+
+
+def _with_first_names(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_with_first_names(item) for item in value]
+    if not isinstance(value, dict):
+        return value
+    named = {NAMES_IN_KEYS.get(name, name): _with_first_names(item) for name, item in value.items()}
+    if named.get("perception") == "state":
+        named["perception"] = "truth"
+    if isinstance(named.get("state"), dict):
+        named["truth"] = named.pop("state")
+    return named
 
 
 def text_of(value: Any) -> str:
@@ -40,7 +66,7 @@ def text_of(value: Any) -> str:
     try:
         return json.dumps(_finite(plain(value)), sort_keys=True, allow_nan=False, separators=(",", ":"))
     except TypeError as error:
-        raise CellError(f"expected numbers, strings, lists and dicts, None for what is missing; {error}") from error
+        raise TrialError(f"expected numbers, strings, lists and dicts, None for what is missing; {error}") from error
 
 
 def _finite(value: Any) -> Any:
@@ -51,13 +77,13 @@ def _finite(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         if math.isnan(value):
             return None
-        raise CellError(f"expected finite numbers, for JSON has no others; got {value}; say None for what never came")
+        raise TrialError(f"expected finite numbers, for JSON has no others; got {value}; say None for what never came")
     return value
 
 
 @dataclass(frozen=True)
 class Task:
-    """A cell to compute."""
+    """A trial to compute."""
 
     claim: Claim
     name: str
@@ -71,18 +97,18 @@ class Task:
 
 
 class Keys:
-    """Names of the files of a claim's cells; the resolved config of each setting is written out once."""
+    """Names of the files of a claim's trials; the resolved config of each setting is written out once."""
 
     def __init__(self, claim: Claim):
         self.claim = claim
-        self.configs = {name: text_of(setting.config) for name, setting in claim.settings.items()}
+        self.configs = {name: config_text(setting.config) for name, setting in claim.settings.items()}
 
     def key(self, name: str, seed: int) -> str:
-        """Of the cell with this setting and seed."""
+        """Of the trial with this setting and seed."""
         return key_of(self.claim.id, self.claim.version, self.configs[name], seed)
 
     def tasks(self, names: Sequence[str], seeds: Mapping[str, range]) -> Iterator[Task]:
-        """Cells of these settings, all with their first seed, then all with their second..."""
+        """Trials of these settings, all with their first seed, then all with their second..."""
         for place in range(max((len(seeds[name]) for name in names), default=0)):
             for name in names:
                 if place < len(seeds[name]):
@@ -91,7 +117,7 @@ class Keys:
 
     @cached_property
     def settings(self) -> dict[str, list[str]]:
-        """Ids of settings by their config: two that are the same share their cells."""
+        """Ids of settings by their config: two that are the same share their trials."""
         found: dict[str, list[str]] = {}
         for name, config in self.configs.items():
             found.setdefault(config, []).append(name)
@@ -99,7 +125,7 @@ class Keys:
 
 
 def key_of(claim: str, version: int, config: str, seed: int) -> str:
-    """32 hexadecimal digits of a hash over all that a cell's result depends on."""
+    """32 hexadecimal digits of a hash over all that a trial's result depends on."""
     return hashlib.sha256(f"{claim}\n{version}\n{seed}\n{config}".encode()).hexdigest()[:32]
 
 
@@ -107,17 +133,17 @@ def key_of(claim: str, version: int, config: str, seed: int) -> str:
 class Stored:
     """What a folder holds of a claim."""
 
-    cells: Cells
+    trials: Trials
     versions: tuple[dict[str, str], ...]
-    """Every combination of versions that a cell was computed with."""
+    """Every combination of versions that a trial was computed with."""
     others: int
-    """Cells of another version of the claim, or of settings that it has no more."""
+    """Trials of another version of the claim, or of settings that it has no more."""
     damaged: tuple[Path, ...]
-    """Files that hold no cell."""
+    """Files that hold no trial."""
 
 
 class Store:
-    """A folder of cells."""
+    """A folder of trials."""
 
     def __init__(self, folder: Path):
         self.folder = folder
@@ -128,7 +154,7 @@ class Store:
         Raises:
             OutputError: They cannot be made.
         """
-        for folder in (self._cells(claim), self._failed(claim)):
+        for folder in (self._trials(claim), self._failed(claim)):
             try:
                 folder.mkdir(parents=True, exist_ok=True)
             except OSError as error:
@@ -150,33 +176,33 @@ class Store:
             yield place
 
     def path(self, task: Task) -> Path:
-        """Where the cell is, or will be."""
-        return self._cells(task.claim.id) / f"{task.key}.json"
+        """Where the trial is, or will be."""
+        return self._trials(task.claim.id) / f"{task.key}.json"
 
     def has(self, task: Task) -> bool:
-        """Whether the cell is there, down to its last line."""
+        """Whether the trial is there, down to its last line."""
         return _is_whole(self.path(task))
 
     def known(self, claim: str) -> frozenset[str]:
-        """Keys of all whole cells of a claim; of another version too."""
-        return frozenset(Path(entry.name).stem for entry in _files(self._cells(claim)) if _is_whole(entry))
+        """Keys of all whole trials of a claim; of another version too."""
+        return frozenset(Path(entry.name).stem for entry in _files(self._trials(claim)) if _is_whole(entry))
 
     def write(self, task: Task, result: str, **beside: Any) -> None:
-        """Store a cell, ``result`` as JSON text; ``beside`` are facts about how it was computed.
+        """Store a trial, ``result`` as JSON text; ``beside`` are facts about how it was computed.
 
         Raises:
             OutputError: The file cannot be written.
         """
         facts = {"claim": task.claim.id, "version": task.claim.version, "setting": task.name, "seed": task.seed}
         lines = [f'"{name}": {text_of(value)}' for name, value in {**facts, **beside}.items()]
-        lines[4:4] = [f'"config": {text_of(task.setting.config)}', f'"result": {result}']
+        lines[4:4] = [f'"config": {config_text(task.setting.config)}', f'"result": {result}']
         text = "{\n" + ",\n".join(lines) + END.decode()
         write_whole(self.path(task), lambda path: path.write_text(text))
         with suppress(OSError):
             self._failure(task).unlink(missing_ok=True)
 
     def write_failure(self, task: Task, error: str, traceback: str, alone: str) -> None:
-        """Note why a cell failed and the command that runs it alone.
+        """Note why a trial failed and the command that runs it alone.
 
         Raises:
             OutputError: The file cannot be written.
@@ -188,35 +214,35 @@ class Store:
         write_whole(self._failure(task), lambda path: path.write_text(json.dumps(facts, indent=1) + "\n"))
 
     def failures(self, claim: str) -> list[dict[str, Any]]:
-        """Failed cells, by setting and seed; of a note that is damaged no more is known than its file."""
+        """Failed trials, by setting and seed; of a note that is damaged no more is known than its file."""
         found = [_failure(Path(entry)) for entry in _files(self._failed(claim))]
         return sorted(found, key=lambda failure: (failure["setting"], failure["seed"]))
 
     def read(self, claim: Claim) -> Stored:
-        """All stored cells of a claim that belong to its settings as they are now."""
+        """All stored trials of a claim that belong to its settings as they are now."""
         keys, others, damaged = Keys(claim), 0, []
-        cells: dict[str, list[Cell]] = {name: [] for name in claim.settings}
+        trials: dict[str, list[Trial]] = {name: [] for name in claim.settings}
         versions = set()
-        for entry in _files(self._cells(claim.id)):
+        for entry in _files(self._trials(claim.id)):
             try:
                 stored = json.loads(Path(entry).read_bytes())
                 config, seed, result = text_of(stored["config"]), stored["seed"], stored["result"]
                 made_with = {**stored.get("versions", {}), "python": stored.get("python", "unknown")}
                 if key_of(claim.id, stored["version"], config, seed) != Path(entry.name).stem:
-                    raise ValueError("not the cell that its name says")
+                    raise ValueError("not the trial that its name says")
             except UNREADABLE:
                 damaged.append(Path(entry))
                 continue
             names = keys.settings.get(config, []) if stored["version"] == claim.version else []
             others += not names
             for name in names:
-                cells[name].append(Cell(name, seed, result))
+                trials[name].append(Trial(name, seed, result))
             if names:
                 versions.add(tuple((package, str(number)) for package, number in made_with.items()))
-        found = {name: sorted(part, key=lambda cell: cell.seed) for name, part in cells.items() if part}
+        found = {name: sorted(part, key=lambda trial: trial.seed) for name, part in trials.items() if part}
         return Stored(found, tuple(dict(one) for one in sorted(versions)), others, tuple(sorted(damaged)))
 
-    def _cells(self, claim: str) -> Path:
+    def _trials(self, claim: str) -> Path:
         return self.folder / "cells" / claim
 
     def _failed(self, claim: str) -> Path:

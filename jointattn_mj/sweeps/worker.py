@@ -1,6 +1,6 @@
-"""What a worker process does: one cell, whatever happens in it.
+"""What a worker process does: one trial, whatever happens in it.
 
-Cells travel to workers as pickles, which can run any code: workers and whoever can reach a dask scheduler are trusted.
+Trials travel to workers as pickles, which can run any code: workers and whoever can reach a dask scheduler are trusted.
 """
 
 import os
@@ -25,36 +25,36 @@ SINGLE_THREADED = {
     "OPENCV_FOR_THREADS_NUM": "1",
     "LP_NUM_THREADS": "0",
 }
-"""Environment of a worker: cells run side by side, so none takes more than its core (llvmpipe counts from 0)."""
+"""Environment of a worker: trials run side by side, so none takes more than its core (llvmpipe counts from 0)."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a cell ended."""
+    """How a trial ended."""
 
     seconds: float
     result: str = ""
-    """JSON text; empty where the cell failed."""
+    """JSON text; empty where the trial failed."""
     made_with: dict[str, Any] | None = None
     """Versions and platform."""
     error: str = ""
     traceback: str = ""
 
 
-def pack(cell: Any, config: Any) -> bytes:
-    """A cell's function and config for :func:`compute`, which unpacks them where an error can be caught."""
-    return pickle.dumps((cell, config))
+def pack(trial: Any, config: Any) -> bytes:
+    """A trial's function and config for :func:`compute`, which unpacks them where an error can be caught."""
+    return pickle.dumps((trial, config))
 
 
 def compute(packed: bytes, seed: int) -> Outcome:
-    """Compute one cell. An error is an outcome like another."""
+    """Compute one trial. An error is an outcome like another."""
     for name, value in SINGLE_THREADED.items():
         os.environ.setdefault(name, value)
     started = time.perf_counter()
     try:
-        cell, config = pickle.loads(packed)
-        result = text_of(cell(config, seed))
-    except BaseException as error:  # a cell that exits is one that failed
+        trial, config = pickle.loads(packed)
+        result = text_of(trial(config, seed))
+    except BaseException as error:  # a trial that exits is one that failed
         said = f"{type(error).__name__}: {error}".strip().rstrip(":")
         return Outcome(time.perf_counter() - started, error=said, traceback=traceback.format_exc())
     return Outcome(time.perf_counter() - started, result, _made_with())

@@ -64,7 +64,7 @@ class TrainedGazeFollower:
         """Raises ConfigError: The task does not give what it needs."""
         if not {"camera", "head_moves"} <= environment.observation_spec().keys():
             raise ConfigError(
-                "gaze_follower needs 30 pictures a second; object_transfer and object_transfer_hard give them"
+                "gaze_follower needs 30 images a second; object_transfer and object_transfer_hard give them"
             )
         self._environment, self._seeds = environment, np.random.SeedSequence(seed)
         self._weights = read_weights(assets_folder() / "trained" / "robin.npz")
@@ -85,7 +85,7 @@ class TrainedGazeFollower:
         return robot
 
 
-class LivingDeveloper:
+class RunningDeveloper:
     """The mind of chapter 5, which develops as it goes on from episode to episode; it knows the truth of its variables.
 
     The first turn of an episode counts for it as what came of the last turn of the one before.
@@ -99,11 +99,11 @@ class LivingDeveloper:
         task = environment.task
         if not isinstance(task, TurnTaking) or "sensors" not in environment.observation_spec():
             raise ConfigError("developer lives in turns: play turn_taking or turn_taking_hard, with truth=True")
-        self.mind = Developer(task.variables, DeveloperConfig(), np.random.SeedSequence(seed))
+        self.agent = Developer(task.variables, DeveloperConfig(), np.random.SeedSequence(seed))
 
     def act(self, timestep: TimeStep) -> Any:
         """Learn from what has come of the last turn, and choose gaze and gesture."""
-        return self.mind.act(timestep.observation["sensors"], timestep.observation["results"])
+        return self.agent.act(timestep.observation["sensors"], timestep.observation["results"])
 
 
 AGENTS: dict[str, Callable[[Environment, int], Any]] = {
@@ -111,6 +111,6 @@ AGENTS: dict[str, Callable[[Environment, int], Any]] = {
     "random": Random,
     "oracle": Oracle,
     "gaze_follower": TrainedGazeFollower,
-    "developer": LivingDeveloper,
+    "developer": RunningDeveloper,
 }
 """What makes each agent, from the environment and a seed."""

@@ -1,4 +1,4 @@
-"""What all tasks share: episodes with a seed each, people who take turns, pictures, and the interface of dm_control."""
+"""What all tasks share: episodes with a seed each, people who take turns, images, and the interface of dm_control."""
 
 from abc import abstractmethod
 from collections import OrderedDict
@@ -16,7 +16,7 @@ from jointattn_mj.guards.closing import Closable
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.dressing import Conditions
-from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH, build_model
+from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH, build_model
 from jointattn_mj.scene.people import FaceConfig
 from jointattn_mj.scene.variation import VariationConfig, drawn, variation_of
 from jointattn_mj.scene.world import World, WorldConfig
@@ -155,15 +155,15 @@ class Task(control.Task):
         """What ``get_observation`` returns."""
         spec: OrderedDict[str, specs.Array] = OrderedDict()
         if self._camera:
-            spec["camera"] = specs.BoundedArray((PICTURE_HEIGHT, PICTURE_WIDTH, 3), np.uint8, 0, 255, name="camera")
+            spec["camera"] = specs.BoundedArray((IMAGE_HEIGHT, IMAGE_WIDTH, 3), np.uint8, 0, 255, name="camera")
         spec["head_angles"] = specs.BoundedArray((2,), float, -np.pi, np.pi, name="head_angles")
         return spec | (self.truth_spec() if self._truth else {})
 
     def get_observation(self, physics: Physics) -> OrderedDict[str, np.ndarray]:
-        """The picture and the head's pan and tilt (rad), where asked for the truth; arrays of the caller's own."""
+        """The image and the head's pan and tilt (rad), where asked for the truth; arrays of the caller's own."""
         observation: OrderedDict[str, np.ndarray] = OrderedDict()
         if self._camera:
-            observation["camera"] = self.world.picture().copy()
+            observation["camera"] = self.world.image().copy()
         observation["head_angles"] = self.world.head_angles()
         return observation | (self.truth() if self._truth else {})
 
@@ -172,7 +172,7 @@ class Task(control.Task):
         return {"truth": specs.BoundedArray((2,), float, -np.pi, np.pi, name="truth")}
 
     def truth(self) -> dict[str, np.ndarray]:
-        """What perfect perception would make of the picture: yaw and pitch of the caregiver's head, (2,), rad."""
+        """What perfect perception would make of the image: yaw and pitch of the caregiver's head, (2,), rad."""
         return {"truth": self.world.face_angles().copy()}
 
     @abstractmethod
@@ -274,7 +274,7 @@ class Environment(Closable, control.Environment):
         """Go back to ``state``, of this environment or of one that was built alike; it can be used again.
 
         From there on the same actions bring the same observations and rewards, those of later episodes included.
-        Environments with and without pictures or truth, and with other time limits, are alike.
+        Environments with and without images or truth, and with other time limits, are alike.
 
         Raises:
             StateError: ``state`` is none, or of an environment of another task, world, people, variation or table.

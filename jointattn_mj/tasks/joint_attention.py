@@ -5,7 +5,7 @@ as a measure. Arguments that all tasks have:
 
     time_limit: Seconds in an episode.
     random: Seed, or a state to draw one from.
-    camera: Whether observations hold the picture; without it nothing is rendered.
+    camera: Whether observations hold the image; without it nothing is rendered.
     truth: Whether observations hold what perfect perception would make of it; see each task's ``truth``.
     world: What things look like, how the caregiver moves, where objects lie.
     people: Names of caregivers; each episode has one of them. None: the one of ``world``.

@@ -23,7 +23,7 @@ class ObjectTransfer(Task):
         return spec
 
     def get_observation(self, physics: Physics) -> OrderedDict[str, np.ndarray]:
-        """The picture, the head's pan and tilt (rad), and whether it turns; arrays of the caller's own."""
+        """The image, the head's pan and tilt (rad), and whether it turns; arrays of the caller's own."""
         observation = super().get_observation(physics)
         observation["head_moves"] = np.array(self.world.head_moves())
         return observation

@@ -5,7 +5,7 @@ from functools import cached_property
 import numpy as np
 
 from jointattn_mj.errors import StateError
-from jointattn_mj.scene.camera import PIVOT, in_picture, pixels_of_points
+from jointattn_mj.scene.camera import PIVOT, in_image, pixels_of_points
 from jointattn_mj.scene.rendering import RenderingPhysics
 from jointattn_mj.scene.world import HEAD_JOINTS
 
@@ -100,10 +100,10 @@ class Physics(RenderingPhysics):
         return fixated is not None and fixated < len(self.object_names) and fixated == self.caregiver_fixates()
 
     def in_view(self) -> np.ndarray:
-        """Which targets' centres lie inside the robot's picture, hidden or not: (n + 1,) bool."""
+        """Which targets' centres lie inside the robot's image, hidden or not: (n + 1,) bool."""
         targets = np.vstack([self.object_positions(), self.face_position()])
         pixels = pixels_of_points(targets, np.degrees(self.head_angles()))
-        return in_picture(pixels) & (self.robot_to_targets() < np.pi / 2)
+        return in_image(pixels) & (self.robot_to_targets() < np.pi / 2)
 
 
 def _angles(origin: np.ndarray, direction: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ class EnvironmentState:
         built: How the environment was built, as far as its future depends on that.
         steps: Steps taken in this episode.
         over: Whether the next step begins another episode.
-        task: Bodies, the caregiver's script, delayed pictures, and all random streams.
+        task: Bodies, the caregiver's script, delayed images, and all random streams.
     """
 
     built: tuple[Any, ...]

@@ -1,7 +1,7 @@
 """Face-to-face interaction in turns (chapters 4 and 5) with bodies: what the symbolic table does can be seen.
 
 One step is one turn of ``symbolic.table``, with its rules and nothing added: objects are placed anew now and then, the
-robot looks somewhere, the caregiver shifts her gaze. Heads turn for a second; the picture shows how things stand then.
+robot looks somewhere, the caregiver shifts her gaze. Heads turn for a second; the image shows how things stand then.
 """
 
 from collections import OrderedDict
@@ -17,13 +17,13 @@ from jointattn_mj.development.table.world import (
     ROBOT,
     TableConfig,
     new_table,
+    step,
     table_variables,
-    turn,
 )
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.camera import directions_to
-from jointattn_mj.scene.looker import AWAY, TurnWorld, places
+from jointattn_mj.scene.looker import AWAY, TurnWorld, locations
 from jointattn_mj.scene.model import OBJECTS, ObjectConfig
 from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.scene.world import WorldConfig
@@ -39,7 +39,7 @@ _KEPT = ("table", "joint_attention", "_sensors", "_results")
 """Attributes of the task that change from turn to turn."""
 
 
-def seen_objects(table: TableConfig) -> tuple[ObjectConfig, ...]:
+def visible_objects(table: TableConfig) -> tuple[ObjectConfig, ...]:
     """Objects that look as many different ways as the table has kinds; all that lie on it look alike if that is 1.
 
     Raises:
@@ -75,7 +75,7 @@ class TurnTaking(Task):
         require("world", config, WorldConfig)
         require("table", table, TableConfig)
         self.table_config, self.variables = table, table_variables(table)
-        scene = replace(config.scene, objects=seen_objects(table))
+        scene = replace(config.scene, objects=visible_objects(table))
         super().__init__(replace(config, scene=scene), random, camera, truth, people, variation)
         self.table = new_table(table, np.random.SeedSequence(0))
         self._sensors = np.zeros(len(self.variables.sensors), np.int64)
@@ -85,42 +85,42 @@ class TurnTaking(Task):
         """The first turn: objects are placed, the caregiver shifts her gaze or not; the robot looks at her."""
         self.table = new_table(self.table_config, seed)
         self._survey()
-        self._turn(np.array([self.table_config.spots, 0]))
+        self._advance(np.array([self.table_config.spots, 0]))
         self.joint_attention = False
         self.world.arrive(self._directions[-1])
 
     def _survey(self) -> None:
         """Where places are, and in which directions they and her face lie."""
-        self._places = places(self.table_config.spots, self.world.config.scene)
+        self._locations = locations(self.table_config.spots, self.world.config.scene)
         face = np.radians(directions_to(self.world.candidate_points())[-1])
-        self._directions = np.vstack([np.radians(directions_to(self._places)), face])
+        self._directions = np.vstack([np.radians(directions_to(self._locations)), face])
 
     def act(self, action: np.ndarray) -> None:
         """A turn; ``action`` (2,) is where the robot looks (a place, or their number for her face) and its gesture.
 
         Numbers that are not whole are rounded, as noise on actions needs.
         """
-        self._turn(np.rint(action).astype(np.int64))
+        self._advance(np.rint(action).astype(np.int64))
         self.world.before_step(self._directions[self.table.state[ROBOT]])
 
-    def _turn(self, action: np.ndarray) -> None:
+    def _advance(self, action: np.ndarray) -> None:
         """Let the table live through a turn, and the caregiver know where she looks at its end."""
         state, full, looked_at = self.table.state, self.table.full.copy(), int(self.table.state[CAREGIVER])
-        turn(self.table, action, self._sensors, self._results)
+        step(self.table, action, self._sensors, self._results)
         self.world.gesture(int(action[1]), self.table_config.gestures)
         robot, looks_at, face = int(state[ROBOT]), int(state[CAREGIVER]), len(full)
         followed = robot == looked_at < face and full[robot]
         was_followed = robot == looks_at < face and self.table.full[robot]
         self.joint_attention = bool(followed or was_followed)
         self._lay()
-        self.world.caregiver.look(None if looks_at == face else self._places[looks_at])
+        self.world.caregiver.look(None if looks_at == face else self._locations[looks_at])
 
     def _lay(self) -> None:
         """Put the objects where the table has them."""
         objects, kinds = self.world.caregiver.objects, self.table_config.kinds
         objects[:] = AWAY
-        for number, place in enumerate(np.flatnonzero(self.table.full)):
-            objects[self.table.kind[place] if kinds > 1 else number] = self._places[place]
+        for number, location in enumerate(np.flatnonzero(self.table.full)):
+            objects[self.table.kind[location] if kinds > 1 else number] = self._locations[location]
 
     def actions(self) -> specs.BoundedArray:
         """Where the robot looks, 0 to the number of places, which stands for her face; and its gesture."""
@@ -166,7 +166,7 @@ class TurnTaking(Task):
     def best_action(self, physics: Physics) -> np.ndarray:
         """To the object that she looks at; while she looks at the robot, to any, that she may follow."""
         state, full = self.table.state, self.table.full
-        for place in (int(state[CAREGIVER]), int(state[ROBOT]), int(np.argmax(full))):
-            if place < len(full) and full[place]:
-                return np.array([place, 0])
+        for location in (int(state[CAREGIVER]), int(state[ROBOT]), int(np.argmax(full))):
+            if location < len(full) and full[location]:
+                return np.array([location, 0])
         raise AssertionError("a table has at least one object")

@@ -77,7 +77,7 @@ class Onlooker:
         self.together = False
 
     def look(self) -> np.ndarray:
-        """The picture now, uint8 (height, width, 3); ``together`` then says whether both look at the same object."""
+        """The image now, uint8 (height, width, 3); ``together`` then says whether both look at the same object."""
         model, data, now = self._physics.model.ptr, self._physics.data.ptr, self._world.data
         data.qpos[:], data.mocap_pos[:], data.mocap_quat[:] = now.qpos, now.mocap_pos, now.mocap_quat
         mujoco.mj_kinematics(model, data)

@@ -1,4 +1,4 @@
-"""Ink for the session's video: colours, anti-aliased text and lines on RGB pictures, uint8 (height, width, 3).
+"""Ink for the session's video: colours, anti-aliased text and lines on RGB images, uint8 (height, width, 3).
 
 Text is drawn once by Pillow with the font that comes with matplotlib, and blended from a cache after that.
 """
@@ -30,16 +30,16 @@ _SUBPIXEL = 4  # bits of fraction in coordinates given to OpenCV
 
 
 class Box(NamedTuple):
-    """A rectangle of the picture, pixels."""
+    """A rectangle of the image, pixels."""
 
     x: int
     y: int
     width: int
     height: int
 
-    def of(self, picture: np.ndarray) -> np.ndarray:
-        """The view of this rectangle in a picture."""
-        return picture[self.y : self.y + self.height, self.x : self.x + self.width]
+    def of(self, image: np.ndarray) -> np.ndarray:
+        """The view of this rectangle in an image."""
+        return image[self.y : self.y + self.height, self.x : self.x + self.width]
 
 
 def ink_of(rgb: Sequence[float]) -> Colour:
@@ -80,7 +80,7 @@ def width_of(text: str, size: int = 14, bold: bool = False) -> int:
 
 
 def write(
-    picture: np.ndarray,
+    image: np.ndarray,
     x: float,
     y: float,
     text: str,
@@ -94,7 +94,7 @@ def write(
     left = round(x - {"left": 0, "centre": 0.5, "right": 1}[align] * mask.shape[1])
     top, end = round(y), left + mask.shape[1]
     skip_x, skip_y = max(0, -left), max(0, -top)
-    area = picture[top + skip_y : top + mask.shape[0], left + skip_x : end] if end > 0 else picture[:0, :0]
+    area = image[top + skip_y : top + mask.shape[0], left + skip_x : end] if end > 0 else image[:0, :0]
     if area.size:
         mask = mask[skip_y:, skip_x:][: area.shape[0], : area.shape[1]]
         area[:] = area + ((np.array(colour) - area) * mask >> 8)
@@ -102,37 +102,37 @@ def write(
 
 
 def shade(area: np.ndarray, colour: Colour, share: float) -> None:
-    """Mix a colour into an area of a picture, in place."""
+    """Mix a colour into an area of an image, in place."""
     cv2.addWeighted(area, 1 - share, np.broadcast_to(np.array(colour, np.uint8), area.shape), share, 0, dst=area)
 
 
 def lines(
-    picture: np.ndarray, points: Sequence[np.ndarray], colour: Colour, thickness: int = 1, closed: bool = False
+    image: np.ndarray, points: Sequence[np.ndarray], colour: Colour, thickness: int = 1, closed: bool = False
 ) -> None:
     """Anti-aliased polylines through points, each (k, 2) x, y in pixels with fractions."""
     fixed = [np.round(np.asarray(path, float) * (1 << _SUBPIXEL)).astype(np.int32) for path in points]
-    cv2.polylines(picture, fixed, closed, colour, thickness, cv2.LINE_AA, _SUBPIXEL)
+    cv2.polylines(image, fixed, closed, colour, thickness, cv2.LINE_AA, _SUBPIXEL)
 
 
-def disc(picture: np.ndarray, centre: np.ndarray, radius: float, colour: Colour, thickness: int = cv2.FILLED) -> None:
+def disc(image: np.ndarray, centre: np.ndarray, radius: float, colour: Colour, thickness: int = cv2.FILLED) -> None:
     """An anti-aliased circle; filled unless a thickness is given."""
     x, y = (round(float(value) * (1 << _SUBPIXEL)) for value in centre)
-    cv2.circle(picture, (x, y), round(radius * (1 << _SUBPIXEL)), colour, thickness, cv2.LINE_AA, _SUBPIXEL)
+    cv2.circle(image, (x, y), round(radius * (1 << _SUBPIXEL)), colour, thickness, cv2.LINE_AA, _SUBPIXEL)
 
 
-def brackets(picture: np.ndarray, centre: np.ndarray, half: float, colour: Colour, thickness: int = 2) -> None:
+def brackets(image: np.ndarray, centre: np.ndarray, half: float, colour: Colour, thickness: int = 2) -> None:
     """The four corners of a square around ``centre``."""
     corner = np.array([(-1.0, -0.45), (-1, -1), (-0.45, -1)]) * half
     paths = [centre + corner * flip for flip in ((1, 1), (-1, 1), (1, -1), (-1, -1))]
-    lines(picture, paths, colour, thickness)
+    lines(image, paths, colour, thickness)
 
 
-def tick(picture: np.ndarray, centre: np.ndarray, size: float, colour: Colour, thickness: int) -> None:
+def tick(image: np.ndarray, centre: np.ndarray, size: float, colour: Colour, thickness: int) -> None:
     """A tick mark."""
-    lines(picture, [centre + size * np.array([(-0.5, 0.0), (-0.12, 0.38), (0.55, -0.42)])], colour, thickness)
+    lines(image, [centre + size * np.array([(-0.5, 0.0), (-0.12, 0.38), (0.55, -0.42)])], colour, thickness)
 
 
-def cross(picture: np.ndarray, centre: np.ndarray, size: float, colour: Colour, thickness: int) -> None:
+def cross(image: np.ndarray, centre: np.ndarray, size: float, colour: Colour, thickness: int) -> None:
     """A cross mark, lying."""
     half = 0.4 * size
-    lines(picture, [centre + half * np.array([(-1, s), (1, -s)]) for s in (-1.0, 1.0)], colour, thickness)
+    lines(image, [centre + half * np.array([(-1, s), (1, -s)]) for s in (-1.0, 1.0)], colour, thickness)

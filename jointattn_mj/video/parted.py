@@ -18,16 +18,16 @@ from jointattn_mj.video.reel import FRAGMENTED, Reel
 
 
 class PartedReel:
-    """Writes RGB pictures to parts in a folder: ``with PartedReel(...) as reel: reel.add(picture, frame)``."""
+    """Writes RGB images to parts in a folder: ``with PartedReel(...) as reel: reel.add(image, frame)``."""
 
     def __init__(self, folder: Path, height: int, width: int, rate: float, frame: int):
         """Go on behind the parts that begin before ``frame``; later ones are deleted.
 
         Args:
             folder: Where the parts are; made when missing.
-            height: Of the pictures, pixels.
-            width: Of the pictures, pixels.
-            rate: Pictures a second.
+            height: Of the images, pixels.
+            width: Of the images, pixels.
+            rate: Images a second.
             frame: The run's next frame, as its last checkpoint says.
 
         Raises:
@@ -43,18 +43,18 @@ class PartedReel:
         except OSError as error:
             raise OutputError(f"cannot write to {folder}: {error.strerror}; choose another --out") from error
 
-    def add(self, picture: np.ndarray, frame: int) -> None:
-        """Write the picture of a frame, uint8 (height, width, 3).
+    def add(self, image: np.ndarray, frame: int) -> None:
+        """Write the image of a frame, uint8 (height, width, 3).
 
         Raises:
             VideoError: There is no ffmpeg program, or it has given up.
         """
         if self._reel is None:
             self._reel = Reel(self._path(frame), *self._shape).__enter__()
-        self._reel.add(picture)
+        self._reel.add(image)
 
     def cut(self) -> None:
-        """Finish a part; the next picture begins another.
+        """Finish a part; the next image begins another.
 
         Raises:
             VideoError: ffmpeg has given up.

@@ -1,6 +1,6 @@
-"""A percept drawn on the picture that it comes from: candidates, flow, and what is attended.
+"""A percept drawn on the image that it comes from: candidates, flow, and what is attended.
 
-Coordinates of percepts are pixels of the robot's picture, 320x240; the drawing is twice that size. Candidates are
+Coordinates of percepts are pixels of the robot's image, 320x240; the drawing is twice that size. Candidates are
 numbered as in ``Percept``, the face last.
 """
 
@@ -15,7 +15,7 @@ FACE_HALF_PX = 16  # half the side of the face's 32x32 patch
 OBJECT_HALF_PX = 13
 FLOW_GAIN = 5  # flow of two frames is a pixel or less: arrows are so many times longer
 FLOW_FROM_PX = 0.12  # shorter flow is not drawn
-FLOW_TO_PX = 6.0  # longest arrow, pixels of the picture
+FLOW_TO_PX = 6.0  # longest arrow, pixels of the image
 
 
 class PerceptInk:
@@ -25,17 +25,17 @@ class PerceptInk:
         self._inks = inks
 
     def draw(self, area: np.ndarray, percept: Percept, attended: int | None, motion: Motion | None) -> None:
-        """Draw on the picture ``area``, uint8 (480, 640, 3)."""
+        """Draw on the image ``area``, uint8 (480, 640, 3)."""
         if motion is not None and len(motion.flow):
             self._draw_flow(area, motion)
-        places = place(percept.px)
-        for number in np.flatnonzero(percept.seen).tolist():
+        locations = location(percept.px)
+        for number in np.flatnonzero(percept.visible).tolist():
             half, moves = self._half(number), percept.moves[number]
-            brackets(area, places[number], half, self._inks[number], 3 if moves else 2)
+            brackets(area, locations[number], half, self._inks[number], 3 if moves else 2)
             if number == attended:
-                disc(area, places[number], half * 1.5, WHITE, 2)
-        for number in np.flatnonzero(percept.seen & percept.moves).tolist():
-            caption(area, places[number] + np.array([0, self._half(number) + 4]), "moves", paler(self._inks[number]))
+                disc(area, locations[number], half * 1.5, WHITE, 2)
+        for number in np.flatnonzero(percept.visible & percept.moves).tolist():
+            caption(area, locations[number] + np.array([0, self._half(number) + 4]), "moves", paler(self._inks[number]))
 
     def _half(self, number: int) -> int:
         """Half the side of a candidate's box in the drawing."""
@@ -46,7 +46,7 @@ class PerceptInk:
         length = np.hypot(*motion.flow.T)
         sparse = np.round(motion.blocks / 4).sum(axis=1) % 2 == 0  # half of the blocks, as on a chequered board
         drawn = sparse & (length > FLOW_FROM_PX)
-        start, length, owner = place(motion.blocks[drawn]), length[drawn, None], motion.owner[drawn]
+        start, length, owner = location(motion.blocks[drawn]), length[drawn, None], motion.owner[drawn]
         arrow = motion.flow[drawn] / length * np.minimum(length * FLOW_GAIN, FLOW_TO_PX) * SCALE
         side = 0.28 * np.stack([-arrow[:, 1], arrow[:, 0]], axis=1)
         head = start + 0.6 * arrow
@@ -55,8 +55,8 @@ class PerceptInk:
             lines(area, list(paths[owner == number]), paler(self._inks[number]))
 
 
-def place(pixel: np.ndarray) -> np.ndarray:
-    """Where pixels (..., 2) of the robot's picture are in the drawing."""
+def location(pixel: np.ndarray) -> np.ndarray:
+    """Where pixels (..., 2) of the robot's image are in the drawing."""
     return (np.asarray(pixel, float) + 0.5) * SCALE - 0.5
 
 

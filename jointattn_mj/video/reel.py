@@ -1,4 +1,4 @@
-"""A video file that grows picture by picture: H.264 in a fragmented mp4 that plays even when it was cut short."""
+"""A video file that grows image by image: H.264 in a fragmented mp4 that plays even when it was cut short."""
 
 import os
 import signal
@@ -21,13 +21,13 @@ INSTALL = "Install ffmpeg (`apt-get install ffmpeg`, or `pip install imageio-ffm
 
 
 class Reel:
-    """Writes RGB pictures to an mp4: ``with Reel(path, height, width, rate) as reel: reel.add(picture)``.
+    """Writes RGB images to an mp4: ``with Reel(path, height, width, rate) as reel: reel.add(image)``.
 
     What was written more than a second or two ago plays, whatever becomes of the process.
     """
 
     def __init__(self, path: Path, height: int, width: int, rate: float):
-        """``rate``: pictures a second."""
+        """``rate``: images a second."""
         arguments = f"-preset veryfast -g {max(1, round(rate))} {' '.join(FRAGMENTED)} -flush_packets 1"
         path = path.absolute()  # ffmpeg takes what stands before a colon in a bare name as a protocol
         self._writer = mediapy.VideoWriter(path, (height, width), fps=rate, crf=QUALITY, ffmpeg_args=arguments)
@@ -46,14 +46,14 @@ class Reel:
             raise VideoError(f"the video cannot be written to {self._writer.path} ({error}). {INSTALL}") from error
         return self
 
-    def add(self, picture: np.ndarray) -> None:
-        """Write one picture, uint8 (height, width, 3).
+    def add(self, image: np.ndarray) -> None:
+        """Write one image, uint8 (height, width, 3).
 
         Raises:
             VideoError: ffmpeg has given up.
         """
         try:
-            self._writer.add_image(picture)
+            self._writer.add_image(image)
         except (OSError, RuntimeError) as error:
             raise VideoError(self._failure(error)) from error
 
@@ -76,7 +76,7 @@ class Reel:
 
 @contextmanager
 def _deaf_children() -> Iterator[None]:
-    """Programs started in the block hear no Ctrl-C and no SIGTERM: both often go to all, and the last pictures would
+    """Programs started in the block hear no Ctrl-C and no SIGTERM: both often go to all, and the last images would
     be lost. Ours end when there is nothing more to read."""
     if not hasattr(signal, "pthread_sigmask"):
         yield

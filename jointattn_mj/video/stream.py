@@ -1,4 +1,4 @@
-"""Pictures to H.264 as they come, a piece of the stream for each picture, for logs that store them one by one."""
+"""Images to H.264 as they come, a piece of the stream for each image, for logs that store them one by one."""
 
 import os
 import subprocess
@@ -12,12 +12,12 @@ from jointattn_mj.errors import VideoError
 
 QUALITY = 26
 """x264's constant rate factor."""
-_DELIMITER = b"\x00\x00\x00\x01\x09"  # access unit delimiter (ITU-T H.264, 7.4.1.2.3): begins every picture
-_PARAMETERS = b"\x00\x00\x00\x01\x67"  # sequence parameter set: comes with key pictures
+_DELIMITER = b"\x00\x00\x00\x01\x09"  # access unit delimiter (ITU-T H.264, 7.4.1.2.3): begins every image
+_PARAMETERS = b"\x00\x00\x00\x01\x67"  # sequence parameter set: comes with key images
 
 
 class Unit(NamedTuple):
-    """What one picture became (Annex B of H.264)."""
+    """What one image became (Annex B of H.264)."""
 
     sample: bytes
     key: bool  # whether decoding can begin here
@@ -33,13 +33,13 @@ def can_encode() -> bool:
 
 
 class Encoder:
-    """Takes RGB pictures, uint8 (height, width, 3), and hands out units in the same order, a few pictures later.
+    """Takes RGB images, uint8 (height, width, 3), and hands out units in the same order, a few images later.
 
-    Sizes are even. No picture refers to a later one, and every second begins anew, so that one can jump into it.
+    Sizes are even. No image refers to a later one, and every second begins anew, so that one can jump into it.
     """
 
     def __init__(self, height: int, width: int, rate: float):
-        """``rate``: pictures a second."""
+        """``rate``: images a second."""
         arguments = (
             f"-hide_banner -loglevel error -f rawvideo -pixel_format rgb24 -video_size {width}x{height} "
             f"-framerate {rate:g} -i - -an -c:v libx264 -preset veryfast -tune zerolatency -crf {QUALITY} "
@@ -52,7 +52,7 @@ class Encoder:
                 [imageio_ffmpeg.get_ffmpeg_exe(), *arguments.split()],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
-                start_new_session=True,  # a terminal's Ctrl-C is not for it: the last pictures would go
+                start_new_session=True,  # a terminal's Ctrl-C is not for it: the last images would go
             )
         except (OSError, RuntimeError) as error:
             raise VideoError(f"ffmpeg does not start ({error}); install it with `apt-get install ffmpeg`") from error
@@ -60,22 +60,22 @@ class Encoder:
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
-    def add(self, picture: np.ndarray) -> None:
-        """Encode one more picture.
+    def add(self, image: np.ndarray) -> None:
+        """Encode one more image.
 
         Raises:
             VideoError: ffmpeg has given up.
         """
-        if picture.shape != self._shape or picture.dtype != np.uint8:
-            raise VideoError(f"expected uint8 pictures {self._shape}, came {picture.dtype} {picture.shape}")
+        if image.shape != self._shape or image.dtype != np.uint8:
+            raise VideoError(f"expected uint8 images {self._shape}, came {image.dtype} {image.shape}")
         assert self._program.stdin is not None
         try:
-            self._program.stdin.write(np.ascontiguousarray(picture).data)
+            self._program.stdin.write(np.ascontiguousarray(image).data)
         except OSError as error:
             raise VideoError(f"ffmpeg stopped encoding ({error})") from error
 
     def take(self) -> list[Unit]:
-        """The units that are ready and were not taken before, in the order of their pictures."""
+        """The units that are ready and were not taken before, in the order of their images."""
         count = len(self._units)
         taken, self._units[:count] = self._units[:count], []
         return taken

@@ -7,14 +7,14 @@ import numpy as np
 
 from jointattn_mj.gaze_following.agent import GazeFollower
 from jointattn_mj.gaze_following.film.overlay import RobotsView
-from jointattn_mj.scene.camera import in_picture, pixels_of_points
-from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH
+from jointattn_mj.scene.camera import in_image, pixels_of_points
+from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 from jointattn_mj.scene.world import World
 from jointattn_mj.video.onlooker import sights
 from jointattn_mj.video.paint import GREEN, GREY, GROUND, PERSON, ROBOT, Box, Colour, brackets, ink_of, shade, write
-from jointattn_mj.video.percepts import FACE_HALF_PX, OBJECT_HALF_PX, SCALE, caption, place
+from jointattn_mj.video.percepts import FACE_HALF_PX, OBJECT_HALF_PX, SCALE, caption, location
 
-WIDTH, HEIGHT = SCALE * PICTURE_WIDTH, SCALE * PICTURE_HEIGHT
+WIDTH, HEIGHT = SCALE * IMAGE_WIDTH, SCALE * IMAGE_HEIGHT
 _BAR = 34  # height of the line of text, pixels
 
 
@@ -24,7 +24,7 @@ class _Watched(NamedTuple):
 
 
 class EyeView:
-    """Draws pictures, uint8 (480, 640, 3), of one world after the other, all with the same objects."""
+    """Draws images, uint8 (480, 640, 3), of one world after the other, all with the same objects."""
 
     def __init__(self, world: World):
         self._names = (*(item.name for item in world.config.scene.objects), "face")
@@ -36,13 +36,13 @@ class EyeView:
         """The view now; it holds until the next one.
 
         Raises:
-            GLError: No picture can be rendered here.
+            GLError: No image can be rendered here.
         """
         if robot is not None:
             self._mind.draw(self._canvas, _Watched(world, robot))
         else:
             size = (WIDTH, HEIGHT)
-            self._canvas[:] = cv2.resize(world.picture(), size, interpolation=cv2.INTER_CUBIC)
+            self._canvas[:] = cv2.resize(world.image(), size, interpolation=cv2.INTER_CUBIC)
             self._draw_truth(world)
         return self._canvas
 
@@ -52,14 +52,14 @@ class EyeView:
         robot, person = (sight.hit for sight in sights(world))
         together = robot is not None and robot == person and robot != face
         px = pixels_of_points(world.candidate_points(), np.degrees(world.head_angles()))
-        seen = in_picture(px)
+        visible = in_image(px)
         words = {"robot": (robot, ROBOT, -1), "person": (None if person == face else person, PERSON, 1)}
         for who, (number, ink, side) in words.items():
-            if number is not None and seen[number]:
+            if number is not None and visible[number]:
                 half = (FACE_HALF_PX if number == face else OBJECT_HALF_PX) * SCALE
-                brackets(area, place(px[number]), half, GREEN if together else ink, 2)
+                brackets(area, location(px[number]), half, GREEN if together else ink, 2)
                 below = np.array([0, half + 4 if side > 0 else -half - 22])
-                caption(area, place(px[number]) + below, f"{who} looks", GREEN if together else ink)
+                caption(area, location(px[number]) + below, f"{who} looks", GREEN if together else ink)
         bar = area[-_BAR:]
         shade(bar, GROUND, 0.78)
         at = "nothing" if robot is None else self._names[robot]

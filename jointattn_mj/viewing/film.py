@@ -14,11 +14,11 @@ from jointattn_mj.viewing.eye import HEIGHT, WIDTH, EyeView
 OUTSIDE = 840
 """Width of the scene from the side, pixels: so wide that both heads are in it."""
 SLOWEST = 2.0
-"""Pictures a second, at least: turns that last a second are shown in half of it."""
+"""Images a second, at least: turns that last a second are shown in half of it."""
 
 
 class TaskFilm:
-    """Writes a picture a step: ``with TaskFilm(path, seconds_a_step) as film: film.add(world, mind)``."""
+    """Writes an image a step: ``with TaskFilm(path, seconds_a_step) as film: film.add(world, mind)``."""
 
     def __init__(self, path: Path, seconds_a_step: float):
         self._reel = Reel(path, HEIGHT, WIDTH + OUTSIDE, max(SLOWEST, 1 / seconds_a_step))
@@ -28,7 +28,7 @@ class TaskFilm:
         """Draw how things stand; ``mind``: what the robot makes of them is drawn too.
 
         Raises:
-            GLError: No picture can be rendered here.
+            GLError: No image can be rendered here.
             VideoError: ffmpeg has given up.
         """
         if id(world) not in self._views:
@@ -44,7 +44,7 @@ class TaskFilm:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        """Finish the file, and free what pictures needed."""
+        """Finish the file, and free what images needed."""
         for _, _, onlooker in self._views.values():
             onlooker.close()
         self._reel.__exit__(kind, error, traceback)

@@ -66,7 +66,7 @@ def play(options: PlayOptions) -> None:
     Raises:
         ConfigError: No such task, or an agent that cannot live in it.
         OutputError: The folder holds results already, or cannot be written to.
-        GLError, VideoError: Pictures or video were asked for and cannot be made.
+        GLError, VideoError: Images or video were asked for and cannot be made.
     """
     environment = environment_for(options)
     agent = AGENTS[options.agent](environment, options.seed)

@@ -44,7 +44,7 @@ class Show:
 
     @property
     def mind(self) -> GazeFollower | None:
-        """The robot's mind, if the agent has one that perceives pictures."""
+        """The robot's mind, if the agent has one that perceives images."""
         mind = getattr(self._agent, "robot", None)
         return mind if isinstance(mind, GazeFollower) else None
 

@@ -30,11 +30,11 @@ class Day:
 
 
 DAYS = (
-    Day("session, state", "session --perception truth --minutes {n}", 60),
+    Day("session, state", "session --perception state --minutes {n}", 60),
     Day("develop, table", "develop --preset thesis --steps {n}", 1_000_000),
     Day(
         "develop, realtime, state",
-        "develop --world rendered --mode realtime --realtime.perception truth --steps 200000 --minutes {n}",
+        "develop --world rendered --mode realtime --realtime.perception state --steps 200000 --minutes {n}",
         60,
     ),
     Day("session, pictures", "session --minutes {n}", 60, hours=1.0),

@@ -7,7 +7,7 @@ from jointattn_mj.scene.caregiver import FRAME_S
 
 WORLD = "world"
 EYE = f"{WORLD}/robot_eye"
-PICTURE, SEEN, FLOW, GOAL = (f"{EYE}/{name}" for name in ("picture", "seen", "flow", "goal"))
+IMAGE, VISIBLE, FLOW, GOAL = (f"{EYE}/{name}" for name in ("image", "seen", "flow", "goal"))
 ROBOTS_GAZE, PERSONS_GAZE = f"{WORLD}/gaze/robot", f"{WORLD}/gaze/person"
 INTEREST, FACES, ACTIVATIONS = "mind/interest", "mind/faces", "mind/activations"
 DECIDES = "mind/decides"

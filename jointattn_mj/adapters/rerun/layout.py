@@ -17,8 +17,8 @@ def layout() -> rrb.Blueprint:
         end=rrb.TimeRangeBoundary.cursor_relative(),
     )
     eye = rrb.EyeControls3D(position=(0.5, -1.55, 1.55), look_target=(0.8, 0.0, 0.88), eye_up=(0, 0, 1))
-    scene = [f"{at.WORLD}/**", f"- {at.FLOW}/**", f"- {at.SEEN}/**", f"- {at.GOAL}/**"]
-    mind = rrb.Vertical(
+    scene = [f"{at.WORLD}/**", f"- {at.FLOW}/**", f"- {at.VISIBLE}/**", f"- {at.GOAL}/**"]
+    agent = rrb.Vertical(
         rrb.Spatial2DView(origin=at.EYE, name="What the robot sees", background=GROUND),
         rrb.TimeSeriesView(origin=at.INTEREST, name="What interests it (eq. 6.1)", time_ranges=[last]),
         rrb.StateTimelineView(origin=at.DOINGS, name="Who looks at what"),
@@ -43,7 +43,7 @@ def layout() -> rrb.Blueprint:
         row_shares=[5, 3, 2],
     )
     return rrb.Blueprint(
-        rrb.Horizontal(mind, outside, column_shares=[4, 5]),
+        rrb.Horizontal(agent, outside, column_shares=[4, 5]),
         rrb.TimePanel(state="collapsed", timeline="time"),
         rrb.SelectionPanel(state="hidden"),
         rrb.BlueprintPanel(state="hidden"),

@@ -5,12 +5,12 @@ from types import TracebackType
 
 import rerun as rr
 
-from jointattn_mj.adapters.rerun.entities import PICTURE
+from jointattn_mj.adapters.rerun.agent import AgentState
+from jointattn_mj.adapters.rerun.entities import IMAGE
+from jointattn_mj.adapters.rerun.images import Images
 from jointattn_mj.adapters.rerun.layout import layout
-from jointattn_mj.adapters.rerun.mind import Mind
 from jointattn_mj.adapters.rerun.outlet import Outlet
 from jointattn_mj.adapters.rerun.percepts import Percepts
-from jointattn_mj.adapters.rerun.pictures import Pictures
 from jointattn_mj.adapters.rerun.rows import Rows
 from jointattn_mj.adapters.rerun.scene import Scene
 from jointattn_mj.errors import OutputError
@@ -55,9 +55,9 @@ class SessionLog:
         self._parts = (
             Scene(self._rows, session.world),
             Percepts(self._rows, session.names, inks),
-            Mind(self._rows, session, inks),
+            AgentState(self._rows, session, inks),
         )
-        self._pictures = Pictures(self._log, PICTURE)
+        self._images = Images(self._log, IMAGE)
         return self
 
     def __call__(self, session: Session) -> None:
@@ -65,14 +65,14 @@ class SessionLog:
 
         Raises:
             VideoError: ffmpeg has given up.
-            GLError: No picture can be rendered here.
+            GLError: No image can be rendered here.
         """
         if self._outlet.error is not None:
             self._end()
         if not self._open:
             return
         self._rows.go_to(session.frame)
-        self._pictures.add(session.frame, session.world.picture())
+        self._images.add(session.frame, session.world.image())
         for part in self._parts:
             part.write(session)
 
@@ -81,7 +81,7 @@ class SessionLog:
     ) -> None:
         """Finish the file; an error that is already under way comes first."""
         try:
-            self._pictures.finish()
+            self._images.finish()
             self._rows.flush()
         except Exception:
             if error is None:

@@ -1,11 +1,11 @@
-"""What the robot makes of its picture, as boxes and arrows on it. Coordinates are pixels of the picture, 320x240."""
+"""What the robot makes of its image, as boxes and arrows on it. Coordinates are pixels of the image, 320x240."""
 
 from typing import Any
 
 import numpy as np
 import rerun as rr
 
-from jointattn_mj.adapters.rerun.entities import FLOW, GOAL, SEEN
+from jointattn_mj.adapters.rerun.entities import FLOW, GOAL, VISIBLE
 from jointattn_mj.adapters.rerun.rows import Rows
 from jointattn_mj.gaze_following.agent import GazeFollower
 from jointattn_mj.gaze_following.session import Session
@@ -27,31 +27,31 @@ class Percepts:
         self._pale = np.array([paler(ink) for ink in inks], np.uint8)
         self._half = np.array([OBJECT_HALF_PX] * (len(names) - 1) + [FACE_HALF_PX], np.float32)
         self._shown: dict[str, bool] = {}
-        rows.log.log(SEEN, rr.Boxes2D.from_fields(show_labels=True), static=True)
+        rows.log.log(VISIBLE, rr.Boxes2D.from_fields(show_labels=True), static=True)
         rows.log.log(FLOW, rr.Arrows2D.from_fields(radii=0.25), static=True)
         rows.log.log(GOAL, rr.Points2D.from_fields(radii=3.0, show_labels=True), static=True)
 
     def write(self, session: Session) -> None:
         """This frame's; nothing is perceived while the head turns."""
         robot = session.robot
-        self._write_seen(robot)
+        self._write_visible(robot)
         self._write_flow(None if robot.percept is None else getattr(robot.perceiver, "motion", None))
         self._write_goals(robot, np.degrees(session.world.head_angles()))
 
-    def _write_seen(self, robot: GazeFollower) -> None:
+    def _write_visible(self, robot: GazeFollower) -> None:
         percept = robot.percept
-        seen = _NOBODY if percept is None else np.flatnonzero(percept.seen)
+        visible = _NOBODY if percept is None else np.flatnonzero(percept.visible)
         px, moves = (np.zeros((0, 2)), _NOBODY) if percept is None else (percept.px, percept.moves)
-        attended = seen == (-1 if robot.attended is None else robot.attended)
-        half = self._half[seen] * np.where(attended, 1.25, 1.0)
+        attended = visible == (-1 if robot.attended is None else robot.attended)
+        half = self._half[visible] * np.where(attended, 1.25, 1.0)
         self._add(
-            SEEN,
+            VISIBLE,
             rr.Boxes2D,
-            centers=px[seen],
+            centers=px[visible],
             half_sizes=np.column_stack([half, half]),
-            colors=np.where(attended[:, None], np.array(WHITE, np.uint8), self._inks[seen]),
-            radii=np.where(moves[seen], 1.0, 0.5),
-            labels=self._names[seen],
+            colors=np.where(attended[:, None], np.array(WHITE, np.uint8), self._inks[visible]),
+            radii=np.where(moves[visible], 1.0, 0.5),
+            labels=self._names[visible],
         )
 
     def _write_flow(self, motion: Motion | None) -> None:

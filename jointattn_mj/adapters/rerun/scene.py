@@ -13,7 +13,7 @@ from jointattn_mj.adapters.rerun.entities import EYE, PERSONS_GAZE, ROBOTS_GAZE,
 from jointattn_mj.adapters.rerun.rows import Rows
 from jointattn_mj.gaze_following.session import Session
 from jointattn_mj.scene.camera import FOCAL_PX
-from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH
+from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 from jointattn_mj.scene.world import World
 from jointattn_mj.video.onlooker import sights
 from jointattn_mj.video.paint import GREEN, PERSON, ROBOT
@@ -96,7 +96,7 @@ class Scene:
         self._last = np.full((model.nbody, 7), np.nan)
         log_shapes(log, model)
         eye = rr.Pinhole(
-            focal_length=FOCAL_PX, width=PICTURE_WIDTH, height=PICTURE_HEIGHT, image_plane_distance=0.15,
+            focal_length=FOCAL_PX, width=IMAGE_WIDTH, height=IMAGE_HEIGHT, image_plane_distance=0.15,
             camera_xyz=rr.ViewCoordinates.RUB,
         )  # fmt: skip
         log.log(EYE, eye, static=True)
@@ -109,8 +109,8 @@ class Scene:
         now = np.hstack([world.data.xpos, world.data.xquat])
         for number in np.flatnonzero((now != self._last).any(axis=1)):
             if number > 0:  # the world itself has no pose
-                place, turn = now[None, number, :3], _xyzw(now[None, number, 3:])
-                self._rows.add(self._paths[number], rr.Transform3D, translation=place, quaternion=turn)
+                location, turn = now[None, number, :3], _xyzw(now[None, number, 3:])
+                self._rows.add(self._paths[number], rr.Transform3D, translation=location, quaternion=turn)
         self._last = now
         eye = world.data.camera(EYE_CAMERA)
         self._rows.add(EYE, rr.Transform3D, translation=eye.xpos[None].copy(), mat3x3=_by_columns(eye.xmat)[None])

@@ -164,6 +164,7 @@ class TurnTaker:
         drive = face_drive(self.network, face)
         backpropagate(self.network, face, drive, heads, movements, self.config.angle_scale_deg, self.config.rate)
 
+
 def _check_face(network: Network, face: np.ndarray) -> None:
     require_array("face", face, network.face.shape[1:], "f", -MOST, MOST)
 
@@ -252,19 +253,19 @@ def backpropagate(
 
 
 def _check_target(
-    feedback: int, seen: np.ndarray, off: np.ndarray, interest: np.ndarray, kept: int, by_network: bool
+    feedback: int, visible: np.ndarray, off: np.ndarray, interest: np.ndarray, kept: int, by_network: bool
 ) -> None:
-    require_array("seen", seen, (-1,), "b")
-    require_array("off", off, seen.shape, "f")
-    require_array("interest", interest, seen.shape, "f")
-    if not -1 <= kept < len(seen):
-        raise ObservationError(f"kept: expected one of {len(seen)} objects, or -1; got {kept}")
+    require_array("seen", visible, (-1,), "b")
+    require_array("off", off, visible.shape, "f")
+    require_array("interest", interest, visible.shape, "f")
+    if not -1 <= kept < len(visible):
+        raise ObservationError(f"kept: expected one of {len(visible)} objects, or -1; got {kept}")
 
 
 @checked_by(_check_target)
 @numba.njit(cache=True)
 def feedback_target(
-    feedback: int, seen: np.ndarray, off: np.ndarray, interest: np.ndarray, kept: int, by_network: bool
+    feedback: int, visible: np.ndarray, off: np.ndarray, interest: np.ndarray, kept: int, by_network: bool
 ) -> int:
     """The object that visual feedback moves to, or -1 when none is in view.
 
@@ -272,11 +273,11 @@ def feedback_target(
     target or -1; ``by_network`` whether the network has moved the head in this attempt.
     """
     keeps = feedback == 1 or (feedback == 0 and not by_network)
-    if keeps and kept >= 0 and seen[kept]:
+    if keeps and kept >= 0 and visible[kept]:
         return kept
     best = -1
-    for i in range(seen.size):
-        if not seen[i]:
+    for i in range(visible.size):
+        if not visible[i]:
             continue
         if feedback == 0 and by_network:
             better = best < 0 or off[i] < off[best]

@@ -25,16 +25,16 @@ from jointattn_mj.baselines.turn_taking.agent import (
 from jointattn_mj.baselines.turn_taking.faces import FACE_DIRECTION, FaceInputs
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import numbers, require_array
-from jointattn_mj.perception.state import TruthConfig
+from jointattn_mj.perception.state import StateConfig
 from jointattn_mj.scene import camera
-from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH, rest_height
+from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH, rest_height
 from jointattn_mj.scene.world import WorldConfig
 
 _pixel_of = numba.njit(camera.pixel_of)
 _direction_of = numba.njit(camera.direction_of)
 _off_centre = numba.njit(camera.off_centre)
 BESIDE_DEG = 80.0
-"""Further to the side nothing is in the picture, and a pixel is not defined."""
+"""Further to the side nothing is in the image, and a pixel is not defined."""
 
 
 @dataclass(frozen=True)
@@ -45,14 +45,14 @@ class Situations:
     face: np.ndarray  # (T, n) index of the pattern for the caregiver looking at that object
 
     @classmethod
-    def of_places(
-        cls, places: np.ndarray, faces: FaceInputs, jitter_deg: float, rng: np.random.Generator
+    def of_locations(
+        cls, locations: np.ndarray, faces: FaceInputs, jitter_deg: float, rng: np.random.Generator
     ) -> "Situations":
-        """From ``places`` (T, n, 2) on the table."""
-        height = np.full((*places.shape[:-1], 1), rest_height(WorldConfig().scene))
-        points = np.concatenate([places, height], axis=-1)
-        directions = camera.directions_to(points.reshape(-1, 3)).reshape(places.shape)
-        return cls(directions, faces.of_places(places, jitter_deg, rng))
+        """From ``locations`` (T, n, 2) on the table."""
+        height = np.full((*locations.shape[:-1], 1), rest_height(WorldConfig().scene))
+        points = np.concatenate([locations, height], axis=-1)
+        directions = camera.directions_to(points.reshape(-1, 3)).reshape(locations.shape)
+        return cls(directions, faces.of_locations(locations, jitter_deg, rng))
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def live(
     attempts: int,
     rng: np.random.Generator,
     learning: bool = True,
-    senses: TruthConfig | None = None,
+    senses: StateConfig | None = None,
 ) -> Outcomes:
     """Let ``robot`` try ``attempts`` times, each at a table and an object at random; it learns, and its time goes on.
 
@@ -81,7 +81,7 @@ def live(
     Raises:
         ObservationError: There is no table, or faces and directions do not fit each other and the robot.
     """
-    senses = senses or TruthConfig()
+    senses = senses or StateConfig()
     tables = situations.face.shape
     require_array("faces of situations", situations.face, tables, "iu", 0, len(faces.patterns) - 1)
     require_array("directions of situations", situations.directions, (*tables, 2), "f", -360, 360)
@@ -129,26 +129,26 @@ def _attempt(
     interest = rng.random(len(directions))
     by_network = rng.random() < gate
     drive = face_drive(network, face)
-    seen, places, off = _look(directions, heads[0], noise, miss, rng)
+    visible, locations, off = _look(directions, heads[0], noise, miss, rng)
     result = np.zeros(4, np.uint8)
-    result[2] = seen[target]
+    result[2] = visible[target]
     last, chosen, moved = 0, -1, False
     while last < options.steps:
         head = heads[last]
         if options.draws_each_step:
             by_network = rng.random() < gate
-        chosen = feedback_target(options.feedback, seen, off, interest, chosen, moved)
+        chosen = feedback_target(options.feedback, visible, off, interest, chosen, moved)
         if by_network or (chosen < 0 and options.network_searches):
             pan, tilt = network_command(network, drive, head, options.scale)
             moved = True
         elif chosen >= 0:
-            pan, tilt = places[chosen, 0] - head[0], places[chosen, 1] - head[1]
+            pan, tilt = locations[chosen, 0] - head[0], locations[chosen, 1] - head[1]
         else:
             pan, tilt = 0.0, 0.0
         last += 1
         heads[last, 0] = min(max(head[0] + options.gain * pan, -options.pan_limit), options.pan_limit)
         heads[last, 1] = min(max(head[1] + options.gain * tilt, options.tilt_low), options.tilt_high)
-        seen, places, off = _look(directions, heads[last], noise, miss, rng)
+        visible, locations, off = _look(directions, heads[last], noise, miss, rng)
         if options.ends_first and off.min() <= options.centre_radius_deg:
             break
     nearest = int(off.argmin())
@@ -156,7 +156,7 @@ def _attempt(
     if off[nearest] <= options.centre_radius_deg:
         result[0], result[1] = nearest == target, True
         if learning:
-            end = places[nearest] if options.object_reference else heads[last]
+            end = locations[nearest] if options.object_reference else heads[last]
             pairs = last if options.every_step else 1
             backpropagate(network, face, drive, heads[:pairs], end - heads[:pairs], options.scale, options.rate)
     return result
@@ -166,16 +166,16 @@ def _attempt(
 def _look(directions, head, noise, miss, rng):
     """Which objects are seen (n,), in which direction (n, 2), and how far from the centre of view (n,), inf unseen."""
     count = len(directions)
-    seen, places, off = np.zeros(count, np.bool_), np.zeros((count, 2)), np.full(count, np.inf)
+    visible, locations, off = np.zeros(count, np.bool_), np.zeros((count, 2)), np.full(count, np.inf)
     for i in range(count):
         if abs(directions[i, 0] - head[0]) > BESIDE_DEG:
             continue
         pixel = _pixel_of(directions[i], head)
-        inside = -0.5 <= pixel[0] <= PICTURE_WIDTH - 0.5 and -0.5 <= pixel[1] <= PICTURE_HEIGHT - 0.5
+        inside = -0.5 <= pixel[0] <= IMAGE_WIDTH - 0.5 and -0.5 <= pixel[1] <= IMAGE_HEIGHT - 0.5
         if inside and rng.random() >= miss:
             pixel[0] += noise * rng.standard_normal()
             pixel[1] += noise * rng.standard_normal()
-            seen[i] = True
-            places[i] = _direction_of(pixel, head)
-            off[i] = _off_centre(places[i], head)
-    return seen, places, off
+            visible[i] = True
+            locations[i] = _direction_of(pixel, head)
+            off[i] = _off_centre(locations[i], head)
+    return visible, locations, off

@@ -1,9 +1,9 @@
 """Faces for turn taking: rendered once, found by the robot's own detector, drawn from many times.
 
-A life of 300,000 attempts cannot render a picture for each. So a bank of face patterns is made first: the caregiver
+A life of 300,000 attempts cannot render an image for each. So a bank of face patterns is made first: the caregiver
 looks at thousands of places on the table, the eye renders her, ``PixelPerception`` finds her face and cuts out the
 32x32 grey patch f_v, just as in a session. An attempt then takes the pattern whose gaze direction is nearest to that
-of the attempt's object, after a small jitter. No pattern is made up; what the robot lacks is only a fresh picture of
+of the attempt's object, after a small jitter. No pattern is made up; what the robot lacks is only a fresh image of
 each place. How well this carries over to faces never seen is tested on a second bank.
 """
 
@@ -14,7 +14,7 @@ import mujoco
 import numba
 import numpy as np
 
-from jointattn_mj.baselines.turn_taking.layouts import TABLE, draw_places
+from jointattn_mj.baselines.turn_taking.layouts import TABLE, draw_locations
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import numbers
 from jointattn_mj.options import Checked, Spread, Whole
@@ -36,7 +36,7 @@ class FaceBankConfig(Checked):
     faces: Annotated[int, Whole("[2, 1e6]")] = 3000
     """Patterns; over the table that is one for less than a degree of gaze."""
     familiar: Annotated[int, Whole("[1, 1e6]")] = 300
-    """Pictures before them, in which the detector gets to know the face's views."""
+    """Images before them, in which the detector gets to know the face's views."""
     head_noise_deg: Spread = 0.5
     """Standard deviation of the robot's head about the face's direction, so that the face lies on all fractions of a
     pixel."""
@@ -72,20 +72,22 @@ class FaceInputs:
     mean: np.ndarray
     scale: float
 
-    def of_places(self, places: np.ndarray, jitter_deg: float, rng: np.random.Generator) -> np.ndarray:
-        """Index of a pattern for each of ``places`` (..., 2) on the table that she may look at: (...,) int."""
-        gaze = gaze_deg(places).reshape(-1, 2)
+    def of_locations(self, locations: np.ndarray, jitter_deg: float, rng: np.random.Generator) -> np.ndarray:
+        """Index of a pattern for each of ``locations`` (..., 2) on the table that she may look at: (...,) int."""
+        gaze = gaze_deg(locations).reshape(-1, 2)
         gaze = gaze + jitter_deg * rng.standard_normal(gaze.shape)
         numbers("gaze of the face bank", self.gaze, (-1, 2))
         if not len(self.gaze):
             raise ObservationError("a face bank needs a face or more; got none")
-        return _nearest(numbers("gaze", gaze, gaze.shape), np.ascontiguousarray(self.gaze)).reshape(places.shape[:-1])
+        return _nearest(numbers("gaze", gaze, gaze.shape), np.ascontiguousarray(self.gaze)).reshape(
+            locations.shape[:-1]
+        )
 
 
-def gaze_deg(places: np.ndarray) -> np.ndarray:
-    """Yaw and pitch (..., 2) of the caregiver's line of sight to objects at ``places`` (..., 2) on the table, deg."""
-    height = np.full((*places.shape[:-1], 1), rest_height(WorldConfig().scene))
-    own = (np.concatenate([places, height], axis=-1) - HEAD_POSITION) * (-1.0, -1.0, 1.0)
+def gaze_deg(locations: np.ndarray) -> np.ndarray:
+    """Yaw and pitch (..., 2) of the caregiver's gaze at objects at ``locations`` (..., 2) on the table, deg."""
+    height = np.full((*locations.shape[:-1], 1), rest_height(WorldConfig().scene))
+    own = (np.concatenate([locations, height], axis=-1) - HEAD_POSITION) * (-1.0, -1.0, 1.0)
     return np.degrees(gaze_angles(np.zeros(3), own))
 
 
@@ -105,11 +107,11 @@ def render_faces(config: FaceBankConfig, rng: np.random.Generator, world: WorldC
     """Let the caregiver look at random places of the table and collect her face.
 
     Raises:
-        GLError: No picture can be rendered here.
+        GLError: No image can be rendered here.
     """
-    places = draw_places(TABLE, config.faces, rng)
-    gaze = gaze_deg(places)
-    places, gaze = places[np.argsort(gaze[:, 0])], gaze[np.argsort(gaze[:, 0])]  # she turns little by little
+    locations = draw_locations(TABLE, config.faces, rng)
+    gaze = gaze_deg(locations)
+    locations, gaze = locations[np.argsort(gaze[:, 0])], gaze[np.argsort(gaze[:, 0])]  # she turns little by little
     config_of_world = world or WorldConfig()
     stage = World.build(config_of_world, np.random.SeedSequence(0))
     try:
@@ -143,5 +145,7 @@ class _Sitter:
         data.qpos[self._gaze] = np.radians(np.concatenate([neck, gaze - neck, gaze - neck]))
         data.qpos[self._robot] = np.radians(head)
         mujoco.mj_forward(self._stage.model, data)
-        seen = self._perception.look({"camera": self._stage.eye.look(), "head_angles": np.radians(head)}, landed=True)
-        return self._perception.face_pattern() if seen.seen[-1] else None
+        visible = self._perception.look(
+            {"camera": self._stage.eye.look(), "head_angles": np.radians(head)}, landed=True
+        )
+        return self._perception.face_pattern() if visible.visible[-1] else None

@@ -14,7 +14,7 @@ Rectangle = tuple[float, float, float, float]  # x from, x to, y from, y to; wor
 IN_VIEW: tuple[Rectangle, ...] = ((*LayoutConfig.x_range, *LayoutConfig.y_range),)
 """The part of the table that chapter 6 uses; all of it is seen while the robot looks at the face."""
 OUTSIDE: tuple[Rectangle, ...] = ((0.50, 0.70, 0.43, 0.55), (0.50, 0.70, -0.55, -0.43))
-"""The table's corners at the robot: more than 31 degrees to either side, beyond the picture's edge."""
+"""The table's corners at the robot: more than 31 degrees to either side, beyond the image's edge."""
 TABLE: tuple[Rectangle, ...] = ((0.50, 1.12, -0.55, 0.55),)
 """Both, and what lies between; near the robot it is also below the first view."""
 REGIONS = {"in_view": IN_VIEW, "outside": OUTSIDE, "table": TABLE}
@@ -35,7 +35,7 @@ class TableConfig(Checked):
     """Least distance between two, metres, as in ``scene.layout``."""
 
 
-def draw_places(region: tuple[Rectangle, ...], count: int, rng: np.random.Generator) -> np.ndarray:
+def draw_locations(region: tuple[Rectangle, ...], count: int, rng: np.random.Generator) -> np.ndarray:
     """(count, 2) places, uniform over the rectangles together."""
     corners = np.array(region)
     size = corners[:, 1::2] - corners[:, ::2]
@@ -66,10 +66,10 @@ def _fill(config: TableConfig, region: tuple[Rectangle, ...], count: int, rng: n
     for i in range(config.objects):
         waiting = todo
         for _ in range(TRIES):
-            places = draw_places(region, len(waiting), rng)
-            apart = np.linalg.norm(tables[waiting, :i] - places[:, None], axis=2)
+            locations = draw_locations(region, len(waiting), rng)
+            apart = np.linalg.norm(tables[waiting, :i] - locations[:, None], axis=2)
             free = (apart >= config.spacing).all(axis=1)
-            tables[waiting[free], i] = places[free]
+            tables[waiting[free], i] = locations[free]
             waiting = waiting[~free]
             if not len(waiting):
                 break

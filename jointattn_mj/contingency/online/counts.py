@@ -135,10 +135,10 @@ def set_joint_table(counts: Counts, event: int, table: np.ndarray) -> None:
         cells = _cells(counts, context)
         cells[..., 1:] = followed.reshape(cells[..., 1:].shape)
         cells[..., 0] = cells[..., 1:].sum(-1)
-        both, seen = (part[part > 0] for part in (cells[..., 1:], cells[..., 0]))
-        context["sum"] = (both * np.log(both)).sum() - (seen * np.log(seen)).sum()
-        context["occupied"] = len(both) - len(seen)
-        context["n"] = seen.sum()
+        both, visible = (part[part > 0] for part in (cells[..., 1:], cells[..., 0]))
+        context["sum"] = (both * np.log(both)).sum() - (visible * np.log(visible)).sum()
+        context["occupied"] = len(both) - len(visible)
+        context["n"] = visible.sum()
 
 
 @njit(cache=True, forceinline=True)
@@ -155,11 +155,11 @@ def _c_ln_c(count):
 
 
 @njit(cache=True, forceinline=True)
-def _change(cells, place, weight, gains):
+def _change(cells, location, weight, gains):
     """Put ``weight`` into a cell; returns the change of c ln c and of the number of occupied cells."""
-    before = cells[np.uint64(place)]
+    before = cells[np.uint64(location)]
     after = before + weight
-    cells[np.uint64(place)] = after
+    cells[np.uint64(location)] = after
     occupied = int(after != 0.0) - int(before != 0.0)
     if isinstance(weight, int):  # known when this is compiled: whole counts pay nothing for the others
         return weight * _one_more(before if weight > 0 else after, gains), occupied
@@ -167,7 +167,7 @@ def _change(cells, place, weight, gains):
 
 
 @njit(cache=True, forceinline=True)
-def _place(context, r, s, a):
+def _location(context, r, s, a):
     """Where in ``cells`` the row of (r, v) begins."""
     return context.offset + r * context.per_result + s * context.per_sensor + a * context.per_action
 
@@ -198,9 +198,9 @@ def _check_add(counts, s, a, r, r_next, weight, contexts):
     if not (weight in (1, -1) if whole else 0 < weight < np.inf):
         raise ObservationError(f"weight: expected 1, -1, or a float above 0; got {weight!r}")
     if whole and weight < 0:
-        places = of["offset"] + r[of["result"]] * of["per_result"]
-        places += s[of["sensor"]] * of["per_sensor"] + a[of["action"]] * of["per_action"]
-        if (counts.cells[places + 1 + r_next[of["result"]]] < 1).any():
+        locations = of["offset"] + r[of["result"]] * of["per_result"]
+        locations += s[of["sensor"]] * of["per_sensor"] + a[of["action"]] * of["per_action"]
+        if (counts.cells[locations + 1 + r_next[of["result"]]] < 1).any():
             raise ObservationError("a transition that was never counted cannot be taken out again")
 
 
@@ -221,9 +221,9 @@ def add(counts, s, a, r, r_next, weight, contexts):
     cells, gains = counts.cells, counts.gains
     for number in range(contexts):
         c = counts.contexts[number]
-        place = _place(c, r[c.result], s[c.sensor], a[c.action])
-        gain, more = _change(cells, place + 1 + r_next[c.result], weight, gains)
-        less_gain, less = _change(cells, place, weight, gains)
+        location = _location(c, r[c.result], s[c.sensor], a[c.action])
+        gain, more = _change(cells, location + 1 + r_next[c.result], weight, gains)
+        less_gain, less = _change(cells, location, weight, gains)
         c.sum += gain - less_gain
         c.occupied += more - less
         c.n += weight
@@ -238,8 +238,8 @@ def _check_divide(counts, weight):
 @njit(cache=True)
 def divide(counts, weight):
     """Make all weights smaller; the measures stay, since the logarithms of ``weight`` cancel in each difference."""
-    for place in range(len(counts.cells)):
-        counts.cells[place] /= weight
+    for location in range(len(counts.cells)):
+        counts.cells[location] /= weight
     for number in range(len(counts.contexts)):
         counts.contexts[number].sum /= weight
         counts.contexts[number].n /= weight
@@ -281,7 +281,7 @@ def local_variance(counts, event, single):
                     local = np.log(both / _share(counts.cells, of_action, k, 0, j, k_next))
                     if single:
                         local -= np.log(of_s / chance)
-                    count = counts.cells[_place(own, k, i, j) + 1 + k_next]
+                    count = counts.cells[_location(own, k, i, j) + 1 + k_next]
                     mean += count * local
                     square += count * local * local
     return square / own.n - (mean / own.n) ** 2
@@ -290,5 +290,5 @@ def local_variance(counts, event, single):
 @njit(cache=True, forceinline=True)
 def _share(cells, context, r, s, a, r_next):
     """p(r' | r, v); 0 where it was never seen."""
-    place = _place(context, r, s, a)
-    return cells[place + 1 + r_next] / cells[place] if cells[place] > 0.0 else 0.0
+    location = _location(context, r, s, a)
+    return cells[location + 1 + r_next] / cells[location] if cells[location] > 0.0 else 0.0

@@ -58,15 +58,15 @@ def make_module(event: Event, table: np.ndarray, config: ReproductionConfig) -> 
     saliency = contingent_saliency(table)
     results, sensors, _, actions = saliency.shape
     flat = np.nan_to_num(saliency.reshape(results, sensors, -1))
-    seen = ~np.isnan(saliency[..., 0, 0])
-    counted = (flat > 0 if config.mean_over == "positive" else flat >= 0) & seen[..., None]
+    visible = ~np.isnan(saliency[..., 0, 0])
+    counted = (flat > 0 if config.mean_over == "positive" else flat >= 0) & visible[..., None]
     average = flat[counted].mean() if counted.any() else np.inf
     best = flat.argmax(axis=-1)
     second, highest = np.sort(flat, axis=-1)[..., -2:].transpose(2, 0, 1)
     mean, spread = flat.mean(axis=-1), flat.std(axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         reliability = (highest - mean) / spread
-        offered = seen & (highest > average) & ((highest - second) / spread > config.reliability_gap)
+        offered = visible & (highest > average) & ((highest - second) / spread > config.reliability_gap)
     return Module(
         event=event,
         command=np.where(offered, best % actions, OFFERS_NOTHING),

@@ -337,10 +337,10 @@ def _cuts(
             along = given.commands[own, axis]
             if len(along) <= cuts:
                 continue
-            places = np.unique(np.quantile(along, np.arange(1, cuts + 1) / (cuts + 1)))
-            between = np.searchsorted(places, along, side="right")
+            locations = np.unique(np.quantile(along, np.arange(1, cuts + 1) / (cuts + 1)))
+            between = np.searchsorted(locations, along, side="right")
             size = int(np.prod(rest))
-            fine = np.bincount(between * size + per_cell[own], minlength=(len(places) + 1) * size)
-            beyond = np.cumsum(fine.reshape(len(places) + 1, *rest)[::-1], axis=0)[::-1]
-            for number, at in enumerate(places, 1):
+            fine = np.bincount(between * size + per_cell[own], minlength=(len(locations) + 1) * size)
+            beyond = np.cumsum(fine.reshape(len(locations) + 1, *rest)[::-1], axis=0)[::-1]
+            for number, at in enumerate(locations, 1):
                 yield box, axis, float(at), beyond[number]

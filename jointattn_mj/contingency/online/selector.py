@@ -124,8 +124,8 @@ def _fitting(table: ReactiveTable, variables: Variables) -> ReactiveTable:
 def _offer(maps, m, s, r):
     """Command of a module under these observables, or OFFERS_NOTHING; one that uses another offers what that does."""
     while True:
-        place = maps.offset[m] + r[maps.result[m]] * maps.size[m] + s[maps.sensor[m]]
-        command = maps.command[place]
+        location = maps.offset[m] + r[maps.result[m]] * maps.size[m] + s[maps.sensor[m]]
+        command = maps.command[location]
         if maps.uses[m] == NOBODY or command == OFFERS_NOTHING:
             return command
         if command == 0:  # it is better not to use that one: nothing to offer

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
-from jointattn_mj.development.loop import Life
-from jointattn_mj.development.realtime.run import RealtimeConfig, RealtimeLife
+from jointattn_mj.development.loop import DevelopmentRun
+from jointattn_mj.development.realtime.run import RealtimeConfig, RealtimeRun
 from jointattn_mj.development.run import DevelopConfig
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.options import Choice, Real, Whole
@@ -15,7 +15,7 @@ class RealtimeDevelopConfig(DevelopConfig):
     """An hour at the same table, in which nobody waits for anybody."""
 
     world: Literal["table", "rendered"] = "rendered"
-    """Where the robot lives: at a table that it sees in pictures."""
+    """Where the robot lives: at a table that it sees in images."""
     mode: Literal["turns", "realtime"] = "realtime"
     """How time goes on: 30 frames a second, whatever the robot does."""
     preset: Annotated[str, Choice(PRESETS)] = "fast"
@@ -26,7 +26,7 @@ class RealtimeDevelopConfig(DevelopConfig):
     """Fixations that it can have at most."""
     realtime: RealtimeConfig = field(default_factory=RealtimeConfig)
 
-    kind: ClassVar[type[Life]] = RealtimeLife
+    kind: ClassVar[type[DevelopmentRun]] = RealtimeRun
     at_a_time: ClassVar[int] = 1
     checkpoint_every: ClassVar[int] = 500
     unit: ClassVar[str] = "min"
@@ -36,7 +36,9 @@ class RealtimeDevelopConfig(DevelopConfig):
         """See ``DevelopConfig``."""
         return self.minutes
 
-    def new_life(self) -> RealtimeLife:
+    def new_run(self) -> RealtimeRun:
         """A life before its first fixation; the robot knows the caregiver's face."""
-        born_with = self.born_with()
-        return RealtimeLife(self.table, self.realtime, self.mind, self.seed, self.steps, born_with, self.sample_every)
+        initial_modules = self.initial_modules()
+        return RealtimeRun(
+            self.table, self.realtime, self.agent, self.seed, self.steps, initial_modules, self.sample_every
+        )

@@ -3,7 +3,7 @@
 She looks at an object for a while, glances at the robot and back (IJA), carries an object to a free place, or turns to
 another; nobody tells her when. When both look at the same object she looks at the robot; when she looks at the robot
 and it turns to an object she follows (RJA): each after a latency, as people do. She has eyes: where the robot looks is
-told to her by ``watch`` and not measured in pictures.
+told to her by ``watch`` and not measured in images.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from jointattn_mj.options import Checked, Real, Seconds, Share, Whole
 from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer, Phase, Plan
 from jointattn_mj.scene.dressing import Conditions
 from jointattn_mj.scene.layout import LayoutConfig
-from jointattn_mj.scene.looker import places
+from jointattn_mj.scene.looker import locations
 from jointattn_mj.scene.model import rest_height
 from jointattn_mj.scene.movement import Arm, path_between
 from jointattn_mj.scene.world import World, WorldConfig
@@ -106,7 +106,7 @@ class Partner(ObjectTransfer):
         anywhere = LayoutConfig(spacing=1e-6, evenness=1)
         super().__init__(behaviour, anywhere, table.objects, height, head, arm, rng)
         self.at = rng.permutation(len(spots))[: table.objects]
-        self.objects[:] = [self._beside(place) for place in self.at]
+        self.objects[:] = [self._beside(location) for location in self.at]
 
     def watch(self, robot: int) -> None:
         """She sees the robot look at a place, at her face (N), or turn its head (NOWHERE)."""
@@ -143,21 +143,21 @@ class Partner(ObjectTransfer):
         """The number that stands for the robot's face."""
         return len(self._spots)
 
-    def full(self, place: int) -> bool:
+    def full(self, location: int) -> bool:
         """Whether an object lies at a place; one in her hand lies nowhere."""
-        return any(at == place and number != self.held for number, at in enumerate(self.at))
+        return any(at == location and number != self.held for number, at in enumerate(self.at))
 
     def _notice(self) -> None:
         """Whether what the robot does is worth an answer; each such thing is considered once. She follows a gaze that
         she has seen turn, and not back to the object from which she has just looked up."""
         robot, following = self._robot, self.looks_at == self._face
         concerns_her = self._shown if following else self.looks_at == robot
-        seen = (self.looks_at, robot) if concerns_her and robot != self._face and self.full(robot) else None
+        visible = (self.looks_at, robot) if concerns_her and robot != self._face and self.full(robot) else None
         chance = self._chance.follow if following else self._chance.answer
-        if seen is not None and seen != self._noticed and self._due == 0 and self._rng.random() < chance:
+        if visible is not None and visible != self._noticed and self._due == 0 and self._rng.random() < chance:
             self._due = self._frames_of(self.partner.latency_s)
             self._answer = robot if following else self._face
-        self._noticed = seen
+        self._noticed = visible
 
     def _go_on(self) -> None:
         """What comes after a phase that has run its course."""
@@ -207,14 +207,14 @@ class Partner(ObjectTransfer):
 
     def _some_object(self, but: int) -> int:
         """Place of any object but one; of that one where there is no other."""
-        others = [int(place) for place in self.at if place != but]
+        others = [int(location) for location in self.at if location != but]
         return int(self._rng.choice(others)) if others else but
 
-    def _turn_to(self, place: int, option: int) -> None:
+    def _turn_to(self, location: int, option: int) -> None:
         """Turn to a place or, with N, to the robot; the hand goes home meanwhile."""
-        self.looks_at, self.option, self._returns_to = place, option, NOWHERE
+        self.looks_at, self.option, self._returns_to = location, option, NOWHERE
         self._due, self._noticed, self._met, self._shown = 0, None, False, False
-        self.target = None if place == self._face else int(np.flatnonzero(self.at == place)[0])
+        self.target = None if location == self._face else int(np.flatnonzero(self.at == location)[0])
         self.phase = Phase.TURN
         self._head_will_be_off = self._beside_the_way()
         aim = np.zeros(2) if self.target is None else self._sight(self.objects[self.target])
@@ -249,22 +249,22 @@ class Partner(ObjectTransfer):
 
     def _home(self, frames: int) -> np.ndarray:
         """The hand's way (up to ``frames``, 3) to its resting place."""
-        rest = np.array(self.config.rest_place)
+        rest = np.array(self.config.rest_location)
         if np.linalg.norm(self._hand - rest) < AT_REST_M:
             return self._hand[None]
         back = min(frames, round(self.config.withdraw_s / FRAME_S))
         return path_between(self._hand, rest, back, self.config.reach_arch_m)
 
-    def _new_place(self) -> np.ndarray:
+    def _new_location(self) -> np.ndarray:
         """See ``ObjectTransfer``: beside one of the free places."""
         free = np.setdiff1d(np.arange(len(self._spots)), self.at)
         self._to = int(self._rng.choice(free))
         return self._beside(self._to)
 
-    def _beside(self, place: int) -> np.ndarray:
+    def _beside(self, location: int) -> np.ndarray:
         """Where a hand puts an object that belongs at a place, (3,)."""
         off = self._rng.uniform(-self.partner.jitter_m, self.partner.jitter_m, 2)
-        return self._spots[place] + np.append(off, 0.0)
+        return self._spots[location] + np.append(off, 0.0)
 
     def _frames_of(self, seconds: tuple[float, float]) -> int:
         return max(2, round(self._rng.uniform(*seconds) / FRAME_S))
@@ -290,7 +290,7 @@ class PartnerWorld(World):
 
     def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> Partner:
         """See ``World``."""
-        config, spots = self.config, places(self._table.spots, self.config.scene)
+        config, spots = self.config, locations(self._table.spots, self.config.scene)
         height = rest_height(config.scene)
         return Partner(self._partner, self._table, spots, config.behaviour, height, head, arm, rng)
 

@@ -17,7 +17,7 @@ from jointattn_mj.development.agent import Developer, DeveloperConfig
 from jointattn_mj.development.contingency_log import ContingencyLog
 from jointattn_mj.development.realtime.partner import PACE, PartnerConfig, PartnerWorld
 from jointattn_mj.development.realtime.step import think_once
-from jointattn_mj.development.rendered.observer import SeeingLife
+from jointattn_mj.development.rendered.observer import ObservedRun
 from jointattn_mj.development.rendered.senses import Gazed, Senses, SensesConfig
 from jointattn_mj.development.table.caregiver import NOWHERE
 from jointattn_mj.development.table.world import TableConfig
@@ -30,17 +30,17 @@ from jointattn_mj.perception.categories import GroupingConfig
 from jointattn_mj.perception.motion import MotionConfig
 from jointattn_mj.perception.percept import Perceiver, Percept
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
-from jointattn_mj.perception.state import TruthConfig, TruthPerception
+from jointattn_mj.perception.state import StateConfig, StatePerception
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX, direction_of, directions_to
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
-from jointattn_mj.scene.looker import places
+from jointattn_mj.scene.looker import locations
 from jointattn_mj.scene.model import OBJECTS
 from jointattn_mj.scene.variation import Variation, drawn, variation_of
 from jointattn_mj.scene.world import Observation, WorldConfig, build_physics
 
 FRAMES_PER_MINUTE = round(60 / FRAME_S)
 AT_TEN_A_SECOND = MotionConfig(frames_back=1, face_px=0.0675, object_px=0.375)
-"""Ten pictures a second: the speeds of chapter 6 over the tenth of a second between two of them."""
+"""Ten images a second: the speeds of chapter 6 over the tenth of a second between two of them."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,8 @@ class RealtimeConfig(Checked):
     attention: AttentionConfig = field(default_factory=lambda: AttentionConfig(selection_period=9))
     """When a fixation is over (section 6.3.2); a draw each 0.3 s, the length of a human fixation, for steps are what
     the mind needs. Chapter 6's 0.6 s gave its number of gaze shifts."""
-    perception: Literal["pixels", "truth"] = "pixels"
-    """Rendered pictures, or the simulator's state with the errors that the pixel path was measured to make."""
+    perception: Literal["pixels", "state"] = "pixels"
+    """Rendered images, or the simulator's state with the errors that the pixel path was measured to make."""
     senses: SensesConfig = field(
         default_factory=lambda: SensesConfig(
             pixels=PixelConfig(motion=AT_TEN_A_SECOND), grouping=GroupingConfig(most=6)
@@ -65,10 +65,10 @@ class RealtimeConfig(Checked):
     )
     """From percepts to sensations. In three minutes a face comes to rest some sixty times; in so few faces more than
     six categories are chance, and a table of more than four places needs more minutes and more categories."""
-    truth: TruthConfig = field(default_factory=TruthConfig)
-    """What stands for pictures with ``perception truth``."""
+    state: StateConfig = field(default_factory=StateConfig)
+    """What stands for images with ``perception state``."""
     looks_every: Annotated[int, Whole("[1, 10000]")] = 3
-    """Frames from one picture to the next while the head is still: ten pictures a second."""
+    """Frames from one image to the next while the head is still: ten images a second."""
     shift_frames: Annotated[int, Whole("[1, 10000]")] = 6
     """Frames over which the head's reference moves in a gaze shift. Chapter 6 takes a second; a mind that has an hour
     needs steps."""
@@ -78,7 +78,7 @@ class RealtimeConfig(Checked):
     """Minutes of looking at the caregiver's face before all else (section 6.4.1); she greets the robot first."""
 
 
-class RealtimeLife(SeeingLife):
+class RealtimeRun(ObservedRun):
     """A mind, a body and a caregiver who does not wait.
 
     Attributes:
@@ -96,13 +96,13 @@ class RealtimeLife(SeeingLife):
         self,
         table: TableConfig,
         config: RealtimeConfig,
-        mind: DeveloperConfig,
+        agent: DeveloperConfig,
         seed: int,
-        turns: int,
+        n_steps: int,
         reactive: Sequence[ReactiveModule] = (),
         sample_every: int = 100,
     ):
-        """The robot knows the caregiver's face when this returns. ``turns``: the most steps there can be."""
+        """The robot knows the caregiver's face when this returns. ``n_steps``: the most steps there can be."""
         if seed < 0:
             raise ConfigError(f"seed must be 0 or more; got {seed}")
         if table.objects > len(OBJECTS) or table.kinds > 1:
@@ -110,7 +110,7 @@ class RealtimeLife(SeeingLife):
                 f"the scene knows {len(OBJECTS)} objects, all of one kind to the mind; "
                 f"got {table.objects}, {table.kinds} kinds"
             )
-        of_look, of_mind, of_world, of_perception, of_attention, of_senses = np.random.SeedSequence(seed).spawn(6)
+        of_look, of_agent, of_world, of_perception, of_attention, of_senses = np.random.SeedSequence(seed).spawn(6)
         self.config, self.table, self.spots = config, table, table.spots
         scene = replace(config.world.scene, objects=OBJECTS[: table.objects])
         world, conditions = drawn(replace(config.world, scene=scene), variation_of(config.variation), of_look)
@@ -118,14 +118,14 @@ class RealtimeLife(SeeingLife):
         self._observation = Observation(self.world)
         self._perceiver = self._new_perceiver(np.random.default_rng(of_perception))
         self.attention = AttentionSelector(config.attention, table.objects, np.random.default_rng(of_attention))
-        self.heads = np.vstack([directions_to(places(table.spots, world.scene)), np.zeros(2)])
+        self.heads = np.vstack([directions_to(locations(table.spots, world.scene)), np.zeros(2)])
         self._held = np.zeros(2)
         self.frame, self._gazes_at = 0, NOWHERE
         patterns, greetings = self._familiarised()
         self.senses = Senses(config.senses, table, patterns, greetings, np.random.default_rng(of_senses))
         self.frame, self._ended = 0, RowStore("steps", np.int32, 1)
-        developer = Developer(self.senses.variables, mind, of_mind, reactive)
-        super().__init__(developer, table, turns, sample_every)
+        developer = Developer(self.senses.variables, agent, of_agent, reactive)
+        super().__init__(developer, table, n_steps, sample_every)
 
     @property
     def ended(self) -> np.ndarray:
@@ -139,71 +139,71 @@ class RealtimeLife(SeeingLife):
 
     @property
     def spent(self) -> float:
-        """See ``Life``."""
+        """See ``DevelopmentRun``."""
         return self.minutes
 
-    def live_until(self, minutes: float) -> None:
+    def run_until(self, minutes: float) -> None:
         """Live until so many simulated minutes have passed, to the end of a step."""
-        while self.lived < self.turns and self.minutes < minutes:
-            self.live(1)
+        while self.steps_done < self.n_steps and self.minutes < minutes:
+            self.advance(1)
 
     def check(self) -> None:
-        """See ``Life``."""
+        """See ``DevelopmentRun``."""
         super().check()
         self.senses.check()
         self.world.check()
 
     def more(self) -> dict[str, Any]:
-        """See ``SeeingLife``; and how much time it took."""
+        """See ``ObservedRun``; and how much time it took."""
         return {
             "caregiver": self.world.config.scene.caregiver,
             "minutes": self.minutes,
-            "minutes_when_found": [self.minutes_at(one.turn) for one in self.found],
+            "minutes_when_found": [self.minutes_at(one.step) for one in self.found],
             **super().more(),
         }
 
-    def minutes_at(self, turn: int) -> float:
+    def minutes_at(self, step: int) -> float:
         """Simulated minutes that had passed when so many steps had been lived."""
-        return float(self._ended.column(0, turn - 1, turn)[0]) / FRAMES_PER_MINUTE
+        return float(self._ended.column(0, step - 1, step)[0]) / FRAMES_PER_MINUTE
 
     def close(self) -> None:
-        """Free the world's model and pictures."""
+        """Free the world's model and images."""
         self.world.close()
 
     def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
-        mind, first = self.mind.mind, self.lived
+        agent, first = self.agent.state, self.steps_done
         for t in range(first, last):
-            there = self.see(int(mind.a[0]) if t else self.spots)
-            found, place = think_once(mind, self._s, self._r, t, first, log, samples, self.sample_every)
+            there = self.see(int(agent.a[0]) if t else self.spots)
+            found, location = think_once(agent, self._s, self._r, t, first, log, samples, self.sample_every)
             partner = self.world.caregiver
-            log[t - first, place:] = partner.looks_at, partner.option, there
+            log[t - first, location:] = partner.looks_at, partner.option, there
             self._ended.append(self.frame)
             if found != NOTHING:
                 return t + 1, found
         return last, NOTHING
 
-    def see(self, place: int) -> bool:
+    def see(self, location: int) -> bool:
         """Look at a place, or her face, until attention has had enough; whether there truly was an object at the end.
         Sensations and results are written down."""
-        if place != self._gazes_at:
-            self._shift(place)
+        if location != self._gazes_at:
+            self._shift(location)
         gazed = self._fixate()
-        partner, at_face = self.world.caregiver, place == self.spots
-        there = not at_face and partner.full(place)
+        partner, at_face = self.world.caregiver, location == self.spots
+        there = not at_face and partner.full(location)
         sensors = np.array([partner.looks_at if at_face else self.spots + 1, not there])
         results = np.array([at_face and partner.looks_at == self.spots, at_face, there])
         self.senses.read(gazed, sensors, results, self._s, self._r)
         return there
 
-    def _shift(self, place: int) -> None:
+    def _shift(self, location: int) -> None:
         """Turn the head; she sees it turn, and where it comes to rest."""
-        movement = HeadShift(self._held, self.heads[place], self.config.shift_frames)
+        movement = HeadShift(self._held, self.heads[location], self.config.shift_frames)
         self.world.caregiver.watch(NOWHERE)
         while not movement.commanded or self.world.head_moves():
             self._held = movement.next_reference()
             self._step()
-        self._gazes_at = place
-        self.world.caregiver.watch(place)
+        self._gazes_at = location
+        self.world.caregiver.watch(location)
 
     def _fixate(self) -> Gazed:
         """Live until the attention selector would look at something else; what is then at the centre of view."""
@@ -214,7 +214,7 @@ class RealtimeLife(SeeingLife):
                 percept = self._perceiver.look(self._observation, frame == 0)
                 attended = self._at_centre(percept)
             self.attention.advance(attended, percept.moves)
-            chosen = self.attention.consider(percept.seen)
+            chosen = self.attention.consider(percept.visible)
             self._step()
             if chosen is not None and chosen != attended:
                 break
@@ -229,7 +229,7 @@ class RealtimeLife(SeeingLife):
     def _at_centre(self, percept: Percept) -> int | None:
         """The candidate that is nearest to the centre of view, if that is near enough to be gazed at."""
         off = np.hypot(percept.px[:, 0] - CENTRE_X, percept.px[:, 1] - CENTRE_Y)
-        off[~percept.seen] = np.inf
+        off[~percept.visible] = np.inf
         nearest = int(off.argmin())
         return nearest if off[nearest] <= np.radians(self.config.senses.centre_radius_deg) * FOCAL_PX else None
 
@@ -240,8 +240,8 @@ class RealtimeLife(SeeingLife):
         return Gazed(face, is_object, percept.px[-1].copy(), percept.px[attended or 0].copy(), pattern)
 
     def _new_perceiver(self, rng: np.random.Generator) -> Perceiver:
-        if self.config.perception == "truth":
-            return TruthPerception(self.config.truth, self.world, rng)
+        if self.config.perception == "state":
+            return StatePerception(self.config.state, self.world, rng)
         colours = np.array([item.rgb for item in OBJECTS[: self.table.objects]])
         return PixelPerception(self.config.senses.pixels, colours)
 
@@ -253,14 +253,14 @@ class RealtimeLife(SeeingLife):
         category. She greets again because a face is cut out a little otherwise when more of its views are known.
         """
         greetings, others = list[np.ndarray](), list[np.ndarray]()
-        partner, seen, moved, again = self.world.caregiver, 0, True, False
+        partner, visible, moved, again = self.world.caregiver, 0, True, False
         partner.watch(self.spots)
         while partner.greeting or not again:
-            percept = self._perceiver.look(self._observation, seen == 0)
-            if percept.seen[-1]:
-                seen += 1
+            percept = self._perceiver.look(self._observation, visible == 0)
+            if percept.visible[-1]:
+                visible += 1
                 there = direction_of(percept.px[-1], np.degrees(self.world.head_angles()))
-                self._held = self._held + (there - self._held) / seen
+                self._held = self._held + (there - self._held) / visible
                 moved = moved or bool(percept.moves[-1])
                 if moved and not percept.moves[-1] and not self.world.head_moves():
                     moved = False

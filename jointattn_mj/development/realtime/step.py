@@ -6,6 +6,6 @@ from jointattn_mj.development.loop import think_and_note
 
 
 @njit(cache=True)
-def think_once(mind, s, r, t, first, log, samples, every):
+def think_once(agent, s, r, t, first, log, samples, every):
     """See ``think_and_note``."""
-    return think_and_note(mind, s, r, t, first, log, samples, every)
+    return think_and_note(agent, s, r, t, first, log, samples, every)

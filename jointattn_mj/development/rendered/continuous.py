@@ -15,7 +15,7 @@ from jointattn_mj.contingency.online.modules import Module
 from jointattn_mj.contingency.online.reactive import ReactiveModule
 from jointattn_mj.development.agent import DeveloperConfig
 from jointattn_mj.development.meaning import FACE, GAZE, OBJECT
-from jointattn_mj.development.rendered.run import RenderedConfig, RenderedLife
+from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
 from jointattn_mj.development.rendered.senses import ABRUPT, Gazed, SensesConfig
 from jointattn_mj.development.rendered.stage import StageConfig
 from jointattn_mj.development.table.world import CAREGIVER, ROBOT, TableConfig
@@ -47,7 +47,7 @@ place takes in what lies in its part of the row."""
 class Pair(NamedTuple):
     """A face and the direction of an object, one turn apart."""
 
-    turn: int
+    step: int
     activations: np.ndarray
     """(cells,) of the map of faces."""
     direction: np.ndarray
@@ -61,7 +61,7 @@ class Pair(NamedTuple):
 class Landing(NamedTuple):
     """Where a gaze shift that reproduced the event ended, with the caregiver's eyes on an object when it began."""
 
-    turn: int
+    step: int
     by_map: bool
     """Whether the continuous map said where."""
     off_deg: float
@@ -101,7 +101,7 @@ class ContinuousModule:
         self.pairs += 1
 
 
-class ContinuousLife(RenderedLife):
+class ContinuousRun(RenderedRun):
     """A rendered life in which gaze following, once found, becomes continuous.
 
     Attributes:
@@ -114,30 +114,30 @@ class ContinuousLife(RenderedLife):
         self,
         table: TableConfig,
         config: RenderedConfig,
-        mind: DeveloperConfig,
+        agent: DeveloperConfig,
         seed: int,
-        turns: int,
+        n_steps: int,
         continuous: ContinuousConfig = ContinuousConfig(),
         reactive: Sequence[ReactiveModule] = (),
         sample_every: int = 100,
     ):
-        super().__init__(table, config, mind, seed, turns, reactive, sample_every)
+        super().__init__(table, config, agent, seed, n_steps, reactive, sample_every)
         self.continuous = continuous
         self.following: ContinuousModule | None = None
         self.pairs: list[Pair] = []
         self.landings: list[Landing] = []
-        self._face_seen: np.ndarray | None = None  # activations of the face at the centre a turn ago
+        self._face_visible: np.ndarray | None = None  # activations of the face at the centre a turn ago
         self._object_at: np.ndarray | None = None  # direction of the object at the centre a turn ago
         self._hers: np.ndarray | None = None  # point (3,) that she looked at a turn ago
-        self._turn = 0
+        self._step = 0
         self._rng = np.random.default_rng(np.random.SeedSequence(seed).spawn(6)[5])
 
     def see(self) -> None:
-        """See ``RenderedLife``; the head goes where the map says while its module is used, and the map learns."""
+        """See ``RenderedRun``; the head goes where the map says while its module is used, and the map learns."""
         if self.following is None:
             self._notice()
-        s, r, a = (values.copy() for values in (self.mind.mind.s, self.mind.mind.r, self.mind.mind.a))
-        used = self.following is not None and bool(a[len(self.mind.variables.joints) + self._number])
+        s, r, a = (values.copy() for values in (self.agent.state.s, self.agent.state.r, self.agent.state.a))
+        used = self.following is not None and bool(a[len(self.agent.variables.joints) + self._number])
         suggestion = self.suggestion() if used else None
         heads = self.heads
         if suggestion is not None:
@@ -147,16 +147,16 @@ class ContinuousLife(RenderedLife):
         self.stage.show(int(a[1]), heads)
         shown = self.look()
         self.senses.read(shown, self.stage.sensors, self.stage.results, self._s, self._r)
-        if used and self._face_seen is not None and hers is not None:
+        if used and self._face_visible is not None and hers is not None:
             self._judge(hers, objects, suggestion is not None)
         self._learn(shown, s, a, r)
-        self._turn += 1
+        self._step += 1
 
     def suggestion(self) -> np.ndarray | None:
         """Head angles (2,), deg, for the face that was seen last; None without one, or while the table decides."""
-        if self.following is None or not self.following.ready or self._face_seen is None:
+        if self.following is None or not self.following.ready or self._face_visible is None:
             return None
-        return self.following.learner.predict(self._face_seen)
+        return self.following.learner.predict(self._face_visible)
 
     def target(self) -> np.ndarray | None:
         """The object (3,) that she looks at now, if it is one: the truth."""
@@ -165,8 +165,8 @@ class ContinuousLife(RenderedLife):
 
     def _notice(self) -> None:
         """Give the first module that follows gazes a map."""
-        variables = self.mind.variables
-        for number, module in enumerate(self.mind.modules):
+        variables = self.agent.variables
+        for number, module in enumerate(self.agent.modules):
             event = module.event
             names = variables.sensors[event.sensor].name, variables.actions[event.action].name
             if (*names, variables.results[event.result].name) == (FACE, GAZE, OBJECT):
@@ -178,22 +178,22 @@ class ContinuousLife(RenderedLife):
     def _learn(self, shown: Gazed, s: np.ndarray, a: np.ndarray, r: np.ndarray) -> None:
         """Keep the pairs that this turn makes with the one before, and learn from them what is informative."""
         face = None if shown.pattern is None else self.senses.categories.som.activations(shown.pattern)
-        place = None
+        location = None
         if shown.object and not shown.face:
-            place = direction_of(shown.object_px, np.degrees(self.stage.world.head_angles()))
-        if place is not None and self._face_seen is not None:
+            location = direction_of(shown.object_px, np.degrees(self.stage.world.head_angles()))
+        if location is not None and self._face_visible is not None:
             one, informative = self.following, False
             if one is not None:
                 event = one.module.event
                 next_r = int(self._r[event.result])
                 informative = one.is_informative(r[event.result], s[event.sensor], next_r, a[event.action])
-            pair = Pair(self._turn, self._face_seen, place, FORWARD, informative)
+            pair = Pair(self._step, self._face_visible, location, FORWARD, informative)
             self.pairs.append(pair)
             if one is not None and informative:
                 one.learn(pair)
         elif face is not None and self._object_at is not None:
-            self.pairs.append(Pair(self._turn, face, self._object_at, BACKWARD, False))
-        self._face_seen, self._object_at = face, place
+            self.pairs.append(Pair(self._step, face, self._object_at, BACKWARD, False))
+        self._face_visible, self._object_at = face, location
         self._hers = self.target()
 
     def _judge(self, hers: np.ndarray, before: np.ndarray, by_map: bool) -> None:
@@ -204,4 +204,4 @@ class ContinuousLife(RenderedLife):
         head = np.degrees(self.stage.world.head_angles())
         off = [off_centre(direction, head) for direction in directions_to(objects)]
         own = off_centre(directions_to(hers[None])[0], head)
-        self.landings.append(Landing(self._turn, by_map, own, bool(own <= min(off) + 1e-9)))
+        self.landings.append(Landing(self._step, by_map, own, bool(own <= min(off) + 1e-9)))

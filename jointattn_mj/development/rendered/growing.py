@@ -22,18 +22,18 @@ from jointattn_mj.contingency.online.resolution import (
     transitions,
 )
 from jointattn_mj.development.agent import Developer, DeveloperConfig
-from jointattn_mj.development.loop import Life, think_and_note
+from jointattn_mj.development.loop import DevelopmentRun, think_and_note
 from jointattn_mj.development.meaning import FACE, GAZE
 from jointattn_mj.development.rendered.observer import confusion, faces_looked_at
 from jointattn_mj.development.rendered.senses import ABRUPT, Gazed, SensesConfig, gazed, named_by_majority
 from jointattn_mj.development.rendered.stage import Stage, StageConfig
-from jointattn_mj.development.table.world import CAREGIVER, OPTION, TableConfig, table_variables, table_witnessed, turn
+from jointattn_mj.development.table.world import CAREGIVER, OPTION, TableConfig, step, table_variables, table_witnessed
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.pixels import PixelPerception
 from jointattn_mj.perception.som import SOM
 from jointattn_mj.scene.camera import direction_of, directions_to, off_centre
-from jointattn_mj.scene.looker import places
+from jointattn_mj.scene.looker import locations
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class GrowingConfig(Checked):
     stage: StageConfig = field(default_factory=StageConfig)
     """Bodies."""
     senses: SensesConfig = field(default_factory=lambda: SensesConfig(ABRUPT, centre_radius_deg=5.0))
-    """From pictures to sensations. Gaze goes anywhere: what counts as looked at is a little wider than at places that
+    """From images to sensations. Gaze goes anywhere: what counts as looked at is a little wider than at places that
     are known."""
     resolution: ResolutionConfig = field(default_factory=ResolutionConfig)
     """When values split."""
@@ -96,37 +96,37 @@ class Body:
         """Places on the table, of which the robot knows nothing."""
         return self.table_config.spots
 
-    def turn(self, direction: np.ndarray | None, gesture: int = 0) -> Sensed:
+    def step(self, direction: np.ndarray | None, gesture: int = 0) -> Sensed:
         """A turn in which the robot looks in a direction (2,), deg, or at her face; what it then senses.
 
         She takes it to look at the place that is nearest.
         """
-        shown = self._turn(direction, gesture)
+        shown = self._step(direction, gesture)
         cell = NOTHING_SENSED if shown.pattern is None else self.som.winner(shown.pattern)
         return Sensed(cell, shown.object and not shown.face)
 
-    def _turn(self, direction: np.ndarray | None, gesture: int) -> Gazed:
-        place = self._lived(direction, gesture)
-        heads = np.vstack([self.stage.places, self.face])
+    def _step(self, direction: np.ndarray | None, gesture: int) -> Gazed:
+        location = self._steps_done(direction, gesture)
+        heads = np.vstack([self.stage.locations, self.face])
         if direction is not None:
-            heads[place] = np.radians(direction)
+            heads[location] = np.radians(direction)
         self.stage.show(gesture, heads)
         return self.look()
 
-    def _lived(self, direction: np.ndarray | None, gesture: int) -> int:
+    def _steps_done(self, direction: np.ndarray | None, gesture: int) -> int:
         """Let the table live a turn; the place, or the face, at which the robot looks for her."""
-        place = self.spots if direction is None else self.nearest(direction)
-        turn(self.stage.table, np.array([place, gesture]), self.stage.sensors, self.stage.results)
-        return place
+        location = self.spots if direction is None else self.nearest(direction)
+        step(self.stage.table, np.array([location, gesture]), self.stage.sensors, self.stage.results)
+        return location
 
     def nearest(self, direction: np.ndarray) -> int:
         """The place nearest to a direction (2,), deg: the truth."""
-        return int(np.argmin([off_centre(place, direction) for place in np.degrees(self.stage.places)]))
+        return int(np.argmin([off_centre(location, direction) for location in np.degrees(self.stage.locations)]))
 
     def look(self) -> Gazed:
         """What is gazed at now."""
         world = self.stage.world
-        return gazed(self.perception, world.picture(), world.head_angles(), self.config.senses.centre_radius_deg)
+        return gazed(self.perception, world.image(), world.head_angles(), self.config.senses.centre_radius_deg)
 
     def direction(self) -> np.ndarray | None:
         """Where to look next while moving at random: a direction (2,), deg, or at her face."""
@@ -140,16 +140,16 @@ class Body:
 
     def _greeted(self) -> list[np.ndarray]:
         """Find her face, and bring it to the centre; returns the patterns (d,) seen there."""
-        self.face, patterns, seen = np.zeros(2), list[np.ndarray](), 0
+        self.face, patterns, visible = np.zeros(2), list[np.ndarray](), 0
         for _ in range(100 * self.config.greeting):
             self.stage.greet(self.face)
             shown = self.look()
             if shown.pattern is not None:
                 patterns.append(shown.pattern)
             if not np.isnan(shown.face_px).any():
-                seen += 1
-                place = np.radians(direction_of(shown.face_px, np.degrees(self.stage.world.head_angles())))
-                self.face += (place - self.face) / seen
+                visible += 1
+                location = np.radians(direction_of(shown.face_px, np.degrees(self.stage.world.head_angles())))
+                self.face += (location - self.face) / visible
             if len(patterns) == self.config.greeting:
                 return patterns
         raise ConfigError("the robot found no face to look at; change stage.variation, or the scene")
@@ -159,7 +159,7 @@ class Body:
         faces, objects = list[np.ndarray](), list[np.ndarray]()
         for _ in range(self.config.watching):
             away = objects and self._moves.random() >= self.config.face_share
-            shown = self._turn(objects[self._moves.integers(len(objects))] if away else None, 0)
+            shown = self._step(objects[self._moves.integers(len(objects))] if away else None, 0)
             if shown.pattern is not None:
                 faces.append(shown.pattern)
             if not np.isnan(shown.object_px).any():
@@ -169,29 +169,29 @@ class Body:
 
 
 class RecallingBody(Body):
-    """The same without a picture a turn, for many long lives: her faces are drawn from an album of pictures that were
+    """The same without an image a turn, for many long lives: her faces are drawn from an album of images that were
     taken while she looked at each place, and an object is at the centre of view if it lies there."""
 
     pages = 40
-    """Pictures at least of her for each place, and for the robot."""
+    """Images at least of her for each place, and for the robot."""
 
     def __init__(self, table: TableConfig, config: GrowingConfig, seed: np.random.SeedSequence):
         super().__init__(table, config, seed)
         self._random = np.random.default_rng(seed.spawn(1)[0])
-        self._spots = places(self.spots, self.stage.world.config.scene)
+        self._spots = locations(self.spots, self.stage.world.config.scene)
         self._album = [list[int]() for _ in range(self.spots + 1)]
         while min(len(page) for page in self._album) < self.pages:
             direction = self.direction()
             if direction is not None:
-                self._lived(direction, 0)
+                self._steps_done(direction, 0)
             else:
-                cell = super().turn(None).cell
+                cell = super().step(None).cell
                 self._album[self.looks_at()].append(cell)  # that no face was found is a page too
         self._full = np.zeros(self.spots, bool)
 
-    def turn(self, direction: np.ndarray | None, gesture: int = 0) -> Sensed:
+    def step(self, direction: np.ndarray | None, gesture: int = 0) -> Sensed:
         """See ``Body``."""
-        self._lived(direction, gesture)
+        self._steps_done(direction, gesture)
         table, config = self.stage.table, self.config
         if (table.full != self._full).any():
             self._full = table.full.copy()
@@ -202,7 +202,7 @@ class RecallingBody(Body):
             page = self._album[self.looks_at()]
             return Sensed(page[self._random.integers(len(page))], False)
         head = direction + self._random.normal(0, config.stage.motor_noise_deg, 2)
-        off = [off_centre(place, head) for place in self._objects]
+        off = [off_centre(location, head) for location in self._objects]
         return Sensed(NOTHING_SENSED, min(off) <= config.senses.centre_radius_deg)
 
 
@@ -227,20 +227,20 @@ class Babbling:
         self._direction: np.ndarray | None = None
 
     @property
-    def lived(self) -> int:
+    def steps_done(self) -> int:
         """Turns so far."""
         return len(self._cells)
 
-    def live(self, turns: int) -> None:
+    def advance(self, n_steps: int) -> None:
         """Babble so many turns more, and look for splits now and then."""
-        for _ in range(turns):
-            cell, there = self.body.turn(self._direction)
+        for _ in range(n_steps):
+            cell, there = self.body.step(self._direction)
             self._cells.append(cell)
             self._results.append(int(there))
             self.looked_at.append(self.body.looks_at())
             self._direction = self.body.direction()
             self._commands.append(np.full(2, np.nan) if self._direction is None else self._direction)
-            if self.growth.due(self.lived - 1):
+            if self.growth.due(self.steps_done - 1):
                 self.growth.look(self.experience())
 
     def experience(self) -> Transitions:
@@ -259,15 +259,15 @@ class Babbling:
         ])  # fmt: skip
 
 
-class ResolvedLife(Life):
+class GrowingRun(DevelopmentRun):
     """A mind of chapter 5 whose faces and gaze commands are the values that were found."""
 
     def __init__(
         self,
         babbling: Babbling,
-        mind: DeveloperConfig,
+        agent: DeveloperConfig,
         seed: int,
-        turns: int,
+        n_steps: int,
         reactive: Sequence[ReactiveModule] = (),
         sample_every: int = 100,
     ):
@@ -285,37 +285,37 @@ class ResolvedLife(Life):
             (Variable(FACE, faces), *of_table.sensors[1:]), (Variable(GAZE, looks), *of_table.actions[1:]),
             of_table.results,
         )  # fmt: skip
-        developer = Developer(variables, mind, np.random.SeedSequence(seed), reactive)
-        super().__init__(developer, turns, sample_every, table_witnessed(self.body.table_config))
+        developer = Developer(variables, agent, np.random.SeedSequence(seed), reactive)
+        super().__init__(developer, n_steps, sample_every, table_witnessed(self.body.table_config))
 
     def faces(self, first: int = 0, last: int | None = None) -> np.ndarray:
-        """See ``Life``."""
+        """See ``DevelopmentRun``."""
         return faces_looked_at(self, len(self.directions), first, last)
 
     def named_variables(self) -> Variables:
-        """See ``Life``: values of faces by what she mostly looked at, and regions by the place in them."""
+        """See ``DevelopmentRun``: values of faces by what she mostly looked at, and regions by the place in them."""
         counts = confusion(self, FACE, self.faces, (len(self.resolution.sensed) + 1, self.spots + 2))
         truth = table_variables(self.body.table_config)
-        variables, gaze = self.mind.variables, self.mind.variables.actions[0]
+        variables, gaze = self.agent.variables, self.agent.variables.actions[0]
         names = list(gaze.values)
-        for place, name in zip(np.degrees(self.body.stage.places), truth.actions[0].values, strict=False):
-            off = [off_centre(place, direction) for direction in self.directions]
+        for location, name in zip(np.degrees(self.body.stage.locations), truth.actions[0].values, strict=False):
+            off = [off_centre(location, direction) for direction in self.directions]
             if min(off) <= self.body.config.senses.centre_radius_deg:
                 names[int(np.argmin(off))] = name
         variables = replace(variables, actions=(Variable(gaze.name, tuple(names)), *variables.actions[1:]))
         return named_by_majority(variables, counts, truth.sensors[0].values)
 
     def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
-        s, r, first = self._s, self._r, self.lived
+        s, r, first = self._s, self._r, self.steps_done
         for t in range(first, last):
-            gaze, gesture = (int(value) for value in self.mind.mind.a[:2]) if t else (len(self.directions), 0)
-            cell, there = self.body.turn(None if gaze == len(self.directions) else self.directions[gaze], gesture)
+            gaze, gesture = (int(value) for value in self.agent.state.a[:2]) if t else (len(self.directions), 0)
+            cell, there = self.body.step(None if gaze == len(self.directions) else self.directions[gaze], gesture)
             s[0] = self.resolution.sensor(np.array([cell]))[0]
             s[1] = 0 if there else 1
             r[0] = self.frontal[s[0]]
             r[1:-1] = cell != NOTHING_SENSED and not r[0]
             r[-1] = there
-            found, _ = think_and_note(self.mind.mind, s, r, t, first, log, samples, self.sample_every)
+            found, _ = think_and_note(self.agent.state, s, r, t, first, log, samples, self.sample_every)
             log[t - first, -2:] = self.body.looks_at(), self.body.stage.table.state[OPTION]
             if found != NOTHING:
                 return t + 1, found

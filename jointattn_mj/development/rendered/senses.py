@@ -1,6 +1,6 @@
-"""Sensations and results of chapter 5 (Table 5.1) from pictures.
+"""Sensations and results of chapter 5 (Table 5.1) from images.
 
-The robot gazes at what is at the centre of its picture: a face, an object, or nothing. Which face it is, is said by
+The robot gazes at what is at the centre of its image: a face, an object, or nothing. Which face it is, is said by
 categories of its own (``perception.categories``). A frontal face is one like those that greeted it; any other is a
 profile. Each part can be replaced by the truth, to see what its errors cost.
 """
@@ -33,7 +33,7 @@ threshold three of twenty robots never found one."""
 
 @dataclass(frozen=True)
 class SensesConfig(Checked):
-    """How pictures become values of variables."""
+    """How images become values of variables."""
 
     pixels: PixelConfig = field(default_factory=PixelConfig)
     """Faces and colour areas, as in chapter 6."""
@@ -51,7 +51,7 @@ class SensesConfig(Checked):
 
 
 class Gazed(NamedTuple):
-    """What a picture shows, and whether that is at its centre; pixels as in ``Percept``, NaN for what was not found."""
+    """What an image shows, and whether that is at its centre; pixels as in ``Percept``, NaN for what was not found."""
 
     face: bool
     object: bool
@@ -67,10 +67,10 @@ NOWHERE = np.full(2, np.nan)
 NOTHING_LOOKED_AT = Gazed(False, False, NOWHERE, NOWHERE, None)
 
 
-def gazed(perception: PixelPerception, picture: np.ndarray, head: np.ndarray, radius_deg: float) -> Gazed:
-    """Look at a picture (h, w, 3) that was taken with the head at ``head`` (2,), rad."""
-    percept = perception.look({"camera": picture, "head_angles": head}, True)
-    face, nearest, near = _centre(percept.seen, percept.px, np.radians(radius_deg) * FOCAL_PX)
+def gazed(perception: PixelPerception, image: np.ndarray, head: np.ndarray, radius_deg: float) -> Gazed:
+    """Look at an image (h, w, 3) that was taken with the head at ``head`` (2,), rad."""
+    percept = perception.look({"camera": image, "head_angles": head}, True)
+    face, nearest, near = _centre(percept.visible, percept.px, np.radians(radius_deg) * FOCAL_PX)
     return Gazed(
         face, near, percept.px[-1].copy(), NOWHERE if nearest < 0 else percept.px[nearest].copy(),
         perception.face_pattern() if face else None,
@@ -78,12 +78,12 @@ def gazed(perception: PixelPerception, picture: np.ndarray, head: np.ndarray, ra
 
 
 @njit(cache=True)
-def _centre(seen, px, radius):
+def _centre(visible, px, radius):
     """Whether the face is within ``radius`` of the centre; the nearest object, or -1, and whether that is."""
     nearest, least = -1, np.inf
-    for k in range(len(seen)):
-        off = np.hypot(px[k, 0] - CENTRE_X, px[k, 1] - CENTRE_Y) if seen[k] else np.inf
-        if k == len(seen) - 1:
+    for k in range(len(visible)):
+        off = np.hypot(px[k, 0] - CENTRE_X, px[k, 1] - CENTRE_Y) if visible[k] else np.inf
+        if k == len(visible) - 1:
             return off <= radius, nearest, least <= radius
         if off < least:
             nearest, least = k, off
@@ -93,7 +93,7 @@ class Senses:
     """Turns what is gazed at into (S, R); made when the robot has seen enough faces to have categories of them.
 
     Attributes:
-        looks: Whether pictures are needed at all.
+        looks: Whether images are needed at all.
         variables: Those of the mind: S1 has a value for each category.
         categories: Of faces.
         frontal: (values of S1,) bool: the categories of the faces that greeted the robot; one, or a few.
@@ -114,7 +114,7 @@ class Senses:
         som.train(patterns, rng)
         self.categories = FaceCategories(som, patterns, config.grouping)
         self._of_table = table_variables(table)
-        self.variables = self._of_table if self._truth["category"] else _seen(self._of_table, self.categories.count)
+        self.variables = self._of_table if self._truth["category"] else _visible(self._of_table, self.categories.count)
         self._faces = len(self.variables.sensors[0].values) - 1
         if self._truth["category"]:
             votes = np.array([table.spots])
@@ -136,19 +136,19 @@ class Senses:
         """Write the values of this turn.
 
         Args:
-            gazed: What the picture shows.
+            gazed: What the image shows.
             sensors: True values (2,), for the parts that are replaced by the truth.
             results: True values (results,).
             s: (2,) is written.
             r: (results,) is written.
         """
         truth = self._truth
-        not_seen, none = len(self._of_table.sensors[0].values) - 1, 1
-        face = sensors[0] != not_seen if truth["face"] else gazed.face
+        not_visible, none = len(self._of_table.sensors[0].values) - 1, 1
+        face = sensors[0] != not_visible if truth["face"] else gazed.face
         if not face:
             s[0] = self._faces
         elif truth["category"]:
-            s[0] = sensors[0] if sensors[0] != not_seen else self._likeliest
+            s[0] = sensors[0] if sensors[0] != not_visible else self._likeliest
         elif gazed.pattern is not None:
             s[0] = self.categories.of(gazed.pattern)
         else:
@@ -161,7 +161,7 @@ class Senses:
         r[len(r) - 1] = there
 
 
-def _seen(variables: Variables, categories: int) -> Variables:
+def _visible(variables: Variables, categories: int) -> Variables:
     """The variables with categories of faces for what the caregiver looks at."""
     names = tuple(f"face {number}" for number in range(1, categories + 1))
     face = variables.sensors[0]

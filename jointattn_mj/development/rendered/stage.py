@@ -13,7 +13,7 @@ from jointattn_mj.development.table.world import CAREGIVER, ROBOT, Table, TableC
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Real
 from jointattn_mj.scene.camera import directions_to
-from jointattn_mj.scene.looker import AWAY, TurnWorld, places
+from jointattn_mj.scene.looker import AWAY, TurnWorld, locations
 from jointattn_mj.scene.model import OBJECTS
 from jointattn_mj.scene.variation import Variation, drawn, variation_of
 from jointattn_mj.scene.world import WorldConfig
@@ -35,19 +35,19 @@ class StageConfig(Checked):
     motor_noise_deg: Annotated[float, Real("[0, 15]")] = 0.5
     """Standard deviation, pan and tilt, of where the robot's head comes to rest."""
     looks_at: Literal["place", "object"] = "place"
-    """What her eyes rest on when an object lies at the place she looks at: the middle of the ``place``, so that the
+    """What her eyes rest on when an object lies at the place she looks at: the middle of the ``location``, so that the
     jitter of objects is one more imprecision, or the ``object``, wherever it lies: so where jitter is large."""
 
 
 class Stage:
-    """Robot and caregiver at the table, a picture a turn.
+    """Robot and caregiver at the table, an image a turn.
 
     Attributes:
         table: The symbolic table, which decides; there from ``begin`` on.
         world: The bodies.
         objects: What the robot expects to see on the table; lights and variation may make it look otherwise.
         places: (spots, 2) head angles that bring each place to the centre of view, rad.
-        sensors: (2,) what the robot of the symbolic table senses in a turn: the truth, for ``table.turn`` to write.
+        sensors: (2,) what the robot of the symbolic table senses in a turn: the truth, for ``table.step`` to write.
         results: (results,) likewise.
     """
 
@@ -58,7 +58,7 @@ class Stage:
             raise ConfigError(f"the scene knows {len(OBJECTS)} objects; the table has {table.objects}")
         if table.kinds > 1 or table.order != "caregiver_first":
             raise ConfigError(
-                "pictures are taken once a turn, and objects are of one kind: the rendered world needs kinds 1 and "
+                "images are taken once a turn, and objects are of one kind: the rendered world needs kinds 1 and "
                 f"order caregiver_first; got {table.kinds}, {table.order}"
             )
         self.config = config
@@ -68,8 +68,8 @@ class Stage:
         world, conditions = drawn(replace(config.world, scene=scene), variation_of(config.variation), of_look)
         self.world = TurnWorld.build(world, np.random.SeedSequence(0), conditions)
         self._random = np.random.default_rng(of_bodies)
-        self._spots = places(table.spots, world.scene)
-        self.places = np.radians(directions_to(self._spots))
+        self._spots = locations(table.spots, world.scene)
+        self.locations = np.radians(directions_to(self._spots))
         self._table_config = table
         self._noise = np.radians([[config.head_jitter_deg], [config.motor_noise_deg]])
         self.sensors = np.zeros(2, np.int64)
@@ -87,10 +87,10 @@ class Stage:
 
     def looked_at(self) -> np.ndarray | None:
         """The point (3,) that she looks at, world frame, metres; None where she looks at the robot."""
-        place = self.table.state[CAREGIVER]
-        if place == len(self._spots):
+        location = self.table.state[CAREGIVER]
+        if location == len(self._spots):
             return None
-        return self._lie[place] if self.config.looks_at == "object" else self._spots[place]
+        return self._lie[location] if self.config.looks_at == "object" else self._spots[location]
 
     def show(self, gesture: int, heads: np.ndarray) -> None:
         """Let bodies stand as the table's last turn has left them.

@@ -13,7 +13,7 @@ class Preset:
     """A world, a mind and why they are so."""
 
     world: TableConfig
-    mind: DeveloperConfig
+    agent: DeveloperConfig
     why: str
 
 

@@ -147,9 +147,9 @@ def check_table(table: Table, config: TableConfig) -> None:
 
 @njit(cache=True, forceinline=True)
 def _shuffle_first(items, count, random):
-    for place in range(count):
-        other = place + int(random.random() * (len(items) - place))
-        items[place], items[other] = items[other], items[place]
+    for location in range(count):
+        other = location + int(random.random() * (len(items) - location))
+        items[location], items[other] = items[other], items[location]
 
 
 @njit(cache=True, forceinline=True)
@@ -188,7 +188,7 @@ def _check_turn(table, a, s, r):
 
 @checked_by(_check_turn)
 @njit(cache=True, forceinline=True)
-def turn(table, a, s, r):
+def step(table, a, s, r):
     """Let the robot act and the caregiver answer, in the configured order.
 
     Args:

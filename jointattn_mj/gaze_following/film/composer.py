@@ -1,4 +1,4 @@
-"""One picture of the session's video: it explains itself to somebody who has never heard of the project.
+"""One image of the session's video: it explains itself to somebody who has never heard of the project.
 
 Left what the robot perceives and what interests it, right the same moment from outside with both lines of sight, the
 map of faces, who decides where to look, and how often it was right.
@@ -12,7 +12,7 @@ from jointattn_mj.gaze_following.film.panels import GatePanel, MapPanel, Success
 from jointattn_mj.gaze_following.session import Session
 from jointattn_mj.gaze_following.shifts import ShiftRow
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
-from jointattn_mj.scene.model import PICTURE_HEIGHT, PICTURE_WIDTH
+from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 from jointattn_mj.video.onlooker import Onlooker
 from jointattn_mj.video.paint import (
     GREEN,
@@ -34,8 +34,8 @@ from jointattn_mj.video.percepts import SCALE
 
 WIDTH, HEIGHT = 1280, 720
 VERDICT_S = 1.2
-"""How long the verdict on a shift from the face to an object stays in the picture."""
-_EYE = Box(16, 76, PICTURE_WIDTH * SCALE, PICTURE_HEIGHT * SCALE)
+"""How long the verdict on a shift from the face to an object stays in the image."""
+_EYE = Box(16, 76, IMAGE_WIDTH * SCALE, IMAGE_HEIGHT * SCALE)
 _OUTSIDE = Box(672, 76, 592, 340)
 _INTEREST = Box(16, 564, 640, 148)
 _MAP = Box(672, 424, 212, 288)
@@ -54,7 +54,7 @@ DOES = {
 
 
 class Composer:
-    """Puts all parts into one picture, uint8 (720, 1280, 3)."""
+    """Puts all parts into one image, uint8 (720, 1280, 3)."""
 
     def __init__(self, session: Session):
         config, self._names = session.config, session.names
@@ -63,7 +63,7 @@ class Composer:
         end = write(blank, 16, 11, "A robot learns to look where somebody else is looking", WHITE, 21, True)
         write(blank, end + 16, 17, "Nobody tells it where: it only watches.", GREY, 14)
         write(blank, _EYE.x, 50, "What the robot sees", WHITE, 16, True)
-        write(blank, _EYE.x + _EYE.width, 53, "30 pictures a second, 320 x 240", GREY, 13, align="right")
+        write(blank, _EYE.x + _EYE.width, 53, "30 images a second, 320 x 240", GREY, 13, align="right")
         write(blank, _OUTSIDE.x, 50, "The same moment from outside", WHITE, 16, True)
         write(blank, _OUTSIDE.x + _OUTSIDE.width, 53, "truth, not known to the robot", GREY, 13, align="right")
         self._eye = RobotsView(self._names, self._inks, _EYE)
@@ -79,7 +79,7 @@ class Composer:
         self._canvas = blank.copy()
 
     def compose(self, session: Session) -> np.ndarray:
-        """The picture of this frame; it holds until the next one."""
+        """The image of this frame; it holds until the next one."""
         canvas = self._canvas
         np.copyto(canvas, self._blank)
         now = f"{_clock(session.frame * FRAME_S)} of {self._total} simulated"

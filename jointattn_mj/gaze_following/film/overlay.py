@@ -1,4 +1,4 @@
-"""What the robot makes of its picture, drawn on it: its percept, and where the head turns.
+"""What the robot makes of its image, drawn on it: its percept, and where the head turns.
 
 Everything here is known to the robot. Candidates are numbered as in ``Percept``.
 """
@@ -12,9 +12,9 @@ from jointattn_mj.gaze_following.agent import GazeFollower, GazeShift
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, pixel_of
 from jointattn_mj.scene.world import World
 from jointattn_mj.video.paint import GREY, GROUND, LEARNED, WHITE, Box, Colour, disc, lines, shade, write
-from jointattn_mj.video.percepts import PerceptInk, caption, place
+from jointattn_mj.video.percepts import PerceptInk, caption, location
 
-_BAR = 34  # height of the line of text below the picture's contents
+_BAR = 34  # height of the line of text below the image's contents
 _WAYS = ((1, 0), (-1, 0), (0, 1), (0, -1))
 _AHEAD_DEG = 60.0  # farther from the present direction nothing is drawn
 
@@ -32,27 +32,27 @@ class Watched(Protocol):
 
 
 class RobotsView:
-    """Draws the left picture of the video into ``box``."""
+    """Draws the left image of the video into ``box``."""
 
     def __init__(self, names: tuple[str, ...], inks: list[Colour], box: Box):
         self._names, self._inks, self._box = names, inks, box
         self._percept = PerceptInk(inks)
 
     def draw(self, canvas: np.ndarray, session: Watched) -> None:
-        """The robot's picture with what it perceives in it, or with where its head turns."""
+        """The robot's image with what it perceives in it, or with where its head turns."""
         area, robot = self._box.of(canvas), session.robot
         size = self._box.width, self._box.height
-        area[:] = cv2.resize(session.world.picture(), size, interpolation=cv2.INTER_CUBIC)
+        area[:] = cv2.resize(session.world.image(), size, interpolation=cv2.INTER_CUBIC)
         if robot.shift is not None and robot.percept is None:
             self._draw_turning(area, robot.shift, np.degrees(session.world.head_angles()))
         elif robot.percept is not None:
-            motion = getattr(robot.perceiver, "motion", None)  # none with ``perception truth``
+            motion = getattr(robot.perceiver, "motion", None)  # none with ``perception state``
             self._percept.draw(area, robot.percept, robot.attended, motion)
         _draw_centre(area)
         self._draw_status(area, robot)
 
     def _draw_turning(self, area: np.ndarray, shift: GazeShift, head: np.ndarray) -> None:
-        """Nothing is perceived while the head turns: a dimmer picture with the goal, and the learner's guess."""
+        """Nothing is perceived while the head turns: a dimmer image with the goal, and the learner's guess."""
         shade(area, GROUND, 0.35)
         if shift.suggestion is not None and not shift.by_learner:
             self._draw_goal(area, shift.suggestion, head, LEARNED, "learned guess", -45)
@@ -63,10 +63,10 @@ class RobotsView:
     def _draw_goal(
         area: np.ndarray, goal: np.ndarray, head: np.ndarray, ink: Colour, label: str, below: int = 26
     ) -> None:
-        """A cross in a ring where ``goal`` (pan, tilt; deg) is in the present picture; its label so far below it."""
+        """A cross in a ring where ``goal`` (pan, tilt; deg) is in the present image; its label so far below it."""
         if np.abs(goal - head).max() > _AHEAD_DEG:
             return
-        centre = place(pixel_of(goal, head))
+        centre = location(pixel_of(goal, head))
         disc(area, centre, 17, ink, 2)
         lines(area, [centre + np.outer((10, 23), way) for way in _WAYS], ink, 2)
         caption(area, centre + np.array([0, below]), label, ink)
@@ -96,5 +96,5 @@ class RobotsView:
 
 def _draw_centre(area: np.ndarray) -> None:
     """A fine cross at the centre of view."""
-    centre = place(np.array([CENTRE_X, CENTRE_Y]))
+    centre = location(np.array([CENTRE_X, CENTRE_Y]))
     lines(area, [centre + np.outer((5, 13), way) for way in _WAYS], WHITE, 1)

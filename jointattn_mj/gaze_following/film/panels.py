@@ -1,6 +1,6 @@
 """The video's panels on learning: the map of faces, who decides, and success so far.
 
-Each panel paints what never changes once, and what changes rarely into a picture of its own.
+Each panel paints what never changes once, and what changes rarely into an image of its own.
 """
 
 import cv2
@@ -43,7 +43,7 @@ class MapPanel:
             write(canvas, self._box.x, self._box.y + side + 8 + 16 * line, text, GREY, 12)
         self._shown: np.ndarray | None = None
         self._cells: np.ndarray | None = None
-        self._picture = np.zeros((side, side, 3), np.uint8)
+        self._image = np.zeros((side, side, 3), np.uint8)
 
     def draw(self, canvas: np.ndarray, session: Session) -> None:
         """Redraws only when the robot turns away from another face."""
@@ -55,19 +55,19 @@ class MapPanel:
             if self._cells is None:
                 self._cells = face_cells(som, self._box.width)
             self._shown = activations
-            self._picture = lit(self._cells, activations, (som.config.rows, som.config.columns))
-        self._box.of(canvas)[:] = self._picture
+            self._image = lit(self._cells, activations, (som.config.rows, som.config.columns))
+        self._box.of(canvas)[:] = self._image
 
 
 def face_cells(som: SOM, side: int) -> np.ndarray:
-    """(side, side) float32, 0..1: the cells' patterns side by side, or plain cells where they are no pictures."""
+    """(side, side) float32, 0..1: the cells' patterns side by side, or plain cells where they are no images."""
     rows, columns = som.config.rows, som.config.columns
     dimension = som.weights.shape[1]
     pattern = round(dimension**0.5)
     if pattern < 4 or pattern * pattern != dimension:
         return np.full((side, side), 0.8, np.float32)
     low, high = np.percentile(som.weights, (1, 99))
-    tones = np.clip((som.pictures() - low) / max(high - low, 1e-6), 0, 1)
+    tones = np.clip((som.images() - low) / max(high - low, 1e-6), 0, 1)
     whole = tones.transpose(0, 2, 1, 3).reshape(rows * pattern, columns * pattern).astype(np.float32)
     return cv2.resize(whole, (side, side), interpolation=cv2.INTER_AREA)
 
@@ -80,17 +80,17 @@ def lit(cells: np.ndarray, activations: np.ndarray | None, shape: tuple[int, int
         active = (activations / activations.max()).reshape(shape).astype(np.float32)
     light = cv2.resize(active, (side, side), interpolation=cv2.INTER_NEAREST)[..., None]
     tint = 255 + (_GLOW - 255) * light
-    picture = (cells[..., None] * tint * (0.38 + 0.62 * light) + 40 * light * _GLOW / 255).clip(0, 255).astype(np.uint8)
+    image = (cells[..., None] * tint * (0.38 + 0.62 * light) + 40 * light * _GLOW / 255).clip(0, 255).astype(np.uint8)
     edges_y, edges_x = (np.round(np.linspace(0, side, n + 1)).astype(int) for n in shape)
     for edge in edges_y[1:-1]:
-        picture[edge] = GROUND
+        image[edge] = GROUND
     for edge in edges_x[1:-1]:
-        picture[:, edge] = GROUND
+        image[:, edge] = GROUND
     if activations is not None:
         row, column = np.unravel_index(np.argmax(active), shape)
         corner, end = (edges_x[column], edges_y[row]), (edges_x[column + 1], edges_y[row + 1])
-        cv2.rectangle(picture, corner, end, WHITE, 1)
-    return picture
+        cv2.rectangle(image, corner, end, WHITE, 1)
+    return image
 
 
 class GatePanel:
@@ -157,30 +157,30 @@ class SuccessPanel:
         write(canvas, plot.x, box.y + box.height - 18, "start", GREY, 11)
         write(canvas, plot.x + plot.width, box.y + box.height - 18, f"{minutes:g} min", GREY, 11, align="right")
         self._blank = box.of(canvas).copy()
-        self._picture = self._blank
+        self._image = self._blank
         self._counted = -1
 
     def draw(self, canvas: np.ndarray, session: Session) -> None:
         """Redraws only when a shift has landed."""
         if len(session.shifts) != self._counted:
             self._counted = len(session.shifts)
-            self._picture = self._blank.copy()
+            self._image = self._blank.copy()
             counts = session.shifts.column("face_to_object") == 1
             at, success = (session.shifts.column(name)[counts] for name in ("landing_s", "success"))
-            self._redraw(self._picture, at / 60, success == 1, session.frame / FRAMES_PER_MINUTE)
-        self._box.of(canvas)[:] = self._picture
+            self._redraw(self._image, at / 60, success == 1, session.frame / FRAMES_PER_MINUTE)
+        self._box.of(canvas)[:] = self._image
 
-    def _redraw(self, picture: np.ndarray, at: np.ndarray, success: np.ndarray, now: float) -> None:
-        x = write(picture, 12, 30, f"{success.sum()} of {len(success)}", GREEN, 13, True) + 6
-        write(picture, x, 30, "looks from the face to an object", WHITE, 13)
+    def _redraw(self, image: np.ndarray, at: np.ndarray, success: np.ndarray, now: float) -> None:
+        x = write(image, 12, 30, f"{success.sum()} of {len(success)}", GREEN, 13, True) + 6
+        write(image, x, 30, "looks from the face to an object", WHITE, 13)
         left, top = self._plot.x - self._box.x, self._plot.y - self._box.y
         scale = self._plot.width / self._minutes
         for minute, right in zip(at, success, strict=True):
             x, y = left + minute * scale, top + self._plot.height + (5 if right else 10)
-            lines(picture, [np.array([(x, y), (x, y + 5)])], GREEN if right else RED, 1)
+            lines(image, [np.array([(x, y), (x, y + 5)])], GREEN if right else RED, 1)
         times = np.linspace(0, now, max(2, round(4 * now)))
         rate = rate_of_success(times, at, success)
         known = ~np.isnan(rate)
         if known.any():
             curve = np.column_stack([left + times * scale, top + (1 - rate) * self._plot.height])[known]
-            lines(picture, [curve], GREEN, 2)
+            lines(image, [curve], GREEN, 2)

@@ -1,6 +1,6 @@
 """The session's video as a file.
 
-``composer`` makes the pictures, ``reel`` brings them to ffmpeg. The session is only looked at: it goes on as without a
+``composer`` makes the images, ``reel`` brings them to ffmpeg. The session is only looked at: it goes on as without a
 film.
 """
 
@@ -36,7 +36,7 @@ class Film:
 
         Raises:
             VideoError: ffmpeg has given up.
-            GLError: No picture can be rendered here.
+            GLError: No image can be rendered here.
         """
         if session.frame % self._every == 0:
             self._reel.add(self._composer.compose(session))
@@ -44,6 +44,6 @@ class Film:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        """Finish the file and free what pictures needed; an error that is already under way comes first."""
+        """Finish the file and free what images needed; an error that is already under way comes first."""
         self._composer.close()
         self._reel.__exit__(kind, error, traceback)

@@ -1,11 +1,11 @@
 """Fails."""
 
 
-def analyse(cells):
+def analyse(trials):
     """Not this time."""
     raise KeyError("missing")
 
 
-def draw(cells):
+def draw(trials):
     """Nothing to see."""
     return {}

@@ -7,6 +7,6 @@ FIRST_SEED = 5
 VERSION = 3
 
 
-def cell(config, seed):
+def trial(config, seed):
     """Nothing much."""
     return {"sum": config["x"] + seed}

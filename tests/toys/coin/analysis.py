@@ -6,20 +6,20 @@ from jointattn_mj.sweeps.claim import Finding, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
 
 
-def analyse(cells):
+def analyse(trials):
     """A row a coin."""
     findings = [
-        Finding(f"heads of the {name} one", "0.5", mean_interval([cell.result["heads"] for cell in part]), verdict)
+        Finding(f"heads of the {name} one", "0.5", mean_interval([trial.result["heads"] for trial in part]), verdict)
         for name, verdict in (("fair", Verdict.REPRODUCED), ("loaded", Verdict.NOT))
-        if (part := cells.get(name))
+        if (part := trials.get(name))
     ]
     return [*findings, Finding("a sentence", "so | so", None, Verdict.EXTENSION, "no <number> there")]
 
 
-def draw(cells):
+def draw(trials):
     """Every throw."""
     figure = Figure(figsize=(3, 2))
     axes = figure.subplots()
-    for name, part in cells.items():
-        axes.plot([cell.seed for cell in part], [cell.result["heads"] for cell in part], ".", label=name)
+    for name, part in trials.items():
+        axes.plot([trial.seed for trial in part], [trial.result["heads"] for trial in part], ".", label=name)
     return {"heads": figure}

@@ -21,7 +21,7 @@ class Coin:
 SETTINGS = {"fair": Setting(Coin(), 8), "loaded": Setting(Coin(heads=0.8), 8)}
 
 
-def cell(coin: Coin, seed: int) -> dict:
+def trial(coin: Coin, seed: int) -> dict:
     """Share of heads."""
     misbehave(seed)
     rng = random.Random(seed)

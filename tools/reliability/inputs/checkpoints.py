@@ -23,7 +23,7 @@ from tools.reliability.subjects import Run
 from tools.shell import Outcome, Shell
 
 RUNS = (
-    ("session", "--perception", "truth", "--minutes", "10", "--checkpoint-minutes", "0.5", "--seed", "1"),
+    ("session", "--perception", "state", "--minutes", "10", "--checkpoint-minutes", "0.5", "--seed", "1"),
     ("develop", "--preset", "fast", "--steps", "200000", "--checkpoint-every", "10000"),
 )
 

@@ -11,7 +11,7 @@ from tools.reliability.inputs.damage import damaged, write
 from tools.reliability.malformed import Input, anything, refused
 from tools.shell import Outcome, Shell
 
-SESSION = ("session", "--perception", "truth", "--minutes", "0.05", "--seed", "1")
+SESSION = ("session", "--perception", "state", "--minutes", "0.05", "--seed", "1")
 
 
 def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iterator[Input]:

@@ -1,0 +1,172 @@
+"""A life from images: the mind is that of the symbolic table, and what it senses comes from what its camera shows."""
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jointattn_mj.contingency.online.detector import DetectorConfig
+from jointattn_mj.development import run as development
+from jointattn_mj.development.agent import DeveloperConfig
+from jointattn_mj.development.rendered.config import RenderedDevelopConfig
+from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
+from jointattn_mj.development.rendered.senses import PARTS, SensesConfig, named_by_majority
+from jointattn_mj.development.rendered.stage import StageConfig
+from jointattn_mj.development.run import DevelopOptions, run_development
+from jointattn_mj.development.table.run import TableRun
+from jointattn_mj.development.table.world import TableConfig, table_variables
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.io import rows
+from jointattn_mj.perception.percept import Percept
+
+HASTY = DeveloperConfig(detector=DetectorConfig(threshold=5e-3), most_modules=2)
+SHORT = RenderedConfig(watching=240)
+TRUE = replace(SHORT, senses=SensesConfig(truth=PARTS))
+TABLE = TableConfig()
+
+
+def steps_done(config, n_steps, seed=2, agent=HASTY, stops=()):
+    run = RenderedRun(TABLE, config, agent, seed, n_steps)
+    for stop in (*stops, n_steps):
+        run.advance(stop - run.steps_done)
+    return run
+
+
+@pytest.fixture(scope="module")
+def run():
+    return steps_done(SHORT, 400)
+
+
+def assert_same(one, other):
+    assert one.steps_done == other.steps_done
+    for column in one.columns:
+        np.testing.assert_array_equal(one.log(column), other.log(column), err_msg=column)
+    assert [(found.step, found.event) for found in one.found] == [(found.step, found.event) for found in other.found]
+
+
+def test_with_the_truth_it_is_the_life_at_the_symbolic_table():
+    """The mind is the same, and so is the table; only perception lies between them."""
+    n_steps = 1500
+    visible, symbolic = steps_done(TRUE, n_steps), TableRun(TABLE, HASTY, 2, n_steps)
+    symbolic.advance(n_steps)
+    assert symbolic.found
+    for column in symbolic.columns:
+        np.testing.assert_array_equal(visible.log(column), symbolic.log(column), err_msg=column)
+    assert [(one.step, one.event) for one in visible.found] == [(one.step, one.event) for one in symbolic.found]
+    np.testing.assert_array_equal(visible.faces(), symbolic.faces())
+    assert visible.stage.world.rendered_frames < n_steps  # nobody looked
+
+
+def test_pictures_tell_what_the_truth_is(run):
+    counts, objects = run.confusion(), run.object_confusion()
+    assert counts.sum() == objects.sum() == run.steps_done
+    assert counts[:-1, :-1].max(axis=1).sum() >= 0.97 * counts[:, :-1].sum()
+    assert counts[-1, -1] == counts[:, -1].sum()
+    assert np.trace(objects) >= 0.97 * run.steps_done
+    named = named_by_majority(run.agent.variables, counts, table_variables(TABLE).sensors[0].values)
+    assert {"at spot 1", "at spot 2", "at spot 3", "at robot"} <= {v.split(" (")[0] for v in named.sensors[0].values}
+    assert run.more()["sensed_object_by_truth"]["object"] == objects[0].tolist()
+
+
+def test_names_differ_though_a_face_was_mostly_not_there(run):
+    """With imprecise heads a category can be sensed most often where there was no face to see."""
+    values, truth = run.agent.variables.sensors[0].values, table_variables(TABLE).sensors[0].values
+    counts = np.zeros((len(values), len(truth)), int)
+    counts[:, truth.index("not seen")] = 1
+    named = named_by_majority(run.agent.variables, counts, truth).sensors[0].values
+    assert named[-1] == "not seen"
+    assert named[:2] == ("not seen (2)", "not seen (3)")
+
+
+def test_frontal_is_what_greeted_it(run):
+    """R1 is seen when she looks at the robot, R2 when at something else, each only while the robot looks at her."""
+    at_robot, elsewhere = run.faces() == 3, run.faces() < 3
+    assert np.mean(run.log("frontal face") == at_robot) > 0.98
+    assert np.mean(run.log("profile") == elsewhere) > 0.98
+
+
+def test_a_turn_is_a_picture(run):
+    assert run.stage.world.rendered_frames == run.steps_done + SHORT.watching + SHORT.greeting
+
+
+def test_the_same_seed_lives_the_same_life_however_it_is_interrupted(run):
+    assert_same(steps_done(SHORT, 400, stops=(1, 37)), run)
+    other = RenderedRun(TABLE, SHORT, HASTY, 2, 400)
+    other.advance(123)
+    frozen = pickle.dumps(other)
+    other.advance(10)
+    other.close()
+    again = pickle.loads(frozen)
+    again.advance(400)
+    assert_same(again, run)
+    again.close()
+
+
+def test_seeds_differ(run):
+    assert not np.array_equal(steps_done(SHORT, 100, seed=3).log("shift gaze"), run.log("shift gaze")[:100])
+
+
+def test_who_sees_nothing_senses_nothing():
+    run = RenderedRun(TABLE, SHORT, HASTY, 2, 40)
+    count = len(run.stage.objects) + 1
+    nothing = Percept(np.zeros(count, bool), np.full((count, 2), np.nan), np.zeros(count, bool))
+    run.perception.look = lambda observation, landed: nothing
+    run.advance(40)
+    assert (run.log("caregiver's face") == len(run.agent.variables.sensors[0].values) - 1).all()
+    for name in ("frontal face", "profile", "object"):
+        assert not run.log(name).any()
+
+
+@pytest.mark.parametrize("wrong", [{"greeting": 0}, {"watching": 0}])
+def test_options_that_cannot_work(wrong):
+    with pytest.raises(ConfigError):
+        RenderedConfig(**wrong)
+
+
+def test_parts_of_perception_have_names():
+    with pytest.raises(ConfigError, match="face, category, object"):
+        SensesConfig(truth=("ears",))
+
+
+def test_the_command_leaves_results_and_a_film_and_resumes_to_the_same(tmp_path, monkeypatch):
+    monkeypatch.setattr(rows, "BUFFER_BYTES", 24)  # two turns
+    config = RenderedDevelopConfig(steps=6, agent=HASTY, rendered=replace(SHORT, stage=StageConfig(variation="none")))
+    summary = run_development(config, DevelopOptions(tmp_path / "whole", video=True))
+    assert (tmp_path / "whole" / "video.mp4").stat().st_size > 10_000
+    assert not list((tmp_path / "whole").glob("moment*"))
+    assert summary["caregiver"] == "robin" and summary["steps"] == 6
+
+    def stop(run, found):
+        if run.steps_done == 2:
+            raise KeyboardInterrupt
+
+    options = DevelopOptions(tmp_path / "stopped", checkpoint_every=2)
+    with pytest.raises(KeyboardInterrupt):
+        run_development(config, options, stop)
+    assert run_development(config, replace(options, resume=True)) == summary
+
+
+def test_killed_between_film_and_results(tmp_path, monkeypatch):
+    """The film is made again, not left empty."""
+    config = RenderedDevelopConfig(steps=3, agent=HASTY, rendered=replace(SHORT, stage=StageConfig(variation="none")))
+    leave, options = development._leave_results, DevelopOptions(tmp_path, video=True)
+
+    def killed(*_):
+        raise SystemExit(9)
+
+    monkeypatch.setattr(development, "_leave_results", killed)
+    with pytest.raises(SystemExit):
+        run_development(config, options)
+    film = (tmp_path / "video.mp4").read_bytes()
+    monkeypatch.setattr(development, "_leave_results", leave)
+    run_development(config, replace(options, resume=True))
+    assert (tmp_path / "video.mp4").read_bytes() == film
+    assert not list(tmp_path.glob("moment*"))
+
+
+def test_a_symbolic_life_is_not_filmed(tmp_path):
+    from jointattn_mj.development.run import DevelopConfig
+
+    with pytest.raises(ConfigError, match="--world rendered"):
+        run_development(DevelopConfig(steps=10), DevelopOptions(tmp_path, video=True))

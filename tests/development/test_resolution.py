@@ -1,0 +1,164 @@
+"""Values that split where contingency rises: partitions stay partitions, gains are what they claim."""
+
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import jointattn_mj.contingency as c
+from jointattn_mj.contingency.online.resolution import (
+    NOTHING_SENSED,
+    Growth,
+    ResolutionConfig,
+    branches,
+    coarse,
+    contingency,
+    local_contingency,
+    refined,
+    splits,
+    transitions,
+)
+from jointattn_mj.development.meaning import FACE, OBJECT
+from jointattn_mj.development.rendered.growing import Babbling, GrowingConfig, GrowingRun, RecallingBody
+from jointattn_mj.development.table.presets import PRESETS
+from jointattn_mj.development.table.world import TableConfig
+from jointattn_mj.errors import ConfigError, SeriesError
+
+SPACE = np.array([[-20.0, 20.0], [-15.0, -14.0]])
+PROTOTYPES = 12
+
+
+def noise(n_steps, seed):
+    """Sensations, commands and results that have nothing to do with each other."""
+    rng = np.random.default_rng(seed)
+    cells = rng.integers(-1, PROTOTYPES, n_steps)
+    commands = np.column_stack([rng.uniform(*axis, n_steps) for axis in SPACE])
+    commands[rng.random(n_steps) < 0.4] = np.nan
+    return cells, commands, rng.integers(0, 2, n_steps)
+
+
+def two_sides(n_steps, seed):
+    """Low cells tell of something on the left, high ones on the right; the rest of nothing."""
+    cells, commands, results = noise(n_steps, seed)
+    left = cells < PROTOTYPES // 2
+    right_way = (commands[:, 0] < 0) == left
+    known = (cells != NOTHING_SENSED) & ~np.isnan(commands[:, 0])
+    results[1:] = np.where(known, right_way, False)[:-1]
+    return cells, commands, results
+
+
+def points(seed=0):
+    return np.random.default_rng(seed).normal(size=(PROTOTYPES, 3))
+
+
+def ordered():
+    """In a row, with a gap in the middle."""
+    return np.arange(PROTOTYPES, dtype=float)[:, None] + 20 * (np.arange(PROTOTYPES) >= PROTOTYPES // 2)[:, None]
+
+
+@given(st.integers(0, 50), st.sampled_from(["average", "complete", "single", "ward"]))
+@settings(max_examples=20, deadline=None)
+def test_branches_are_nested_or_apart(seed, method):
+    groups = branches(points(seed), method)
+    assert len(groups) == len(set(groups)) == 2 * PROTOTYPES - 2
+    assert all(one <= other or other <= one or not one & other for one in groups for other in groups)
+
+
+@given(st.integers(0, 10_000), st.lists(st.integers(0, 10_000), max_size=4))
+@settings(max_examples=20, deadline=None)
+def test_a_refined_resolution_is_a_partition_and_its_gain_is_what_was_said(seed, picks):
+    given_ = transitions(*noise(400, seed))
+    resolution, tree = coarse(PROTOTYPES, SPACE), branches(points(), "average")
+    for pick in picks:
+        offers = list(splits(given_, resolution, tree, 5))
+        split = offers[pick % len(offers)]
+        finer = refined(resolution, split)
+        assert contingency(given_, finer) - contingency(given_, resolution) == pytest.approx(split.gain, abs=1e-12)
+        coarse_s, fine_s = resolution.sensor(given_.cells), finer.sensor(given_.cells)
+        assert len({*zip(coarse_s, fine_s, strict=True)}) == len({*fine_s}) <= len(finer.sensed) + 1
+        coarse_a, fine_a = resolution.action(given_.commands), finer.action(given_.commands)
+        assert len({*zip(coarse_a, fine_a, strict=True)}) == len({*fine_a}) <= len(finer.boxes) + 1
+        resolution = finer
+    assert sorted(cell for leaf in resolution.sensed for cell in leaf) == list(range(PROTOTYPES))
+    unsensed, unaimed = given_.cells == NOTHING_SENSED, np.isnan(given_.commands[:, 0])
+    assert ((resolution.sensor(given_.cells) == len(resolution.sensed)) == unsensed).all()
+    assert ((resolution.action(given_.commands) == len(resolution.boxes)) == unaimed).all()
+
+
+@given(st.integers(0, 10_000))
+@settings(max_examples=10, deadline=None)
+def test_contingency_is_that_of_the_measures(seed):
+    cells, commands, results = two_sides(300, seed)
+    given_, resolution = transitions(cells, commands, results), coarse(PROTOTYPES, SPACE)
+    resolution = refined(resolution, list(splits(given_, resolution, branches(ordered(), "ward"), 3))[-1])
+    series = resolution.sensor(cells), resolution.action(commands), results
+    corrected = c.state_action_contingency(*series, base=np.e, correction="miller_madow")
+    assert contingency(given_, resolution) == pytest.approx(corrected)
+    plain = c.pointwise_state_action_contingency(*series, base=np.e)
+    assert local_contingency(given_, resolution) == pytest.approx(plain)
+
+
+def test_both_split_together_where_neither_says_anything_alone():
+    given_ = transitions(*two_sides(3000, 1))
+    growth = Growth(ordered(), SPACE)
+    steps = growth.look(given_)
+    assert steps[0].split.kind == "S and A"
+    assert steps[0].split.axis == 0 and abs(steps[0].split.at) < 4
+    assert len(growth.resolution.sensed) == 2
+    assert set(growth.resolution.sensed) == {frozenset(range(6)), frozenset(range(6, 12))}
+    assert steps[0].split.gain > 4 * steps[0].split.error
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_splits_nothing(seed):
+    growth = Growth(points(), SPACE)
+    assert growth.look(transitions(*noise(6000, seed))) == []
+    assert len(growth.resolution.sensed) == len(growth.resolution.boxes) == 1
+
+
+def test_it_looks_again_only_when_there_is_enough_that_is_new():
+    growth = Growth(ordered(), SPACE, ResolutionConfig(warm_up=100, look_again=0.5))
+    given_ = transitions(*two_sides(3001, 2))
+    assert growth.look(given_.some(slice(99))) == [] and growth.due(100)
+    growth.look(given_.some(slice(1000)))
+    assert not growth.due(1500) and growth.due(1501)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"linkage": "nearest"}, {"deviations": -1.0}, {"look_again": 0.0}, {"cuts": 0}, {"warm_up": 0}]
+)
+def test_wrong_options(wrong):
+    with pytest.raises(ConfigError):
+        ResolutionConfig(**wrong)
+
+
+def test_series_of_unequal_length():
+    cells, commands, results = noise(50, 0)
+    with pytest.raises(SeriesError):
+        transitions(cells[1:], commands, results)
+
+
+def test_babbling_goes_on_the_same_after_a_pickle_and_a_mind_lives_with_what_was_found(monkeypatch):
+    monkeypatch.setattr(RecallingBody, "pages", 6)
+    config = GrowingConfig(greeting=3, watching=80, resolution=ResolutionConfig(warm_up=1000))
+    one = Babbling(TableConfig(spots=2, objects=1), config, 5, RecallingBody)
+    one.advance(1500)
+    other = pickle.loads(pickle.dumps(one))
+    for each in (one, other):
+        each.advance(3500)
+    assert one.looked_at == other.looked_at
+    for mine, its in zip(one.experience(), other.experience(), strict=True):
+        assert np.array_equal(mine, its, equal_nan=True)
+    assert [step.split for step in one.growth.steps] == [step.split for step in other.growth.steps]
+    assert {one.body.nearest(direction) for direction in one.commands()} == {0, 1}, "a region to either side"
+    runs = [GrowingRun(each, PRESETS["fast"].agent, 3, 400) for each in (one, other)]
+    for run in runs:
+        run.advance(400)
+    for column in runs[0].columns:
+        assert np.array_equal(runs[0].log(column), runs[1].log(column)), column
+    assert (runs[0].log(FACE)[runs[0].faces() < 2] < len(one.growth.resolution.sensed)).all()
+    assert runs[0].log(OBJECT).any()
+    for each in (one, other):
+        each.body.stage.world.close()

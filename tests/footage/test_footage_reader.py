@@ -1,0 +1,232 @@
+"""Video files as thirty images a second: rates, timestamps, damage, and what is no video at all."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from clips import counted, encode, number_of
+
+from jointattn_mj.errors import FootageError
+from jointattn_mj.footage import reader
+from jointattn_mj.footage.reader import LONGEST_HOLD_S, Footage
+
+
+def shown(footage: Footage) -> list[int]:
+    """What the frames show, by what is in the images; numbers and marks agree with it."""
+    stills = list(footage)
+    numbers = [number_of(still.image) for still in stills]
+    fresh = [True, *(now != before for now, before in zip(numbers[1:], numbers, strict=False))]
+    assert [still.fresh for still in stills] == fresh
+    assert stills[0].cut
+    return numbers
+
+
+@pytest.mark.parametrize("name", ["a.mp4", "a.mkv", "a.avi", "a.webm", "a.ts", "a.gif", "a.mov"])
+def test_thirty_a_second(tmp_path, name):
+    """Every image once, though containers round their timestamps to a millisecond or a hundredth."""
+    codecs = {".avi": ("-c:v", "mjpeg"), ".ts": ("-c:v", "mpeg2video"), ".gif": (), ".webm": ("-c:v", "libvpx")}
+    arguments = codecs.get(name[1:], ("-c:v", "libx264"))
+    footage = Footage(encode(tmp_path / name, counted(40), *(arguments or ("-f", "gif"))))
+    assert shown(footage) == list(range(40))
+    assert (footage.images, footage.timed, footage.jumps) == (40, True, 0)
+    assert shown(footage) == list(range(40))  # and again
+
+
+@pytest.mark.parametrize(
+    ("rate", "expected"),
+    [
+        ("60", list(range(0, 60, 2))),
+        ("15", [k // 2 for k in range(60)]),
+        ("10", [k // 3 for k in range(90)]),
+        ("30000/1001", list(range(40))),
+    ],
+)
+def test_other_rates(tmp_path, rate, expected):
+    frames = {"60": 60, "15": 30, "10": 30, "30000/1001": 40}[rate]
+    assert shown(Footage(encode(tmp_path / "a.mp4", counted(frames), "-c:v", "libx264", rate=rate))) == expected
+
+
+def test_25_a_second(tmp_path):
+    """Five images in six frames, for two seconds."""
+    numbers = shown(Footage(encode(tmp_path / "a.mp4", counted(50), "-c:v", "libx264", rate="25")))
+    assert len(numbers) == 60
+    assert np.unique(numbers).tolist() == list(range(50))
+    assert np.abs(np.array(numbers) - np.arange(60) * 25 / 30).max() <= 1
+
+
+@pytest.mark.parametrize("name", ["a.mp4", "a.mkv"])
+def test_variable_rate(tmp_path, name):
+    """Some images left out, as recorders of screens do: the others hold until the next one was taken."""
+    kept = "select='not(mod(n,3))+not(mod(n,7))'"
+    path = encode(tmp_path / name, counted(43), "-vf", kept, "-fps_mode", "vfr", "-c:v", "libx264")
+    there = [n for n in range(43) if n % 3 == 0 or n % 7 == 0]
+    assert shown(Footage(path))[:43] == [max(n for n in there if n <= frame) for frame in range(43)]
+
+
+def test_odd_sizes_and_pixels_that_are_not_square(tmp_path):
+    path = encode(tmp_path / "a.mp4", counted(5, 63, 47), "-vf", "setsar=4/3", "-pix_fmt", "yuv444p")
+    footage = Footage(path)
+    assert next(iter(footage)).image.shape == (47, 63, 3)
+    assert footage.aspect == pytest.approx(4 / 3)
+
+
+def test_no_timestamps(tmp_path):
+    path = encode(tmp_path / "a.h264", counted(20), "-c:v", "libx264")
+    footage = Footage(path)
+    assert len(shown(footage)) == 24  # the container's 25 a second
+    assert not footage.timed
+    assert shown(Footage(path, fps=30)) == list(range(20))
+
+
+def test_a_rate_of_ones_own(tmp_path):
+    path = encode(tmp_path / "a.mp4", counted(20), "-c:v", "libx264")
+    assert shown(Footage(path, fps=60)) == list(range(0, 20, 2))
+
+
+class Capture:
+    """Stands for OpenCV's: images with the timestamps that it is given, ms."""
+
+    def __init__(self, stamps: list[float], fps: float = 30, broken: tuple[int, ...] = ()):
+        self.stamps, self.fps, self.broken, self.at = stamps, fps, broken, -1
+
+    def grab(self) -> bool:
+        self.at += 1
+        return self.at < len(self.stamps)
+
+    def retrieve(self):
+        return (False, None) if self.at in self.broken else (True, counted(64)[self.at])
+
+    def get(self, what: int) -> float:
+        stamp = self.stamps[self.at] if self.at >= 0 else 0
+        return {reader.cv2.CAP_PROP_POS_MSEC: stamp, reader.cv2.CAP_PROP_FPS: self.fps}.get(what, 0)
+
+    def release(self) -> None:
+        pass
+
+
+def footage_of(monkeypatch, tmp_path, capture) -> Footage:
+    monkeypatch.setattr(Footage, "_open", lambda self: type(capture)(capture.stamps, capture.fps, capture.broken))
+    return Footage(tmp_path / "any.mp4")
+
+
+def test_timestamps_that_go_back(monkeypatch, tmp_path):
+    """Time never does."""
+    footage = footage_of(monkeypatch, tmp_path, Capture([33, 0, 67, 100, 133]))
+    numbers = shown(footage)
+    assert numbers == sorted(numbers)
+    assert footage.seconds == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("leap", [1000 * LONGEST_HOLD_S + 100, 9.5e7, -9.5e7])
+def test_timestamps_that_jump(monkeypatch, tmp_path, leap):
+    """A day in between, or the clock of a transport stream that starts anew: left out, and no motion across it."""
+    stamps = [1000 / 30 * k + (leap if k >= 5 else 0) for k in range(10)]
+    footage = footage_of(monkeypatch, tmp_path, Capture(stamps))
+    stills = list(footage)
+    assert [number_of(still.image) for still in stills] == list(range(10))
+    assert [still.cut for still in stills] == [k in (0, 5) for k in range(10)]
+    assert footage.jumps == 1
+
+
+def test_pictures_that_cannot_be_decoded(monkeypatch, tmp_path):
+    """The one before holds."""
+    numbers = shown(footage_of(monkeypatch, tmp_path, Capture([1000 / 30 * k for k in range(8)], broken=(3, 4))))
+    assert numbers == [0, 1, 2, 2, 2, 5, 6, 7]
+    with pytest.raises(FootageError, match="no image that can be decoded"):
+        list(footage_of(monkeypatch, tmp_path, Capture([0, 33], broken=(0, 1))))
+    with pytest.raises(FootageError, match="no image that can be decoded"):
+        list(footage_of(monkeypatch, tmp_path, Capture([])))
+
+
+@pytest.mark.parametrize("fps", [0, float("nan"), -1, 90_000])
+def test_neither_timestamps_nor_a_rate(monkeypatch, tmp_path, fps):
+    with pytest.raises(FootageError, match="--fps"):
+        list(footage_of(monkeypatch, tmp_path, Capture([0, 0, 0], fps=fps)))
+    numbers = shown(footage_of(monkeypatch, tmp_path, Capture([0, 33, 67], fps=fps)))  # timestamps are enough
+    assert numbers == [0, 1, 2]
+
+
+def test_no_video(tmp_path, capfd):
+    """Named, with the file, in one line; nothing else is said on stderr."""
+    video = encode(tmp_path / "whole.mp4", counted(30), "-c:v", "libx264").read_bytes()
+    contents = {
+        "empty.mp4": b"", "text.mp4": b"hello\n" * 100, "notes.txt": b"hello\n" * 100, "noise.avi": os.urandom(9000),
+        "cut.mp4": video[: len(video) // 2],
+    }  # fmt: skip
+    for name, content in contents.items():
+        (tmp_path / name).write_bytes(content)
+    (tmp_path / "folder.mp4").mkdir()
+    os.mkfifo(tmp_path / "pipe.mp4")
+    for name in (*contents, "folder.mp4", "pipe.mp4", "missing.mp4", "http://localhost/a.mp4"):
+        with pytest.raises(FootageError, match=name.split("/")[-1]) as error:
+            Footage(tmp_path / name)
+        assert "\n" not in str(error.value)
+    assert capfd.readouterr().err == ""
+
+
+def test_cut_off(tmp_path):
+    """A Matroska file plays up to where it ends."""
+    whole = encode(tmp_path / "whole.mkv", np.random.default_rng(0).integers(0, 255, (60, 48, 64, 3), np.uint8))
+    (tmp_path / "cut.mkv").write_bytes(whole.read_bytes()[: whole.stat().st_size // 2])
+    footage = Footage(tmp_path / "cut.mkv")
+    assert 20 <= len(list(footage)) <= 40
+    assert footage.declared_s == pytest.approx(2)
+
+
+def test_environment_is_left_alone(tmp_path, monkeypatch):
+    monkeypatch.delenv("OPENCV_FFMPEG_LOGLEVEL", raising=False)
+    monkeypatch.setenv("OPENCV_FFMPEG_CAPTURE_OPTIONS", "mine")
+    Footage(encode(tmp_path / "a.mp4", counted(3), "-c:v", "libx264"))
+    assert "OPENCV_FFMPEG_LOGLEVEL" not in os.environ
+    assert os.environ["OPENCV_FFMPEG_CAPTURE_OPTIONS"] == "mine"
+
+
+@pytest.mark.parametrize("name", ["12:30:05.mp4", "a:b.mp4", "file:a.mp4", "-x.mp4", "%d.mp4"])
+def test_names(tmp_path, monkeypatch, name):
+    """In the working directory, where ffmpeg would take what stands before a colon as a protocol."""
+    encode(tmp_path / name, counted(9), "-c:v", "libx264")
+    monkeypatch.chdir(tmp_path)
+    assert shown(Footage(Path(name))) == list(range(9))
+
+
+def interlaced(path: Path, images: np.ndarray, *arguments: str) -> Path:
+    """As a camcorder writes it."""
+    codec = ("mpeg2video", "-q:v", "2") if path.suffix == ".mpg" else ("libx264", "-x264-params", "tff=1")
+    return encode(path, images, "-c:v", *codec, "-flags", "+ildct+ilme", *arguments)
+
+
+@pytest.mark.parametrize("name", ["a.mp4", "a.mpg"])
+def test_interlaced(tmp_path, name):
+    """Every image once, with its contents; again when it is read again, and with nothing left open."""
+    footage = Footage(interlaced(tmp_path / name, counted(40)))
+    assert footage.interlaced
+    before = len(os.listdir("/proc/self/fd")) if os.path.isdir("/proc/self/fd") else 0
+    for _ in range(2):
+        numbers = [number_of(still.image) for still in footage]
+        np.testing.assert_allclose(numbers, range(40), atol=1)
+    assert next(iter(footage)).image.shape == (48, 64, 3)
+    assert (len(os.listdir("/proc/self/fd")) if before else 0) == before
+    assert not Footage(encode(tmp_path / "b.mp4", counted(5), "-c:v", "libx264")).interlaced
+
+
+@pytest.mark.parametrize("offset", ["5.4667", "0", "90000"])
+def test_interlaced_from_somewhere_on(tmp_path, offset):
+    """What OpenCV leaves out in silence is noticed; images that really are the same are not."""
+    still = np.tile(counted(20)[-1:], (100, 1, 1, 1))
+    first = encode(tmp_path / "first.ts", np.concatenate([counted(64), still]), "-c:v", "libx264")
+    assert not Footage(first).interlaced
+    assert len(list(Footage(first))) == 164
+    second = interlaced(tmp_path / "second.ts", counted(60), "-output_ts_offset", offset)
+    (tmp_path / "both.ts").write_bytes(first.read_bytes() + second.read_bytes())
+    footage = Footage(tmp_path / "both.ts")
+    assert not footage.interlaced
+    with pytest.raises(FootageError, match=r"interlaced from about .* -vf yadif"):
+        list(footage)
+
+
+def test_no_ffmpeg_to_ask(tmp_path, monkeypatch):
+    path = encode(tmp_path / "a.mp4", counted(5), "-c:v", "libx264")
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(tmp_path / "nowhere"))
+    with pytest.raises(FootageError, match="ffmpeg"):
+        Footage(path)

@@ -1,0 +1,107 @@
+"""Sessions with parts of one's own: they are used, and a run goes on with them after a stop."""
+
+import signal
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from jointattn_mj.errors import CheckpointError
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, RobotConfig
+from jointattn_mj.gaze_following.learners import LinearLearner
+from jointattn_mj.gaze_following.run import RunOptions, run_session
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.perception.state import StatePerception
+from jointattn_mj.scene.caregiver import ObjectTransfer
+from jointattn_mj.scene.model import rest_height
+from jointattn_mj.scene.world import World
+
+CONFIG = SessionConfig(
+    minutes=1, seed=5, perception="state", robot=RobotConfig(familiarise=FamiliariseConfig(minutes=0.05))
+)
+
+
+class Fond(ObjectTransfer):
+    """Wants the last object every other time."""
+
+    def next_target(self, rng):
+        last = len(self.objects) - 1
+        return super().next_target(rng) if self.target == last else last
+
+
+class FondWorld(World):
+    def new_caregiver(self, head, arm, rng):
+        config, count = self.config, len(self.config.scene.objects)
+        return Fond(config.behaviour, config.layout, count, rest_height(config.scene), head, arm, rng)
+
+
+class SharpEyed(StatePerception):
+    """Sees faces in thousandths of a degree."""
+
+    def face_pattern(self):
+        return 1000 * super().face_pattern()
+
+
+class Angles(GazeFollower):
+    """Learns from the pattern itself, not from the map's activations."""
+
+    def __init__(self, *parts):
+        super().__init__(*parts)
+        self.learner = LinearLearner(self.config.learner, self.perceiver.pattern_size)
+
+    def face_input(self):
+        return self.perceiver.face_pattern() / 1000
+
+
+class OwnSession(Session):
+    def new_world(self, seed):
+        return FondWorld.build(self.config.world, seed)
+
+    def new_perceiver(self, rng):
+        return SharpEyed(self.config.state, self.world, rng)
+
+    def new_robot(self, perceiver, seed):
+        return Angles(self.config.robot, perceiver, len(self.names) - 1, seed)
+
+
+def targets(folder) -> list[str]:
+    """What the caregiver looked at, each time anew."""
+    names = pq.read_table(folder / "frames.parquet")["target"].to_pylist()
+    return [name for before, name in zip([None, *names], names, strict=False) if name not in (None, before)]
+
+
+def test_every_part_is_used(tmp_path):
+    summary = run_session(CONFIG, RunOptions(tmp_path), kind=OwnSession)
+    looked = targets(tmp_path)
+    assert looked[::2] == ["green"] * len(looked[::2]) and len(looked) > 4
+    assert summary["gaze_shifts"] > 3
+    learned = np.load(tmp_path / "weights.npz")
+    assert learned["learner"].shape == (2, 2) and learned["learner"].any()
+    assert np.abs(learned["som_weights"]).max() > 1000
+
+
+def test_a_stopped_run_goes_on_with_them(tmp_path):
+    def interrupt(session):
+        if session.frame == 900:
+            signal.raise_signal(signal.SIGINT)
+
+    run_session(CONFIG, RunOptions(tmp_path / "straight"), kind=OwnSession)
+    with pytest.raises(KeyboardInterrupt):
+        run_session(CONFIG, RunOptions(tmp_path / "on"), interrupt, kind=OwnSession)
+    with pytest.raises(CheckpointError, match="does not belong into a checkpoint"):
+        run_session(CONFIG, RunOptions(tmp_path / "on", resume=True))
+    run_session(CONFIG, RunOptions(tmp_path / "on", resume=True), kind=OwnSession)
+    for name in ("frames.parquet", "gaze_shifts.parquet"):
+        assert (tmp_path / "on" / name).read_bytes() == (tmp_path / "straight" / name).read_bytes()
+
+
+def test_the_film_of_a_robot_without_activations(tmp_path):
+    """What the learner reads is no map; the panel leaves it dark."""
+    from jointattn_mj.gaze_following.film.panels import Box, MapPanel
+
+    session = OwnSession(CONFIG)
+    session.begin()
+    while session.robot.shift is None or session.robot.shift.activations is None:
+        session.step()
+    MapPanel(np.zeros((400, 400, 3), np.uint8), Box(0, 0, 300, 380)).draw(np.zeros((400, 400, 3), np.uint8), session)
+    session.close()

@@ -1,0 +1,81 @@
+"""Sessions in worlds that the seed draws: one draw a session, off as ever, resumed as they would have gone on."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shell import Shell
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.varied_session import VariedSession, VariedSessionConfig
+from jointattn_mj.io import checkpoint
+from jointattn_mj.scene.world import AS_USUAL
+
+ROBOT = RobotConfig(familiarise=FamiliariseConfig(minutes=0.02))
+VARIED = VariedSessionConfig(minutes=0.05, seed=4, robot=ROBOT, variation="all")
+
+
+@pytest.fixture(scope="module")
+def shell():
+    shell = Shell()
+    yield shell
+    shell.close()
+
+
+def angles(session: Session, frames: int = 40) -> np.ndarray:
+    path = []
+    for _ in range(frames):
+        session.step()
+        path.append(session.world.data.qpos.copy())
+    return np.array(path)
+
+
+def test_off_is_the_same_session():
+    plain = Session(SessionConfig(minutes=0.05, seed=4, robot=ROBOT))
+    off = VariedSession(replace(VARIED, variation="none"))
+    assert off.world.conditions == AS_USUAL
+    np.testing.assert_array_equal(angles(plain), angles(off))
+    np.testing.assert_array_equal(plain.world.image(), off.world.image())
+    plain.close(), off.close()
+
+
+def test_a_seed_decides_the_world_which_then_stays():
+    one, same, other = (VariedSession(replace(VARIED, seed=seed)) for seed in (4, 4, 5))
+    assert one.world.config == same.world.config != other.world.config
+    assert one.world.conditions == same.world.conditions != other.world.conditions
+    before = one.world.conditions
+    one.begin()
+    one.step()
+    assert one.world.conditions is before
+    for session in (one, same, other):
+        session.close()
+
+
+def test_a_varied_session_goes_on_from_its_checkpoint(tmp_path):
+    session = VariedSession(VARIED)
+    session.begin()
+    angles(session, 20)
+    checkpoint.save(tmp_path / "checkpoint.bin", session, VARIED)
+    expected = angles(session)
+    again = checkpoint.load(tmp_path / "checkpoint.bin", VARIED)
+    np.testing.assert_array_equal(angles(again), expected)
+    np.testing.assert_array_equal(again.world.image(), session.world.image())
+    session.close(), again.close()
+
+
+def test_the_command_takes_names_of_presets(tmp_path, shell):
+    short = ("--minutes", "0.05", "--robot.familiarise.minutes", "0.02", "--perception", "state")
+    run = shell("session", *short, "--variation", "pace+objects", "--out", tmp_path / "out")
+    assert run.code == 0, run.err
+    assert "variation: pace+objects" in (tmp_path / "out" / "config.yaml").read_text()
+    wrong = shell("session", *short, "--variation", "weather", "--out", tmp_path / "other")
+    assert wrong.code == 2
+    assert "lights" in wrong.err
+    assert not (tmp_path / "other").exists()
+
+
+def test_unknown_presets_are_errors():
+    with pytest.raises(ConfigError, match="lights"):
+        VariedSessionConfig(variation="weather")

@@ -1,0 +1,83 @@
+"""The pixel path: it gets an image and its own head angles, and nothing else."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, RobotConfig
+from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
+from jointattn_mj.scene import gl
+from jointattn_mj.scene.camera import pixels_of_points
+from jointattn_mj.scene.world import World, WorldConfig
+
+needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
+WORLD_SIDE = ("world", "caregiver", "movement", "layout")
+
+
+def test_it_imports_nothing_of_the_world():
+    """Nor of anything that knows it; checked in a fresh process, where nobody else has imported it."""
+    code = "import sys, jointattn_mj.perception.pixels; print(*sorted(n for n in sys.modules if 'jointattn' in n))"
+    names = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.split()
+    assert "jointattn_mj.perception.faces" in names
+    assert not [name for name in names if name.split(".")[-1] in (*WORLD_SIDE, "truth", "session", "referee")]
+
+
+def rgb(world: World) -> np.ndarray:
+    return np.array([item.rgb for item in world.config.scene.objects])
+
+
+@needs_gl
+def test_percepts_lie_where_things_are():
+    world = World.build(WorldConfig(), np.random.SeedSequence(5))
+    perceiver = PixelPerception(PixelConfig(), rgb(world))
+    off, moves = [], np.zeros(5)
+    for frame in range(120):
+        world.step(np.radians([0.0, -3.0]))
+        if frame < 20:  # the head settles
+            continue
+        observation = {"camera": world.image(), "head_angles": world.head_angles(), "head_moves": False}
+        percept = perceiver.look(observation, landed=frame == 20)
+        assert percept.visible.all()
+        off.append(percept.px - pixels_of_points(world.candidate_points(), np.degrees(world.head_angles())))
+        moves += percept.moves
+        assert frame > 20 or not percept.moves.any()
+    off = np.median(np.linalg.norm(off, axis=2), axis=0)
+    assert off[:-1].max() < 2.5  # px; a colour area's centre is not quite the object's
+    assert off[-1] < 8
+    assert moves[-1] > 5  # she has turned to an object
+    pattern = perceiver.face_pattern()
+    assert pattern.shape == (PixelPerception.pattern_size,)
+    assert pattern.std() > 5
+    world.close()
+
+
+@needs_gl
+def test_robot_lives_on_plain_observations():
+    """A dict of image, head angles and one flag is enough; what it does in the dark it also does in the light."""
+    world = World.build(WorldConfig(), np.random.SeedSequence(6))
+    config = RobotConfig(familiarise=FamiliariseConfig(minutes=0.05))
+
+    def observe() -> dict[str, np.ndarray]:
+        return {
+            "camera": world.image().copy(),
+            "head_angles": world.head_angles(),
+            "head_moves": np.array(world.head_moves()),
+        }
+
+    robot = GazeFollower(config, PixelPerception(PixelConfig(), rgb(world)), 4, np.random.SeedSequence(6))
+    for frame in range(90):
+        world.step(robot.familiarise(observe(), frame))
+    assert robot.som.visible == 30
+    landed = []
+    for _ in range(300):
+        action = robot.act(observe())
+        assert action.shape == (2,)
+        assert np.abs(action).max() < 1
+        world.step(action)
+        if robot.landed is not None:
+            landed.append(robot.landed)
+    assert len(landed) >= 2
+    assert any(shift.reached is not None for shift in landed)
+    world.close()

@@ -1,0 +1,83 @@
+"""What importing the package brings with it: little, and nothing of OpenGL; what is optional asks for itself."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from jointattn_mj.cli.main import main
+
+HEAVY = ("numpy", "mujoco", "dm_control", "OpenGL", "torch", "cv2", "numba", "scipy", "matplotlib", "pyarrow", "tyro")
+EXTRAS = ("gymnasium", "stable_baselines3", "rerun", "dask", "distributed", "mkdocs", "IPython")
+IMPORT = """
+import sys
+import jointattn_mj
+print(*sorted(name for name in {modules} if name in sys.modules))
+print(*sorted({{line.split("/")[-1].strip() for line in open("/proc/self/maps") if "GL" in line or "OSMesa" in line}}))
+"""
+
+
+def python(code: str, **environment: str) -> subprocess.CompletedProcess:
+    """Run in a fresh interpreter in which no backend was chosen."""
+    kept = {name: value for name, value in os.environ.items() if name not in ("MUJOCO_GL", "PYOPENGL_PLATFORM")}
+    return subprocess.run(
+        [sys.executable, "-c", code], env=kept | environment, capture_output=True, text=True, timeout=120
+    )
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads the process's memory map")
+def test_importing_the_package_is_light():
+    done = python(IMPORT.format(modules=HEAVY + EXTRAS))
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == "\n\n"
+
+
+@pytest.mark.parametrize("reader", ["mujoco", "dm_control.mujoco"])
+def test_a_backend_is_chosen_before_mujoco_reads_it(reader):
+    code = f"import os, jointattn_mj; before = 'MUJOCO_GL' in os.environ\nimport {reader}\n"
+    done = python(code + "print(before, os.environ['MUJOCO_GL'])")
+    assert done.returncode == 0, done.stderr
+    before, backend = done.stdout.split()
+    assert before == "False"
+    assert backend in ("egl", "osmesa", "disable")
+
+
+def test_a_backend_that_was_asked_for_stays():
+    done = python("import jointattn_mj, mujoco, os; print(os.environ['MUJOCO_GL'])", MUJOCO_GL="off")
+    assert (done.stdout.strip(), done.returncode) == ("off", 0), done.stderr
+
+
+def test_no_extra_is_imported_unless_it_is_used(tmp_path):
+    session = f"session --perception state --minutes 0.02 --robot.familiarise.minutes 0.02 --out {tmp_path / 'session'}"
+    run = f"develop --steps 100 --out {tmp_path / 'life'}"
+    code = f"""
+import sys
+from jointattn_mj.cli.main import main
+main({session.split()!r})
+main({run.split()!r})
+print("extras:", *(name for name in {EXTRAS} if name in sys.modules))
+"""
+    done = python(code)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "extras:"
+
+
+NEED_EXTRAS = {
+    "rerun": ("rerun", "session --perception state --minutes 0.02 --out out --rerun log.rrd"),
+    "distributed": ("cluster", "experiment run 4.4 --backend dask --address tcp://127.0.0.1:9 --out out"),
+}
+
+
+@pytest.mark.parametrize("package", NEED_EXTRAS)
+def test_an_extra_that_is_missing_asks_for_itself_by_name(package, tmp_path, monkeypatch, capsys):
+    extra, command = NEED_EXTRAS[package]
+    for name in [name for name in sys.modules if name.split(".")[0] == package]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, package, None)  # as if it were not installed
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit):
+        main(command.split())
+    said = capsys.readouterr().err
+    assert f"pip install 'jointattn-mj[{extra}]'" in said
+    assert not (tmp_path / "out" / "config.yaml").exists()
