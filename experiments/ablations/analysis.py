@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from experiments.ablations.sweep import SETTINGS
 from experiments.tables import in_order, time_of
 from jointattn_mj.development.behaviour import KEC
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, proportion
 
 
@@ -17,7 +17,7 @@ def _results(trials: Trials, setting: str) -> list[dict[str, Any]]:
     return [trial.result for trial in trials.get(setting, ())]
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """Order kept, with modules a run, the median turn of the third, and eye contact after it."""
     findings = []
     for setting in SETTINGS:
@@ -35,7 +35,7 @@ def analyse(trials: Trials) -> list[Finding]:
         if "avoids" in setting:
             first = [time_of(result, 0) for result in results]
             notes.append(f"first module after {np.median(first):.0f} turns (median)")
-        findings.append(Finding(f"order kept: {setting}", "", order, Verdict.EXTENSION, "; ".join(notes)))
+        findings.append(Comparison(f"order kept: {setting}", "", order, Verdict.EXTENSION, "; ".join(notes)))
     return findings
 
 

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from experiments.tables import in_order
 from jointattn_mj.development.behaviour import BEHAVIOURS, FG, KEC
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
 
 PHASES = 4
@@ -19,7 +19,7 @@ def _rates(trials: Trials, setting: str) -> np.ndarray:
     return np.array([result["phases"][:PHASES] for result in results]).reshape(-1, PHASES, len(BEHAVIOURS))
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """Total change of behaviour with each module, and what rises with the third."""
     findings = []
     for setting in ("caregiver first", "robot first"):
@@ -30,13 +30,13 @@ def analyse(trials: Trials) -> list[Finding]:
         per_module = [mean_interval(changes[:, module]) for module in range(PHASES - 1)]
         drastic = per_module[2].low > max(per_module[0].high, per_module[1].high)
         for module, (name, said) in enumerate((("FG-m", "little"), ("SCf-m", "little"), ("SC-m", "drastic"))):
-            findings.append(Finding(
+            findings.append(Comparison(
                 f"share of turns that become another behaviour with {name}; {setting}", said, per_module[module],
                 Verdict.REPRODUCED if drastic else Verdict.NOT,
             ))  # fmt: skip
         for behaviour, name in ((FG, "gaze following"), (KEC, "eye contact")):
             rise = mean_interval(rates[:, 3, behaviour] - rates[:, 2, behaviour])
-            findings.append(Finding(
+            findings.append(Comparison(
                 f"rise of the rate of {name} with SC-m; {setting}", "rises", rise,
                 Verdict.REPRODUCED if rise.low > 0 else Verdict.NOT,
             ))  # fmt: skip

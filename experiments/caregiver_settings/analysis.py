@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from experiments.caregiver_settings.sweep import CHANCES
 from experiments.tables import STAGES, in_order
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import proportion
 
 KNOWN = {
@@ -31,7 +31,7 @@ def common(results: list[dict[str, Any]]) -> list[tuple[str, float, float]]:
     return sorted(found, key=lambda item: item[1])
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """Settings in which FG is first, in which all three come, and what comes instead without an answer."""
     findings = []
     for answer in (1.0, 0.75, 0.5, 0.25, 0.0):
@@ -49,19 +49,21 @@ def analyse(trials: Trials) -> list[Finding]:
         others = proportion(sum(not set(STAGES) <= set(symbols) for symbols in made), len(made))
         holds = {1.0: Verdict.of_most(all_three), 0.0: Verdict.of_most(others)}.get(answer, Verdict.REPRODUCED)
         findings += [
-            Finding(
+            Comparison(
                 f"settings in which gaze following comes first, p_e = {answer}", "most settings", first,
                 Verdict.of_most(first),
             ),
-            Finding(
+            Comparison(
                 f"settings with FG, SCf and SC, p_e = {answer}", known, all_three, holds,
             ),
-            Finding(f"runs with all three first and in order, p_e = {answer}", "not given", ordered, Verdict.EXTENSION),
-            Finding(
+            Comparison(
+                f"runs with all three first and in order, p_e = {answer}", "not given", ordered, Verdict.EXTENSION
+            ),
+            Comparison(
                 f"runs with looking back after following, SCf, p_e = {answer}", "more with a higher p_e",
                 proportion(sum(STAGES[1] in r["modules"] for r in everything), len(everything)), Verdict.EXTENSION,
             ),
-            Finding(
+            Comparison(
                 f"runs with alternation, SC, p_e = {answer}", "more with a higher p_e",
                 proportion(sum(STAGES[2] in r["modules"] for r in everything), len(everything)), Verdict.EXTENSION,
             ),
@@ -69,7 +71,7 @@ def analyse(trials: Trials) -> list[Finding]:
         if answer == 0.0:
             for symbol in ("(S1, A1, R2)", "(S2, A1, R2)"):
                 share = proportion(sum(symbol in symbols for symbols in made), len(made))
-                findings.append(Finding(
+                findings.append(Comparison(
                     f"settings with {KNOWN[symbol][1]}, p_e = 0", "some settings", share,
                     Verdict.REPRODUCED if share.mean > 0 else Verdict.NOT,
                 ))  # fmt: skip

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.careless_caregiver.sweep import CARE
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
 
 
@@ -14,7 +14,7 @@ def _leads(trials: Trials, care: float) -> np.ndarray:
     return np.array([trial.result["lead"] * 1e3 for trial in trials.get(f"at objects {care}", ())])
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """Signs: above 0 over p_c = .6 and below .2, in between not."""
     findings = []
     for care in CARE:
@@ -29,7 +29,7 @@ def analyse(trials: Trials) -> list[Finding]:
         verdict = (
             Verdict.REPRODUCED if at_edge or holds else Verdict.UNDECIDED if ours.low <= 0 <= ours.high else Verdict.NOT
         )
-        findings.append(Finding(f"lead of (S1, A1, R2) at p_c = {care}, millibits", said, ours, verdict))
+        findings.append(Comparison(f"lead of (S1, A1, R2) at p_c = {care}, millibits", said, ours, verdict))
     return findings
 
 

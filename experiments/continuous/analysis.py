@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.continuous.sweep import CHECKPOINTS, WITHIN_DEG
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, median_interval, paired_difference, proportion
 
 Result = dict[str, Any]
@@ -19,7 +19,7 @@ LABELS = {
 }
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """Whether it was found; table, continuous map and chapter 6's learner on held-out faces; the same in the life."""
     everything = [trial.result for trial in trials.get("scattered", ())]
     results = _found(everything)
@@ -112,8 +112,8 @@ def _found(results: Sequence[Result]) -> list[Result]:
     return [result for result in results if result["found"] is not None]
 
 
-def _row(what: str, ours: Estimate, note: str = "") -> Finding:
-    return Finding(what, "not tried", ours, Verdict.EXTENSION, note)
+def _row(what: str, ours: Estimate, note: str = "") -> Comparison:
+    return Comparison(what, "not tried", ours, Verdict.EXTENSION, note)
 
 
 def _value(result: Result, name: str, turns: int, key: str) -> float:

@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.detection.sweep import TARGET
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """The stop, the event that is found, and what remains of the others in the long run."""
     findings = []
     for setting, words in (("chapter4", "in bits"), ("chapter4_nats", "in nats")):
@@ -21,14 +21,16 @@ def analyse(trials: Trials) -> list[Finding]:
         stop = mean_interval([result["stop"] for result in stopped])
         right = proportion(sum(result["first_at_stop"] == TARGET for result in stopped), len(results))
         if setting == "chapter4":
-            findings.append(Finding(
+            findings.append(Comparison(
                 "(S1, A1, R2) has the highest T^C when the robot stops", "so in the run shown", right,
                 Verdict.of_share(right, 1.0),
             ))  # fmt: skip
             since = median_interval([np.inf if r["right_since"] is None else r["right_since"] for r in results])
-            findings.append(Finding("turn since which it has had it (median)", "not given", since, Verdict.EXTENSION))
+            findings.append(
+                Comparison("turn since which it has had it (median)", "not given", since, Verdict.EXTENSION)
+            )
         close = 25_000 <= stop.mean <= 35_000
-        findings.append(Finding(
+        findings.append(Comparison(
             f"turn at which no T^C changes by theta any more, {words}", "about 30,000", stop,
             Verdict.REPRODUCED if close else Verdict.PARTLY,
             "the text does not say in which unit theta is",
@@ -38,9 +40,9 @@ def analyse(trials: Trials) -> list[Finding]:
         target = mean_interval([1e3 * values[TARGET][-1] for values in long])
         others = mean_interval([1e3 * max(v[-1] for name, v in values.items() if name != TARGET) for values in long])
         findings.append(
-            Finding("T^C of (S1, A1, R2) after 3 million turns, millibits", "not given", target, Verdict.EXTENSION)
+            Comparison("T^C of (S1, A1, R2) after 3 million turns, millibits", "not given", target, Verdict.EXTENSION)
         )
-        findings.append(Finding("the highest of all others then, millibits", "not given", others, Verdict.EXTENSION))
+        findings.append(Comparison("the highest of all others then, millibits", "not given", others, Verdict.EXTENSION))
     return findings
 
 

@@ -5,11 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """Mean counts on and off the diagonal."""
     tables = [np.array(trial.result["counts"]) for trial in trials.get("chapter4", ())]
     if not tables:
@@ -19,11 +19,11 @@ def analyse(trials: Trials) -> list[Finding]:
     largest = mean_interval([np.mean(table.argmax(axis=1) == np.arange(len(table))) for table in tables])
     stands_out = Verdict.REPRODUCED if on.low > off.high else Verdict.NOT
     return [
-        Finding(
+        Comparison(
             "objects found where she looked, for each spot in 30,000 turns", "the diagonal dominates", on, stands_out
         ),
-        Finding("objects found elsewhere, for each pair of spots", "lower", off, stands_out),
-        Finding("share of rows whose highest count is on the diagonal", "not given", largest, Verdict.EXTENSION),
+        Comparison("objects found elsewhere, for each pair of spots", "lower", off, stands_out),
+        Comparison("share of rows whose highest count is on the diagonal", "not given", largest, Verdict.EXTENSION),
     ]
 
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from experiments.fast.sweep import CHANCES, SETTINGS, SPOTS
 from experiments.tables import in_order, time_of
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import median_interval, proportion
 
 
@@ -26,18 +26,18 @@ def _third(results: list[dict[str, Any]]) -> list[float]:
     return [time_of(result, 2) if in_order(result) else np.inf for result in results]
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """The two presets in chapter 5's world, then in 45 others, then what each option of the rule does."""
     findings = []
     for preset in ("fast", "thesis"):
         results = _results(trials, preset)
         if results:
             third, order = median_interval(_third(results)), proportion(sum(map(in_order, results)), len(results))
-            findings.append(Finding(
+            findings.append(Comparison(
                 f"turn of gaze alternation (median), preset {preset}",
                 "more than 45,000 in the example", third, Verdict.EXTENSION,
             ))  # fmt: skip
-            findings.append(Finding(f"order kept, preset {preset}", "90% of ten runs", order, Verdict.EXTENSION))
+            findings.append(Comparison(f"order kept, preset {preset}", "90% of ten runs", order, Verdict.EXTENSION))
     for spots in SPOTS:
         for preset in ("fast", "thesis"):
             results = _grid(trials, preset, spots)
@@ -48,7 +48,7 @@ def analyse(trials: Trials) -> list[Finding]:
             third = np.median(_third(results))
             note = f"gaze following first and right for all spots in {right / len(results):.0%}"
             note += f"; gaze alternation after {third:.0f} turns (median)" if np.isfinite(third) else ""
-            findings.append(Finding(
+            findings.append(Comparison(
                 f"order kept with {spots} spots, nine pairs of p_r, p_i, preset {preset}",
                 "not tried", order, Verdict.EXTENSION, note,
             ))  # fmt: skip
@@ -57,7 +57,7 @@ def analyse(trials: Trials) -> list[Finding]:
         if results and setting.startswith("fast ") and "spots" not in setting:
             order = proportion(sum(map(in_order, results)), len(results))
             note = f"gaze alternation after {np.median(_third(results)):.0f} turns (median)"
-            findings.append(Finding(f"order kept, {setting}", "not tried", order, Verdict.EXTENSION, note))
+            findings.append(Comparison(f"order kept, {setting}", "not tried", order, Verdict.EXTENSION, note))
     return findings
 
 

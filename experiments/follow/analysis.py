@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.follow.sweep import SETTINGS
-from jointattn_mj.sweeps.claim import Finding, Trial, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, median_interval, paired_difference
 
 WORDS = {"state": "from the state", "images": "from images", "blindfolded": "blindfolded"}
@@ -20,7 +20,7 @@ ENOUGH = 5
 """Runs from which an interval is worth reading."""
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """What each learner earns at the end, what seeing the caregiver is worth, how soon; and what baselines earn."""
     findings = []
     for task in _tasks(trials):
@@ -65,7 +65,7 @@ def steps_until(trial: Trial, level: float) -> float:
     return float(trial.result["steps"][int(np.argmax(reached))]) if reached.any() else np.inf
 
 
-def _above(task: str, observed: str, part: Sequence[Trial], blindfolded: Sequence[Trial]) -> list[Finding]:
+def _above(task: str, observed: str, part: Sequence[Trial], blindfolded: Sequence[Trial]) -> list[Comparison]:
     """What it is worth to see her, and when most of that is earned; runs with the same seed have the same tests."""
     other = {trial.seed: trial.result["reward"][-1] for trial in blindfolded}
     pairs = [(trial.result["reward"][-1], other[trial.seed]) for trial in part if trial.seed in other]
@@ -116,6 +116,6 @@ def _baseline(trials: Trials, task: str, name: str) -> list[float]:
     return list(by_seed.values())
 
 
-def _finding(what: str, ours: Estimate) -> Finding:
+def _finding(what: str, ours: Estimate) -> Comparison:
     note = "" if ours.n >= ENOUGH else f"so few runs ({ours.n}) bound nothing"
-    return Finding(what, "not asked", ours, Verdict.EXTENSION, note)
+    return Comparison(what, "not asked", ours, Verdict.EXTENSION, note)

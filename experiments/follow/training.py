@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jointattn_mj.adapters.extras import extra
 from jointattn_mj.adapters.registration import IDS
+from jointattn_mj.io.extras import extra
 from jointattn_mj.tasks import load
 from jointattn_mj.tasks.agents import AGENTS
 from jointattn_mj.viewing.play import DOMAIN, PlayOptions, play_episodes

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.many_objects.sweep import CHANCES, OBJECTS
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
 
 
@@ -25,7 +25,7 @@ def _difference(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return one[:count] - other[:count]
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """Signs of the lead, and its change with p_r and p_i."""
     findings = []
     for objects in OBJECTS:
@@ -36,7 +36,7 @@ def analyse(trials: Trials) -> list[Finding]:
         expected = objects <= 7
         same = ours.low > 0 if expected else ours.high < 0
         verdict = Verdict.REPRODUCED if same else Verdict.UNDECIDED if ours.low <= 0 <= ours.high else Verdict.NOT
-        findings.append(Finding(
+        findings.append(Comparison(
             f"lead of (S1, A1, R2) with {objects} of 9 spots full, millibits",
             "above 0" if expected else "not above 0", ours, verdict,
         ))  # fmt: skip
@@ -44,7 +44,7 @@ def analyse(trials: Trials) -> list[Finding]:
         high, low = (_leads(trials, 3, **{name: chance}) for chance in (0.75, 0.25))
         if len(high) and len(low):
             ours = mean_interval(_difference(high, low) * 1e3)
-            findings.append(Finding(
+            findings.append(Comparison(
                 f"change of the lead with 3 objects from {words} = .25 to .75, millibits",
                 "none beyond the error bars", ours,
                 Verdict.REPRODUCED if ours.low <= 0 <= ours.high else Verdict.NOT,

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.measures.sweep import MEASURES, OF_EVENTS
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import median_interval, proportion
 
 
@@ -19,14 +19,14 @@ def right_since(result: dict[str, Any], measure: str) -> float:
     return float(result["lengths"][since]) if since < len(right) else np.inf
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """The median over runs, and how many are right at the end."""
     results = [trial.result for trial in trials.get("chapter4", ())]
     findings = []
     for measure in MEASURES if results else ():
         since = median_interval([right_since(result, measure) for result in results])
         end = proportion(sum(result["right"][measure][-1] for result in results), len(results))
-        findings.append(Finding(
+        findings.append(Comparison(
             f"turns after which {measure} keeps the right event first (median)", "T^C does; others not tried", since,
             Verdict.EXTENSION, f"right after {results[0]['lengths'][-1]} turns in {end}",
         ))  # fmt: skip

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from experiments.tables import STAGES, in_order, time_of
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
 
 NAMES = ("gaze following, FG-m", "looking back, SCf-m", "gaze alternation, SC-m")
@@ -15,7 +15,7 @@ EXAMPLE = (5748, 42862, 47686)
 """The times of the dissertation's one example run (section 5.3.2)."""
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """Order, number and times."""
     findings = []
     for setting in ("caregiver first", "robot first"):
@@ -23,13 +23,13 @@ def analyse(trials: Trials) -> list[Finding]:
         if not results:
             continue
         order = proportion(sum(map(in_order, results)), len(results))
-        findings.append(Finding(
+        findings.append(Comparison(
             f"the first three modules are FG, SCf, SC in this order; {setting}", "90% of ten runs", order,
             Verdict.of_share(order, 0.9),
             "ten runs cannot tell 90% from 100%: nine of ten have an interval from 60% to 98%",
         ))  # fmt: skip
         count = mean_interval([len(result["modules"]) for result in results])
-        findings.append(Finding(
+        findings.append(Comparison(
             f"modules a run; {setting}", "3.5", count,
             Verdict.REPRODUCED if count.low <= 3.5 <= count.high else Verdict.PARTLY,
         ))  # fmt: skip
@@ -37,7 +37,7 @@ def analyse(trials: Trials) -> list[Finding]:
             times = median_interval([time_of(result, stage) if in_order(result) else np.inf for result in results])
             inside = times.low <= EXAMPLE[stage] <= times.high
             known = np.isfinite(times.low) and np.isfinite(times.high)
-            findings.append(Finding(
+            findings.append(Comparison(
                 f"turn of {name} (median); {setting}", f"{EXAMPLE[stage]} in the one run shown", times,
                 Verdict.UNDECIDED if not known else Verdict.REPRODUCED if inside else Verdict.PARTLY,
                 "a single run; the interval is that of our median, not of single runs",

@@ -11,7 +11,7 @@ from typing import Annotated
 import numpy as np
 import tyro
 
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.options import Checked, Choice, Real, Whole
 from jointattn_mj.perception.som import standardised
@@ -38,12 +38,12 @@ class Options(Checked):
 
 def watch_session(config: SessionConfig) -> dict[str, np.ndarray]:
     """Live through a session and collect errors, misses, flags and face patterns of every look."""
-    session = Session(config)
+    session = SessionRun(config)
     session.begin()
     world, robot, face = session.world, session.robot, session.robot.face
     off, in_view, detected, said, real, patterns, angles = [], [], [], [], [], [], []
 
-    def look(session: Session) -> None:
+    def look(session: SessionRun) -> None:
         percept = robot.percept
         if percept is None:
             return

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 
 from experiments.perceptron.sweep import EPOCHS, RATES
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval
 
 PUBLISHED = 0.84
@@ -15,7 +15,7 @@ def _success(trials: Trials, epochs: int, rate: float) -> Estimate:
     return mean_interval([trial.result["success"][str(epochs)][str(rate)] for trial in trials.get("chapter4", ())])
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """The rate at which one epoch comes closest to 84%, and the range of all rates."""
     if not trials.get("chapter4"):
         return []
@@ -25,7 +25,7 @@ def analyse(trials: Trials) -> list[Finding]:
     everything = [_success(trials, epochs, rate) for epochs in EPOCHS for rate in RATES]
     low, high = min(e.mean for e in everything), max(e.mean for e in everything)
     return [
-        Finding(
+        Comparison(
             f"success of the perceptron, one epoch at rate {closest}", "84% over ten trials", curve[closest],
             Verdict.PARTLY if matches else Verdict.NOT,
             f"rate and epochs are not published; over {min(RATES)} to {max(RATES)} and 1 to {max(EPOCHS)} epochs the "

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from experiments.realtime.sweep import SETTINGS, STEPS_AN_HOUR, Hour
 from experiments.tables import STAGES
-from jointattn_mj.sweeps.claim import Finding, Trial, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import median_interval, paired_difference, proportion
 
 HOUR = 60.0
@@ -42,7 +42,7 @@ def alternates(result: dict[str, Any]) -> bool:
     return ALTERNATING in modules and FOLLOWING in modules[: modules.index(ALTERNATING)]
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """The target first, then minutes, what cues do, and link by link what is in the way."""
     findings = []
     for name in WORDS:
@@ -56,7 +56,7 @@ def analyse(trials: Trials) -> list[Finding]:
     return findings
 
 
-def _shares(name: str, part: Sequence[Trial]) -> list[Finding]:
+def _shares(name: str, part: Sequence[Trial]) -> list[Comparison]:
     """How many found gaze following, and gaze alternation after it, and when."""
     timed, n = isinstance(SETTINGS[name].config, Hour), len(part)
     orders = Counter(" ".join(trial.result["modules"]) or "nothing" for trial in part).most_common(3)
@@ -65,16 +65,16 @@ def _shares(name: str, part: Sequence[Trial]) -> list[Finding]:
         return _at_the_table(name, part, visible)
     times = [minute_of(trial, FOLLOWING) for trial in part]
     found = [
-        Finding(
+        Comparison(
             f"gaze following found within an hour, {WORDS[name]}", "asked for: 80%",
             proportion(sum(time <= HOUR for time in times), n), Verdict.EXTENSION,
         ),
-        Finding(
+        Comparison(
             f"gaze alternation after gaze following within an hour, {WORDS[name]}", "asked for: 80%",
             proportion(sum(alternates(c.result) and minute_of(c, ALTERNATING) <= HOUR for c in part), n),
             Verdict.EXTENSION, visible,
         ),
-        Finding(
+        Comparison(
             f"minutes until gaze following (median), {WORDS[name]}", "not tried", median_interval(times),
             Verdict.EXTENSION,
         ),
@@ -83,22 +83,24 @@ def _shares(name: str, part: Sequence[Trial]) -> list[Finding]:
     if longest > HOUR:
         late = proportion(sum(alternates(trial.result) for trial in part), n)
         what = f"gaze alternation after gaze following within {longest:.0f} minutes, {WORDS[name]}"
-        found.append(Finding(what, "not tried", late, Verdict.EXTENSION))
+        found.append(Comparison(what, "not tried", late, Verdict.EXTENSION))
     return found
 
 
-def _at_the_table(name: str, part: Sequence[Trial], visible: str) -> list[Finding]:
+def _at_the_table(name: str, part: Sequence[Trial], visible: str) -> list[Comparison]:
     """The same in as many turns as an hour of real time has steps, about."""
     n = len(part)
     following = proportion(sum(FOLLOWING in trial.result["modules"] for trial in part), n)
     both = proportion(sum(alternates(trial.result) for trial in part), n)
     return [
-        Finding(f"gaze following found, {WORDS[name]}", "not tried", following, Verdict.EXTENSION),
-        Finding(f"gaze alternation after gaze following, {WORDS[name]}", "not tried", both, Verdict.EXTENSION, visible),
+        Comparison(f"gaze following found, {WORDS[name]}", "not tried", following, Verdict.EXTENSION),
+        Comparison(
+            f"gaze alternation after gaze following, {WORDS[name]}", "not tried", both, Verdict.EXTENSION, visible
+        ),
     ]
 
 
-def _cues(trials: Trials) -> list[Finding]:
+def _cues(trials: Trials) -> list[Comparison]:
     """What motion cues do to the time until gaze following, seed by seed."""
     findings = []
     for perception in ("pixels", "state"):
@@ -112,7 +114,7 @@ def _cues(trials: Trials) -> list[Finding]:
             minutes = [[minute_of(part[seed], FOLLOWING) for seed in seeds] for part in both]
             rates = [np.mean([part[seed].result["lived"] / part[seed].result["lived_minutes"] for seed in seeds])
                      for part in both]  # fmt: skip
-            findings.append(Finding(
+            findings.append(Comparison(
                 f"minutes until gaze following, with motion cues less without, {perception}", "not tried",
                 paired_difference(*minutes), Verdict.EXTENSION,
                 f"{rates[0]:.0f} and {rates[1]:.0f} steps a minute",
@@ -120,7 +122,7 @@ def _cues(trials: Trials) -> list[Finding]:
     return findings
 
 
-def _links(name: str, part: Sequence[Trial]) -> list[Finding]:
+def _links(name: str, part: Sequence[Trial]) -> list[Comparison]:
     """Whether faces are told apart, whether the first map is right, and whether following shows in her face."""
     purity, whole, used, unused = [], [], [], []
     for trial in part:
@@ -134,12 +136,12 @@ def _links(name: str, part: Sequence[Trial]) -> list[Finding]:
             used.append(after["used"][1] / after["used"][0])
             unused.append(after["not used"][1] / after["not used"][0])
     findings = [
-        Finding(f"faces whose category means where she looks, {WORDS[name]}", "not tried", median_interval(purity),
+        Comparison(f"faces whose category means where she looks, {WORDS[name]}", "not tried", median_interval(purity),
                 Verdict.EXTENSION)
     ]  # fmt: skip
     if whole:
         reached = sum(alternates(c.result) for c in part if right_map(c.result["directions"]))
-        findings.append(Finding(
+        findings.append(Comparison(
             f"maps of gaze following that are right for three places and wrong once at most, {WORDS[name]}",
             "not tried",
             proportion(sum(whole), len(whole)), Verdict.EXTENSION,
@@ -147,7 +149,7 @@ def _links(name: str, part: Sequence[Trial]) -> list[Finding]:
             f"{sum(alternates(c.result) for c in part) - reached} of the other {len(whole) - sum(whole)}",
         ))  # fmt: skip
     if used:
-        findings.append(Finding(
+        findings.append(Comparison(
             f"her face frontal when looked at after following, with such a map, {WORDS[name]}", "not tried",
             median_interval(used), Verdict.EXTENSION, f"after anything else {np.median(unused):.2f}",
         ))  # fmt: skip

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from experiments.rendered_turns.sweep import SETTINGS
 from experiments.tables import STAGES, in_order, time_of
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
 
 NAMES = ("FG", "SCf", "SC")
@@ -45,7 +45,7 @@ ERRORS = {
 }
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """Order, times and their ratio to those at the symbolic table, and perception's errors."""
     findings = []
     for setting in SETTINGS:
@@ -54,7 +54,7 @@ def analyse(trials: Trials) -> list[Finding]:
             continue
         order = proportion(sum(map(in_order, results)), len(results))
         symbolic = proportion(sum(in_order(result["symbolic"]) for result in results), len(results))
-        findings.append(Finding(
+        findings.append(Comparison(
             f"FG, SCf, SC first and in this order, from images: {setting}", "asked for, never done", order,
             Verdict.EXTENSION, f"by the same seeds at the symbolic table {symbolic}",
         ))  # fmt: skip
@@ -62,19 +62,19 @@ def analyse(trials: Trials) -> list[Finding]:
             findings.append(_time(setting, results, stage, name))
         shares = ", ".join(f"{name} {mean_interval(list(map(error, results)))}" for name, error in ERRORS.items())
         count = mean_interval([len(result["faces"]) - 1 for result in results])
-        findings.append(Finding(
+        findings.append(Comparison(
             f"categories of faces where 4 would do: {setting}", "given", count, Verdict.EXTENSION, shares,
         ))  # fmt: skip
     return findings
 
 
-def _time(setting: str, results: list[dict[str, Any]], stage: int, name: str) -> Finding:
+def _time(setting: str, results: list[dict[str, Any]], stage: int, name: str) -> Comparison:
     """When a module was made, if all up to it came in order, and how much later than at the symbolic table."""
     first = [*STAGES[: stage + 1]]
     times = [time_of(one, stage) if one["modules"][: stage + 1] == first else np.inf for one in results]
     ratios = [at / time_of(one["symbolic"], stage) for at, one in zip(times, results, strict=True)]
     published = {0: "5,748 in the example", 2: "47,686 in the example"}[stage]
-    return Finding(
+    return Comparison(
         f"turn of {name} (median), from images: {setting}", published, median_interval(times),
         Verdict.EXTENSION, f"times that at the symbolic table by the same seed: {median_interval(ratios)}",
     )  # fmt: skip

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.resolution.sweep import SETTINGS
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, median_interval, proportion
 
 Result = dict[str, Any]
@@ -16,7 +16,7 @@ GRID = np.geomspace(300, 40_000, 200)
 NATS_PER_BIT = float(np.log(2))
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """A handful of rows for each number of spots."""
     findings = []
     for setting in SETTINGS:
@@ -138,8 +138,8 @@ def _mind(results: Sequence[Result], spots: int) -> str:
     )
 
 
-def _row(what: str, ours: Estimate, note: str = "") -> Finding:
-    return Finding(what, "not tried", ours, Verdict.EXTENSION, note)
+def _row(what: str, ours: Estimate, note: str = "") -> Comparison:
+    return Comparison(what, "not tried", ours, Verdict.EXTENSION, note)
 
 
 def _draw_plane(axes: Any, spots: int, result: Result) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from jointattn_mj.gaze_following.summary import LATE_MINUTES, rate_of_success
-from jointattn_mj.sweeps.claim import Finding, Trial, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, paired_difference, too_few
 
 PUBLISHED = {
@@ -54,7 +54,7 @@ def near(ours: Estimate, published: float) -> Verdict:
     return Verdict.REPRODUCED if off <= REPRODUCED else Verdict.PARTLY if off <= PARTLY else Verdict.NOT
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """The published numbers first, then what has no counterpart there."""
     findings = [
         published(trials[f"{perception}/{condition}"], perception, condition, key)
@@ -74,18 +74,18 @@ def analyse(trials: Trials) -> list[Finding]:
     return findings + [axes_apart(trials[name], name) for name in ("state/cues", "state/no_cues") if name in trials]
 
 
-def published(part: Sequence[Trial], perception: str, condition: str, key: str) -> Finding:
+def published(part: Sequence[Trial], perception: str, condition: str, key: str) -> Comparison:
     """A number of the dissertation beside ours."""
     theirs, ours = PUBLISHED[condition].get(key), estimate(part, key)
     what = f"{QUANTITIES[key]}, {WORDS[condition]}, from {WORDS[perception]}"
     if theirs is None:
-        return Finding(what, "only drawn", ours, Verdict.EXTENSION)
+        return Comparison(what, "only drawn", ours, Verdict.EXTENSION)
     verdict = near(ours, theirs)
     note = f"within {REPRODUCED:.0%} of the published mean of five" if verdict is Verdict.REPRODUCED else ""
-    return Finding(what, f"{theirs:g}", ours, verdict, note)
+    return Comparison(what, f"{theirs:g}", ours, verdict, note)
 
 
-def differences(trials: Trials, perception: str) -> list[Finding]:
+def differences(trials: Trials, perception: str) -> list[Comparison]:
     """With cues less without, seed by seed."""
     both = [trials.get(f"{perception}/{condition}", ()) for condition in ("cues", "no_cues")]
     seeds = sorted(set.intersection(*({trial.seed for trial in part} for part in both)))
@@ -104,19 +104,19 @@ def differences(trials: Trials, perception: str) -> list[Finding]:
         elif theirs is not None and ours.high < theirs:
             note = "higher with cues, by less than there"
         what = f"{QUANTITIES[key]}, with motion cues less without, from {WORDS[perception]}"
-        findings.append(Finding(what, "higher" if theirs is None else f"{theirs:g}", ours, verdict, note))
+        findings.append(Comparison(what, "higher" if theirs is None else f"{theirs:g}", ours, verdict, note))
     return findings
 
 
-def extension(part: Sequence[Trial], name: str, key: str, words: str) -> Finding:
+def extension(part: Sequence[Trial], name: str, key: str, words: str) -> Comparison:
     """A number that the dissertation does not give."""
-    return Finding(f"{words}, {name}", "not given", estimate(part, key), Verdict.EXTENSION)
+    return Comparison(f"{words}, {name}", "not given", estimate(part, key), Verdict.EXTENSION)
 
 
-def axes_apart(part: Sequence[Trial], name: str) -> Finding:
+def axes_apart(part: Sequence[Trial], name: str) -> Comparison:
     """Whether following of horizontal displacement comes before vertical, as in infants."""
     pan, tilt = ([half_way(trial, axis) for trial in part] for axis in ("pan", "tilt"))
-    return Finding(
+    return Comparison(
         f"minutes by which half of the gain in tilt comes after half of that in pan, {name}",
         "in infants horizontal comes first (Silverstein et al.)",
         paired_difference(tilt, pan),

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.sweeps.claim import Setting
 
 
@@ -48,7 +48,7 @@ FILM = Path(__file__).with_name("gaze_following.mp4")
 def trial(config: SessionConfig, seed: int) -> dict[str, Any]:
     """A session's summary, and of every shift from the face to an object when it landed, whether it was a success, and
     its errors in pan and tilt (deg)."""
-    session = Session(replace(config, seed=seed))
+    session = SessionRun(replace(config, seed=seed))
     try:
         session.begin()
         while session.frame < session.total:
@@ -58,7 +58,7 @@ def trial(config: SessionConfig, seed: int) -> dict[str, Any]:
         session.close()
 
 
-def result_of(session: Session) -> dict[str, Any]:
+def result_of(session: SessionRun) -> dict[str, Any]:
     """All that is kept of a session; nothing in it depends on how long it took."""
     rows = [row for row in session.shifts if row.face_to_object]
     columns = ("landing_s", "success", "pan_error_deg", "tilt_error_deg")

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from experiments.som.sweep import unpacked
 from jointattn_mj.perception.som import SOMConfig
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, paired_difference
 
 TOUCHING = 0.1
@@ -19,7 +19,7 @@ QUANTITIES = {
 }
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """Over all caregivers."""
     every = [trial.result for part in trials.values() for trial in part]
     if not every:
@@ -30,13 +30,13 @@ def analyse(trials: Trials) -> list[Finding]:
     )
     verdict = Verdict.REPRODUCED if error.high < TOUCHING else Verdict.NOT if error.low > TOUCHING else Verdict.PARTLY
     return [
-        Finding(
+        Comparison(
             "share of new faces whose two nearest cells do not touch", "similar faces have neighbouring cells", error,
             verdict, f"sheets with less than {TOUCHING:.0%} count as ordered",
         ),
-        Finding("how much larger it is on a shuffled sheet", "not given", beside, Verdict.EXTENSION),
+        Comparison("how much larger it is on a shuffled sheet", "not given", beside, Verdict.EXTENSION),
         *(
-            Finding(words, "not given", mean_interval([result[key] for result in every]), Verdict.EXTENSION)
+            Comparison(words, "not given", mean_interval([result[key] for result in every]), Verdict.EXTENSION)
             for key, words in QUANTITIES.items()
         ),
     ]  # fmt: skip

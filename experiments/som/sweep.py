@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.perception.som import standardised
 from jointattn_mj.sweeps.claim import Setting
 
@@ -35,10 +35,10 @@ def trial(config: SessionConfig, seed: int) -> dict[str, Any]:
     ``shuffled_error`` the same with the cells shuffled; ``yaw_r2`` and ``pitch_r2`` the share of the variance of the
     head's angles that a quadratic function of row and column explains; ``images`` the cells' patterns (Fig. 6.6).
     """
-    session = Session(replace(config, seed=seed))
+    session = SessionRun(replace(config, seed=seed))
     patterns, angles = [], []
 
-    def look(session: Session) -> None:
+    def look(session: SessionRun) -> None:
         robot = session.robot
         face = robot.face
         if robot.percept is None or session.frame % EVERY or robot.attended != face or not robot.percept.visible[face]:

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from jointattn_mj.gaze_following.gate import GazeConfig, gate_probability
-from jointattn_mj.sweeps.claim import Finding, Trial, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval
 
 SHOWN = {
@@ -39,7 +39,7 @@ def reaches(iterations: np.ndarray, accuracy: np.ndarray, share: float) -> np.nd
     return np.where(enough.any(axis=1), iterations[np.argmax(enough, axis=1)], np.inf)
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """When the learner is nearly as good as it gets, and how good that is."""
     findings = []
     for name, (label, _) in SHOWN.items():
@@ -59,13 +59,13 @@ def analyse(trials: Trials) -> list[Finding]:
             )
             note = "ready when the gate, set from such a run, is half open; so the published gate fits this learner"
         what = f"l at which the learner has {SHARE:.0%} of its final accuracy (median), {label}"
-        findings.append(Finding(what, f"gate half open at {HALF_OPEN}", ready, verdict, note))
+        findings.append(Comparison(what, f"gate half open at {HALF_OPEN}", ready, verdict, note))
         for at in (100, HALF_OPEN, 300):
             column = accuracy[:, int(np.argmin(np.abs(iterations - at)))]
             what = f"share of gazes that suggest her object at l = {at}, {label}"
-            findings.append(Finding(what, "not given", mean_interval(column), Verdict.EXTENSION))
+            findings.append(Comparison(what, "not given", mean_interval(column), Verdict.EXTENSION))
         what = f"share of right pairs, {label}"
-        findings.append(Finding(what, "not given", mean_interval(runs["right_pairs"][:, -1]), Verdict.EXTENSION))
+        findings.append(Comparison(what, "not given", mean_interval(runs["right_pairs"][:, -1]), Verdict.EXTENSION))
     return findings
 
 

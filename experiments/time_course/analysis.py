@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.tables import STAGES
-from jointattn_mj.sweeps.claim import Finding, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import proportion
 
 
@@ -15,7 +15,7 @@ def _course(result: dict, symbol: str) -> np.ndarray:
     return np.array([np.nan if value is None else value for value in result["values"].get(symbol, [])], float)
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """FG sinks after FG-m is made; SC rises after SCf-m is made."""
     results = [
         trial.result for trial in trials.get("caregiver first", ()) if tuple(trial.result["modules"][:3]) == STAGES
@@ -30,11 +30,11 @@ def analyse(trials: Trials) -> list[Finding]:
         sinks += bool(following[at[1] - 1] < following[at[0]])
         rises += bool(alternating[at[2] - 1] > alternating[at[1] - 1])
     return [
-        Finding(
+        Comparison(
             "SAC of gaze following is lower when SCf-m is made than when FG-m was", "it gradually decreased",
             (share := proportion(sinks, runs)), Verdict.of_share(share, 0.8),
         ),
-        Finding(
+        Comparison(
             "SAC of alternation is higher when SC-m is made than when SCf-m was", "promoted increase of it",
             (share := proportion(rises, runs)), Verdict.of_share(share, 0.8),
         ),

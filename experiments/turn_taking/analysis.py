@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.turn_taking.sweep import SETTINGS, DevelopmentRun
-from jointattn_mj.sweeps.claim import Finding, Trial, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
 
 END = 6
@@ -52,9 +52,9 @@ def reaches(rate: np.ndarray, level: float) -> np.ndarray:
     return reached
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """From chance to a high rate with 1, 3, 5 and 10 objects, the three stages, then other readings."""
-    findings: list[Finding] = []
+    findings: list[Comparison] = []
     for objects in COLOURS:
         name = f"objects_{objects}"
         if trials.get(name):
@@ -66,11 +66,11 @@ def analyse(trials: Trials) -> list[Finding]:
     for name, part in trials.items():
         if name in SETTINGS and not name.startswith("objects_"):
             end = mean_interval(rates(columns(part))["right"][:, -END:].mean(axis=1))
-            findings.append(Finding(f"her object at the end, {name}", "not given", end, Verdict.EXTENSION))
+            findings.append(Comparison(f"her object at the end, {name}", "not given", end, Verdict.EXTENSION))
     return findings
 
 
-def rise(runs: dict[str, np.ndarray], objects: int) -> list[Finding]:
+def rise(runs: dict[str, np.ndarray], objects: int) -> list[Comparison]:
     """Where success begins and ends."""
     right = rates(runs)["right"]
     start, end = mean_interval(right[:, 0]), mean_interval(right[:, -END:].mean(axis=1))
@@ -80,13 +80,13 @@ def rise(runs: dict[str, np.ndarray], objects: int) -> list[Finding]:
     chance = Verdict.REPRODUCED if objects > 1 and abs(start.mean - 1 / objects) < 0.05 else Verdict.NOT
     missed = "objects outside the first view are missed at first, which 1/n leaves out"
     return [
-        Finding(f"her object at the start, {of}", f"1/{objects}", start, chance, "" if objects > 1 else missed),
-        Finding(f"her object at the end, {of}", "a high rate", end, risen, f"above {LEVEL:.0%} counts as high"),
-        Finding(f"with faces that were not seen in the life, {of}", "not given", new, Verdict.EXTENSION),
+        Comparison(f"her object at the start, {of}", f"1/{objects}", start, chance, "" if objects > 1 else missed),
+        Comparison(f"her object at the end, {of}", "a high rate", end, risen, f"above {LEVEL:.0%} counts as high"),
+        Comparison(f"with faces that were not seen in the life, {of}", "not given", new, Verdict.EXTENSION),
     ]
 
 
-def stages(runs: dict[str, np.ndarray], objects: int) -> list[Finding]:
+def stages(runs: dict[str, np.ndarray], objects: int) -> list[Comparison]:
     """Whether any object, the right one in view and the right one outside the view are reached in this order."""
     rate = rates(runs)
     times = {key: reaches(rate[key], LEVEL) * ATTEMPTS / rate[key].shape[1] for key in STAGES}
@@ -97,8 +97,8 @@ def stages(runs: dict[str, np.ndarray], objects: int) -> list[Finding]:
     with np.errstate(invalid="ignore"):
         later = median_interval(third - second)
     return [
-        Finding(what, "three stages, as in infants", ordered, verdict, f"each when it first gets to {LEVEL:.0%}"),
-        Finding(
+        Comparison(what, "three stages, as in infants", ordered, verdict, f"each when it first gets to {LEVEL:.0%}"),
+        Comparison(
             f"attempts from the second stage to the third (median), {objects} objects", "not given", later,
             Verdict.EXTENSION,
         ),

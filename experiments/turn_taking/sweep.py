@@ -9,7 +9,7 @@ import numpy as np
 from jointattn_mj.baselines.turn_taking.agent import TurnTaker, TurnTakerConfig
 from jointattn_mj.baselines.turn_taking.attempts import Outcomes, Situations, live
 from jointattn_mj.baselines.turn_taking.faces import FaceBank, FaceBankConfig, FaceInputs, render_faces
-from jointattn_mj.baselines.turn_taking.layouts import TableConfig, draw_tables
+from jointattn_mj.baselines.turn_taking.layouts import ObjectTableConfig, draw_tables
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.sweeps.claim import Setting
 
@@ -22,7 +22,7 @@ TEST_FACES = FaceBankConfig(faces=1000)
 class DevelopmentRun(Checked):
     """A life."""
 
-    table: TableConfig = field(default_factory=TableConfig)
+    table: ObjectTableConfig = field(default_factory=ObjectTableConfig)
     """What lies where."""
     robot: TurnTakerConfig = field(default_factory=TurnTakerConfig)
     """The robot."""
@@ -38,13 +38,13 @@ class DevelopmentRun(Checked):
 
 def reading(objects: int, **robot: object) -> Setting:
     """A robot that differs from the default."""
-    return Setting(DevelopmentRun(TableConfig(objects=objects), TurnTakerConfig(**robot)), 8)  # type: ignore[arg-type]
+    return Setting(DevelopmentRun(ObjectTableConfig(objects=objects), TurnTakerConfig(**robot)), 8)  # type: ignore[arg-type]
 
 
 SETTINGS = {
-    **{f"objects_{n}": Setting(DevelopmentRun(TableConfig(objects=n)), 20) for n in (1, 3, 5, 10)},
-    "in_view_5": Setting(DevelopmentRun(TableConfig(objects=5, region="in_view")), 20),
-    "outside_3": Setting(DevelopmentRun(TableConfig(objects=3, region="outside")), 20),
+    **{f"objects_{n}": Setting(DevelopmentRun(ObjectTableConfig(objects=n)), 20) for n in (1, 3, 5, 10)},
+    "in_view_5": Setting(DevelopmentRun(ObjectTableConfig(objects=5, region="in_view")), 20),
+    "outside_3": Setting(DevelopmentRun(ObjectTableConfig(objects=3, region="outside")), 20),
     "readings/feedback_alone_5": reading(5, gate="shut"),
     "readings/executed_5": reading(5, reference="executed"),
     "readings/first_step_5": reading(5, learns_from="first_step"),

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.wrong_map.sweep import SETTINGS
-from jointattn_mj.sweeps.claim import Finding, Trial, Trials, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, proportion
 
 WRONG_DEG = 6.0
@@ -19,7 +19,7 @@ def error(trial: Trial) -> float:
     return np.nan if median is None else median
 
 
-def analyse(trials: Trials) -> list[Finding]:
+def analyse(trials: Trials) -> list[Comparison]:
     """Error, wrong maps and successes of every condition; the dissertation has no counterpart."""
     findings = []
     for name in SETTINGS:
@@ -33,7 +33,9 @@ def analyse(trials: Trials) -> list[Finding]:
             "successes": mean_interval([trial.result["successes"] for trial in trials[name]]),
             "share of right pairs": mean_interval([trial.result["right_pairs"] for trial in trials[name]]),
         }
-        findings += [Finding(f"{words}, {label}", "not asked", ours, Verdict.EXTENSION) for words, ours in rows.items()]
+        findings += [
+            Comparison(f"{words}, {label}", "not asked", ours, Verdict.EXTENSION) for words, ours in rows.items()
+        ]
     return findings
 
 

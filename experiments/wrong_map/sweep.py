@@ -13,7 +13,7 @@ import numpy as np
 
 from experiments.sessions.sweep import session_config
 from jointattn_mj.gaze_following.agent import GazeFollower, GazeShift
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.options import Checked
 from jointattn_mj.scene.camera import directions_to, off_centre
 from jointattn_mj.sweeps.claim import Setting
@@ -29,7 +29,7 @@ def exact(**noise: float) -> SessionConfig:
 
 
 def only_right_pairs(
-    session: Session, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
+    session: SessionRun, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
 ) -> None:
     """Leave out the pairs that lead elsewhere than to the caregiver's target."""
     if _is_right(session, command):
@@ -37,7 +37,7 @@ def only_right_pairs(
 
 
 def only_still_pairs(
-    session: Session, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
+    session: SessionRun, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
 ) -> None:
     """Leave out the pairs whose face was turning, or whose object was moving, when they were learned."""
     state = session.config.state
@@ -47,7 +47,7 @@ def only_still_pairs(
 
 
 def wrong_pairs_scattered(
-    session: Session, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
+    session: SessionRun, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
 ) -> None:
     """Send wrong pairs to a fresh random place on the table: as many wrong ones, but none that come again and again."""
     if not _is_right(session, command):
@@ -60,7 +60,7 @@ def wrong_pairs_scattered(
     pair(shift, activations, command)
 
 
-def _is_right(session: Session, command: np.ndarray) -> bool:
+def _is_right(session: SessionRun, command: np.ndarray) -> bool:
     caregiver = session.world.caregiver
     if caregiver.target is None:
         return False
@@ -68,7 +68,7 @@ def _is_right(session: Session, command: np.ndarray) -> bool:
     return off_centre(target, command + _face(session)) <= TOLERANCE_DEG
 
 
-def _face(session: Session) -> np.ndarray:
+def _face(session: SessionRun) -> np.ndarray:
     return directions_to(session.world.candidate_points()[-1:])[0]
 
 
@@ -101,7 +101,7 @@ SETTINGS = {
 
 def trial(condition: Condition, seed: int) -> dict[str, Any]:
     """A session's numbers, and the share of its pairs that were right."""
-    session = Session(replace(condition.config, seed=seed))
+    session = SessionRun(replace(condition.config, seed=seed))
     right = _watch_pairs(session, session.robot, FILTERS.get(condition.pairs))
     try:
         session.begin()
@@ -114,7 +114,7 @@ def trial(condition: Condition, seed: int) -> dict[str, Any]:
     return {**kept, "right_pairs": float(np.mean(right)), "pairs": len(right)}
 
 
-def _watch_pairs(session: Session, robot: GazeFollower, pair_filter: Callable | None) -> list[bool]:
+def _watch_pairs(session: SessionRun, robot: GazeFollower, pair_filter: Callable | None) -> list[bool]:
     """Note of every pair that is offered whether it is right, and let the filter have its way with it."""
     right: list[bool] = []
     learn = robot._pair

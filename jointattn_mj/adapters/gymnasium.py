@@ -6,8 +6,8 @@ import numpy as np
 from dm_control.mujoco.wrapper import MjvOption
 from dm_env import TimeStep, specs
 
-from jointattn_mj.adapters.extras import extra
 from jointattn_mj.errors import ConfigError, EpisodeError
+from jointattn_mj.io.extras import extra
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH, ROBOT_GROUP
 from jointattn_mj.tasks import load
 from jointattn_mj.tasks.actions import checked

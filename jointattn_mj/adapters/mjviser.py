@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from jointattn_mj.adapters.extras import extra
 from jointattn_mj.errors import ExtraError
+from jointattn_mj.io.extras import extra
 from jointattn_mj.scene.model import ROBOT_GROUP
 from jointattn_mj.viewing.guard import names_of, refusal
 from jointattn_mj.viewing.show import Show, in_real_time

@@ -25,7 +25,7 @@ def register_when_needed() -> None:
     if sys.modules.get("gymnasium") is not None:
         _register()
     else:
-        sys.meta_path.insert(0, _Finder())
+        sys.meta_path.insert(0, _GymnasiumFinder())
 
 
 def _register() -> None:
@@ -34,7 +34,7 @@ def _register() -> None:
         gymnasium.register(id=name, entry_point=ENTRY_POINT, kwargs={"task": task})
 
 
-class _Finder(MetaPathFinder):
+class _GymnasiumFinder(MetaPathFinder):
     """Finds gymnasium where it would be found anyway, and lets it be followed by registration."""
 
     def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:

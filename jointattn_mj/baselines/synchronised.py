@@ -16,7 +16,7 @@ import numpy as np
 
 from jointattn_mj.gaze_following.agent import GazeFollower
 from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.scene.camera import directions_to, off_centre
 from jointattn_mj.scene.caregiver import Phase
 from jointattn_mj.scene.layout import Layout
@@ -60,7 +60,7 @@ class ToldSelector(AttentionSelector):
         return super().draw(objects)
 
 
-class SynchronisedSession(Session):
+class SynchronisedSession(SessionRun):
     """A session in which robot and caregiver keep time. ``synchronised`` makes a fitting config."""
 
     def __init__(self, config: SessionConfig):

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 import mujoco
 import numpy as np
 
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.world import World
@@ -74,8 +74,8 @@ def run_benchmark(options: BenchmarkOptions) -> Benchmark:
         GLError: No image can be rendered here.
     """
     minutes = options.blocks * options.seconds / 60
-    loop = Session(SessionConfig(minutes=minutes))
-    truth = Session(SessionConfig(minutes=minutes, perception="state"))
+    loop = SessionRun(SessionConfig(minutes=minutes))
+    truth = SessionRun(SessionConfig(minutes=minutes, perception="state"))
     scene = World.build(loop.config.world, np.random.SeedSequence(1))
     cartpole = _cartpole()
     loop.begin()
@@ -117,7 +117,7 @@ class Poses:
         self.poses: list[tuple[np.ndarray, np.ndarray]] = []
         self._rendered: int | None = None
 
-    def note(self, session: Session) -> None:
+    def note(self, session: SessionRun) -> None:
         """Called at every frame of a session, before anything moves."""
         world = session.world
         if self._rendered is not None and world.rendered_frames > self._rendered:
@@ -125,7 +125,7 @@ class Poses:
         self._rendered = world.rendered_frames
 
 
-def _live(session: Session, frames: int, watch: Callable[[Session], None] | None = None) -> float:
+def _live(session: SessionRun, frames: int, watch: Callable[[SessionRun], None] | None = None) -> float:
     """Seconds for so many frames of a session (fewer at its end)."""
     start = time.perf_counter()
     for _ in range(min(frames, session.total - session.frame)):

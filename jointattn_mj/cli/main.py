@@ -12,7 +12,6 @@ from typing import Annotated, Any
 
 import tyro
 
-from jointattn_mj.cli.terminal import INTERRUPTED, stopped_like_ctrl_c, unbroken_streams
 from jointattn_mj.cli.usage import complaint, without_class
 from jointattn_mj.errors import (
     CheckpointError,
@@ -23,6 +22,7 @@ from jointattn_mj.errors import (
     OutputError,
     SeriesError,
 )
+from jointattn_mj.io.terminal import INTERRUPTED, stopped_like_ctrl_c, unbroken_streams
 from jointattn_mj.options import meant, shown
 
 BAD_USAGE, FAILED = 2, 1
@@ -131,12 +131,12 @@ def _parse(arguments: list[str]) -> Callable[[], None]:
 
 def _session(arguments: Sequence[str] = ()) -> Callable[..., Any]:
     from jointattn_mj.cli.session import run_with_bar
-    from jointattn_mj.gaze_following.run import RunOptions
+    from jointattn_mj.gaze_following.run import SessionOptions
     from jointattn_mj.gaze_following.varied_session import VariedSessionConfig
 
     def session(
         config: Annotated[VariedSessionConfig, tyro.conf.arg(name="")],
-        options: Annotated[RunOptions, tyro.conf.arg(name="")],
+        options: Annotated[SessionOptions, tyro.conf.arg(name="")],
     ) -> Callable[[], None]:
         """Let robot and caregiver live together for some minutes, and write down everything (chapter 6).
 
@@ -250,12 +250,12 @@ def _discover(arguments: Sequence[str] = ()) -> Callable[..., Any]:
 
 
 def _experiment(arguments: Sequence[str] = ()) -> Callable[..., Any]:
-    from jointattn_mj.sweeps.command import ListOptions, ReportOptions, RunOptions, do
+    from jointattn_mj.sweeps.command import ExperimentRunOptions, ListOptions, ReportOptions, do
 
     def experiment(
         command: Annotated[
             Annotated[ListOptions, tyro.conf.subcommand("list")]
-            | Annotated[RunOptions, tyro.conf.subcommand("run")]
+            | Annotated[ExperimentRunOptions, tyro.conf.subcommand("run")]
             | Annotated[ReportOptions, tyro.conf.subcommand("report")],
             tyro.conf.arg(name=""),
         ],

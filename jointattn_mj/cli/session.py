@@ -3,20 +3,20 @@
 import sys
 from collections import deque
 
-from jointattn_mj.gaze_following.run import RunOptions, run_session
-from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, Session
+from jointattn_mj.gaze_following.run import SessionOptions, run_session
+from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.summary import LATE_MINUTES
-from jointattn_mj.gaze_following.varied_session import VariedSession, VariedSessionConfig
+from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io.progress import Progress
 
 
-def run_with_bar(config: VariedSessionConfig, options: RunOptions) -> None:
+def run_with_bar(config: VariedSessionConfig, options: SessionOptions) -> None:
     """Run the session, and say in a line what came of it; errors are :func:`runner.run_session`'s."""
     shown = Progress("getting to know the face", config.minutes, "simulated min", digits=1)
 
     recent, counted, of_all = deque[bool](maxlen=20), 0, 0
 
-    def progress(session: Session) -> None:
+    def progress(session: SessionRun) -> None:
         nonlocal counted, of_all
         new = [bool(row.success) for row in session.shifts[of_all:] if row.face_to_object]
         recent.extend(new)
@@ -27,7 +27,7 @@ def run_with_bar(config: VariedSessionConfig, options: RunOptions) -> None:
 
     try:
         with shown:
-            summary = run_session(config, options, progress, VariedSession)
+            summary = run_session(config, options, progress, VariedSessionRun)
     except KeyboardInterrupt:
         if (options.out / "checkpoint.bin").exists():
             print(f"jointattn: stopped; the same command with --resume goes on from {options.out}", file=sys.stderr)

@@ -65,7 +65,7 @@ class DeveloperConfig(Checked):
             raise ConfigError(f"history ever needs memory whole; got {self.memory}")
 
 
-class Past(NamedTuple):
+class RecentSteps(NamedTuple):
     """Transitions that will have to be forgotten, in a ring."""
 
     s: np.ndarray
@@ -85,7 +85,7 @@ class AgentState(NamedTuple):
     counts: Counts
     watch: Watch
     maps: Maps
-    past: Past
+    past: RecentSteps
     forgets: bool
     """Whether ``past`` is needed."""
     s: np.ndarray
@@ -322,15 +322,15 @@ class Developer:
                 table = np.concatenate([table, np.zeros_like(table)], axis)
         return table
 
-    def _empty_past(self) -> Past:
+    def _empty_past(self) -> RecentSteps:
         config, variables = self.config, self.variables
         horizon = config.horizon if config.memory == "window" else 0
         grows = np.exp(1 / config.horizon) if config.memory == "fading" else 1.0
         widths = (len(variables.sensors), len(variables.actions), len(variables.results), len(variables.results))
         s, a, r, r_next = (np.zeros((horizon, width), np.int64) for width in widths)
-        return Past(s, a, r, r_next, contexts=np.zeros(horizon, np.int64), weight=np.array([1.0, grows]))
+        return RecentSteps(s, a, r, r_next, contexts=np.zeros(horizon, np.int64), weight=np.array([1.0, grows]))
 
-    def _wider(self, past: Past) -> Past:
+    def _wider(self, past: RecentSteps) -> RecentSteps:
         """The ring with room for one more sensor and one more action."""
         blank = np.zeros((len(past.contexts), 1), np.int64)
         return past._replace(s=np.hstack([past.s, blank]), a=np.hstack([past.a, blank]))

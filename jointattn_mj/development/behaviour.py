@@ -103,7 +103,7 @@ def _rates(found: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Phase:
+class BehaviourPhase:
     """Turns between two modules."""
 
     first: int
@@ -114,7 +114,7 @@ class Phase:
     """Of each behaviour over its last turns, WINDOW of them or all that it has."""
 
 
-def phases(found: Series, made: Sequence[int], window: int = WINDOW) -> list[Phase]:
+def phases(found: Series, made: Sequence[int], window: int = WINDOW) -> list[BehaviourPhase]:
     """The phases P1, P2, ... of Fig. 5.5: up to the first module, between two, and after the last.
 
     Args:
@@ -126,5 +126,5 @@ def phases(found: Series, made: Sequence[int], window: int = WINDOW) -> list[Pha
     parts = []
     for first, last in pairwise(bounds):
         if last > first:
-            parts.append(Phase(first, last, tuple(_rates(found[max(first, last - window) : last]).tolist())))
+            parts.append(BehaviourPhase(first, last, tuple(_rates(found[max(first, last - window) : last]).tolist())))
     return parts

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
-from jointattn_mj.development.behaviour import BEHAVIOURS, SC, SHORT, WINDOW, Phase, Series, moving_rates
+from jointattn_mj.development.behaviour import BEHAVIOURS, SC, SHORT, WINDOW, BehaviourPhase, Series, moving_rates
 from jointattn_mj.development.contingency_log import ContingencyLog
 from jointattn_mj.io.figures import save
 from jointattn_mj.io.rows import PART_BYTES, spans
@@ -102,7 +102,7 @@ def draw_contingency(
     save(figure, path)
 
 
-def draw_behaviour(path: Path, found: Series, parts: Sequence[Phase], made: Sequence[Made]) -> None:
+def draw_behaviour(path: Path, found: Series, parts: Sequence[BehaviourPhase], made: Sequence[Made]) -> None:
     """Rates of the six behaviours over the last WINDOW turns (Fig. 5.5), with the phases between modules.
 
     Args:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from jointattn_mj.development.behaviour import BEHAVIOURS, SHORT, Phase
+from jointattn_mj.development.behaviour import BEHAVIOURS, SHORT, BehaviourPhase
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.meaning import Meaning
 
@@ -13,7 +13,7 @@ RANKED = 10
 """Events that the summary lists by their contingency at the end."""
 
 
-def summarise(run: DevelopmentRun, known: Sequence[Meaning], parts: Sequence[Phase]) -> dict[str, Any]:
+def summarise(run: DevelopmentRun, known: Sequence[Meaning], parts: Sequence[BehaviourPhase]) -> dict[str, Any]:
     """Modules in their order, behaviour by phases and the ranking at the end, for JSON.
 
     Nothing in it depends on when or where the life was lived.

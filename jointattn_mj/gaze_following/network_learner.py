@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from jointattn_mj.adapters.extras import extra
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.learners import LearnerConfig, PopulationCode, same_shape
+from jointattn_mj.io.extras import extra
 
 extra("torch", "torch")
 import torch  # noqa: E402

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 from jointattn_mj.errors import ConfigError, OutputError
 from jointattn_mj.gaze_following import figures
-from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, FRAMES_PER_SECOND, Session, SessionConfig
+from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, FRAMES_PER_SECOND, SessionConfig, SessionRun
 from jointattn_mj.gaze_following.shifts import write_shifts
 from jointattn_mj.gaze_following.tables import write_frames
 from jointattn_mj.io import checkpoint
@@ -27,7 +27,7 @@ BYTES_A_FRAME = 400
 
 
 @dataclass(frozen=True)
-class RunOptions(Checked):
+class SessionOptions(Checked):
     """Where a session leaves its results, and how much of it is shown."""
 
     out: Path
@@ -51,9 +51,9 @@ class RunOptions(Checked):
 
 def run_session(
     config: SessionConfig,
-    options: RunOptions,
-    progress: Callable[[Session], None] = lambda session: None,
-    kind: type[Session] = Session,
+    options: SessionOptions,
+    progress: Callable[[SessionRun], None] = lambda session: None,
+    kind: type[SessionRun] = SessionRun,
 ) -> dict[str, Any]:
     """Run a session and leave its results in ``options.out``; returns the summary.
 
@@ -82,7 +82,7 @@ def run_session(
 
 
 def _run(
-    config: SessionConfig, options: RunOptions, progress: Callable[[Session], None], kind: type[Session]
+    config: SessionConfig, options: SessionOptions, progress: Callable[[SessionRun], None], kind: type[SessionRun]
 ) -> dict[str, Any]:
     """Run a session in a folder that is held for it."""
     out, frozen = options.out, options.out / "checkpoint.bin"
@@ -129,7 +129,7 @@ def _check_ffmpeg() -> None:
 
 
 def _check_rerun(path: Path, resume: bool) -> None:
-    from jointattn_mj.adapters.extras import extra
+    from jointattn_mj.io.extras import extra
 
     extra("rerun", "rerun")
     if path.exists() and not resume:
@@ -141,10 +141,10 @@ def _check_rerun(path: Path, resume: bool) -> None:
 
 
 @contextmanager
-def _watchers(session: Session, options: RunOptions) -> Iterator[Callable[[Session], None] | None]:
+def _watchers(session: SessionRun, options: SessionOptions) -> Iterator[Callable[[SessionRun], None] | None]:
     """What is shown every frame: a film, a log, or nothing."""
     with ExitStack() as stack:
-        watchers: list[Callable[[Session], None]] = []
+        watchers: list[Callable[[SessionRun], None]] = []
         if options.video and session.frame < session.total:
             from jointattn_mj.gaze_following.film.video import Film
 
@@ -155,14 +155,14 @@ def _watchers(session: Session, options: RunOptions) -> Iterator[Callable[[Sessi
 
             watchers.append(stack.enter_context(SessionLog(free_name(options.rerun), session)))
 
-        def watch(session: Session) -> None:
+        def watch(session: SessionRun) -> None:
             for watcher in watchers:
                 watcher(session)
 
         yield watch if watchers else None
 
 
-def _leave_results(session: Session, out: Path, wall_seconds: float) -> dict[str, Any]:
+def _leave_results(session: SessionRun, out: Path, wall_seconds: float) -> dict[str, Any]:
     summary = session.summary(wall_seconds)
     write_frames(out / "frames.parquet", session.frames)
     write_shifts(out / "gaze_shifts.parquet", session.shifts)

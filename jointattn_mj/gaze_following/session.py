@@ -52,7 +52,7 @@ class SessionConfig(Checked):
     """What stands for that with ``perception state``."""
 
 
-class Session:
+class SessionRun:
     """The life of robot and caregiver, one frame at a time.
 
     What it is made of can be exchanged: override ``new_world``, ``new_perceiver`` or ``new_robot``.
@@ -96,7 +96,7 @@ class Session:
         for frame in range(round(self.config.robot.familiarise.minutes * FRAMES_PER_MINUTE)):
             self.world.step(self.robot.familiarise(self._observation, frame))
 
-    def step(self, watch: Callable[["Session"], None] | None = None) -> None:
+    def step(self, watch: Callable[["SessionRun"], None] | None = None) -> None:
         """One frame; ``watch`` is shown the session when the robot has perceived and decided, before anything moves."""
         world, robot = self.world, self.robot
         rendered, turning = world.rendered_frames, robot.shift is not None

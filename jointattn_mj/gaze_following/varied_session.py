@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.scene.variation import Variation, VariationConfig, drawn, variation_of
 from jointattn_mj.scene.world import World
 
@@ -23,12 +23,12 @@ class VariedSessionConfig(SessionConfig):
         return variation_of(self.variation)
 
 
-class VariedSession(Session):
+class VariedSessionRun(SessionRun):
     """A session whose world is drawn anew with every seed, and then stays; the robot expects the usual colours."""
 
     config: VariedSessionConfig
 
     def new_world(self, seed: np.random.SeedSequence) -> World:
-        """See ``Session``; with nothing to vary it is the same world."""
+        """See ``SessionRun``; with nothing to vary it is the same world."""
         world, conditions = drawn(self.config.world, self.config.ranges, seed)
         return World.build(world, seed, conditions)

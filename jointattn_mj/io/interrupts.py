@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from jointattn_mj.cli.terminal import STOPS
+from jointattn_mj.io.terminal import STOPS
 
 
 class Interrupts:

@@ -17,7 +17,7 @@ contingency.online.events: Event Variable Variables
 contingency.online.modules: Module ReproductionConfig
 contingency.online.reactive: AvoidingModule RandomModule
 contingency.online.selector: Maps SelectorConfig
-development.agent: Developer DeveloperConfig AgentState Past
+development.agent: Developer DeveloperConfig AgentState RecentSteps
 development.contingency_log: ContingencyLog
 development.loop: Found
 development.realtime.partner: Partner PartnerConfig PartnerWorld
@@ -25,7 +25,7 @@ development.realtime.run: RealtimeConfig RealtimeRun
 development.rendered.run: RenderedConfig RenderedRun
 development.rendered.senses: Senses SensesConfig
 development.rendered.stage: Stage StageConfig
-development.table.caregiver: CaregiverConfig Rules
+development.table.caregiver: TableCaregiverConfig Rules
 development.table.run: TableRun
 development.table.world: Table TableConfig
 footage.faces: FaceAlbum
@@ -38,10 +38,10 @@ gaze_following.gate: GazeConfig HeadShift
 gaze_following.learners: LearnerConfig LinearLearner PopulationCode PopulationLearner
 gaze_following.network_learner: NetworkLearner
 gaze_following.scoring: Moment
-gaze_following.session: Session
+gaze_following.session: SessionRun
 gaze_following.shifts: Shifts
 gaze_following.tables: FrameTable
-gaze_following.varied_session: VariedSession
+gaze_following.varied_session: VariedSessionRun
 io.rows: RowStore
 perception.categories: FaceCategories GroupingConfig
 perception.faces: FaceDetector FaceDetectorConfig FaceFix
@@ -52,7 +52,7 @@ perception.pixels: PixelConfig PixelPerception
 perception.som: SOM SOMConfig
 perception.state: StateConfig StatePerception
 perception.views: ViewBank
-scene.caregiver: CaregiverConfig ObjectTransfer Phase Plan
+scene.caregiver: CaregiverConfig TransferScript Phase Plan
 scene.delay: Past
 scene.dressing: Conditions Lamp Surfaces
 scene.layout: Layout LayoutConfig

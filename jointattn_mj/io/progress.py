@@ -11,7 +11,7 @@ from typing import TextIO
 
 from tqdm import tqdm
 
-from jointattn_mj.cli.terminal import Unbroken
+from jointattn_mj.io.terminal import Unbroken
 
 FIRST_S, LINE_S = 10.0, 30.0
 """Seconds before the first line, and between two, where there is no terminal."""

@@ -37,7 +37,7 @@ _CONTROL = re.compile(rb"[\0-\x08\x0e-\x19\x1b-\x1f]")
 
 
 @dataclass(frozen=True)
-class Layout:
+class TextLayout:
     """How a table stands in its text."""
 
     delimiter: str
@@ -87,7 +87,7 @@ def _refuse_binary(data: bytes, path: Path) -> None:
         raise SeriesError(f"{path} is no text file (byte 0x{found.group()[0]:02X} at {found.start()}){hint}")
 
 
-def layout(data: bytes, path: Path, skip_rows: int = 0) -> Layout:
+def layout(data: bytes, path: Path, skip_rows: int = 0) -> TextLayout:
     """Find the header of UTF-8 text below ``skip_rows`` lines, and the delimiter that it and the next rows agree on.
 
     A line ``sep=;``, as Excel writes it, may stand above the header.
@@ -112,7 +112,7 @@ def layout(data: bytes, path: Path, skip_rows: int = 0) -> Layout:
     if not any(name.strip() for name in header):
         above = f" below {skip_rows} rows" if skip_rows else ""
         raise SeriesError(f"{path} is empty{above}; expected a header and a row for every step")
-    return Layout(delimiter, header, len(text[: lines.tell()].encode()))
+    return TextLayout(delimiter, header, len(text[: lines.tell()].encode()))
 
 
 def line_of_header(data: bytes, names: Sequence[str]) -> int | None:

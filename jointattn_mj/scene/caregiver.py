@@ -98,7 +98,7 @@ class Plan:
     joints: np.ndarray  # (T, 13) neck yaw and pitch, yaw and pitch of either eye, seven of the arm, rad
 
 
-class ObjectTransfer:
+class TransferScript:
     """The state machine. After each ``advance`` the attributes say how things stand at the end of that frame.
 
     Attributes:

@@ -22,10 +22,10 @@ COMPILED = "triton._C."
 def keep_apart() -> None:
     """Load triton's compiled modules bound to their own LLVM; until they are imported nothing is touched."""
     if sys.platform == "linux" and hasattr(os, "RTLD_DEEPBIND"):
-        sys.meta_path.insert(0, _Finder())
+        sys.meta_path.insert(0, _TritonFinder())
 
 
-class _Finder(MetaPathFinder):
+class _TritonFinder(MetaPathFinder):
     """Finds triton's compiled modules where they would be found anyway, and gives them another loader."""
 
     def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from dm_control.mujoco import Physics
 
-from jointattn_mj.scene.caregiver import CaregiverConfig, ObjectTransfer, Phase
+from jointattn_mj.scene.caregiver import CaregiverConfig, Phase, TransferScript
 from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.model import SceneConfig, rest_height
 from jointattn_mj.scene.movement import Arm
@@ -23,13 +23,13 @@ HAND_DOWN_DEG, HAND_UP_DEG = -25.0, 75.0
 """Pitch of the robot's forearm in its first and in its last gesture; the others lie between."""
 
 
-class Looker(ObjectTransfer):
+class Looker(TransferScript):
     """Turns to an object, looks at it for a while (``gaze_s``), turns to another; her hand rests."""
 
     following: ClassVar[dict[Phase, Phase]] = {Phase.GREET: Phase.TURN, Phase.TURN: Phase.GAZE, Phase.GAZE: Phase.TURN}
 
 
-class SteadyLooker(ObjectTransfer):
+class SteadyLooker(TransferScript):
     """Has turned to an object and looks at it for ever."""
 
     following: ClassVar[dict[Phase, Phase]] = {Phase.GREET: Phase.TURN, Phase.TURN: Phase.GAZE, Phase.GAZE: Phase.GAZE}
@@ -46,7 +46,7 @@ ARM = 6
 """Her joints from here on are those of the arm."""
 
 
-class Told(ObjectTransfer):
+class Told(TransferScript):
     """Looks where she is told from the next step on; ``objects`` lie where others put them."""
 
     def look(self, point: np.ndarray | None, head_off: np.ndarray = STRAIGHT) -> None:
@@ -73,7 +73,7 @@ class LookingWorld(World):
     frames = 3
     steady = True
 
-    def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> ObjectTransfer:
+    def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> TransferScript:
         """See ``World``."""
         scene, layout = self.config.scene, self.config.layout
         behaviour = replace(self.config.behaviour, reach_arch_m=0.0)  # the hand would rise while it stays

@@ -21,7 +21,7 @@ from jointattn_mj.guards.restored import check_array
 from jointattn_mj.options import Checked
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.camera import Eye
-from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer
+from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, TransferScript
 from jointattn_mj.scene.delay import Past
 from jointattn_mj.scene.dressing import Conditions, Wardrobe, upload
 from jointattn_mj.scene.layout import LayoutConfig
@@ -129,11 +129,11 @@ class World(Closable):
         self.rendered_frames = 0
         self._image = None
 
-    def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> ObjectTransfer:
+    def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> TransferScript:
         """Who sits at the table, for an episode; ``head`` (3,) is the head's centre, world frame, metres."""
         config = self.config
         objects, height = len(config.scene.objects), rest_height(config.scene)
-        return ObjectTransfer(config.behaviour, config.layout, objects, height, head, arm, rng)
+        return TransferScript(config.behaviour, config.layout, objects, height, head, arm, rng)
 
     def step(self, command: np.ndarray) -> None:
         """One frame: the caregiver moves on, the head's servos follow ``command`` (pan, tilt; rad)."""

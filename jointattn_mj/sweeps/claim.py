@@ -77,7 +77,7 @@ Trials = Mapping[str, Sequence[Trial]]
 
 
 @dataclass(frozen=True)
-class Finding:
+class Comparison:
     """One row of the table of claims."""
 
     what: str
@@ -105,7 +105,7 @@ class Claim:
     settings: Mapping[str, Setting]
     trial: Callable[[Any, int], dict[str, Any]]
     """(config, seed) -> numbers, strings, lists and dicts, None for what is missing. Pure: the same for ever."""
-    analyse: Callable[[Trials], list[Finding]]
+    analyse: Callable[[Trials], list[Comparison]]
     draw: Callable[[Trials], Mapping[str, Figure]]
     """Figures by file stem; copes with missing settings and few runs."""
     first_seed: int = 0

@@ -31,7 +31,7 @@ class ListOptions(Checked):
 
 
 @dataclass(frozen=True)
-class RunOptions(Checked):
+class ExperimentRunOptions(Checked):
     """Compute what is missing of some claims. It can be stopped at any time; the same command goes on."""
 
     claims: tyro.conf.Positional[tuple[str, ...]]
@@ -66,7 +66,7 @@ class ReportOptions(Checked):
     """Module whose REGISTRY has the claims."""
 
 
-def do(options: ListOptions | RunOptions | ReportOptions) -> None:
+def do(options: ListOptions | ExperimentRunOptions | ReportOptions) -> None:
     """What the options ask for.
 
     Raises:
@@ -77,7 +77,7 @@ def do(options: ListOptions | RunOptions | ReportOptions) -> None:
     registry = load_registry(options.registry)
     if isinstance(options, ListOptions):
         print(listing(registry, options.out))
-    elif isinstance(options, RunOptions):
+    elif isinstance(options, ExperimentRunOptions):
         _run(registry, options)
     else:
         _report(registry, options)
@@ -148,10 +148,10 @@ def _stored(registry: Registry, claim: str, folder: Path) -> str:
     return f"{there}/{len(tasks)}{more}" + (f", {failed} failed" if failed else "")
 
 
-def _run(registry: Registry, options: RunOptions) -> None:
+def _run(registry: Registry, options: ExperimentRunOptions) -> None:
     from jointattn_mj.io.progress import count
     from jointattn_mj.sweeps.backends import new_backend
-    from jointattn_mj.sweeps.progress import Progress
+    from jointattn_mj.sweeps.progress import SweepProgress
     from jointattn_mj.sweeps.run import Selection, run
 
     ids = chosen(registry, options.claims)
@@ -160,7 +160,7 @@ def _run(registry: Registry, options: RunOptions) -> None:
         claims = [registry[claim] for claim in ids]
         backend = new_backend(options.backend, options.jobs, options.address)
         always = {} if options.registry == EXPERIMENTS else {"registry": options.registry}
-        tally = run(claims, selection, options.out, backend, Progress(), **always)
+        tally = run(claims, selection, options.out, backend, SweepProgress(), **always)
     except KeyboardInterrupt:
         print(f"jointattn: stopped; the same command goes on with what is in {options.out}", file=sys.stderr)
         raise

@@ -4,16 +4,16 @@ import sys
 import time
 from typing import Any, TextIO
 
-from jointattn_mj.cli.terminal import Unbroken
 from jointattn_mj.io.progress import LINE_S, count, duration
-from jointattn_mj.sweeps.run import Tally, Watcher
+from jointattn_mj.io.terminal import Unbroken
+from jointattn_mj.sweeps.run import SweepWatcher, Tally
 
 SCREEN_S = 0.1
 MOST_FAILURES = 20
 """Failed trials that are shown one by one."""
 
 
-class Progress(Watcher):
+class SweepProgress(SweepWatcher):
     """Writes to ``stream``, stderr by default."""
 
     def __init__(self, stream: TextIO | None = None):

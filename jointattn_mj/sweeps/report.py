@@ -20,7 +20,7 @@ from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import plain
 from jointattn_mj.io.results import without_nan
-from jointattn_mj.sweeps.claim import Claim, Finding, Verdict
+from jointattn_mj.sweeps.claim import Claim, Comparison, Verdict
 from jointattn_mj.sweeps.registry import Entry, Registry
 from jointattn_mj.sweeps.run import command
 from jointattn_mj.sweeps.store import Store, Stored
@@ -38,7 +38,7 @@ class Chapter:
     """One claim on the page."""
 
     entry: Entry
-    findings: Sequence[Finding] = ()
+    findings: Sequence[Comparison] = ()
     figures: Mapping[str, Figure] = field(default_factory=dict)
     seeds: Mapping[str, Sequence[int]] = field(default_factory=dict)
     """Stored seeds of every setting, an empty list where there is none."""
@@ -100,7 +100,7 @@ def chapter(registry: Registry, claim_id: str, store: Store) -> Chapter:
         return Chapter(entry)
     claim = registry[claim_id]
     stored, trouble = store.read(claim), []
-    findings: Sequence[Finding] = ()
+    findings: Sequence[Comparison] = ()
     figures: Mapping[str, Figure] = {}
     try:
         findings = claim.analyse(stored.trials)
@@ -125,7 +125,7 @@ def chapter(registry: Registry, claim_id: str, store: Store) -> Chapter:
     )
 
 
-def weighed(finding: Finding, claim: Claim, runs: int) -> Finding:
+def weighed(finding: Comparison, claim: Claim, runs: int) -> Comparison:
     """The finding, undecided where too few runs stand behind it; ``runs``: the most that any setting has."""
     enough = min(FEWEST, max(setting.runs for setting in claim.settings.values()))
     n = runs if finding.ours is None else min(finding.ours.n, runs)
@@ -216,7 +216,7 @@ def _facts(one: Chapter) -> dict[str, Any]:
     }
 
 
-def _row(finding: Finding) -> dict[str, Any]:
+def _row(finding: Comparison) -> dict[str, Any]:
     ours = finding.ours
     return {
         "what": finding.what,

@@ -13,7 +13,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Seed, Whole
 from jointattn_mj.sweeps.backends import Backend, gone, lost_touch
 from jointattn_mj.sweeps.claim import Claim
-from jointattn_mj.sweeps.store import Keys, Store, Task
+from jointattn_mj.sweeps.store import Keys, PlannedTrial, Store
 from jointattn_mj.sweeps.worker import Outcome, compute, pack
 
 GOLDEN = 0.618
@@ -31,7 +31,7 @@ class Tally:
     stored: int = 0
     """Trials that were there already."""
     done: int = 0
-    failed: list[tuple[Task, str, str]] = field(default_factory=list)
+    failed: list[tuple[PlannedTrial, str, str]] = field(default_factory=list)
     """Trials that failed, with their error and the command that runs them alone."""
     running: int = 0
     deaths: int = 0
@@ -51,7 +51,7 @@ class Tally:
         return sum(count * per_trial.get(kind, mean) for kind, count in self.left.items())
 
 
-class Watcher:
+class SweepWatcher:
     """Is told how a run goes; this one does not listen."""
 
     def begin(self, tally: Tally, slots: int) -> None:
@@ -90,7 +90,7 @@ class Selection(Checked):
         }
 
 
-def plan(claims: Sequence[Claim], selection: Selection) -> Iterator[Task]:
+def plan(claims: Sequence[Claim], selection: Selection) -> Iterator[PlannedTrial]:
     """All trials that are meant, claim after claim.
 
     Raises:
@@ -109,7 +109,7 @@ def run(
     selection: Selection,
     folder: Path,
     backend: Backend,
-    watcher: Watcher | None = None,
+    watcher: SweepWatcher | None = None,
     **always: object,
 ) -> Tally:
     """Compute and store what is missing; trials that failed before are tried again.
@@ -121,7 +121,7 @@ def run(
         OutputError: The folder cannot be written; all trials that had been stored stay.
         LaboratoryError: The workers are gone for good.
     """
-    store, watcher = Store(folder), watcher or Watcher()
+    store, watcher = Store(folder), watcher or SweepWatcher()
     meant = list(plan(claims, selection))
     for claim in claims:
         store.prepare(claim.id)
@@ -143,15 +143,17 @@ def run(
 
 
 class _Run:
-    def __init__(self, store: Store, backend: Backend, watcher: Watcher, tally: Tally, always: Mapping[str, object]):
+    def __init__(
+        self, store: Store, backend: Backend, watcher: SweepWatcher, tally: Tally, always: Mapping[str, object]
+    ):
         self.store, self.backend, self.watcher, self.tally, self.always = store, backend, watcher, tally, always
-        self.flying: dict[Future[Outcome], Task] = {}
+        self.flying: dict[Future[Outcome], PlannedTrial] = {}
         self.packed: dict[tuple[str, str], bytes] = {}
         self.deaths: Counter[str] = Counter()
-        self.doubtful: deque[Task] = deque()
+        self.doubtful: deque[PlannedTrial] = deque()
         """Trials during which a worker died. They run last and alone, so that a guilty one takes nothing with it."""
 
-    def through(self, queue: deque[Task]) -> None:
+    def through(self, queue: deque[PlannedTrial]) -> None:
         """Compute everything in ``queue``."""
         while queue or self.flying or self.doubtful:
             slots = self.backend.slots()
@@ -166,7 +168,7 @@ class _Run:
                 self.bury(lost)
             self.watcher.tick(self.tally, slots)
 
-    def launch(self, queue: deque[Task]) -> None:
+    def launch(self, queue: deque[PlannedTrial]) -> None:
         """Hand the first trial to a worker, unless another run has stored it by now."""
         task = queue.popleft()
         kind = task.claim.id, task.name
@@ -183,7 +185,7 @@ class _Run:
             queue.appendleft(task)
             self.bury([])
 
-    def land(self, future: Future[Outcome]) -> Task | None:
+    def land(self, future: Future[Outcome]) -> PlannedTrial | None:
         """Take in a future that has ended; returns its trial where the worker died."""
         task = self.flying.pop(future)
         kind = task.claim.id, task.name
@@ -206,7 +208,7 @@ class _Run:
         self.tally.done += 1
         return None
 
-    def bury(self, lost: list[Task]) -> None:
+    def bury(self, lost: list[PlannedTrial]) -> None:
         """Get over the death of a worker, and of those that went with it."""
         if self.backend.all_die_together:
             ended, left = wait(self.flying, timeout=10 * WAIT_S)
@@ -222,7 +224,7 @@ class _Run:
                 self.tally.left[task.claim.id, task.name] -= 1
                 self.fail(task, "its worker died every time that it was tried, the last times alone", "")
 
-    def fail(self, task: Task, error: str, told: str) -> None:
+    def fail(self, task: PlannedTrial, error: str, told: str) -> None:
         """Note a trial that failed."""
         alone = command([task.claim.id], self.store.folder, setting=task.name, seed=task.seed, runs=1, **self.always)
         self.store.write_failure(task, error, told, alone)

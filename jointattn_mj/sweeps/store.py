@@ -82,7 +82,7 @@ def _finite(value: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class Task:
+class PlannedTrial:
     """A trial to compute."""
 
     claim: Claim
@@ -107,13 +107,13 @@ class Keys:
         """Of the trial with this setting and seed."""
         return key_of(self.claim.id, self.claim.version, self.configs[name], seed)
 
-    def tasks(self, names: Sequence[str], seeds: Mapping[str, range]) -> Iterator[Task]:
+    def tasks(self, names: Sequence[str], seeds: Mapping[str, range]) -> Iterator[PlannedTrial]:
         """Trials of these settings, all with their first seed, then all with their second..."""
         for place in range(max((len(seeds[name]) for name in names), default=0)):
             for name in names:
                 if place < len(seeds[name]):
                     seed = seeds[name][place]
-                    yield Task(self.claim, name, self.claim.settings[name], seed, self.key(name, seed))
+                    yield PlannedTrial(self.claim, name, self.claim.settings[name], seed, self.key(name, seed))
 
     @cached_property
     def settings(self) -> dict[str, list[str]]:
@@ -175,11 +175,11 @@ class Store:
                     place += 1
             yield place
 
-    def path(self, task: Task) -> Path:
+    def path(self, task: PlannedTrial) -> Path:
         """Where the trial is, or will be."""
         return self._trials(task.claim.id) / f"{task.key}.json"
 
-    def has(self, task: Task) -> bool:
+    def has(self, task: PlannedTrial) -> bool:
         """Whether the trial is there, down to its last line."""
         return _is_whole(self.path(task))
 
@@ -187,7 +187,7 @@ class Store:
         """Keys of all whole trials of a claim; of another version too."""
         return frozenset(Path(entry.name).stem for entry in _files(self._trials(claim)) if _is_whole(entry))
 
-    def write(self, task: Task, result: str, **beside: Any) -> None:
+    def write(self, task: PlannedTrial, result: str, **beside: Any) -> None:
         """Store a trial, ``result`` as JSON text; ``beside`` are facts about how it was computed.
 
         Raises:
@@ -201,7 +201,7 @@ class Store:
         with suppress(OSError):
             self._failure(task).unlink(missing_ok=True)
 
-    def write_failure(self, task: Task, error: str, traceback: str, alone: str) -> None:
+    def write_failure(self, task: PlannedTrial, error: str, traceback: str, alone: str) -> None:
         """Note why a trial failed and the command that runs it alone.
 
         Raises:
@@ -248,7 +248,7 @@ class Store:
     def _failed(self, claim: str) -> Path:
         return self.folder / "failed" / claim
 
-    def _failure(self, task: Task) -> Path:
+    def _failure(self, task: PlannedTrial) -> Path:
         return self._failed(task.claim.id) / f"{task.key}.json"
 
 

@@ -41,7 +41,7 @@ _SETTINGS = ("flat_observation", "legacy_step")
 """Of ``control.Environment``, beside the time limit and the control timestep."""
 
 
-class Task(control.Task):
+class JointAttentionTask(control.JointAttentionTask):
     """An episode with the caregiver, whose k-th seed is the k-th child of the task's.
 
     Attributes:
@@ -221,10 +221,10 @@ class Environment(Closable, control.Environment):
     Copies (``copy.deepcopy``, ``pickle``) go on as the original does. What has been closed raises ``ClosedError``.
     """
 
-    _task: Task
+    _task: JointAttentionTask
     _physics: Physics
 
-    def __init__(self, task: Task, time_limit: float, **settings: Any):
+    def __init__(self, task: JointAttentionTask, time_limit: float, **settings: Any):
         """``settings``: those of ``control.Environment``.
 
         Raises:

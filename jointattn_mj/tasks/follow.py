@@ -5,7 +5,7 @@ from dm_control.utils import rewards
 
 from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.looker import LookingWorld
-from jointattn_mj.tasks.environment import Task
+from jointattn_mj.tasks.environment import JointAttentionTask
 from jointattn_mj.tasks.physics import ROBOT_RADIUS, Physics
 
 TIME_LIMIT = 3.0
@@ -20,7 +20,7 @@ class Wandering(LookingWorld):
     steady = False
 
 
-class Follow(Task):
+class Follow(JointAttentionTask):
     """Ten steps a second; reward grows as the robot's line of sight comes near to the object that she looks at."""
 
     kind = LookingWorld

@@ -35,7 +35,7 @@ from jointattn_mj.tasks import follow as following
 from jointattn_mj.tasks import object_transfer as transfer
 from jointattn_mj.tasks import turn_taking as turns
 from jointattn_mj.tasks.arguments import require
-from jointattn_mj.tasks.environment import Environment, Random, Task
+from jointattn_mj.tasks.environment import Environment, JointAttentionTask, Random
 
 EVERYBODY = tuple(IDENTITIES)
 CROWDED = WorldConfig(scene=SceneConfig(objects=OBJECTS[:8]), layout=LayoutConfig(spacing=0.10))
@@ -49,7 +49,7 @@ SUITE = containers.TaggedTasks()
 
 
 def _environment(
-    make: Callable[..., Task], world: WorldConfig | None, time_limit: float,
+    make: Callable[..., JointAttentionTask], world: WorldConfig | None, time_limit: float,
     environment_kwargs: dict[str, Any] | None, **settings: Any,
 ) -> Environment:  # fmt: skip
     require("environment_kwargs", environment_kwargs, dict, NoneType)

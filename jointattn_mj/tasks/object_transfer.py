@@ -6,14 +6,14 @@ import numpy as np
 from dm_env import specs
 
 from jointattn_mj.scene.camera import directions_to
-from jointattn_mj.tasks.environment import Task
+from jointattn_mj.tasks.environment import JointAttentionTask
 from jointattn_mj.tasks.physics import Physics
 
 TIME_LIMIT = 60.0
 """Seconds in an episode: seven or eight transfers of an object."""
 
 
-class ObjectTransfer(Task):
+class ObjectTransfer(JointAttentionTask):
     """The caregiver goes on whatever the robot does; reward is given while both look at the same object."""
 
     def observation_spec(self, physics: Physics) -> OrderedDict[str, specs.Array]:

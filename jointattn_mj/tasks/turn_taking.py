@@ -28,7 +28,7 @@ from jointattn_mj.scene.model import OBJECTS, ObjectConfig
 from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.scene.world import WorldConfig
 from jointattn_mj.tasks.arguments import require
-from jointattn_mj.tasks.environment import Random, Task
+from jointattn_mj.tasks.environment import JointAttentionTask, Random
 from jointattn_mj.tasks.physics import Physics
 
 TIME_LIMIT = 1000.0
@@ -52,7 +52,7 @@ def visible_objects(table: TableConfig) -> tuple[ObjectConfig, ...]:
     return tuple(replace(OBJECTS[0], name=f"object {number}") for number in range(1, table.objects + 1))
 
 
-class TurnTaking(Task):
+class TurnTaking(JointAttentionTask):
     """A table with places, some of them full, at which robot and caregiver look at each other, or at a place.
 
     The robot's gesture moves its hand, which others see and it does not, and changes nothing in what the caregiver
@@ -129,16 +129,16 @@ class TurnTaking(Task):
 
     @property
     def built(self) -> tuple[Any, ...]:
-        """See ``Task``."""
+        """See ``JointAttentionTask``."""
         return *super().built, self.table_config
 
     def get_state(self) -> dict[str, Any]:
-        """See ``Task``."""
+        """See ``JointAttentionTask``."""
         turn_state = {name: snapshot.take(getattr(self, name)) for name in _KEPT}
         return {**super().get_state(), "turn": turn_state}
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """See ``Task``."""
+        """See ``JointAttentionTask``."""
         for name in _KEPT:
             setattr(self, name, snapshot.put(getattr(self, name), state["turn"][name]))
         super().set_state(state)

@@ -32,7 +32,7 @@ def can_encode() -> bool:
         return False
 
 
-class Encoder:
+class VideoEncoder:
     """Takes RGB images, uint8 (height, width, 3), and hands out units in the same order, a few images later.
 
     Sizes are even. No image refers to a later one, and every second begins anew, so that one can jump into it.

@@ -19,8 +19,8 @@ import pytest
 from jointattn_mj.cli.main import main
 from jointattn_mj.errors import ConfigError, OutputError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
-from jointattn_mj.gaze_following.run import RunOptions, run_session
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.run import SessionOptions, run_session
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.scene import gl
 
 FRAMES = 240
@@ -46,14 +46,14 @@ def column(path: Path, entity: str, name: str) -> list:
 
 
 @pytest.fixture(scope="module")
-def logged(tmp_path_factory) -> tuple[Path, Session, Session]:
+def logged(tmp_path_factory) -> tuple[Path, SessionRun, SessionRun]:
     """A log, the session that it is of, and the same session without a log."""
     pytest.importorskip("rerun")
     from jointattn_mj.adapters.rerun import SessionLog
 
     path = tmp_path_factory.mktemp("log") / "session.rrd"
     config = replace(CONFIG, start_from=TRAINED)
-    plain, watched = Session(config), Session(config)
+    plain, watched = SessionRun(config), SessionRun(config)
     for session in (plain, watched):
         session.begin()
     for _ in range(FRAMES):
@@ -155,7 +155,7 @@ def test_without_an_encoder(tmp_path, monkeypatch):
     from jointattn_mj.adapters.rerun import SessionLog, images
 
     monkeypatch.setattr(images, "can_encode", lambda: False)
-    session = Session(replace(CONFIG, perception="state"))
+    session = SessionRun(replace(CONFIG, perception="state"))
     with SessionLog(tmp_path / "a.rrd", session) as log:
         for _ in range(3):
             session.step(log)
@@ -172,7 +172,7 @@ def test_log_that_was_cut_short(tmp_path):
     """What is older than a few seconds is in the file although nobody has finished it."""
     from jointattn_mj.adapters.rerun import SessionLog
 
-    session = Session(replace(CONFIG, perception="state"))
+    session = SessionRun(replace(CONFIG, perception="state"))
     log = SessionLog(tmp_path / "a.rrd", session).__enter__()
     for _ in range(150):
         session.step(log)
@@ -197,13 +197,13 @@ def test_resumed_sessions_leave_parts_of_one_log(tmp_path):
     config = replace(CONFIG, minutes=0.1, perception="state")
     path = tmp_path / "log.rrd"
 
-    def stop(session: Session) -> None:
+    def stop(session: SessionRun) -> None:
         if session.frame == 60:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run_session(config, RunOptions(tmp_path / "run", rerun=path, checkpoint_minutes=1 / 60), stop)
-    run_session(config, RunOptions(tmp_path / "run", rerun=path, resume=True))
+        run_session(config, SessionOptions(tmp_path / "run", rerun=path, checkpoint_minutes=1 / 60), stop)
+    run_session(config, SessionOptions(tmp_path / "run", rerun=path, resume=True))
     parts = [path, path.with_stem("log_2")]
     frames = [sorted(frame for chunk in columns(part, "head") for frame in chunk["frame"]) for part in parts]
     assert frames == [list(range(60)), list(range(60, 180))]
@@ -223,13 +223,13 @@ class TestRefusal:
 
     def test_other_suffix(self, tmp_path):
         with pytest.raises(ConfigError, match=r"\.rrd.*a\.mp4"):
-            RunOptions(tmp_path, rerun=tmp_path / "a.mp4")
+            SessionOptions(tmp_path, rerun=tmp_path / "a.mp4")
 
     @needs_rerun
     def test_file_that_is_there(self, tmp_path):
         (tmp_path / "a.rrd").write_text("mine")
         with pytest.raises(OutputError, match="already there"):
-            run_session(CONFIG, RunOptions(tmp_path / "out", rerun=tmp_path / "a.rrd"))
+            run_session(CONFIG, SessionOptions(tmp_path / "out", rerun=tmp_path / "a.rrd"))
         assert (tmp_path / "a.rrd").read_text() == "mine"
         assert not (tmp_path / "out").exists()
 
@@ -237,7 +237,7 @@ class TestRefusal:
     def test_a_file_in_the_folders_place(self, tmp_path):
         (tmp_path / "place").write_text("mine")
         with pytest.raises(OutputError, match="cannot make the folder"):
-            run_session(CONFIG, RunOptions(tmp_path / "out", rerun=tmp_path / "place" / "a.rrd"))
+            run_session(CONFIG, SessionOptions(tmp_path / "out", rerun=tmp_path / "place" / "a.rrd"))
         assert not (tmp_path / "out").exists()
 
 
@@ -253,11 +253,11 @@ def test_full_disk(tmp_path, monkeypatch, capfd):
     from jointattn_mj.adapters.rerun import outlet
 
     config, plain = replace(CONFIG, minutes=0.1, perception="state"), tmp_path / "plain"
-    run_session(config, RunOptions(plain))
+    run_session(config, SessionOptions(plain))
     for number, room in enumerate((0, 8192, 102_400, 102_401)):
         out, path = tmp_path / str(number), tmp_path / f"{number}.rrd"
         monkeypatch.setattr(outlet, "FileIO", lambda path, how, room=room: SmallDisk(path, room))
-        run_session(config, RunOptions(out, rerun=path))
+        run_session(config, SessionOptions(out, rerun=path))
         assert path.stat().st_size == room
         assert capfd.readouterr().err == (
             f"jointattn: cannot write {path}: No space left on device; the session goes on without it\n"

@@ -16,14 +16,14 @@ from jointattn_mj.baselines.turn_taking.faces import (
     gaze_deg,
     render_faces,
 )
-from jointattn_mj.baselines.turn_taking.layouts import TableConfig, draw_tables
+from jointattn_mj.baselines.turn_taking.layouts import ObjectTableConfig, draw_tables
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.state import StateConfig
 from jointattn_mj.scene.camera import in_image, pixels_of_points
 
 HEIGHT = 0.741  # of an object's centre, metres
 SHORT = TurnTakerConfig(hidden=20, rate=0.004, gate_midpoint=4000.0, gate_width=1000.0)
-TABLE_3, VIEW_3 = TableConfig(objects=3), TableConfig(objects=3, region="in_view")
+TABLE_3, VIEW_3 = ObjectTableConfig(objects=3), ObjectTableConfig(objects=3, region="in_view")
 
 
 def code_faces(seed: int = 0, count: int = 400) -> FaceInputs:
@@ -35,7 +35,7 @@ def code_faces(seed: int = 0, count: int = 400) -> FaceInputs:
     return FaceInputs(patterns.astype(np.float32), gaze, np.zeros(20), 1.0)
 
 
-def situations(faces: FaceInputs, table: TableConfig, seed: int = 1, count: int = 800) -> Situations:
+def situations(faces: FaceInputs, table: ObjectTableConfig, seed: int = 1, count: int = 800) -> Situations:
     rng = np.random.default_rng(seed)
     return Situations.of_locations(draw_tables(table, count, rng), faces, 0.0, rng)
 
@@ -51,19 +51,21 @@ def first_view(locations: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize(("region", "objects"), [("in_view", 10), ("table", 10), ("outside", 3)])
 def test_tables_keep_objects_apart_and_in_their_region(region, objects):
-    locations = draw_tables(TableConfig(objects=objects, region=region), 200, np.random.default_rng(0))
+    locations = draw_tables(ObjectTableConfig(objects=objects, region=region), 200, np.random.default_rng(0))
     assert locations.shape == (200, objects, 2)
     apart = np.linalg.norm(locations[:, :, None] - locations[:, None], axis=3) + 9 * np.eye(objects)
     assert apart.min() >= 0.13
     visible = first_view(locations).mean()
     assert {"in_view": visible > 0.99, "outside": visible == 0, "table": 0.5 < visible < 0.8}[region]
-    assert (locations == draw_tables(TableConfig(objects=objects, region=region), 200, np.random.default_rng(0))).all()
+    assert (
+        locations == draw_tables(ObjectTableConfig(objects=objects, region=region), 200, np.random.default_rng(0))
+    ).all()
 
 
 def test_a_table_too_full_is_named(monkeypatch):
     monkeypatch.setattr("jointattn_mj.baselines.turn_taking.layouts.TRIES", 5)
     with pytest.raises(ConfigError, match="no room for 40 objects"):
-        draw_tables(TableConfig(objects=40, region="outside"), 2, np.random.default_rng(0))
+        draw_tables(ObjectTableConfig(objects=40, region="outside"), 2, np.random.default_rng(0))
 
 
 def test_she_turns_to_the_side_where_the_object_is():
@@ -112,7 +114,7 @@ def test_visual_feedback_reaches_some_object_and_hers_by_chance():
 def test_visual_feedback_does_not_reach_what_was_never_in_view():
     faces = code_faces()
     robot = taker(replace(SHORT, gate="shut"), faces)
-    outside = situations(faces, TableConfig(objects=3, region="outside"))
+    outside = situations(faces, ObjectTableConfig(objects=3, region="outside"))
     outcomes = live(robot, outside, faces, 300, np.random.default_rng(3))
     assert not outcomes.reached.any() and not outcomes.in_view.any()
 
@@ -132,7 +134,7 @@ def test_any_object_then_hers_in_view_then_outside():
 
 def test_learning_from_the_movement_made_drifts_away_from_objects():
     faces = code_faces()
-    one = situations(faces, TableConfig(objects=1, region="in_view"))
+    one = situations(faces, ObjectTableConfig(objects=1, region="in_view"))
     success = {}
     for reference in ("object", "executed"):
         robot = taker(replace(SHORT, reference=reference), faces)
@@ -166,7 +168,7 @@ def test_same_seed_same_life_and_blind_eyes_reach_nothing():
 
 def test_ending_at_the_first_object_takes_fewer_steps():
     faces = code_faces()
-    table = situations(faces, TableConfig(objects=5, region="in_view"))
+    table = situations(faces, ObjectTableConfig(objects=5, region="in_view"))
     robot = taker(replace(SHORT, ends="first", gate="shut"), faces)
     outcomes = live(robot, table, faces, 300, np.random.default_rng(0))
     assert outcomes.reached.mean() > 0.99 and outcomes.movements.mean() < 3

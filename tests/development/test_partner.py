@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 
 from jointattn_mj.development.realtime.partner import PACE, Partner, PartnerConfig, PartnerWorld
-from jointattn_mj.development.table.caregiver import AFTER_JOINT_ATTENTION, IJA, IJA_BACK, NOWHERE, RJA, CaregiverConfig
+from jointattn_mj.development.table.caregiver import (
+    AFTER_JOINT_ATTENTION,
+    IJA,
+    IJA_BACK,
+    NOWHERE,
+    RJA,
+    TableCaregiverConfig,
+)
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
@@ -24,7 +31,7 @@ def world_of(seed: int = 0, partner: PartnerConfig = PACE_OF_HERS, **chances: fl
     """A world of three places and two objects."""
     config = WorldConfig(behaviour=PACE)
     config = replace(config, scene=replace(config.scene, objects=OBJECTS[:2]))
-    table = TableConfig(caregiver=CaregiverConfig(**chances))
+    table = TableConfig(caregiver=TableCaregiverConfig(**chances))
     return PartnerWorld(config, build_physics(config), np.random.SeedSequence(seed), AS_USUAL, partner, table)
 
 

@@ -15,7 +15,7 @@ from jointattn_mj.development.table.caregiver import (
     NEUTRAL,
     NOWHERE,
     RJA,
-    CaregiverConfig,
+    TableCaregiverConfig,
     rules,
     shift_gaze,
 )
@@ -44,27 +44,27 @@ def close(counts, probabilities):
 def test_following():
     """She sees the robot's face turned to an object: RJA with p_r, else another object."""
     close(
-        shifts(CaregiverConfig(follow=0.3), [1, 0, 1], robot=2, gaze=FACE),
+        shifts(TableCaregiverConfig(follow=0.3), [1, 0, 1], robot=2, gaze=FACE),
         {(2, NOWHERE, RJA): 0.3, (0, NOWHERE, NEUTRAL): 0.7},
     )
 
 
 def test_following_to_an_empty_spot_ends_at_some_object():
     close(
-        shifts(CaregiverConfig(follow=0.3), [1, 0, 1], robot=1, gaze=FACE),
+        shifts(TableCaregiverConfig(follow=0.3), [1, 0, 1], robot=1, gaze=FACE),
         {(n, NOWHERE, option): p / 2 for n in (0, 2) for option, p in ((RJA, 0.3), (NEUTRAL, 0.7))},
     )
 
 
 def test_neutral_may_end_where_the_robot_looks():
-    config = CaregiverConfig(follow=0.0, neutral_follows=True)
+    config = TableCaregiverConfig(follow=0.0, neutral_follows=True)
     close(shifts(config, [1, 0, 1], robot=2, gaze=FACE), {(0, NOWHERE, NEUTRAL): 0.5, (2, NOWHERE, NEUTRAL): 0.5})
 
 
 def test_nothing_else_to_look_at():
     """Neutral is not following: with the robot at the only object, she goes on looking at the robot."""
-    close(shifts(CaregiverConfig(follow=0.0), [0, 1, 0], robot=1, gaze=FACE), {(FACE, NOWHERE, NEUTRAL): 1.0})
-    close(shifts(CaregiverConfig(lead=0.0), [0, 1, 0], robot=FACE, gaze=1), {(1, NOWHERE, NEUTRAL): 1.0})
+    close(shifts(TableCaregiverConfig(follow=0.0), [0, 1, 0], robot=1, gaze=FACE), {(FACE, NOWHERE, NEUTRAL): 1.0})
+    close(shifts(TableCaregiverConfig(lead=0.0), [0, 1, 0], robot=FACE, gaze=1), {(1, NOWHERE, NEUTRAL): 1.0})
 
 
 @pytest.mark.parametrize(
@@ -76,12 +76,12 @@ def test_nothing_else_to_look_at():
     ],
 )
 def test_eye_contact(eye_contact, probabilities):
-    found = shifts(CaregiverConfig(eye_contact=eye_contact, follow=1.0), [1, 0, 1], robot=FACE, gaze=FACE)
+    found = shifts(TableCaregiverConfig(eye_contact=eye_contact, follow=1.0), [1, 0, 1], robot=FACE, gaze=FACE)
     close(found, {(target, NOWHERE, NEUTRAL): p for target, p in probabilities.items()})
 
 
 def test_chapter_4_follows_out_of_eye_contact():
-    config = CaregiverConfig(follow=0.8, follows_eye_contact=True)
+    config = TableCaregiverConfig(follow=0.8, follows_eye_contact=True)
     close(
         shifts(config, [1, 0, 1], robot=FACE, gaze=FACE),
         {(0, NOWHERE, RJA): 0.4, (2, NOWHERE, RJA): 0.4, (FACE, NOWHERE, NEUTRAL): 0.2},
@@ -90,19 +90,19 @@ def test_chapter_4_follows_out_of_eye_contact():
 
 def test_leading_takes_two_steps():
     close(
-        shifts(CaregiverConfig(lead=0.3), [1, 0, 1], robot=FACE, gaze=0),
+        shifts(TableCaregiverConfig(lead=0.3), [1, 0, 1], robot=FACE, gaze=0),
         {(FACE, 0, IJA): 0.3, (2, NOWHERE, NEUTRAL): 0.7},
     )
     for robot in (0, 1, 2, FACE):
         close(
-            shifts(CaregiverConfig(follow=1.0), [1, 0, 1], robot, gaze=FACE, returns_to=0),
+            shifts(TableCaregiverConfig(follow=1.0), [1, 0, 1], robot, gaze=FACE, returns_to=0),
             {(0, NOWHERE, IJA_BACK): 1.0},
         )
 
 
 def test_leading_to_an_object_that_is_gone():
     """She chooses as if there had been no first step."""
-    config = CaregiverConfig(follow=0.3)
+    config = TableCaregiverConfig(follow=0.3)
     for robot in (0, 1, 2, FACE):
         gone = shifts(config, [1, 0, 1], robot, gaze=FACE, returns_to=1)
         assert gone == shifts(config, [1, 0, 1], robot, gaze=FACE)
@@ -111,7 +111,7 @@ def test_leading_to_an_object_that_is_gone():
 
 def test_an_object_that_is_gone_cannot_be_led_to():
     close(
-        shifts(CaregiverConfig(lead=1.0), [1, 0, 1], robot=FACE, gaze=1),
+        shifts(TableCaregiverConfig(lead=1.0), [1, 0, 1], robot=FACE, gaze=1),
         {(0, NOWHERE, NEUTRAL): 0.5, (2, NOWHERE, NEUTRAL): 0.5},
     )
 
@@ -120,7 +120,7 @@ def test_an_object_that_is_gone_cannot_be_led_to():
 def test_joint_attention_is_answered(answer):
     """p_e, whatever she would have chosen otherwise."""
     close(
-        shifts(CaregiverConfig(answer=answer, lead=0.5), [1, 0, 1], robot=2, gaze=2),
+        shifts(TableCaregiverConfig(answer=answer, lead=0.5), [1, 0, 1], robot=2, gaze=2),
         {
             (FACE, NOWHERE, AFTER_JOINT_ATTENTION): answer,
             (FACE, 2, IJA): (1 - answer) / 2,
@@ -130,17 +130,21 @@ def test_joint_attention_is_answered(answer):
 
 
 def test_only_an_object_can_be_attended_to_jointly():
-    assert all(option != AFTER_JOINT_ATTENTION for *_, option in shifts(CaregiverConfig(), [1, 0, 1], robot=1, gaze=1))
-    assert all(option != AFTER_JOINT_ATTENTION for *_, option in shifts(CaregiverConfig(), [1, 0, 1], FACE, gaze=FACE))
+    assert all(
+        option != AFTER_JOINT_ATTENTION for *_, option in shifts(TableCaregiverConfig(), [1, 0, 1], robot=1, gaze=1)
+    )
+    assert all(
+        option != AFTER_JOINT_ATTENTION for *_, option in shifts(TableCaregiverConfig(), [1, 0, 1], FACE, gaze=FACE)
+    )
 
 
 def test_careless():
     """Section 4.5.3: with 1 - p_c the robot or an empty spot, one as likely as the other."""
     close(
-        shifts(CaregiverConfig(at_objects=0.4), [1, 0, 0], robot=FACE, gaze=FACE),
+        shifts(TableCaregiverConfig(at_objects=0.4), [1, 0, 0], robot=FACE, gaze=FACE),
         {(FACE, NOWHERE, NEUTRAL): 0.4, **{(n, NOWHERE, CARELESS): 0.2 for n in (1, 2, FACE)}},
     )
-    close(shifts(CaregiverConfig(at_objects=0.0), [1, 1, 1], robot=0, gaze=1), {(FACE, NOWHERE, CARELESS): 1.0})
+    close(shifts(TableCaregiverConfig(at_objects=0.0), [1, 1, 1], robot=0, gaze=1), {(FACE, NOWHERE, CARELESS): 1.0})
 
 
 def slow(config, full, robot, gaze, returns_to):
@@ -180,7 +184,7 @@ chances = st.sampled_from([0.0, 0.25, 0.5, 0.75, 1.0])
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(st.data())
 def test_all_rules_together(data):
-    config = CaregiverConfig(
+    config = TableCaregiverConfig(
         follow=data.draw(chances),
         lead=data.draw(chances),
         answer=data.draw(chances),
@@ -206,5 +210,5 @@ BAD = [{name: value} for name in ("follow", "lead", "answer", "at_objects") for 
 def test_impossible_options(options):
     ((name, value),) = options.items()
     with pytest.raises(ConfigError, match=name) as refused:
-        CaregiverConfig(**options)
+        TableCaregiverConfig(**options)
     assert str(value) in str(refused.value)

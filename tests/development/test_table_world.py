@@ -6,7 +6,7 @@ from itertools import combinations, permutations, product
 import numpy as np
 import pytest
 
-from jointattn_mj.development.table.caregiver import NOWHERE, CaregiverConfig, shift_gaze
+from jointattn_mj.development.table.caregiver import NOWHERE, TableCaregiverConfig, shift_gaze
 from jointattn_mj.development.table.world import (
     CAREGIVER,
     CHAPTER_4,
@@ -27,7 +27,7 @@ WORLDS = {
     "robot first": TableConfig(order="robot_first"),
     "chapter 4, robot first": TableConfig(spots=4, objects=2, kinds=3, profile=False, order="robot_first"),
     "full, quick": TableConfig(spots=3, objects=3, kinds=3, replaced_every=1),
-    "careless": TableConfig(spots=5, objects=1, caregiver=CaregiverConfig(at_objects=0.3)),
+    "careless": TableConfig(spots=5, objects=1, caregiver=TableCaregiverConfig(at_objects=0.3)),
 }
 
 
@@ -136,7 +136,7 @@ def test_the_same_seed_is_the_same_world():
 
 def test_where_objects_lie_does_not_depend_on_what_she_does():
     """The world and the caregiver draw from streams of their own."""
-    others = TableConfig(caregiver=CaregiverConfig(follow=0.0, lead=0.0, at_objects=0.5))
+    others = TableConfig(caregiver=TableCaregiverConfig(follow=0.0, lead=0.0, at_objects=0.5))
     laid = [[table.full.tolist() for table, *_ in n_steps(config, 100)] for config in (CHAPTER_5, others)]
     assert laid[0] == laid[1]
 

@@ -14,7 +14,7 @@ sys.path.append(str(Path(__file__).parents[2]))
 from experiments.registry import REGISTRY
 from experiments.sessions import sweep
 from experiments.som.sweep import apart, explained, packed, unpacked
-from jointattn_mj.sweeps.claim import Finding, Trial, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Trial, Verdict
 from jointattn_mj.sweeps.store import Keys, text_of
 from jointattn_mj.sweeps.worker import pack
 
@@ -30,7 +30,7 @@ def test_a_claim_can_be_run_and_read(claim_id):
         assert json.loads(text_of(setting.config)) is not None
         assert pack(claim.trial, setting.config)
     assert claim.title and claim.source and claim.says.endswith(".")
-    assert all(isinstance(finding, Finding) for finding in claim.analyse({}))
+    assert all(isinstance(finding, Comparison) for finding in claim.analyse({}))
     assert all(isinstance(figure, Figure) for figure in claim.draw({}).values())
 
 

@@ -19,7 +19,7 @@ from jointattn_mj.gaze_following.film import composer
 from jointattn_mj.gaze_following.film.composer import Composer, verdict_in_words
 from jointattn_mj.gaze_following.film.panels import face_cells, lit
 from jointattn_mj.gaze_following.film.video import Film
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.gaze_following.shifts import ShiftRow
 from jointattn_mj.gaze_following.summary import rate_of_success
 from jointattn_mj.scene import gl
@@ -57,7 +57,7 @@ def frames_in(path: Path) -> np.ndarray:
 @pytest.mark.parametrize(("perception", "every"), [("pixels", 1), ("truth", 2)])
 def test_film_changes_nothing(tmp_path, perception, every):
     frames = 51
-    plain, filmed = Session(config(perception)), Session(config(perception))
+    plain, filmed = SessionRun(config(perception)), SessionRun(config(perception))
     for session in (plain, filmed):
         session.begin()
     for _ in range(frames):
@@ -83,7 +83,7 @@ import sys, time
 from pathlib import Path
 import numpy as np
 from jointattn_mj.gaze_following.film import video
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 class Stub:
     def __init__(self, session): self.image = np.random.default_rng(0).integers(0, 255, (720, 1280, 3), np.uint8)
     def compose(self, session): return np.roll(self.image, session.frame, 0)
@@ -118,7 +118,7 @@ def test_no_ffmpeg(tmp_path, monkeypatch):
 
     monkeypatch.setattr(mediapy, "video_is_available", lambda: False)
     monkeypatch.setattr(imageio_ffmpeg, "get_ffmpeg_exe", nowhere)
-    session = Session(config("truth"))
+    session = SessionRun(config("truth"))
     with pytest.raises(VideoError, match="apt-get install ffmpeg"), Film(tmp_path / "video.mp4", session):
         pass
 
@@ -126,7 +126,7 @@ def test_no_ffmpeg(tmp_path, monkeypatch):
 def test_errors_of_ffmpeg_and_of_the_session(tmp_path, monkeypatch):
     """A dead ffmpeg is a named error, but does not hide what the session itself raises."""
     monkeypatch.setattr(Composer, "compose", lambda self, session: np.zeros((720, 1280, 3), np.uint8))
-    session = Session(config("truth"))
+    session = SessionRun(config("truth"))
     with pytest.raises(VideoError, match="stopped writing"), Film(tmp_path / "missing" / "a.mp4", session) as film:
         film(session)
     with pytest.raises(KeyboardInterrupt), Film(tmp_path / "missing" / "b.mp4", session) as film:
@@ -136,7 +136,7 @@ def test_errors_of_ffmpeg_and_of_the_session(tmp_path, monkeypatch):
 
 @needs_gl
 def test_success_is_seen_at_a_glance():
-    session = Session(config("truth"))
+    session = SessionRun(config("truth"))
     session.begin()
     session.step()
     image = Composer(session)
@@ -176,7 +176,7 @@ def test_line_of_sight():
 
 def test_both_look_at_each_other_at_first():
     """She greets the robot, whose head points straight ahead, to the pixel row of her face."""
-    world = Session(config("truth")).world
+    world = SessionRun(config("truth")).world
     robot, person = sights(world)
     assert robot.hit == person.hit == len(world.caregiver.objects)
     world.close()
@@ -190,7 +190,7 @@ def test_rate_of_success():
 
 
 def test_map_is_brightest_where_it_is_active():
-    som = Session(config("truth")).robot.som
+    som = SessionRun(config("truth")).robot.som
     cells = face_cells(som, 180)
     activations = np.full(81, 1e-3)
     activations[9 * 2 + 5] = 1

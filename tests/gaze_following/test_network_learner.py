@@ -11,7 +11,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
 from jointattn_mj.gaze_following.learners import LearnerConfig, make_learner
 from jointattn_mj.gaze_following.network_learner import NetworkLearner
-from jointattn_mj.gaze_following.run import RunOptions, run_session
+from jointattn_mj.gaze_following.run import SessionOptions, run_session
 from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.io.checkpoint import load, save
 
@@ -77,9 +77,9 @@ def test_a_session_goes_on_after_a_stop(tmp_path: Path):
         if session.frame == 600:
             signal.raise_signal(signal.SIGINT)
 
-    run_session(config, RunOptions(tmp_path / "straight"))
+    run_session(config, SessionOptions(tmp_path / "straight"))
     with pytest.raises(KeyboardInterrupt):
-        run_session(config, RunOptions(tmp_path / "on"), interrupt)
-    run_session(config, RunOptions(tmp_path / "on", resume=True))
+        run_session(config, SessionOptions(tmp_path / "on"), interrupt)
+    run_session(config, SessionOptions(tmp_path / "on", resume=True))
     for name in ("frames.parquet", "gaze_shifts.parquet", "weights.npz"):
         assert (tmp_path / "on" / name).read_bytes() == (tmp_path / "straight" / name).read_bytes(), name

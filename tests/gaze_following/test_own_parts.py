@@ -9,10 +9,10 @@ import pytest
 from jointattn_mj.errors import CheckpointError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, RobotConfig
 from jointattn_mj.gaze_following.learners import LinearLearner
-from jointattn_mj.gaze_following.run import RunOptions, run_session
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.run import SessionOptions, run_session
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.perception.state import StatePerception
-from jointattn_mj.scene.caregiver import ObjectTransfer
+from jointattn_mj.scene.caregiver import TransferScript
 from jointattn_mj.scene.model import rest_height
 from jointattn_mj.scene.world import World
 
@@ -21,7 +21,7 @@ CONFIG = SessionConfig(
 )
 
 
-class Fond(ObjectTransfer):
+class Fond(TransferScript):
     """Wants the last object every other time."""
 
     def next_target(self, rng):
@@ -53,7 +53,7 @@ class Angles(GazeFollower):
         return self.perceiver.face_pattern() / 1000
 
 
-class OwnSession(Session):
+class OwnSession(SessionRun):
     def new_world(self, seed):
         return FondWorld.build(self.config.world, seed)
 
@@ -71,7 +71,7 @@ def targets(folder) -> list[str]:
 
 
 def test_every_part_is_used(tmp_path):
-    summary = run_session(CONFIG, RunOptions(tmp_path), kind=OwnSession)
+    summary = run_session(CONFIG, SessionOptions(tmp_path), kind=OwnSession)
     looked = targets(tmp_path)
     assert looked[::2] == ["green"] * len(looked[::2]) and len(looked) > 4
     assert summary["gaze_shifts"] > 3
@@ -85,12 +85,12 @@ def test_a_stopped_run_goes_on_with_them(tmp_path):
         if session.frame == 900:
             signal.raise_signal(signal.SIGINT)
 
-    run_session(CONFIG, RunOptions(tmp_path / "straight"), kind=OwnSession)
+    run_session(CONFIG, SessionOptions(tmp_path / "straight"), kind=OwnSession)
     with pytest.raises(KeyboardInterrupt):
-        run_session(CONFIG, RunOptions(tmp_path / "on"), interrupt, kind=OwnSession)
+        run_session(CONFIG, SessionOptions(tmp_path / "on"), interrupt, kind=OwnSession)
     with pytest.raises(CheckpointError, match="does not belong into a checkpoint"):
-        run_session(CONFIG, RunOptions(tmp_path / "on", resume=True))
-    run_session(CONFIG, RunOptions(tmp_path / "on", resume=True), kind=OwnSession)
+        run_session(CONFIG, SessionOptions(tmp_path / "on", resume=True))
+    run_session(CONFIG, SessionOptions(tmp_path / "on", resume=True), kind=OwnSession)
     for name in ("frames.parquet", "gaze_shifts.parquet"):
         assert (tmp_path / "on" / name).read_bytes() == (tmp_path / "straight" / name).read_bytes()
 

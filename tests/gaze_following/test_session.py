@@ -11,8 +11,8 @@ import yaml
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
-from jointattn_mj.gaze_following.run import RunOptions, run_session
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.run import SessionOptions, run_session
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.io.weights import read_weights
 from jointattn_mj.scene.camera import directions_to, pixels_of_points
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
@@ -37,18 +37,18 @@ class Files:
 @pytest.fixture(scope="module")
 def files(tmp_path_factory) -> Files:
     out = tmp_path_factory.mktemp("session")
-    run_session(CONFIG, RunOptions(out))
+    run_session(CONFIG, SessionOptions(out))
     return Files(out)
 
 
 @pytest.fixture(scope="module")
 def run() -> dict[str, np.ndarray]:
     """The same session, watched as it happens."""
-    session = Session(CONFIG)
+    session = SessionRun(CONFIG)
     session.begin()
     visible: dict[str, list] = {name: [] for name in ("moving", "face_off", "head", "phase", "objects")}
 
-    def watch(session: Session) -> None:
+    def watch(session: SessionRun) -> None:
         world, percept = session.world, session.robot.percept
         above = session.config.state
         visible["moving"].append(world.moving(above.face_moves_above_deg_s, above.object_moves_above_m_s))
@@ -208,7 +208,7 @@ def test_only_shifts_from_the_face_are_judged(files):
 @pytest.mark.parametrize("success", ["launch", "landing"])
 def test_what_counts_as_success_is_an_option(files, success):
     """It changes nothing but the count."""
-    session = Session(SessionConfig(minutes=1, seed=4, perception="state", robot=ROBOT, success=success))
+    session = SessionRun(SessionConfig(minutes=1, seed=4, perception="state", robot=ROBOT, success=success))
     session.begin()
     while session.frame < session.total:
         session.step()

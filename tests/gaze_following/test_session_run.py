@@ -11,8 +11,8 @@ import pytest
 
 from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
-from jointattn_mj.gaze_following.run import RunOptions, run_session
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.run import SessionOptions, run_session
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.io import checkpoint, rows, space
 from jointattn_mj.scene import gl
 
@@ -122,18 +122,18 @@ def config(seed: int = 0, minutes: float = 0.5, **options) -> SessionConfig:
 
 def test_another_seed_another_session(tmp_path):
     for seed in (0, 1):
-        run_session(config(seed), RunOptions(tmp_path / str(seed)))
+        run_session(config(seed), SessionOptions(tmp_path / str(seed)))
     for name in RESULTS:
         assert (tmp_path / "0" / name).read_bytes() != (tmp_path / "1" / name).read_bytes(), name
 
 
 def test_progress_comes_every_second(tmp_path):
     frames = []
-    run_session(config(), RunOptions(tmp_path), lambda session: frames.append(session.frame))
+    run_session(config(), SessionOptions(tmp_path), lambda session: frames.append(session.frame))
     assert frames == list(range(30, 901, 30))
 
 
-def interrupt(session: Session) -> None:
+def interrupt(session: SessionRun) -> None:
     if session.frame == 300:
         signal.raise_signal(signal.SIGINT)
 
@@ -141,27 +141,27 @@ def interrupt(session: Session) -> None:
 def test_signal_handlers_are_given_back(tmp_path):
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
     with pytest.raises(KeyboardInterrupt):
-        run_session(config(), RunOptions(tmp_path), interrupt)
+        run_session(config(), SessionOptions(tmp_path), interrupt)
     assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
 
 
 def test_resume_of_a_session_that_started_from_weights(tmp_path):
     """The path of the weights is part of its config, and of its checkpoint."""
-    run_session(config(), RunOptions(tmp_path / "first"))
+    run_session(config(), SessionOptions(tmp_path / "first"))
     later = config(seed=1, start_from=tmp_path / "first" / "weights.npz")
-    run_session(later, RunOptions(tmp_path / "straight"))
+    run_session(later, SessionOptions(tmp_path / "straight"))
     with pytest.raises(KeyboardInterrupt):
-        run_session(later, RunOptions(tmp_path / "on"), interrupt)
-    run_session(later, RunOptions(tmp_path / "on", resume=True))
+        run_session(later, SessionOptions(tmp_path / "on"), interrupt)
+    run_session(later, SessionOptions(tmp_path / "on", resume=True))
     assert_same(tmp_path / "straight", tmp_path / "on")
 
 
 def test_wall_time_goes_on(tmp_path):
     """What was spent before a stop counts."""
     with pytest.raises(KeyboardInterrupt):
-        run_session(config(), RunOptions(tmp_path), interrupt)
-    summary = run_session(config(), RunOptions(tmp_path, resume=True))
-    again = run_session(config(), RunOptions(tmp_path, resume=True))
+        run_session(config(), SessionOptions(tmp_path), interrupt)
+    summary = run_session(config(), SessionOptions(tmp_path, resume=True))
+    again = run_session(config(), SessionOptions(tmp_path, resume=True))
     assert 0 < summary["wall_seconds"] <= again["wall_seconds"]
 
 
@@ -175,7 +175,7 @@ def test_a_checkpoint_holds_no_frames_twice(tmp_path, monkeypatch):
         sizes.append(path.stat().st_size)
 
     monkeypatch.setattr(checkpoint, "save", weighed)
-    run_session(config(minutes=2.0), RunOptions(tmp_path, checkpoint_minutes=0.25))
+    run_session(config(minutes=2.0), SessionOptions(tmp_path, checkpoint_minutes=0.25))
     assert len(sizes) == 10
     assert max(sizes) - sizes[0] < 60_000  # frames alone are 864,000 bytes
 
@@ -183,7 +183,7 @@ def test_a_checkpoint_holds_no_frames_twice(tmp_path, monkeypatch):
 @pytest.mark.parametrize("at", ["summary.json", "frames.parquet"])
 def test_killed_while_results_are_left(tmp_path, monkeypatch, at):
     """Before the log is deleted, or before all results are there: nothing is lost."""
-    run_session(config(), RunOptions(tmp_path / "straight"))
+    run_session(config(), SessionOptions(tmp_path / "straight"))
     replace = os.replace
 
     def killing(source, target):
@@ -193,51 +193,51 @@ def test_killed_while_results_are_left(tmp_path, monkeypatch, at):
 
     monkeypatch.setattr(os, "replace", killing)
     with pytest.raises(SystemExit):
-        run_session(config(), RunOptions(tmp_path / "on"))
+        run_session(config(), SessionOptions(tmp_path / "on"))
     monkeypatch.undo()
     assert (tmp_path / "on" / "log").exists()
-    run_session(config(), RunOptions(tmp_path / "on", resume=True))
+    run_session(config(), SessionOptions(tmp_path / "on", resume=True))
     assert_same(tmp_path / "straight", tmp_path / "on")
 
 
 def test_log_that_is_gone(tmp_path, monkeypatch):
     """A named error, and what a finished session has left stays."""
     monkeypatch.setattr(rows, "BUFFER_BYTES", 1 << 13)
-    summary = run_session(config(), RunOptions(tmp_path))
-    assert run_session(config(), RunOptions(tmp_path, resume=True)) == summary
+    summary = run_session(config(), SessionOptions(tmp_path))
+    assert run_session(config(), SessionOptions(tmp_path, resume=True)) == summary
     (tmp_path / "summary.json").unlink()
     with pytest.raises(CheckpointError, match="frames"):
-        run_session(config(), RunOptions(tmp_path, resume=True))
+        run_session(config(), SessionOptions(tmp_path, resume=True))
     assert (tmp_path / "frames.parquet").exists()
 
 
 def test_too_little_space(tmp_path, monkeypatch):
     monkeypatch.setattr(space, "free_bytes", lambda folder: 1_000_000)
     with pytest.raises(ConfigError, match="fewer --minutes"):
-        run_session(config(minutes=26), RunOptions(tmp_path / "out"))
+        run_session(config(minutes=26), SessionOptions(tmp_path / "out"))
     assert not (tmp_path / "out").exists()
 
 
 def test_named_errors(tmp_path):
     with pytest.raises(CheckpointError, match="without --resume"):
-        run_session(config(), RunOptions(tmp_path, resume=True))
+        run_session(config(), SessionOptions(tmp_path, resume=True))
     (tmp_path / "checkpoint.bin").write_bytes(b"")
     with pytest.raises(OutputError, match="already holds a run"):
-        run_session(config(), RunOptions(tmp_path))
+        run_session(config(), SessionOptions(tmp_path))
     for options in ({"checkpoint_minutes": 0.0}, {"checkpoint_minutes": float("nan")}, {"video_every": 0}):
         with pytest.raises(ConfigError, match=next(iter(options))):
-            RunOptions(tmp_path, **options)
+            SessionOptions(tmp_path, **options)
 
 
 RESIDENT = """
 import gc, os, sys
 from pathlib import Path
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 
 perception, seconds, folder = sys.argv[1], float(sys.argv[2]), Path(sys.argv[3])
 robot = RobotConfig(familiarise=FamiliariseConfig(minutes=0.1))
-session = Session(SessionConfig(minutes=seconds / 60, perception=perception, robot=robot))
+session = SessionRun(SessionConfig(minutes=seconds / 60, perception=perception, robot=robot))
 session.begin()
 session.attach(folder)
 while session.frame < session.total:

@@ -12,7 +12,7 @@ import pytest
 from jointattn_mj.gaze_following import columns, tables
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeShift, RobotConfig
 from jointattn_mj.gaze_following.scoring import Judgement, Moment
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts, shift_row, write_shifts
 from jointattn_mj.gaze_following.tables import FrameTable, write_frames
 from jointattn_mj.scene.camera import pixels_of_points
@@ -121,7 +121,7 @@ def test_empty_shift_table(tmp_path):
 @pytest.fixture(scope="module")
 def session():
     robot = RobotConfig(familiarise=FamiliariseConfig(minutes=0.05))
-    session = Session(SessionConfig(minutes=0.5, seed=2, perception="state", robot=robot))
+    session = SessionRun(SessionConfig(minutes=0.5, seed=2, perception="state", robot=robot))
     session.begin()
     for _ in range(500):
         session.step()

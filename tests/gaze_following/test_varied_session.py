@@ -8,8 +8,8 @@ from shell import Shell
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
-from jointattn_mj.gaze_following.session import Session, SessionConfig
-from jointattn_mj.gaze_following.varied_session import VariedSession, VariedSessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
+from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io import checkpoint
 from jointattn_mj.scene.world import AS_USUAL
 
@@ -24,7 +24,7 @@ def shell():
     shell.close()
 
 
-def angles(session: Session, frames: int = 40) -> np.ndarray:
+def angles(session: SessionRun, frames: int = 40) -> np.ndarray:
     path = []
     for _ in range(frames):
         session.step()
@@ -33,8 +33,8 @@ def angles(session: Session, frames: int = 40) -> np.ndarray:
 
 
 def test_off_is_the_same_session():
-    plain = Session(SessionConfig(minutes=0.05, seed=4, robot=ROBOT))
-    off = VariedSession(replace(VARIED, variation="none"))
+    plain = SessionRun(SessionConfig(minutes=0.05, seed=4, robot=ROBOT))
+    off = VariedSessionRun(replace(VARIED, variation="none"))
     assert off.world.conditions == AS_USUAL
     np.testing.assert_array_equal(angles(plain), angles(off))
     np.testing.assert_array_equal(plain.world.image(), off.world.image())
@@ -42,7 +42,7 @@ def test_off_is_the_same_session():
 
 
 def test_a_seed_decides_the_world_which_then_stays():
-    one, same, other = (VariedSession(replace(VARIED, seed=seed)) for seed in (4, 4, 5))
+    one, same, other = (VariedSessionRun(replace(VARIED, seed=seed)) for seed in (4, 4, 5))
     assert one.world.config == same.world.config != other.world.config
     assert one.world.conditions == same.world.conditions != other.world.conditions
     before = one.world.conditions
@@ -54,7 +54,7 @@ def test_a_seed_decides_the_world_which_then_stays():
 
 
 def test_a_varied_session_goes_on_from_its_checkpoint(tmp_path):
-    session = VariedSession(VARIED)
+    session = VariedSessionRun(VARIED)
     session.begin()
     angles(session, 20)
     checkpoint.save(tmp_path / "checkpoint.bin", session, VARIED)

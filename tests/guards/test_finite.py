@@ -6,8 +6,8 @@ import pytest
 from jointattn_mj.development.run import DevelopConfig, DevelopOptions, run_development
 from jointattn_mj.errors import NotFiniteError, ObservationError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
-from jointattn_mj.gaze_following.run import RunOptions, run_session
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.run import SessionOptions, run_session
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.guards.finite import check_finite, not_finite
 from jointattn_mj.io import checkpoint
 
@@ -44,22 +44,22 @@ def test_a_session_stops_at_its_next_checkpoint(tmp_path, spoil, words):
             spoil(session)
 
     with pytest.raises((NotFiniteError, ObservationError), match=words):
-        run_session(CONFIG, RunOptions(tmp_path, checkpoint_minutes=0.1), progress)
+        run_session(CONFIG, SessionOptions(tmp_path, checkpoint_minutes=0.1), progress)
     assert not (tmp_path / "weights.npz").exists()
-    session = checkpoint.load(tmp_path / "checkpoint.bin", CONFIG, kind=(float, Session))[1]
+    session = checkpoint.load(tmp_path / "checkpoint.bin", CONFIG, kind=(float, SessionRun))[1]
     assert session.frame == 360
     session.check()
     session.close()
 
 
 def test_a_session_that_never_had_any_leaves_no_checkpoint(tmp_path):
-    class Broken(Session):
+    class Broken(SessionRun):
         def begin(self):
             super().begin()
             spoil_map(self)
 
     with pytest.raises(NotFiniteError, match="som_weights"):
-        run_session(CONFIG, RunOptions(tmp_path), kind=Broken)
+        run_session(CONFIG, SessionOptions(tmp_path), kind=Broken)
     assert not (tmp_path / "checkpoint.bin").exists()
 
 

@@ -27,7 +27,7 @@ from jointattn_mj.errors import CheckpointError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
 from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
 from jointattn_mj.gaze_following.learners import LearnerConfig, LinearLearner
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.io.checkpoint import FORMAT, fingerprint, load, save
 from jointattn_mj.io.parts import PARTS, class_named
 from jointattn_mj.scene.caregiver import Phase
@@ -154,12 +154,12 @@ class TestRoundTrip:
 
     def test_of_a_session_byte_for_byte(self, tmp_path):
         """Whatever lies in memory, and what becomes of it."""
-        session = Session(CONFIG)
+        session = SessionRun(CONFIG)
         session.begin()
         for _ in range(400):
             session.step()
         save(tmp_path / "c", session, CONFIG)
-        again = load(tmp_path / "c", CONFIG, kind=Session)
+        again = load(tmp_path / "c", CONFIG, kind=SessionRun)
         save(tmp_path / "again", again, CONFIG)
         assert (tmp_path / "c").read_bytes() == (tmp_path / "again").read_bytes()
         for one in (session, again):
@@ -377,14 +377,14 @@ class TestAttacks:
     @pytest.mark.parametrize(
         "name",
         [
-            "jointattn_mj.video.stream.Encoder",
+            "jointattn_mj.video.stream.VideoEncoder",
             "jointattn_mj.footage.log.PerceptLog",
             "jointattn_mj.sweeps.backends.Dask",
             "jointattn_mj.video.reel.Reel",
             "jointattn_mj.io.codec.Decoder",
             "jointattn_mj.gaze_following.session.SessionConfig",
             "jointattn_mj.gaze_following.session.FrameTable",
-            "jointattn_mj.gaze_following.session.Session.step",
+            "jointattn_mj.gaze_following.session.SessionRun.step",
             "jointattn_mj.scene.world.Physics",
             "subprocess.Popen",
             "os.system",
@@ -393,7 +393,7 @@ class TestAttacks:
             "numpy.ndarray",
             "pathlib.PosixPath",
             "antigravity.fly",
-            "Session",
+            "SessionRun",
             "",
             ".",
             "tests.test_checkpoint.Own.method",
@@ -410,14 +410,14 @@ class TestAttacks:
     @pytest.mark.parametrize(
         ("name", "attribute"),
         [
-            ("session.Session", "step"),
-            ("session.Session", "weights"),
-            ("session.Session", "__class__"),
-            ("session.Session", "__dict__"),
-            ("session.Session", "not a name"),
+            ("gaze_following.session.SessionRun", "step"),
+            ("gaze_following.session.SessionRun", "weights"),
+            ("gaze_following.session.SessionRun", "__class__"),
+            ("gaze_following.session.SessionRun", "__dict__"),
+            ("gaze_following.session.SessionRun", "not a name"),
             ("perception.som.SOM", "width"),  # a property
             ("perception.som.SOM", "from_arrays"),
-            ("gaze.HeadShift", "_reference"),
+            ("gaze_following.gate.HeadShift", "_reference"),
         ],
     )
     @pytest.mark.parametrize("value", [3, None, "x"])
@@ -445,7 +445,7 @@ class TestAttacks:
             (["named", "jointattn_mj.gaze_following.attention.AttentionConfig", 1, 2], "other fields"),
             (["enum", "jointattn_mj.scene.caregiver.Phase", "DANCE"], "DANCE"),
             (["enum", "jointattn_mj.scene.caregiver.Phase", "__init__"], "__init__"),
-            (["enum", "jointattn_mj.gaze_following.session.Session", "step"], "no enumeration"),
+            (["enum", "jointattn_mj.gaze_following.session.SessionRun", "step"], "no enumeration"),
             (["object", "jointattn_mj.scene.caregiver.Phase", "x", 1], "not made of attributes"),
             (["list", [1]], "missing"),
             (["list", [-1]], "missing"),
@@ -494,7 +494,7 @@ class TestAttacks:
     @pytest.mark.parametrize("root", [3.5, [9], [], [[0]], {"float": "x"}, [True], [0.0]])
     def test_roots_that_are_none(self, tmp_path, root):
         with pytest.raises(CheckpointError):
-            load(forge(tmp_path / "c", [["list"]], root), CONFIG, kind=Session)
+            load(forge(tmp_path / "c", [["list"]], root), CONFIG, kind=SessionRun)
 
     @pytest.mark.parametrize("state", [b"", b"[", b"3", b"{}", b"\xff", b'{"root": NaN}', b"[" * 10**6, b"1" * 10**5])
     def test_text_that_nobody_wrote(self, tmp_path, state):
@@ -561,11 +561,11 @@ class TestAttacks:
         with pytest.raises(CheckpointError, match="members have"):
             load(tmp_path / "c", CONFIG)
 
-    @pytest.mark.parametrize("kind", [Session, (float, Session), int, (float, int, Session)])
+    @pytest.mark.parametrize("kind", [SessionRun, (float, SessionRun), int, (float, int, SessionRun)])
     def test_something_else_than_is_expected(self, tmp_path, kind):
         learner = LinearLearner(LearnerConfig(), 3)
-        for state in (learner, (1.0, learner), [1.0, Session], None):
-            if state != [1.0, Session]:
+        for state in (learner, (1.0, learner), [1.0, SessionRun], None):
+            if state != [1.0, SessionRun]:
                 save(tmp_path / "c", state, CONFIG)
                 with pytest.raises(CheckpointError, match="it holds"):
                     load(tmp_path / "c", CONFIG, kind=kind)
@@ -574,7 +574,7 @@ class TestAttacks:
         """The encoder that started ffmpeg: one line, and nothing is written but the file itself."""
         from jointattn_mj.cli.main import main
 
-        entry = ["object", "jointattn_mj.video.stream.Encoder", "height", "16 -f data -i data:, -y victim.txt"]
+        entry = ["object", "jointattn_mj.video.stream.VideoEncoder", "height", "16 -f data -i data:, -y victim.txt"]
         forge(tmp_path / "checkpoint.bin", [entry], config=DevelopConfig.of("thesis"))
         with pytest.raises(SystemExit) as stop:
             main(["develop", "--out", str(tmp_path), "--resume"])
@@ -624,7 +624,9 @@ ODD = st.one_of(
     st.booleans(),
     st.integers(-3, 300),
     st.sampled_from([2**63, -(2**63), 10**40, 1e308, -1.5]),
-    st.sampled_from(["", "x", "step", "jointattn_mj.gaze_following.session.Session", "list", "object", "<f8", "array"]),
+    st.sampled_from(
+        ["", "x", "step", "jointattn_mj.gaze_following.session.SessionRun", "list", "object", "<f8", "array"]
+    ),
     st.integers(-2, 500).map(lambda number: [number]),
     st.sampled_from([{"float": "nan"}, {"float": "inf"}, [], {}, [[0]], ["list"], ["array", 0]]),
 )

@@ -8,9 +8,9 @@ from numba import njit
 
 import jointattn_mj.io.progress
 from jointattn_mj.io.progress import COMPILING, duration, told_of_compiling
-from jointattn_mj.io.progress import Progress as Shown
+from jointattn_mj.io.progress import SweepProgress as Shown
 from jointattn_mj.sweeps import progress
-from jointattn_mj.sweeps.progress import MOST_FAILURES, Progress, rate
+from jointattn_mj.sweeps.progress import MOST_FAILURES, SweepProgress, rate
 from jointattn_mj.sweeps.run import Tally
 
 HALF = Tally(todo=10, stored=3, done=4, running=2, seconds={("a", "b"): (4, 40.0)})
@@ -29,15 +29,15 @@ def test_numbers_to_read():
 
 
 def test_a_line():
-    text = Progress(io.StringIO()).state(HALF, 2, 8.0)
+    text = SweepProgress(io.StringIO()).state(HALF, 2, 8.0)
     assert text == "4/10 cells, 2 running, 0 failed, 30/min, 30 s left"
-    assert "no worker yet" in Progress(io.StringIO()).state(Tally(todo=1), 0, 1.0)
-    assert "2 deaths of workers" in Progress(io.StringIO()).state(Tally(todo=1, deaths=2), 1, 1.0)
+    assert "no worker yet" in SweepProgress(io.StringIO()).state(Tally(todo=1), 0, 1.0)
+    assert "2 deaths of workers" in SweepProgress(io.StringIO()).state(Tally(todo=1, deaths=2), 1, 1.0)
 
 
 def test_a_log_is_not_flooded():
     log = io.StringIO()
-    told = Progress(log)
+    told = SweepProgress(log)
     told.begin(HALF, 2)
     for _ in range(50):
         told.tick(HALF, 2)
@@ -49,7 +49,7 @@ def test_a_log_is_not_flooded():
 def test_a_screen_line_changes_in_place(monkeypatch):
     monkeypatch.setattr(progress, "SCREEN_S", 0.0)
     screen = Screen()
-    told = Progress(screen)
+    told = SweepProgress(screen)
     told.begin(HALF, 2)
     told.tick(HALF, 2)
     told.tick(HALF, 2)
@@ -61,7 +61,7 @@ def test_a_screen_line_changes_in_place(monkeypatch):
 def test_failures_are_listed_but_not_without_end():
     tally = Tally(todo=50, failed=[(f"cell {k}", "ValueError: no", f"do {k}") for k in range(MOST_FAILURES + 3)])
     log = io.StringIO()
-    Progress(log).end(tally)
+    SweepProgress(log).end(tally)
     assert "  cell 0: ValueError: no\n    alone: do 0\n" in log.getvalue()
     assert log.getvalue().count("alone:") == MOST_FAILURES
     assert "and 3 more" in log.getvalue()

@@ -8,7 +8,7 @@ import pytest
 
 from jointattn_mj.errors import CheckpointError, ConfigError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
-from jointattn_mj.gaze_following.session import Session, SessionConfig
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.io.weights import read_weights, write_weights
 from jointattn_mj.perception.som import SOM, SOMConfig
 
@@ -17,7 +17,7 @@ CONFIG = SessionConfig(minutes=1, perception="state", robot=RobotConfig(familiar
 
 @pytest.fixture(scope="module")
 def learned():
-    session = Session(CONFIG)
+    session = SessionRun(CONFIG)
     session.begin()
     session.close()
     return session.weights()
@@ -90,7 +90,7 @@ def test_files_that_ask_for_more_than_they_have(tmp_path, content):
 )
 def test_a_robot_takes_nothing_that_does_not_fit(learned, name, value):
     """And stays as it was."""
-    session = Session(CONFIG)
+    session = SessionRun(CONFIG)
     before = session.weights()
     with pytest.raises(ConfigError, match="do not fit"):
         session.robot.load(learned | {name: value})

@@ -20,7 +20,7 @@ from jointattn_mj.errors import ConfigError, JointAttnError
 from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.gaze_following.gate import GazeConfig
 from jointattn_mj.gaze_following.learners import LearnerConfig
-from jointattn_mj.gaze_following.run import RunOptions
+from jointattn_mj.gaze_following.run import SessionOptions
 from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.options import LONGEST_NAME, Checked, Choice, Interval, Real, Whole, rule_of, shown
 from jointattn_mj.perception.som import SOMConfig
@@ -221,7 +221,7 @@ def test_what_is_harmless_is_taken_as_plain_values():
     assert type(SessionConfig(minutes=26).minutes) is int  # a checkpoint's fingerprint knows it for 26.0
     assert type(SceneConfig(caregiver=np.str_("noa")).caregiver) is str
     assert AttentionConfig(motion_cues=np.False_).motion_cues is False
-    assert RunOptions("out/a").out == Path("out/a")
+    assert SessionOptions("out/a").out == Path("out/a")
 
 
 def test_bounds_belong_to_an_interval_as_it_is_written():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.scene.caregiver import FOLLOWING, FRAME_S, CaregiverConfig, ObjectTransfer, Phase
+from jointattn_mj.scene.caregiver import FOLLOWING, FRAME_S, CaregiverConfig, Phase, TransferScript
 from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.model import HEAD_POSITION, build_model
 from jointattn_mj.scene.movement import Arm, gaze_angles
@@ -17,14 +17,14 @@ MODEL: mujoco.MjModel = build_model()
 HOLDS = {Phase.LIFT, Phase.OBSERVE, Phase.PUT}
 
 
-def caregiver(seed: int = 0, objects: int = 4, config: CaregiverConfig | None = None) -> ObjectTransfer:
+def caregiver(seed: int = 0, objects: int = 4, config: CaregiverConfig | None = None) -> TransferScript:
     config = config or CaregiverConfig()
     arm = Arm.from_model(MODEL, np.radians(config.hand_pitch_deg))
     rng = np.random.default_rng(seed)
-    return ObjectTransfer(config, LayoutConfig(), objects, REST, np.array(HEAD_POSITION), arm, rng)
+    return TransferScript(config, LayoutConfig(), objects, REST, np.array(HEAD_POSITION), arm, rng)
 
 
-def live(person: ObjectTransfer, minutes: float = 5) -> list[tuple]:
+def live(person: TransferScript, minutes: float = 5) -> list[tuple]:
     """(phase, target, held, objects, joints) of every frame."""
     frames = []
     for _ in range(round(minutes * 60 / FRAME_S)):

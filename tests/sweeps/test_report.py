@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from toys.registry import REGISTRY
 
 from jointattn_mj.errors import OutputError, SweepError
-from jointattn_mj.sweeps.claim import Finding, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Verdict
 from jointattn_mj.sweeps.registry import Entry
 from jointattn_mj.sweeps.report import Chapter, chapter, commands, weighed, write_report
 from jointattn_mj.sweeps.run import Selection, plan
@@ -149,7 +149,7 @@ def test_values_that_json_has_not(tmp_path, monkeypatch):
     from toys.coin import analysis
 
     estimate = Estimate(np.inf, 3.0, np.inf, np.nan, 9)
-    monkeypatch.setattr(analysis, "analyse", lambda trials: [Finding("when", "soon", estimate, Verdict.UNDECIDED)])
+    monkeypatch.setattr(analysis, "analyse", lambda trials: [Comparison("when", "soon", estimate, Verdict.UNDECIDED)])
     monkeypatch.setattr(analysis, "draw", lambda trials: {})
     fill(tmp_path)
     write_report(REGISTRY, ["1.1"], tmp_path)
@@ -172,7 +172,7 @@ def test_few_runs_decide_nothing(tmp_path, runs):
 
 
 def test_a_claim_that_asks_for_fewer_is_decided_by_fewer():
-    finding = Finding("heads", "half", Estimate(0.5, 0.4, 0.6, 0.1, 3), Verdict.REPRODUCED)
+    finding = Comparison("heads", "half", Estimate(0.5, 0.4, 0.6, 0.1, 3), Verdict.REPRODUCED)
     short = replace(COIN, settings={"fair": replace(COIN.settings["fair"], runs=3)})
     assert weighed(finding, short, 3) is finding
     assert weighed(finding, COIN, 3).verdict is Verdict.UNDECIDED
@@ -198,7 +198,7 @@ def test_nothing_is_taken_for_markup(tmp_path, monkeypatch):
     from toys.coin import analysis
 
     estimate = Estimate(0.5, 0.4, 0.6, 0.1, 6)
-    finding = Finding(NASTY, NASTY, estimate, Verdict.NOT, NASTY)
+    finding = Comparison(NASTY, NASTY, estimate, Verdict.NOT, NASTY)
     monkeypatch.setattr(analysis, "analyse", lambda trials: [finding])
     fill(tmp_path)
     Store(tmp_path).write_failure(next(plan([COIN], Selection(runs=9))), NASTY, NASTY, NASTY)

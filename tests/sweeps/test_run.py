@@ -9,7 +9,7 @@ from toys.registry import REGISTRY
 
 from jointattn_mj.errors import ConfigError, OutputError, SweepError
 from jointattn_mj.sweeps.claim import Setting
-from jointattn_mj.sweeps.run import Selection, Tally, Watcher, command, plan, run
+from jointattn_mj.sweeps.run import Selection, SweepWatcher, Tally, command, plan, run
 from jointattn_mj.sweeps.store import Store
 
 COIN = REGISTRY["1.1"]
@@ -151,7 +151,7 @@ def test_a_dead_pool_refuses_work(tmp_path):
 
 
 def test_what_another_run_has_stored_meanwhile(tmp_path):
-    class Other(Watcher):
+    class Other(SweepWatcher):
         def begin(self, tally, slots):
             go(tmp_path, runs=3)
 

@@ -7,7 +7,7 @@ import pytest
 
 from jointattn_mj.errors import VideoError
 from jointattn_mj.video import stream
-from jointattn_mj.video.stream import Encoder, can_encode
+from jointattn_mj.video.stream import VideoEncoder, can_encode
 
 SHAPE = (48, 64, 3)
 needs_encoder = pytest.mark.skipif(not can_encode(), reason="no ffmpeg with H.264")
@@ -39,7 +39,7 @@ def nowhere(monkeypatch):
 
 @needs_encoder
 def test_every_picture_becomes_a_unit(tmp_path):
-    encoder = Encoder(SHAPE[0], SHAPE[1], 10)
+    encoder = VideoEncoder(SHAPE[0], SHAPE[1], 10)
     units = []
     for image in images(64):
         encoder.add(image)
@@ -55,7 +55,7 @@ def test_every_picture_becomes_a_unit(tmp_path):
 @needs_encoder
 def test_units_come_while_it_goes_on():
     """No more than a few images are held back."""
-    encoder, given, taken = Encoder(SHAPE[0], SHAPE[1], 10), 0, 0
+    encoder, given, taken = VideoEncoder(SHAPE[0], SHAPE[1], 10), 0, 0
     while taken <= 64 and given < 2000:
         encoder.add(images(64)[given % 64])
         given += 1
@@ -66,13 +66,13 @@ def test_units_come_while_it_goes_on():
 
 @needs_encoder
 def test_nothing_to_encode():
-    assert Encoder(SHAPE[0], SHAPE[1], 10).finish() == []
+    assert VideoEncoder(SHAPE[0], SHAPE[1], 10).finish() == []
 
 
 @needs_encoder
 @pytest.mark.parametrize("image", [np.zeros((48, 62, 3), np.uint8), np.zeros(SHAPE)], ids=["size", "type"])
 def test_other_pictures(image):
-    encoder = Encoder(SHAPE[0], SHAPE[1], 10)
+    encoder = VideoEncoder(SHAPE[0], SHAPE[1], 10)
     with pytest.raises(VideoError, match="expected uint8"):
         encoder.add(image)
     encoder.finish()
@@ -80,7 +80,7 @@ def test_other_pictures(image):
 
 @needs_encoder
 def test_ffmpeg_gives_up():
-    encoder = Encoder(SHAPE[0], SHAPE[1], 10)
+    encoder = VideoEncoder(SHAPE[0], SHAPE[1], 10)
     encoder._program.kill()
     with pytest.raises(VideoError, match="ffmpeg"):
         for image in images(64) * 20:
@@ -92,4 +92,4 @@ def test_ffmpeg_gives_up():
 def test_no_ffmpeg(nowhere):
     assert not stream.can_encode()
     with pytest.raises(VideoError, match="apt-get install ffmpeg"):
-        Encoder(SHAPE[0], SHAPE[1], 10)
+        VideoEncoder(SHAPE[0], SHAPE[1], 10)

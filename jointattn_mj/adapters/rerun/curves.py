@@ -12,7 +12,7 @@ from jointattn_mj.adapters.rerun.rows import Rows
 from jointattn_mj.gaze_following.film.composer import DOES, verdict_in_words
 from jointattn_mj.gaze_following.film.panels import face_cells, lit
 from jointattn_mj.gaze_following.gate import gate_probability
-from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, Session
+from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.shifts import ShiftRow
 from jointattn_mj.gaze_following.summary import rate_of_success
 from jointattn_mj.video.paint import FAINT, GREEN, LEARNED, Colour
@@ -21,10 +21,10 @@ TURNS = "turns its head"
 _FACES_PX = 216  # side of the image of the map of faces
 
 
-class AgentState:
+class AgentCurves:
     """Logs curves at every frame, and the rest when it changes."""
 
-    def __init__(self, rows: Rows, session: Session, inks: list[Colour]):
+    def __init__(self, rows: Rows, session: SessionRun, inks: list[Colour]):
         log = rows.log
         self._rows, self._names = rows, session.names
         self._counted = len(session.shifts)
@@ -41,7 +41,7 @@ class AgentState:
         for path, look in (curves | {at.ROBOT_LOOKS: looks, at.PERSON_LOOKS: looks}).items():
             log.log(path, look, static=True)
 
-    def write(self, session: Session) -> None:
+    def write(self, session: SessionRun) -> None:
         """This frame's."""
         robot = session.robot
         self._rows.add(at.INTEREST, rr.Scalars, scalars=robot.attention.interest.copy())
@@ -56,7 +56,7 @@ class AgentState:
             self._counted = len(session.shifts)
             self._write_success(session)
 
-    def _write_doings(self, session: Session) -> None:
+    def _write_doings(self, session: SessionRun) -> None:
         """Who looks at what, and what the person does."""
         robot, caregiver = session.robot, session.world.caregiver
         looks = TURNS if robot.shift is not None else self._name(robot.attended)
@@ -69,7 +69,7 @@ class AgentState:
     def _name(self, number: int | None) -> str:
         return "" if number is None else self._names[number]
 
-    def _write_map(self, session: Session) -> None:
+    def _write_map(self, session: SessionRun) -> None:
         """Which faces the map knows again when the robot turns away from one."""
         shift, som = session.robot.shift, session.robot.som
         known = None if shift is None else shift.activations
@@ -81,7 +81,7 @@ class AgentState:
         self._rows.log.log(at.ACTIVATIONS, tensor)
         self._rows.log.log(at.FACES, rr.Image(lit(self._cells, known, sheet.shape)).compress(jpeg_quality=85))
 
-    def _write_success(self, session: Session) -> None:
+    def _write_success(self, session: SessionRun) -> None:
         """eq. 6.9 up to now; later shifts do not change what is written."""
         counts = session.shifts.column("face_to_object") == 1
         if counts[-1]:

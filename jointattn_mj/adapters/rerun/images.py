@@ -7,7 +7,7 @@ import rerun as rr
 from jointattn_mj.adapters.rerun.entities import columns_of
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
-from jointattn_mj.video.stream import Encoder, Unit, can_encode
+from jointattn_mj.video.stream import Unit, VideoEncoder, can_encode
 
 JPEG_QUALITY = 80
 """0..100; an image takes some 5 KB."""
@@ -18,7 +18,7 @@ class Images:
 
     def __init__(self, log: rr.RecordingStream, path: str):
         self._log, self._path = log, path
-        self._encoder = Encoder(IMAGE_HEIGHT, IMAGE_WIDTH, 1 / FRAME_S) if can_encode() else None
+        self._encoder = VideoEncoder(IMAGE_HEIGHT, IMAGE_WIDTH, 1 / FRAME_S) if can_encode() else None
         self._frames: list[int] = []
         self._units: list[Unit] = []
         if self._encoder is not None:

@@ -14,7 +14,7 @@ from jointattn_mj.adapters.rerun.percepts import Percepts
 from jointattn_mj.adapters.rerun.rows import Rows
 from jointattn_mj.adapters.rerun.scene import Scene
 from jointattn_mj.errors import OutputError
-from jointattn_mj.gaze_following.session import Session
+from jointattn_mj.gaze_following.session import SessionRun
 from jointattn_mj.io.checkpoint import fingerprint
 from jointattn_mj.io.notices import notice
 from jointattn_mj.video.paint import PERSON, Colour, ink_of
@@ -26,7 +26,7 @@ class SessionLog:
     Where the file cannot be written any more, such as on a full disk, it says so once and lets the session go on.
     """
 
-    def __init__(self, path: Path, session: Session):
+    def __init__(self, path: Path, session: SessionRun):
         """Logs of the parts of a resumed session bear the same id: opened together, they are one."""
         self._path, self._session = path, session
         self._log = rr.RecordingStream("jointattn session", recording_id=fingerprint(session.config))
@@ -60,7 +60,7 @@ class SessionLog:
         self._images = Images(self._log, IMAGE)
         return self
 
-    def __call__(self, session: Session) -> None:
+    def __call__(self, session: SessionRun) -> None:
         """Log this frame of the session.
 
         Raises:

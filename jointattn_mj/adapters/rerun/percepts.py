@@ -8,7 +8,7 @@ import rerun as rr
 from jointattn_mj.adapters.rerun.entities import FLOW, GOAL, VISIBLE
 from jointattn_mj.adapters.rerun.rows import Rows
 from jointattn_mj.gaze_following.agent import GazeFollower
-from jointattn_mj.gaze_following.session import Session
+from jointattn_mj.gaze_following.session import SessionRun
 from jointattn_mj.perception.motion import Motion
 from jointattn_mj.scene.camera import pixel_of
 from jointattn_mj.video.paint import LEARNED, WHITE, Colour, paler
@@ -31,7 +31,7 @@ class Percepts:
         rows.log.log(FLOW, rr.Arrows2D.from_fields(radii=0.25), static=True)
         rows.log.log(GOAL, rr.Points2D.from_fields(radii=3.0, show_labels=True), static=True)
 
-    def write(self, session: Session) -> None:
+    def write(self, session: SessionRun) -> None:
         """This frame's; nothing is perceived while the head turns."""
         robot = session.robot
         self._write_visible(robot)

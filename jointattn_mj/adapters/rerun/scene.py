@@ -11,7 +11,7 @@ import rerun as rr
 
 from jointattn_mj.adapters.rerun.entities import EYE, PERSONS_GAZE, ROBOTS_GAZE, WORLD
 from jointattn_mj.adapters.rerun.rows import Rows
-from jointattn_mj.gaze_following.session import Session
+from jointattn_mj.gaze_following.session import SessionRun
 from jointattn_mj.scene.camera import FOCAL_PX
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 from jointattn_mj.scene.world import World
@@ -103,7 +103,7 @@ class Scene:
         for path in (ROBOTS_GAZE, PERSONS_GAZE):
             log.log(path, rr.Arrows3D.from_fields(radii=_LINE_M), static=True)
 
-    def write(self, session: Session) -> None:
+    def write(self, session: SessionRun) -> None:
         """Everything as it is in this frame."""
         world = session.world
         now = np.hstack([world.data.xpos, world.data.xquat])

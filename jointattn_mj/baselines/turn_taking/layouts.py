@@ -24,7 +24,7 @@ TRIES = 300
 
 
 @dataclass(frozen=True)
-class TableConfig(Checked):
+class ObjectTableConfig(Checked):
     """What lies on the table."""
 
     objects: Annotated[int, Whole("[1, 1000]")] = 5
@@ -43,7 +43,7 @@ def draw_locations(region: tuple[Rectangle, ...], count: int, rng: np.random.Gen
     return corners[which, ::2] + size[which] * rng.random((count, 2))
 
 
-def draw_tables(config: TableConfig, count: int, rng: np.random.Generator) -> np.ndarray:
+def draw_tables(config: ObjectTableConfig, count: int, rng: np.random.Generator) -> np.ndarray:
     """(count, objects, 2) places, each table's at least ``spacing`` apart.
 
     Raises:
@@ -59,7 +59,7 @@ def draw_tables(config: TableConfig, count: int, rng: np.random.Generator) -> np
     raise ConfigError(f"no room for {config.objects} objects {config.spacing} m apart in the region {config.region!r}")
 
 
-def _fill(config: TableConfig, region: tuple[Rectangle, ...], count: int, rng: np.random.Generator) -> np.ndarray:
+def _fill(config: ObjectTableConfig, region: tuple[Rectangle, ...], count: int, rng: np.random.Generator) -> np.ndarray:
     """One go at ``count`` tables, object by object; those that got full stay NaN."""
     tables = np.full((count, config.objects, 2), np.nan)
     todo = np.arange(count)

@@ -16,7 +16,7 @@ from jointattn_mj.development.table.caregiver import AFTER_JOINT_ATTENTION, IJA,
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Real, Seconds, Share, Whole
-from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, ObjectTransfer, Phase, Plan
+from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, Phase, Plan, TransferScript
 from jointattn_mj.scene.dressing import Conditions
 from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.looker import locations
@@ -73,7 +73,7 @@ class PartnerConfig(Checked):
                 raise ConfigError(f"partner.{name} must be a shorter and a longer time; got {low}, {high}")
 
 
-class Partner(ObjectTransfer):
+class Partner(TransferScript):
     """Who sits at the table. Places are 0 to N - 1; N stands for the other's face.
 
     Attributes:
@@ -237,7 +237,7 @@ class Partner(ObjectTransfer):
         return np.radians(self._rng.normal(0.0, self.partner.head_jitter_deg, 2))
 
     def _planned(self, gaze: np.ndarray, grasp: np.ndarray, head_towards: np.ndarray | None = None) -> Plan:
-        """See ``ObjectTransfer``; the head comes to rest a little beside its share of the way."""
+        """See ``TransferScript``; the head comes to rest a little beside its share of the way."""
         plan = super()._planned(gaze, grasp, head_towards)
         off = path_between(self._head_off, self._head_will_be_off, len(gaze))
         self._head_off = self._head_will_be_off
@@ -256,7 +256,7 @@ class Partner(ObjectTransfer):
         return path_between(self._hand, rest, back, self.config.reach_arch_m)
 
     def _new_location(self) -> np.ndarray:
-        """See ``ObjectTransfer``: beside one of the free places."""
+        """See ``TransferScript``: beside one of the free places."""
         free = np.setdiff1d(np.arange(len(self._spots)), self.at)
         self._to = int(self._rng.choice(free))
         return self._beside(self._to)

@@ -16,7 +16,7 @@ NOWHERE = -1
 
 
 @dataclass(frozen=True)
-class CaregiverConfig(Checked):
+class TableCaregiverConfig(Checked):
     """How the caregiver shifts her gaze."""
 
     follow: Share = 0.5
@@ -37,7 +37,7 @@ class CaregiverConfig(Checked):
 
 
 class Rules(NamedTuple):
-    """A ``CaregiverConfig`` for compiled code."""
+    """A ``TableCaregiverConfig`` for compiled code."""
 
     follow: float
     lead: float
@@ -49,7 +49,7 @@ class Rules(NamedTuple):
     neutral_follows: bool
 
 
-def rules(config: CaregiverConfig) -> Rules:
+def rules(config: TableCaregiverConfig) -> Rules:
     """The config as numbers."""
     return Rules(
         follow=float(config.follow),

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from jointattn_mj.contingency.online.detector import DetectorConfig
 from jointattn_mj.development.agent import DeveloperConfig
-from jointattn_mj.development.table.caregiver import CaregiverConfig
+from jointattn_mj.development.table.caregiver import TableCaregiverConfig
 from jointattn_mj.development.table.world import CHAPTER_4, CHAPTER_5, TableConfig
 
 
@@ -25,7 +25,7 @@ PRESETS = {
         "contact the caregiver's neutral gaze stays.",
     ),
     "thesis_robot_first": Preset(
-        TableConfig(order="robot_first", caregiver=CaregiverConfig(eye_contact="any", neutral_follows=True)),
+        TableConfig(order="robot_first", caregiver=TableCaregiverConfig(eye_contact="any", neutral_follows=True)),
         DeveloperConfig(),
         "Chapter 5 with results observed right after the action, before the caregiver answers: closer to the times of "
         "the dissertation's one example, further from its behaviour and its order.",

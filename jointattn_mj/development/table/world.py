@@ -8,7 +8,7 @@ from numba import njit
 
 from jointattn_mj.contingency.online.events import Variable, Variables
 from jointattn_mj.development.one_type import one_type
-from jointattn_mj.development.table.caregiver import NOWHERE, OPTIONS, CaregiverConfig, Rules, rules, shift_gaze
+from jointattn_mj.development.table.caregiver import NOWHERE, OPTIONS, Rules, TableCaregiverConfig, rules, shift_gaze
 from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.guards.border import checked_by, require_array
 from jointattn_mj.guards.restored import check_alike, check_array
@@ -40,7 +40,7 @@ class TableConfig(Checked):
     """Order of a turn. ``caregiver_first``, the words of section 4.3.1: objects are placed, the caregiver shifts, the
     robot observes sensors and results, the robot acts. ``robot_first``: the robot acts and observes the results,
     objects are placed, the caregiver shifts, the robot observes the sensors."""
-    caregiver: CaregiverConfig = field(default_factory=CaregiverConfig)
+    caregiver: TableCaregiverConfig = field(default_factory=TableCaregiverConfig)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -52,7 +52,7 @@ class TableConfig(Checked):
 
 CHAPTER_4 = TableConfig(
     spots=9, objects=3, kinds=10, gestures=10, profile=False,
-    caregiver=CaregiverConfig(follow=0.8, lead=0.2, answer=0.0, follows_eye_contact=True),
+    caregiver=TableCaregiverConfig(follow=0.8, lead=0.2, answer=0.0, follows_eye_contact=True),
 )  # fmt: skip
 """Section 4.5.1."""
 CHAPTER_5 = TableConfig()

@@ -9,7 +9,7 @@ import numpy as np
 from jointattn_mj.gaze_following.film.interest import FRAMES, InterestPanel
 from jointattn_mj.gaze_following.film.overlay import RobotsView
 from jointattn_mj.gaze_following.film.panels import GatePanel, MapPanel, SuccessPanel
-from jointattn_mj.gaze_following.session import Session
+from jointattn_mj.gaze_following.session import SessionRun
 from jointattn_mj.gaze_following.shifts import ShiftRow
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
@@ -56,7 +56,7 @@ DOES = {
 class Composer:
     """Puts all parts into one image, uint8 (720, 1280, 3)."""
 
-    def __init__(self, session: Session):
+    def __init__(self, session: SessionRun):
         config, self._names = session.config, session.names
         self._inks: list[Colour] = [*(ink_of(item.rgb) for item in config.world.scene.objects), PERSON]
         self._blank = blank = np.full((HEIGHT, WIDTH, 3), GROUND, np.uint8)
@@ -78,7 +78,7 @@ class Composer:
         self._total = _clock(config.minutes * 60)
         self._canvas = blank.copy()
 
-    def compose(self, session: Session) -> np.ndarray:
+    def compose(self, session: SessionRun) -> np.ndarray:
         """The image of this frame; it holds until the next one."""
         canvas = self._canvas
         np.copyto(canvas, self._blank)
@@ -99,7 +99,7 @@ class Composer:
             self._onlooker.close()
             self._onlooker = None
 
-    def _draw_outside(self, canvas: np.ndarray, session: Session) -> None:
+    def _draw_outside(self, canvas: np.ndarray, session: SessionRun) -> None:
         if self._onlooker is None:
             self._onlooker = Onlooker(session.world, _OUTSIDE.width, _OUTSIDE.height)
         area = _OUTSIDE.of(canvas)
@@ -137,7 +137,7 @@ class Composer:
             tick(canvas, centre, 50, GREEN, 8)
 
 
-def recent(session: Session) -> ShiftRow | None:
+def recent(session: SessionRun) -> ShiftRow | None:
     """The last shift from the face to an object, if it landed just now."""
     row = session.shifts[-1] if session.shifts else None
     if row is None or not row.face_to_object:

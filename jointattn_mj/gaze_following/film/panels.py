@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from jointattn_mj.gaze_following.gate import gate_probability
-from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, Session
+from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.shifts import ShiftRow
 from jointattn_mj.gaze_following.summary import rate_of_success
 from jointattn_mj.perception.som import SOM
@@ -45,7 +45,7 @@ class MapPanel:
         self._cells: np.ndarray | None = None
         self._image = np.zeros((side, side, 3), np.uint8)
 
-    def draw(self, canvas: np.ndarray, session: Session) -> None:
+    def draw(self, canvas: np.ndarray, session: SessionRun) -> None:
         """Redraws only when the robot turns away from another face."""
         shift, som = session.robot.shift, session.robot.som
         activations = None if shift is None else shift.activations
@@ -106,7 +106,7 @@ class GatePanel:
         self._last: ShiftRow | None = None
         self._counted = 0
 
-    def draw(self, canvas: np.ndarray, session: Session) -> None:
+    def draw(self, canvas: np.ndarray, session: SessionRun) -> None:
         """The bar is full when the learner always decides."""
         x, y, width, _ = self._box
         bar = Box(x + 12, y + 48, width - 24, 12)
@@ -160,7 +160,7 @@ class SuccessPanel:
         self._image = self._blank
         self._counted = -1
 
-    def draw(self, canvas: np.ndarray, session: Session) -> None:
+    def draw(self, canvas: np.ndarray, session: SessionRun) -> None:
         """Redraws only when a shift has landed."""
         if len(session.shifts) != self._counted:
             self._counted = len(session.shifts)

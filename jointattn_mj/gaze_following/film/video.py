@@ -8,7 +8,7 @@ from pathlib import Path
 from types import TracebackType
 
 from jointattn_mj.gaze_following.film.composer import HEIGHT, WIDTH, Composer
-from jointattn_mj.gaze_following.session import Session
+from jointattn_mj.gaze_following.session import SessionRun
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.video.reel import Reel
 
@@ -16,7 +16,7 @@ from jointattn_mj.video.reel import Reel
 class Film:
     """Writes a video while it is shown a session: ``with Film(path, session) as film: session.step(film)``."""
 
-    def __init__(self, path: Path, session: Session, every: int = 1):
+    def __init__(self, path: Path, session: SessionRun, every: int = 1):
         """``every``: only every so manieth frame is drawn and written; the video runs at real time all the same."""
         self._every = every
         self._composer = Composer(session)
@@ -31,7 +31,7 @@ class Film:
         self._reel.__enter__()
         return self
 
-    def __call__(self, session: Session) -> None:
+    def __call__(self, session: SessionRun) -> None:
         """Draw and write this frame of the session.
 
         Raises:

@@ -2,18 +2,18 @@
 
 from matplotlib.figure import Figure
 
-from jointattn_mj.sweeps.claim import Finding, Verdict
+from jointattn_mj.sweeps.claim import Comparison, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
 
 
 def analyse(trials):
     """A row a coin."""
     findings = [
-        Finding(f"heads of the {name} one", "0.5", mean_interval([trial.result["heads"] for trial in part]), verdict)
+        Comparison(f"heads of the {name} one", "0.5", mean_interval([trial.result["heads"] for trial in part]), verdict)
         for name, verdict in (("fair", Verdict.REPRODUCED), ("loaded", Verdict.NOT))
         if (part := trials.get(name))
     ]
-    return [*findings, Finding("a sentence", "so | so", None, Verdict.EXTENSION, "no <number> there")]
+    return [*findings, Comparison("a sentence", "so | so", None, Verdict.EXTENSION, "no <number> there")]
 
 
 def draw(trials):

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from jointattn_mj.cli.terminal import Unbroken, stopped_like_ctrl_c, unbroken_streams
+from jointattn_mj.io.terminal import Unbroken, stopped_like_ctrl_c, unbroken_streams
 
 
 class Full(io.StringIO):
