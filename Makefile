@@ -34,6 +34,7 @@ test: ready-to-test
 
 check: ready-to-test
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check --quiet .
 	$(BIN)/mypy
 
 # The site, in out/site; a warning is an error.
