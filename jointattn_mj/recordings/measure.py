@@ -165,14 +165,14 @@ def _measured(
     progress: Callable[[int], object],
 ) -> Measured:
     unit = check_base(options.base)
-    cells = given.cells()
+    entries = given.entries()
     found = assess_steps(given, measure, options.test(), unit, rng, progress)
-    bound = measure.bound(cells, "smallest") / unit
+    bound = measure.bound(entries, "smallest") / unit
     return Measured(
         measure.name,
         found,
-        found.value - measure.bias(cells, "miller_madow") / unit,
-        found.value - measure.bias(cells, "degrees_of_freedom") / unit,
+        found.value - measure.bias(entries, "miller_madow") / unit,
+        found.value - measure.bias(entries, "degrees_of_freedom") / unit,
         found.corrected / bound if bound > 1e-12 else 0.0,
     )
 
