@@ -35,7 +35,7 @@ class Trial:
 
 
 TRIALS = (
-    Trial(USER, "make demo", "No pictures can be rendered here"),
+    Trial(USER, "make demo", "No images can be rendered here"),
     Trial(USER, "make test", "for the administrator: apt-get", succeeds=False),
     Trial("root", "make demo", "out/demo/trained/video.mp4"),
     Trial("root", "make test", " passed"),
