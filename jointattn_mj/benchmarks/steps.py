@@ -84,6 +84,6 @@ def _render(world: TurnWorld, poses: list[Pose]) -> float:
     for pose in poses:
         world.stand(pose)
         start = time.perf_counter()
-        world.eye.look()
+        world.eye.render()
         spent += time.perf_counter() - start
     return spent

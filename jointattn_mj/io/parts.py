@@ -61,7 +61,7 @@ scene.model: ObjectConfig SceneConfig
 scene.movement: Arm
 scene.people: FaceConfig
 scene.sensor: Sensor
-scene.world: Observation World WorldConfig
+scene.world: World WorldConfig WorldObservation
 """
 PARTS = frozenset(
     f"{PACKAGE}.{module}.{name}"

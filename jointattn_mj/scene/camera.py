@@ -97,8 +97,8 @@ class Eye:
         self._read = np.empty((height, width, 3), np.uint8)
         self._buffer = np.empty((height, width, 3), np.uint8)
 
-    def look(self) -> np.ndarray:
-        """The image now, uint8 (height, width, 3), RGB; it holds until the next look.
+    def render(self) -> np.ndarray:
+        """The image now, uint8 (height, width, 3), RGB; it holds until the next call.
 
         Raises:
             GLError: No image can be rendered here; the message names the packages to install.

@@ -49,7 +49,7 @@ ARM = 6
 class Told(TransferScript):
     """Looks where she is told from the next step on; ``objects`` lie where others put them."""
 
-    def look(self, point: np.ndarray | None, head_off: np.ndarray = STRAIGHT) -> None:
+    def look_at(self, point: np.ndarray | None, head_off: np.ndarray = STRAIGHT) -> None:
         """Look at a point (3,) in the world, or at the robot.
 
         ``head_off`` (2,): how far beside its share of the way the head comes to rest, rad; the eyes make up for it.

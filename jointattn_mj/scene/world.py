@@ -4,9 +4,9 @@ Knows MuJoCo and no environment API: the session steps a ``World`` directly, and
 ``World`` over its own physics.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import mujoco
 import numpy as np
@@ -164,17 +164,17 @@ class World(Closable):
     def image(self) -> np.ndarray:
         """What the robot's eye sees now, uint8 (240, 320, 3); rendered at the first call in a frame."""
         if self._image is None:
-            self._image = self._look()
+            self._image = self._render()
             self.rendered_frames += 1
         return self._image
 
-    def _look(self) -> np.ndarray:
+    def _render(self) -> np.ndarray:
         sensor = self.conditions.sensor
         if sensor.delay:
             with self._past.shown(self.model, self.data):
-                image = self.eye.look()
+                image = self.eye.render()
         else:
-            image = self.eye.look()
+            image = self.eye.render()
         sensor.expose(image, round(self.data.time / FRAME_S))
         return image
 
@@ -291,26 +291,23 @@ def _spans(model: mujoco.MjModel, joints: Sequence[str]) -> tuple[slice, slice]:
     return _span([joint.qposadr[0] for joint in found]), _span([joint.dofadr[0] for joint in found])
 
 
-class Observation(Mapping[str, np.ndarray]):
-    """What the robot may know of a world in this frame; the image is rendered when, and only when, it is read.
-
-    Keys: ``camera`` uint8 (240, 320, 3); ``head_angles`` (2,) pan and tilt, rad; ``head_moves`` bool.
-    """
-
-    _READ: ClassVar[dict[str, Callable[[World], Any]]] = {
-        "camera": World.image,
-        "head_angles": World.head_angles,
-        "head_moves": World.head_moves,
-    }
+class WorldObservation:
+    """What the robot may know of a simulated world as it is now (see ``perception.percept.Observation``)."""
 
     def __init__(self, world: World):
         self._world = world
 
-    def __getitem__(self, key: str) -> np.ndarray:
-        return self._READ[key](self._world)
+    @property
+    def image(self) -> np.ndarray:
+        """The camera's image, uint8 (240, 320, 3) RGB; rendered at the first read in a frame, and only then."""
+        return self._world.image()
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._READ)
+    @property
+    def head_angles(self) -> np.ndarray:
+        """Pan and tilt of the robot's head, (2,), rad."""
+        return self._world.head_angles()
 
-    def __len__(self) -> int:
-        return len(self._READ)
+    @property
+    def head_moves(self) -> bool:
+        """Whether the robot's head turns."""
+        return self._world.head_moves()

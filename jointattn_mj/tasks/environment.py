@@ -11,7 +11,7 @@ from dm_control.mujoco.wrapper import MjModel
 from dm_control.rl import control
 from dm_env import specs
 
-from jointattn_mj.errors import ConfigError, StateError
+from jointattn_mj.errors import ConfigError, ObservationError, StateError
 from jointattn_mj.guards.closing import Closable
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.caregiver import FRAME_S
@@ -39,6 +39,33 @@ Random = np.random.RandomState | int | None
 
 _SETTINGS = ("flat_observation", "legacy_step")
 """Of ``control.Environment``, beside the time limit and the control timestep."""
+
+
+class TaskObservation(OrderedDict[str, np.ndarray]):
+    """The observation of a task's time step: a dictionary, as in dm_control, with the robot's part as attributes.
+
+    It is a ``perception.percept.Observation``: the robots of this package take it as it is.
+    """
+
+    @property
+    def image(self) -> np.ndarray:
+        """``camera``: the image, uint8 (240, 320, 3) RGB."""
+        return self._part("camera")
+
+    @property
+    def head_angles(self) -> np.ndarray:
+        """Pan and tilt of the robot's head, (2,), rad."""
+        return self._part("head_angles")
+
+    @property
+    def head_moves(self) -> bool:
+        """Whether the robot's head turns."""
+        return bool(self._part("head_moves"))
+
+    def _part(self, name: str) -> np.ndarray:
+        if name not in self:
+            raise ObservationError(f"expected an observation with {name}; this task gives {', '.join(self)}")
+        return self[name]
 
 
 class JointAttentionTask(control.Task):
@@ -159,13 +186,15 @@ class JointAttentionTask(control.Task):
         spec["head_angles"] = specs.BoundedArray((2,), float, -np.pi, np.pi, name="head_angles")
         return spec | (self.truth_spec() if self._truth else {})
 
-    def get_observation(self, physics: Physics) -> OrderedDict[str, np.ndarray]:
+    def get_observation(self, physics: Physics) -> TaskObservation:
         """The image and the head's pan and tilt (rad), where asked for the truth; arrays of the caller's own."""
-        observation: OrderedDict[str, np.ndarray] = OrderedDict()
+        observation = TaskObservation()
         if self._camera:
             observation["camera"] = self.world.image().copy()
         observation["head_angles"] = self.world.head_angles()
-        return observation | (self.truth() if self._truth else {})
+        if self._truth:
+            observation.update(self.truth())
+        return observation
 
     def truth_spec(self) -> dict[str, specs.Array]:
         """What ``truth`` returns."""

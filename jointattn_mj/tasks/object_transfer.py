@@ -6,7 +6,7 @@ import numpy as np
 from dm_env import specs
 
 from jointattn_mj.scene.camera import directions_to
-from jointattn_mj.tasks.environment import JointAttentionTask
+from jointattn_mj.tasks.environment import JointAttentionTask, TaskObservation
 from jointattn_mj.tasks.physics import Physics
 
 TIME_LIMIT = 60.0
@@ -22,7 +22,7 @@ class ObjectTransfer(JointAttentionTask):
         spec["head_moves"] = specs.Array((), bool, name="head_moves")
         return spec
 
-    def get_observation(self, physics: Physics) -> OrderedDict[str, np.ndarray]:
+    def get_observation(self, physics: Physics) -> TaskObservation:
         """The image, the head's pan and tilt (rad), and whether it turns; arrays of the caller's own."""
         observation = super().get_observation(physics)
         observation["head_moves"] = np.array(self.world.head_moves())

@@ -113,7 +113,7 @@ class TurnTaking(JointAttentionTask):
         was_followed = robot == looks_at < face and self.table.full[robot]
         self.joint_attention = bool(followed or was_followed)
         self._lay()
-        self.world.caregiver.look(None if looks_at == face else self._locations[looks_at])
+        self.world.caregiver.look_at(None if looks_at == face else self._locations[looks_at])
 
     def _lay(self) -> None:
         """Put the objects where the table has them."""

@@ -120,5 +120,5 @@ class Stage:
 
     def _pose(self, point: np.ndarray | None, head: np.ndarray) -> None:
         off = self._noise * self._random.standard_normal((2, 2))
-        self.world.caregiver.look(point, off[0])
+        self.world.caregiver.look_at(point, off[0])
         self.world.arrive(head + off[1])
