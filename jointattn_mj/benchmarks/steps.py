@@ -9,7 +9,7 @@ from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.run import TableRun
-from jointattn_mj.scene.looker import Pose, TurnWorld
+from jointattn_mj.scene.looker import Pose, TableWorld
 
 STEPS = 1000
 """In a block."""
@@ -78,7 +78,7 @@ def _seconds(run: DevelopmentRun) -> float:
     return time.perf_counter() - start
 
 
-def _render(world: TurnWorld, poses: list[Pose]) -> float:
+def _render(world: TableWorld, poses: list[Pose]) -> float:
     """Seconds for rendering alone; bodies are put into their places before each image, untimed."""
     spent = 0.0
     for pose in poses:

@@ -56,7 +56,7 @@ scene.caregiver: CaregiverConfig TransferScript Phase Plan
 scene.delay: Past
 scene.dressing: Conditions Lamp Surfaces
 scene.layout: Layout LayoutConfig
-scene.looker: Told TurnWorld
+scene.looker: DirectedCaregiver TableWorld
 scene.model: ObjectConfig SceneConfig
 scene.movement: Arm
 scene.people: FaceConfig

@@ -33,7 +33,7 @@ from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.state import StateConfig, StatePerception
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX, direction_of, directions_to
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
-from jointattn_mj.scene.looker import locations
+from jointattn_mj.scene.looker import spot_positions
 from jointattn_mj.scene.model import OBJECTS
 from jointattn_mj.scene.variation import Variation, drawn, variation_of
 from jointattn_mj.scene.world import WorldConfig, WorldObservation, build_physics
@@ -118,7 +118,7 @@ class RealtimeRun(ObservedRun):
         self._observation = WorldObservation(self.world)
         self._perceiver = self._new_perceiver(np.random.default_rng(of_perception))
         self.attention = AttentionSelector(config.attention, table.objects, np.random.default_rng(of_attention))
-        self.heads = np.vstack([directions_to(locations(table.spots, world.scene)), np.zeros(2)])
+        self.heads = np.vstack([directions_to(spot_positions(table.spots, world.scene)), np.zeros(2)])
         self._held = np.zeros(2)
         self.frame, self._gazes_at = 0, NOWHERE
         patterns, greetings = self._familiarised()
