@@ -57,8 +57,9 @@ scene.delay: Past
 scene.dressing: Conditions Lamp Surfaces
 scene.layout: Layout LayoutConfig
 scene.looker: DirectedCaregiver TableWorld
-scene.model: ObjectConfig SceneConfig
+scene.model: SceneConfig
 scene.movement: Arm
+scene.objects: ObjectConfig
 scene.people: FaceConfig
 scene.sensor: Sensor
 scene.world: World WorldConfig WorldObservation

@@ -133,7 +133,7 @@ class TableWorld(World):
         caregiver.advance()
         self._script_angles[:], self._script_speeds[:] = caregiver.joints, 0
         self._head_angles[:], self._head_speeds[:], self._controls[:] = head, 0, head
-        self._object_locations[:] = self._objects_before[:] = caregiver.objects
+        self._object_positions[:] = self._objects_before[:] = caregiver.objects
         mujoco.mj_forward(self.model, self.data)
         self._past.forget()
         self._image = None

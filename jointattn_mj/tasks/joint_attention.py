@@ -30,7 +30,8 @@ from dm_control.utils import containers
 from jointattn_mj.development.table.world import CHAPTER_4, CHAPTER_5, TableConfig
 from jointattn_mj.scene.caregiver import CaregiverConfig
 from jointattn_mj.scene.layout import LayoutConfig
-from jointattn_mj.scene.model import OBJECTS, SceneConfig
+from jointattn_mj.scene.model import SceneConfig
+from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.people import IDENTITIES
 from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.scene.world import WorldConfig

@@ -24,7 +24,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.looker import AWAY, TableWorld, spot_positions
-from jointattn_mj.scene.model import OBJECTS, ObjectConfig
+from jointattn_mj.scene.objects import OBJECTS, ObjectConfig
 from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.scene.world import WorldConfig
 from jointattn_mj.tasks.arguments import require

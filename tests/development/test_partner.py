@@ -19,7 +19,7 @@ from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
 from jointattn_mj.scene.looker import spot_positions
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.world import AS_USUAL, WorldConfig, build_physics
 
 SPOTS = 3

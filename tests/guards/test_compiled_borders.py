@@ -208,7 +208,7 @@ def images() -> Iterator[Case]:
     from jointattn_mj.perception.percept import StillObservation
     from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
     from jointattn_mj.perception.som import SOM, SOMConfig
-    from jointattn_mj.scene.model import OBJECTS
+    from jointattn_mj.scene.objects import OBJECTS
 
     rgb = np.array([item.rgb for item in OBJECTS[:4]])
     perception, colours, head = PixelPerception(PixelConfig(), rgb), ColourAreas(rgb), np.zeros(2)
@@ -284,7 +284,7 @@ def harmless() -> Iterator[Case]:
     from jointattn_mj.perception.objects import ColourAreas
     from jointattn_mj.perception.percept import StillObservation
     from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
-    from jointattn_mj.scene.model import OBJECTS
+    from jointattn_mj.scene.objects import OBJECTS
 
     rgb, head = np.array([item.rgb for item in OBJECTS[:4]]), np.zeros(2)
     perception, rng = PixelPerception(PixelConfig(), rgb), np.random.default_rng(0)

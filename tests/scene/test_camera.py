@@ -21,7 +21,7 @@ from jointattn_mj.scene.camera import (
     pixel_of,
     pixels_of_points,
 )
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.world import HEAD_JOINTS, WorldConfig, build_physics
 
 heads = st.tuples(st.floats(-45, 45), st.floats(-35, 15)).map(np.array)

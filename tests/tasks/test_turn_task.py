@@ -39,7 +39,7 @@ def test_it_is_the_table(environment):
 
 
 def test_bodies_stand_as_the_table_says(environment):
-    """Objects on full spots, the robot's gaze on its spot to a tenth of a degree, the caregiver's nearest to its own."""
+    """Objects on full spots, the robot's gaze on its spot within .1 degrees, the caregiver's nearest to its spot."""
     environment.reset()
     task, physics = environment.task, environment.physics
     spots = spot_positions(task.table_config.spots, task.world.config.scene)

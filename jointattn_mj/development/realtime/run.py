@@ -34,7 +34,7 @@ from jointattn_mj.perception.state import StateConfig, StatePerception
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX, direction_of, directions_to
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
 from jointattn_mj.scene.looker import spot_positions
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.variation import Variation, drawn, variation_of
 from jointattn_mj.scene.world import WorldConfig, WorldObservation, build_physics
 

@@ -14,7 +14,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Real
 from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.looker import AWAY, TableWorld, spot_positions
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.variation import Variation, drawn, variation_of
 from jointattn_mj.scene.world import WorldConfig
 
