@@ -56,12 +56,13 @@ scene.caregiver: CaregiverConfig TransferScript Phase Plan
 scene.delay: Past
 scene.dressing: Conditions Lamp Surfaces
 scene.layout: Layout LayoutConfig
-scene.looker: Told TurnWorld
-scene.model: ObjectConfig SceneConfig
+scene.looker: DirectedCaregiver TableWorld
+scene.model: SceneConfig
 scene.movement: Arm
+scene.objects: ObjectConfig
 scene.people: FaceConfig
 scene.sensor: Sensor
-scene.world: Observation World WorldConfig
+scene.world: World WorldConfig WorldObservation
 """
 PARTS = frozenset(
     f"{PACKAGE}.{module}.{name}"
