@@ -20,6 +20,11 @@ _FARTHEST = 1.35  # m, length of a line of sight that meets nothing
 _START = 0.10  # m, where it leaves the head
 _FOVY_DEG = 33.5  # a little tighter than the camera's own: both heads just fit
 _LEFT, _DOWN = 0.045, 0.022  # rad, turn of the camera towards the middle between the two
+_LAMP, _AMBIENT, _FILL = np.array([0.58, 0.55, 0.49]), np.array([0.50, 0.50, 0.51]), np.array([0.13, 0.13, 0.13])
+"""Light of the onlooker's model (rgb): a warm lamp, light from all around, and light from the camera."""
+_ROOM = {"table": (1.16, 1.04, 0.86), "wall": (1.16, 1.18, 1.16), "floor": (1.10, 1.06, 1.0)}
+"""Factors on the room's colours (rgb) in the onlooker's model."""
+_SIDE_WALLS = (0.93, 0.93, 0.90)
 
 
 class Sight(NamedTuple):
@@ -65,6 +70,7 @@ class Onlooker:
         model = copy.copy(world.model)
         model.vis.global_.offwidth, model.vis.global_.offheight = width, height
         model.vis.quality.offsamples = 4
+        _light(model)
         view = model.camera("third_person")
         view.fovy[:] = _FOVY_DEG
         turn, quat = np.empty(4), view.quat.copy()
@@ -95,6 +101,18 @@ class Onlooker:
         self.together = robot.hit in objects and robot.hit == person.hit
         _add_line(scene, person, GREEN if self.together else PERSON)
         _add_line(scene, robot, GREEN if self.together else ROBOT)
+
+
+def _light(model: mujoco.MjModel) -> None:
+    """Replace the light of ``model``, an onlooker's own, by a brighter and warmer one."""
+    model.light_diffuse[0], model.light_ambient[0] = _LAMP, 0.0
+    headlight = model.vis.headlight
+    headlight.active = 1
+    headlight.ambient[:], headlight.diffuse[:], headlight.specular[:] = _AMBIENT, _FILL, 0.0
+    for name, factor in _ROOM.items():
+        rgba = model.material(f"room/{name}").rgba
+        rgba[:3] = np.minimum(rgba[:3] * factor, 1)
+    model.geom("room/side_walls").rgba[:3] = _SIDE_WALLS
 
 
 def _add_line(scene: MjvScene, sight: Sight, colour: Colour) -> None:
