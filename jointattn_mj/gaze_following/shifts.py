@@ -123,6 +123,11 @@ class Shifts(Sequence[ShiftRow]):
         }
         self.rows = RowStore("gaze_shifts", np.float64, len(_KINDS))
 
+    @property
+    def objects(self) -> int:
+        """Number of objects that the robot can look at."""
+        return len(self._words["chosen"]) - 1
+
     def __len__(self) -> int:
         """Shifts so far."""
         return len(self.rows)

@@ -82,7 +82,7 @@ class Onlooker:
         self._camera.option.geomgroup[ROBOT_GROUP] = 1
         self.together = False
 
-    def look(self) -> np.ndarray:
+    def render(self) -> np.ndarray:
         """The image now, uint8 (height, width, 3); ``together`` then says whether both look at the same object."""
         model, data, now = self._physics.model.ptr, self._physics.data.ptr, self._world.data
         data.qpos[:], data.mocap_pos[:], data.mocap_quat[:] = now.qpos, now.mocap_pos, now.mocap_quat

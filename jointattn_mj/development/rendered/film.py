@@ -125,7 +125,7 @@ def with_views(still: np.ndarray, world: World, onlooker: Onlooker, radius_deg: 
     eye[:] = cv2.resize(world.image(), size, interpolation=cv2.INTER_CUBIC)
     radius = SCALE * np.radians(radius_deg) * FOCAL_PX
     disc(eye, np.array(size) / 2, radius, ROBOT, 1)
-    OUTSIDE.of(canvas)[:] = onlooker.look()
+    OUTSIDE.of(canvas)[:] = onlooker.render()
     if onlooker.together:
         write(canvas, OUTSIDE.x + OUTSIDE.width - 12, OUTSIDE.y + 8, "joint attention", GREEN, 16, True, align="right")
         brackets(eye, np.array(size) / 2, 2.2 * radius, GREEN, 3)

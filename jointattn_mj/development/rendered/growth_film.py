@@ -66,7 +66,7 @@ class GrowthFilm:
                     eye[:] = cv2.resize(world.image(), size, interpolation=cv2.INTER_CUBIC)
                     radius = 2 * np.radians(copy.body.config.senses.centre_radius_deg) * FOCAL_PX
                     disc(eye, np.array(size) / 2, radius, ROBOT, 1)
-                    _OUTSIDE.of(canvas)[:] = onlooker.look()
+                    _OUTSIDE.of(canvas)[:] = onlooker.render()
                     self._reel.add(canvas)
         finally:
             onlooker.close()
