@@ -60,7 +60,7 @@ class FaceAlbum:
     def __setstate__(self, state: dict[str, Any]) -> None:
         patterns, times, capacity = (state.pop(name) for name in ("_patterns", "_times", "_capacity"))
         self.__init__(capacity, patterns.shape[1], state["_rng"])  # type: ignore[misc]
-        self.visible = state["seen"]
+        self.visible = state["visible"]
         self._patterns[: len(patterns)], self._times[: len(times)] = patterns, times
 
     def learn(self, config: SOMConfig) -> SOM:

@@ -19,7 +19,7 @@ from jointattn_mj.footage.watcher import Watcher
 from jointattn_mj.perception.pixels import PixelPerception
 
 STATE = (
-    "watcher", "mapped", "fixations", "album", "frames", "face_side", "seen", "moves", "sample", "coloured", "sizes",
+    "watcher", "mapped", "fixations", "album", "frames", "face_side", "visible", "moves", "sample", "coloured", "sizes",
     "_faces",
 )  # fmt: skip
 """Attributes that change from frame to frame; the rest follows from the config."""
