@@ -63,8 +63,8 @@ def draw_success(path: Path, shifts: Shifts, minutes: float) -> None:
 
 
 _ABOUT_SUCCESS = (
-    "Counted: gaze shifts from the caregiver's face to an object. A hit ends at the object that the caregiver looks at.\n"
-    "The curve is mov_ave(t) of eq. 6.9: the share of hits within one minute before and after t."
+    "Counted: gaze shifts from the caregiver's face to an object. A hit ends at the object that the caregiver "
+    "looks at.\nThe curve is mov_ave(t) of eq. 6.9: the share of hits within one minute before and after t."
 )
 
 
