@@ -15,7 +15,7 @@ from jointattn_mj.io.figures import save
 POINTS = 600
 """Most points of a curve."""
 FACE = "#8a5a3c"
-Colour = str | tuple[float, ...]
+Ink = str | tuple[float, ...]
 
 
 def draw_fixations(
@@ -31,7 +31,7 @@ def draw_fixations(
         names: Of the candidates, the face last.
         rgb: (n, 3) colours of the objects, 0..1.
     """
-    inks = [*(tuple(0.85 * np.asarray(colour)) for colour in rgb), FACE]
+    inks: list[Ink] = [*(tuple(0.85 * np.asarray(colour)) for colour in rgb), FACE]
     figure = Figure(figsize=(11, 5.2), layout="constrained")
     parts = figure.subplot_mosaic([["where", "when"], ["where", "why"]], width_ratios=[1.25, 1], height_ratios=[1, 1.3])
     _where(parts["where"], image, fixations, inks)
@@ -43,10 +43,10 @@ def draw_fixations(
 
 
 def _seconds(percepts: Path) -> float:
-    return pq.ParquetFile(percepts).metadata.num_rows / RATE
+    return int(pq.ParquetFile(percepts).metadata.num_rows) / RATE
 
 
-def _where(axes: Axes, image: np.ndarray, fixations: list[Fixation], inks: list[Colour]) -> None:
+def _where(axes: Axes, image: np.ndarray, fixations: list[Fixation], inks: list[Ink]) -> None:
     axes.imshow(image // 2 + 127)
     visible = [one for one in fixations if one.frames_visible]
     locations = np.array([one.px_sum / one.frames_visible for one in visible]).reshape(-1, 2)
@@ -60,7 +60,7 @@ def _where(axes: Axes, image: np.ndarray, fixations: list[Fixation], inks: list[
     axes.set(xlim=(-0.5, image.shape[1] - 0.5), ylim=(image.shape[0] - 0.5, -0.5))
 
 
-def _when(axes: Axes, fixations: list[Fixation], names: tuple[str, ...], inks: list[Colour]) -> None:
+def _when(axes: Axes, fixations: list[Fixation], names: tuple[str, ...], inks: list[Ink]) -> None:
     for number in range(len(names)):
         bars = [(one.start / RATE, one.seconds) for one in fixations if one.candidate == number]
         axes.broken_barh(bars, (len(names) - 1 - number - 0.4, 0.8), facecolors=inks[number])
@@ -70,7 +70,7 @@ def _when(axes: Axes, fixations: list[Fixation], names: tuple[str, ...], inks: l
     axes.grid(axis="x", alpha=0.3)
 
 
-def _why(axes: Axes, percepts: Path, names: tuple[str, ...], inks: list[Colour]) -> None:
+def _why(axes: Axes, percepts: Path, names: tuple[str, ...], inks: list[Ink]) -> None:
     columns = [f"{name}_interest" for name in names]
     file = pq.ParquetFile(percepts)
     every = max(1, file.metadata.num_rows // POINTS)

@@ -57,7 +57,8 @@ def motion_saliency(motion: float, gain: float, delay: float, width: float) -> f
         delay: d of eq. 6.4, frames.
         width: T of eq. 6.4, frames.
     """
-    return 1 + gain / (1 + np.exp((delay - motion) / width))
+    saliency: float = 1 + gain / (1 + np.exp((delay - motion) / width))
+    return saliency
 
 
 @numba.njit(cache=True)

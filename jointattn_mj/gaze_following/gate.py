@@ -33,7 +33,8 @@ class GazeConfig(Checked):
     """Frames of a shift at which visual feedback perceives again and corrects its aim, for a carried object moves on in
     the 0.8 s of a shift. Colour areas are visible while the head turns, flow is not. Empty: one open-loop command."""
     centre_radius_deg: Annotated[float, Real("(0, 180]")] = 3.5
-    """Angle from the centre of view within which a candidate is gazed at, deg ("around the center of the view", 6.3.1)."""
+    """Angle from the centre of view within which a candidate is gazed at, deg ("around the center of
+    the view", 6.3.1)."""
 
 
 def gate_probability(config: GazeConfig, iterations: int) -> float:
@@ -85,4 +86,5 @@ class HeadShift:
 
     def _reference(self, frame: int) -> np.ndarray:
         part = (self._progress[frame] - self._offset) / (1 - self._offset)
-        return self._start + part * (self._end - self._start)
+        reference: np.ndarray = self._start + part * (self._end - self._start)
+        return reference

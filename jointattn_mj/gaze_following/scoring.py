@@ -1,7 +1,8 @@
 """Scoring of gaze shifts from the face to an object: was it joint attention (section 6.4.3)?
 
 Scoring uses the state of the simulation; the robot is not told. "We counted whether the robot was able to
-perform joint attention with the human or not when it directed its gaze from his face to an object" leaves open which moment counts. A shift takes a second, and the human goes on meanwhile:
+perform joint attention with the human or not when it directed its gaze from his face to an object" leaves open which
+moment counts. A shift takes a second, and the human goes on meanwhile:
 
 - at launch: the robot ended where the caregiver's target was when the shift began;
 - at landing: the robot ended where the caregiver's target is now.

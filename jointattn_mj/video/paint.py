@@ -78,7 +78,7 @@ def _mask(text: str, size: int, bold: bool) -> np.ndarray:
 
 def width_of(text: str, size: int = 14, bold: bool = False) -> int:
     """Width (pixels) that ``write`` will need."""
-    return _mask(text, size, bold).shape[1]
+    return int(_mask(text, size, bold).shape[1])
 
 
 def fitting(text: str, width: float, sizes: Sequence[int], bold: bool = False) -> int:
@@ -113,7 +113,7 @@ def write(
     """
     mask = _mask(text, size, bold)
     left = round(x - {"left": 0, "centre": 0.5, "right": 1}[align] * mask.shape[1])
-    top, end = round(y), left + mask.shape[1]
+    top, end = round(y), int(left + mask.shape[1])
     skip_x, skip_y = max(0, -left), max(0, -top)
     area = image[top + skip_y : top + mask.shape[0], left + skip_x : end] if end > 0 else image[:0, :0]
     if area.size:

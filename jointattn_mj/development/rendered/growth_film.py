@@ -1,4 +1,4 @@
-"""A film of growing resolution: both views, the map of faces, and the directions of gaze, in colours of their values."""
+"""A film of growing resolution: both views, and the map of faces and directions of gaze in colours of their values."""
 
 import pickle
 from collections.abc import Callable
@@ -139,7 +139,7 @@ def _draw_table(area: np.ndarray, body: Body, resolution: Resolution) -> None:
     width = area.shape[1] - 40
 
     def x_of(pan: float) -> float:
-        return 20 + width * (high + 3 - np.clip(pan, low - 3, high + 3)) / (high - low + 6)
+        return float(20 + width * (high + 3 - np.clip(pan, low - 3, high + 3)) / (high - low + 6))
 
     for number, box in enumerate(resolution.boxes):
         left, right = round(x_of(box[0, 1])), round(x_of(box[0, 0]))

@@ -89,7 +89,8 @@ def face_cells(som: SOM, side: int) -> np.ndarray:
     low, high = np.percentile(som.weights, (2, 98))
     tones = np.clip((som.images() - low) / max(high - low, 1e-6), 0, 1) ** _GAMMA
     whole = tones.transpose(0, 2, 1, 3).reshape(rows * pattern, columns * pattern).astype(np.float32)
-    return cv2.resize(whole, (side, side), interpolation=cv2.INTER_AREA)
+    cells: np.ndarray = cv2.resize(whole, (side, side), interpolation=cv2.INTER_AREA)
+    return cells
 
 
 def _edges(shape: tuple[int, int], side: int) -> tuple[np.ndarray, np.ndarray]:
@@ -116,7 +117,7 @@ def lit(cells: np.ndarray, activations: np.ndarray | None, shape: tuple[int, int
     light = cv2.resize(active, (side, side), interpolation=cv2.INTER_NEAREST)[..., None]
     grey = 200 * cells[..., None] * np.ones(3, np.float32)
     glowing = 70 + 0.9 * cells[..., None] * _GLOW
-    image = (grey + light * (glowing - grey)).clip(0, 255).astype(np.uint8)
+    image: np.ndarray = (grey + light * (glowing - grey)).clip(0, 255).astype(np.uint8)
     rows, columns = _edges(shape, side)
     image[rows[1:-1]] = GROUND
     image[:, columns[1:-1]] = GROUND
