@@ -104,6 +104,11 @@ class GazeFollower:
         self._held = np.zeros(2)  # reference of the head's servos, deg
         self._command = np.zeros(2)  # the same in rad
 
+    def __repr__(self) -> str:
+        """In one line: what is attended, and how much was learned."""
+        attended = {None: "nothing", self.face: "the face"}.get(self.attended, f"object {self.attended}")
+        return f"GazeFollower(attends to {attended}, {self.iterations} learning iterations)"
+
     def familiarise(self, observation: Observation, frame: int) -> np.ndarray:
         """Action (2,) for one frame before the session: look at the face, and learn its patterns.
 
