@@ -142,7 +142,7 @@ def test_series_of_unequal_length():
 
 def test_babbling_goes_on_the_same_after_a_pickle_and_a_mind_lives_with_what_was_found(monkeypatch):
     monkeypatch.setattr(RecallingBody, "pages", 6)
-    config = GrowingConfig(greeting=3, watching=80, resolution=ResolutionConfig(warm_up=1000))
+    config = GrowingConfig(calibration=3, exploration=80, resolution=ResolutionConfig(warm_up=1000))
     one = Babbling(TableConfig(spots=2, objects=1), config, 5, RecallingBody)
     one.advance(1500)
     other = pickle.loads(pickle.dumps(one))

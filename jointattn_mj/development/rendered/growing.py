@@ -4,9 +4,9 @@ First it watches; then it babbles, while what it senses and does grows finer (``
 of chapter 5 develops with the values that were found.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -47,14 +47,16 @@ class GrowingConfig(Checked):
     are known."""
     resolution: ResolutionConfig = field(default_factory=ResolutionConfig)
     """When values split."""
-    greeting: Annotated[int, Whole("[1, 1e6]")] = 15
+    calibration: Annotated[int, Whole("[1, 1e6]")] = 15
     """Looks at the caregiver's face before all else, while she looks at the robot: so it learns what frontal is."""
-    watching: Annotated[int, Whole("[1, 1e6]")] = 600
+    exploration: Annotated[int, Whole("[1, 1e6]")] = 600
     """Turns in which it only watches: from her faces it makes its map, and it sees where objects are."""
     face_share: Annotated[float, Real("(0, 1)")] = 0.5
     """How often it looks at her face while it watches and babbles; else in a direction at random."""
     margin: Annotated[float, Real("[0, 0.5)")] = 0.02
     """Share of the directions of seen objects that is left out at each end of an axis: some are wrong."""
+
+    RENAMED: ClassVar[Mapping[str, str]] = {"greeting": "calibration", "watching": "exploration"}
 
 
 class Sensed(NamedTuple):
@@ -141,7 +143,7 @@ class Body:
     def _greeted(self) -> list[np.ndarray]:
         """Find her face, and bring it to the centre; returns the patterns (d,) seen there."""
         self.face, patterns, visible = np.zeros(2), list[np.ndarray](), 0
-        for _ in range(100 * self.config.greeting):
+        for _ in range(100 * self.config.calibration):
             self.stage.greet(self.face)
             shown = self.look()
             if shown.pattern is not None:
@@ -150,14 +152,14 @@ class Body:
                 visible += 1
                 location = np.radians(direction_of(shown.face_px, np.degrees(self.stage.world.head_angles())))
                 self.face += (location - self.face) / visible
-            if len(patterns) == self.config.greeting:
+            if len(patterns) == self.config.calibration:
                 return patterns
         raise ConfigError("the robot found no face to look at; change stage.variation, or the scene")
 
     def _watched(self) -> list[np.ndarray]:
         """Look at her, and where objects have been seen; returns the patterns (d,) of her faces."""
         faces, objects = list[np.ndarray](), list[np.ndarray]()
-        for _ in range(self.config.watching):
+        for _ in range(self.config.exploration):
             away = objects and self._moves.random() >= self.config.face_share
             shown = self._step(objects[self._moves.integers(len(objects))] if away else None, 0)
             if shown.pattern is not None:

@@ -1,8 +1,8 @@
 """The mind of chapter 5 in the rendered world, turn after turn: an image in, a gaze shift and a gesture out."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numba import njit
@@ -32,11 +32,13 @@ class RenderedConfig(Checked):
     """Bodies."""
     senses: SensesConfig = field(default_factory=SensesConfig)
     """From images to sensations."""
-    greeting: Annotated[int, Whole("[1, 1e6]")] = 30
+    calibration: Annotated[int, Whole("[1, 1e6]")] = 30
     """Looks at the caregiver's face before all else, while she looks at the robot: so it learns what frontal is."""
-    watching: Annotated[int, Whole("[1, 1e6]")] = 1000
+    exploration: Annotated[int, Whole("[1, 1e6]")] = 1000
     """Turns of moving at random, after which the robot makes categories of the faces it has seen; then it begins to
     count. A quarter of these turns show the face: 250 patterns, in which none of twelve seeds lacked a category."""
+
+    RENAMED: ClassVar[Mapping[str, str]] = {"greeting": "calibration", "watching": "exploration"}
 
 
 class RenderedRun(ObservedRun):
@@ -72,7 +74,7 @@ class RenderedRun(ObservedRun):
         self.heads = np.vstack([self.stage.locations, self._face])
         patterns += self._watched(table, of_watching)
         rng = np.random.default_rng(of_senses)
-        self.senses = Senses(config.senses, table, np.array(patterns), config.greeting, rng)
+        self.senses = Senses(config.senses, table, np.array(patterns), config.calibration, rng)
         self.stage.begin(of_table)
         developer = Developer(self.senses.variables, agent, of_agent, reactive)
         super().__init__(developer, table, n_steps, sample_every)
@@ -85,7 +87,7 @@ class RenderedRun(ObservedRun):
 
     def more(self) -> dict[str, Any]:
         """See ``DevelopmentRun``: who she was, and how well perception did."""
-        who = {"caregiver": self.stage.world.config.scene.caregiver, "turns_watched_before": self.config.watching}
+        who = {"caregiver": self.stage.world.config.scene.caregiver, "turns_watched_before": self.config.exploration}
         return {**who, **super().more()}
 
     def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
@@ -130,7 +132,7 @@ class RenderedRun(ObservedRun):
                 visible += 1
                 location = np.radians(direction_of(shown.face_px, np.degrees(self.stage.world.head_angles())))
                 self._face += (location - self._face) / visible
-            if len(patterns) == self.config.greeting:
+            if len(patterns) == self.config.calibration:
                 return patterns
         raise ConfigError(
             f"the robot found no face to look at in {MOST_LOOKS} images; change stage.variation, or the scene"
@@ -142,7 +144,7 @@ class RenderedRun(ObservedRun):
         rng, patterns = np.random.default_rng(of_moves), list[np.ndarray]()
         self.stage.begin(of_table)
         stage = self.stage
-        for _ in range(self.config.watching):
+        for _ in range(self.config.exploration):
             action = rng.integers((table.spots + 1, table.gestures))
             step(stage.table, action, stage.sensors, stage.results)
             stage.show(int(action[1]), self.heads)
