@@ -64,7 +64,7 @@ def slow_convergence(values, config, modelled=()):
     for t, now in enumerate(values, 1):
         order = sorted(ranked, key=lambda e: (-now[e], e))
         gap = now[order[0]] - now[order[1]]
-        change = abs(gap - gap_before) if config.of == "gap" else abs(now - before).max()
+        change = abs(gap - gap_before) if config.stability_of == "gap" else abs(now - before).max()
         held = held + 1 if order[0] == first_before and change < config.threshold else 0
         before, gap_before, first_before = now, gap, order[0]
         due = t > config.warm_up and held >= config.hold and order[0] not in modelled and now[order[0]] > 0
