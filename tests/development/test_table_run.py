@@ -212,11 +212,11 @@ def test_presets_live(name):
     ("arguments", "word"),
     [
         ({"seed": -1}, "-1"),
-        ({"turns": 0}, "0"),
+        ({"n_steps": 0}, "0"),
         ({"sample_every": 0}, "0"),
-        ({"mind": replace(HASTY, most_modules=127)}, "129"),
+        ({"agent": replace(HASTY, most_modules=127)}, "129"),
     ],
 )
 def test_impossible_lives(arguments, word):
     with pytest.raises(ConfigError, match=word):
-        TableRun(**({"world": WORLD, "mind": HASTY, "seed": 0, "turns": 10} | arguments))
+        TableRun(**({"world": WORLD, "agent": HASTY, "seed": 0, "n_steps": 10} | arguments))

@@ -64,7 +64,7 @@ def codes() -> Iterator[Case]:
 def agents() -> Iterator[Case]:
     """Counts, detector, selector and minds, transition by transition."""
     from jointattn_mj.contingency.online.counts import add, divide, empty_counts, local_variance, set_joint_table
-    from jointattn_mj.contingency.online.detector import DetectorConfig, look, new_watch
+    from jointattn_mj.contingency.online.detector import DetectorConfig, new_watch, update
     from jointattn_mj.contingency.online.events import Variable, Variables
     from jointattn_mj.contingency.online.reactive import RandomModule
     from jointattn_mj.contingency.online.selector import SelectorConfig, flat_maps, select
@@ -105,7 +105,7 @@ def agents() -> Iterator[Case]:
         "NaN": np.full(shape, NAN), "negative": np.full(shape, -1.0), "another shape": np.zeros((2, 2)), "None": None,
     }.items():  # fmt: skip
         yield f"joint table {name}", lambda t=table: set_joint_table(counts, 0, t)
-    yield "look with another number of events", lambda: look(new_watch(DetectorConfig(), len(events) + 3), counts)
+    yield "update with another number of events", lambda: update(new_watch(DetectorConfig(), len(events) + 3), counts)
     maps = flat_maps(world, [], [RandomModule("a0")], SelectorConfig())
     working = {"strength": np.zeros(1), "a": np.zeros(1, np.int64), "driver": np.zeros(1, np.int64)}
 

@@ -17,7 +17,7 @@ from jointattn_mj.development.contingency_log import ContingencyLog
 from jointattn_mj.development.realtime.partner import PACE, PartnerConfig, PartnerWorld
 from jointattn_mj.development.rendered.body import Witnessed
 from jointattn_mj.development.rendered.observer import ObservedRun
-from jointattn_mj.development.rendered.senses import CentralView, Senses, SensesConfig
+from jointattn_mj.development.rendered.senses import CentralView, Senses, SensesConfig, px_off_centre
 from jointattn_mj.development.table.caregiver import NOWHERE
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
@@ -31,7 +31,7 @@ from jointattn_mj.perception.motion import MotionConfig
 from jointattn_mj.perception.percept import Perceiver, Percept
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.state import StateConfig, StatePerception
-from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX, direction_of, directions_to
+from jointattn_mj.scene.camera import FOCAL_PX, direction_of, directions_to
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
 from jointattn_mj.scene.looker import locations
 from jointattn_mj.scene.model import OBJECTS
@@ -216,8 +216,7 @@ class RealtimeRun(ObservedRun):
 
     def _at_centre(self, percept: Percept) -> int | None:
         """The candidate that is nearest to the centre of view, if that is near enough to be gazed at."""
-        off = np.hypot(percept.px[:, 0] - CENTRE_X, percept.px[:, 1] - CENTRE_Y)
-        off[~percept.visible] = np.inf
+        off = px_off_centre(percept)
         nearest = int(off.argmin())
         return nearest if off[nearest] <= np.radians(self.config.senses.centre_radius_deg) * FOCAL_PX else None
 
