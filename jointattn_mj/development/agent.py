@@ -261,7 +261,7 @@ class Developer:
         counts, maps = self.state.counts, self.state.maps
         check_finite(
             {
-                "counts": counts.cells,
+                "counts": counts.entries,
                 "sums of counts": counts.contexts["sum"],
                 "contingency": self.state.watch.values,
                 "reliability": maps.reliability,

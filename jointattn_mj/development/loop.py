@@ -143,7 +143,7 @@ class DevelopmentRun(ABC):
         check_array("r", self._r, (len(base.results),), np.int64)
         if self.columns != self._columns() or self._log.columns != len(self.columns):
             raise ValueError("the log has other columns")
-        if (self._log.dtype, self.noted.dtype, self.noted.events) != (np.int8, np.float64, len(self.agent.events)):
+        if self._log.dtype != np.int8 or self.noted.dtype != np.float64 or self.noted.events != len(self.agent.events):
             raise ValueError("the log holds other numbers")
 
     def _columns(self) -> tuple[str, ...]:

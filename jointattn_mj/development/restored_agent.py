@@ -69,11 +69,11 @@ def check_agent(state: "AgentState", model: "AgentState", variables: Variables) 
     check_array("driver", state.driver, state.driver.shape, np.int64, -1, len(maps.joint) - 1)
     check_array("n_steps", state.n_steps, (1,), np.int64, 0)
     check_array("first", state.watch.first[:1], (1,), np.int64, -1, len(state.watch.values) - 1)
-    check_array("counts", counts.cells, counts.cells.shape, float, 0)
+    check_array("counts", counts.entries, counts.entries.shape, float, 0)
     if len(past.contexts):  # what is forgotten is taken out of the counts again
-        remembered = counts._replace(cells=np.zeros_like(counts.cells), contexts=model.counts.contexts.copy())
+        remembered = counts._replace(entries=np.zeros_like(counts.entries), contexts=model.counts.contexts.copy())
         _remember(remembered, past)
-        if not np.array_equal(remembered.cells, counts.cells):
+        if not np.array_equal(remembered.entries, counts.entries):
             raise ValueError("counts are others than those of what is remembered")
 
 

@@ -220,4 +220,4 @@ def test_impossible_options(options):
 def test_counts_are_not_touched():
     lived = series(WORLD, 300, np.random.default_rng(4))
     _, counts, _, _ = watched(DetectorConfig(), lived)
-    assert np.array_equal(counts.cells, counted(empty_counts(WORLD, EVENTS), lived).cells)
+    assert np.array_equal(counts.entries, counted(empty_counts(WORLD, EVENTS), lived).entries)

@@ -144,7 +144,7 @@ class Born:
 def tables_and_turns() -> Iterator[Case]:
     """The symbolic table, its caregiver, and the robot of the earlier work."""
     from jointattn_mj.baselines.turn_taking.agent import TurnTaker, TurnTakerConfig, feedback_target
-    from jointattn_mj.baselines.turn_taking.attempts import Situations, live
+    from jointattn_mj.baselines.turn_taking.attempts import Situations, run_attempts
     from jointattn_mj.baselines.turn_taking.faces import FaceInputs
     from jointattn_mj.development.table.caregiver import rules, shift_gaze
     from jointattn_mj.development.table.world import CHAPTER_4, CHAPTER_5, new_table, step
@@ -185,9 +185,12 @@ def tables_and_turns() -> Iterator[Case]:
     bank = FaceInputs(np.ones((3, 6), np.float32), np.zeros((3, 2)), np.zeros(6), 1.0)
     for index in (-1, 3, HUGE):
         locations = Situations(np.zeros((2, 2, 2)), np.full((2, 2), index))
-        yield f"attempts with face {index}", lambda p=locations: live(robot, p, bank, 3, np.random.default_rng(0))
+        yield (
+            f"attempts with face {index}",
+            lambda p=locations: run_attempts(robot, p, bank, 3, np.random.default_rng(0)),
+        )
     nowhere = Situations(np.full((2, 2, 2), NAN), np.zeros((2, 2), int))
-    yield "attempts nowhere", lambda: live(robot, nowhere, bank, 3, np.random.default_rng(0))
+    yield "attempts nowhere", lambda: run_attempts(robot, nowhere, bank, 3, np.random.default_rng(0))
     empty = FaceInputs(np.ones((0, 6), np.float32), np.zeros((0, 2)), np.zeros(6), 1.0)
     yield "faces of an empty bank", lambda: empty.of_locations(np.zeros((2, 2)), 0.0, np.random.default_rng(0))
     yield "faces for nowhere", lambda: bank.of_locations(np.full((2, 2), NAN), 0.0, np.random.default_rng(0))

@@ -210,8 +210,8 @@ def update(watch: Watch, counts: Counts) -> int:
         if own.n > 0.0:
             total = own.sum - of_action.sum - single * (of_sensor.sum - alone.sum)
             if half > 0.0:
-                cells = own.occupied - of_action.occupied - single * (of_sensor.occupied - alone.occupied)
-                total -= half * cells
+                entries = own.occupied - of_action.occupied - single * (of_sensor.occupied - alone.occupied)
+                total -= half * entries
             value = total / own.n * per_nat
         moved = abs(value - values[e])
         if moved > change:

@@ -64,9 +64,10 @@ class TableRun(DevelopmentRun):
         super().__init__(developer, n_steps, sample_every, table_witnessed(world))
 
     def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
-        return _advance(
+        steps_done, event = _advance(
             self.table, self.agent.state, self.steps_done, last, self._s, self._r, log, samples, self.sample_every
         )
+        return steps_done, event
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """See ``DevelopmentRun``."""
