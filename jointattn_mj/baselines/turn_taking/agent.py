@@ -67,7 +67,7 @@ class TurnTakerConfig(Checked):
     without_target: Literal["stay", "network"] = "stay"
     """What happens when visual feedback commands and no object is visible: the head stays, or the network commands."""
     gate: Literal["sigmoid", "shut", "open"] = "sigmoid"
-    """``sigmoid``: the gate opens with learning time. ``shut``: visual feedback commands. ``open``: the network commands."""
+    """``sigmoid``: the gate opens with learning time. ``shut``: visual feedback commands. ``open``: the network."""
     gate_midpoint: Annotated[float, Real("[-1e9, 1e9]")] = 60_000.0
     """Attempts after which the network's command is taken with probability 1/2."""
     gate_width: Positive = 20_000.0
