@@ -10,13 +10,14 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import mujoco
-import numba
 import numpy as np
 
 from jointattn_mj.baselines.turn_taking.layouts import TABLE, draw_locations
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import numbers
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Spread, Whole
+from jointattn_mj.perception.percept import StillObservation
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.som import standardised
 from jointattn_mj.scene.camera import directions_to
@@ -102,7 +103,7 @@ def gaze_deg(locations: np.ndarray) -> np.ndarray:
     return gaze
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _nearest(points: np.ndarray, bank: np.ndarray) -> np.ndarray:
     nearest = np.empty(len(points), np.int64)
     for i in range(len(points)):
@@ -161,7 +162,6 @@ class _Sitter:
         data.qpos[self._gaze] = np.radians(np.concatenate([neck, gaze - neck, gaze - neck]))
         data.qpos[self._robot] = np.radians(head)
         mujoco.mj_forward(self._stage.model, data)
-        percept = self._perception.look(
-            {"camera": self._stage.eye.look(), "head_angles": np.radians(head)}, landed=True
-        )
+        observation = StillObservation(self._stage.eye.render(), np.radians(head))
+        percept = self._perception.perceive(observation, landed=True)
         return self._perception.face_pattern() if percept.visible[-1] else None

@@ -37,7 +37,7 @@ from jointattn_mj.development.table.world import CAREGIVER, TableConfig, table_v
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.som import SOM
 from jointattn_mj.scene.camera import directions_to, off_centre
-from jointattn_mj.scene.looker import locations
+from jointattn_mj.scene.looker import spot_positions
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,7 @@ class RecallingBody(FreeGazeBody):
         """See ``FreeGazeBody``; then fill the album."""
         super().__init__(table, config, seed)
         self._random = np.random.default_rng(seed.spawn(1)[0])
-        self._spots = locations(self.spots, self.stage.world.config.scene)
+        self._spots = spot_positions(self.spots, self.stage.world.config.scene)
         self._album = [list[int]() for _ in range(self.spots + 1)]
         while min(len(page) for page in self._album) < self.pages:
             direction = self.random_direction()

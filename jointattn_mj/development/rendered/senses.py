@@ -5,7 +5,7 @@ that the robot learned itself (``perception.categories``). A frontal face is one
 any other is a profile. Each part of perception can be replaced by ground truth, which shows what its errors cost.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal, NamedTuple
 
@@ -17,7 +17,7 @@ from jointattn_mj.guards.finite import check_finite
 from jointattn_mj.options import Checked, Real
 from jointattn_mj.perception.categories import FaceCategories, GroupingConfig
 from jointattn_mj.perception.faces import FaceDetectorConfig
-from jointattn_mj.perception.percept import Percept
+from jointattn_mj.perception.percept import Observation, Percept
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.som import SOM, SOMConfig
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX
@@ -71,7 +71,7 @@ UNDETECTED = np.full(2, np.nan)
 EMPTY_VIEW = CentralView(False, False, UNDETECTED, UNDETECTED, None)
 
 
-def central_view(perception: PixelPerception, observation: Mapping[str, np.ndarray], radius_deg: float) -> CentralView:
+def central_view(perception: PixelPerception, observation: Observation, radius_deg: float) -> CentralView:
     """Perceive an image.
 
     Args:
@@ -79,7 +79,7 @@ def central_view(perception: PixelPerception, observation: Mapping[str, np.ndarr
         observation: Image and head angles, as in ``Perceiver``.
         radius_deg: What is so near to the centre of view counts as being there.
     """
-    percept = perception.look(observation, True)
+    percept = perception.perceive(observation, landed=True)
     radius, off = np.radians(radius_deg) * FOCAL_PX, px_off_centre(percept)
     face, nearest = bool(off[-1] <= radius), int(off[:-1].argmin())
     return CentralView(
