@@ -43,7 +43,7 @@ def _require_pixels(name: str, image: np.ndarray) -> None:
         )
 
 
-def _check_fill(image, gray, x0, y0, x1, y1):
+def _check_fill(image: Any, gray: Any, x0: Any, y0: Any, x1: Any, y1: Any) -> None:
     require_image(image)
     require_gray(gray, image.shape[:2])
     numbers("part of the image", (x0, y0, x1, y1), (4,))

@@ -238,7 +238,8 @@ class TransferScript:
         try:
             return np.append(self._layout.draw(others), self._rest_height)
         except ConfigError:
-            return self._taken_from
+            taken_from: np.ndarray = self._taken_from
+            return taken_from
 
     def _frames(self, seconds: float) -> int:
         jitter = self.config.duration_jitter

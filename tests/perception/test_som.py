@@ -102,7 +102,7 @@ def test_saving_and_loading(trained, patterns, tmp_path):
     with np.load(tmp_path / "som.npz") as saved:
         again = SOM.from_arrays(dict(saved), trained.config)
     assert (again.activations(patterns[2]) == trained.activations(patterns[2])).all()
-    assert again.visible == trained.visible == 4000
+    assert again.n_patterns == trained.n_patterns == 4000
     assert trained.images().shape == (9, 9, 16, 16)
     with pytest.raises(ConfigError, match="expected weights"):
         SOM.from_arrays(trained.arrays(), SOMConfig(rows=5))
