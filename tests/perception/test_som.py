@@ -9,11 +9,11 @@ from jointattn_mj.perception.som import SOM, SOMConfig, standardised
 
 
 def blobs(n, seed=0, side=16):
-    """(n, side * side) images of one spot at places on a plane: a two-dimensional family of patterns."""
+    """(n, side * side) images of one blob at positions on a plane: a two-dimensional family of patterns."""
     rng = np.random.default_rng(seed)
-    location = rng.uniform(0.2, 0.8, (n, 2, 1, 1)) * side
+    position = rng.uniform(0.2, 0.8, (n, 2, 1, 1)) * side
     y, x = np.mgrid[:side, :side]
-    return np.exp(-((x - location[:, 0]) ** 2 + (y - location[:, 1]) ** 2) / 18).reshape(n, -1).astype(np.float32)
+    return np.exp(-((x - position[:, 0]) ** 2 + (y - position[:, 1]) ** 2) / 18).reshape(n, -1).astype(np.float32)
 
 
 @pytest.fixture(scope="module")

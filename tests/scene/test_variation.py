@@ -194,7 +194,7 @@ def test_objects_of_any_size_stand_on_the_table():
         world.close()
 
 
-def test_a_pickled_varied_world_lives_on_as_it_would_have():
+def test_a_pickled_varied_world_goes_on_as_it_would_have():
     config, conditions = drawn(WorldConfig(), replace(PRESETS["all"], camera_delay=6), SEED)
     world = World.build(config, SEED, conditions)
     for _ in range(20):

@@ -138,11 +138,11 @@ def test_observations_share_no_memory(domain, task):
 @every_task
 def test_every_episode_begins_differently(blind, domain, task):
     environment = blind(domain, task, seed=3)
-    locations = []
+    positions = []
     for _ in range(12):
         environment.reset()
-        locations.append(environment.physics.object_positions().ravel().copy())
-    assert len(np.unique(np.round(locations, 6), axis=0)) >= 3  # objects of turn_taking lie in one of three ways
+        positions.append(environment.physics.object_positions().ravel().copy())
+    assert len(np.unique(np.round(positions, 6), axis=0)) >= 3  # objects of turn_taking lie in one of three ways
 
 
 @every_task

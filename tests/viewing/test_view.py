@@ -268,7 +268,7 @@ class TestServer:
         process, address = served
         port = int(address.rsplit(":", 1)[1])
         assert address.startswith("http://127.0.0.1:")
-        assert {location for location in listening() if location.endswith(f":{port:04X}")} == {f"0100007F:{port:04X}"}
+        assert {address for address in listening() if address.endswith(f":{port:04X}")} == {f"0100007F:{port:04X}"}
         with urllib.request.urlopen(address, timeout=10) as answer:
             assert answer.status == 200
             assert b"<html" in answer.read().lower()
