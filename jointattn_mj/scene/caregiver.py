@@ -223,7 +223,7 @@ class TransferScript:
                 steady = np.broadcast_to(self._sight(np.array(config.holding_location)), (frames, 2))
                 self._plan = self._planned(self._sight(path), path, head_towards=steady)
             case Phase.PUT:
-                path = path_between(hand, self._new_position(), frames, config.carry_arch_m)
+                path = path_between(hand, self._new_location(), frames, config.carry_arch_m)
                 self._plan = self._planned(self._sight(path), path)
             case Phase.GAZE:
                 self.held = None
@@ -232,13 +232,14 @@ class TransferScript:
                 path = path_between(hand, np.array(config.rest_location), back, config.reach_arch_m)
                 self._plan = self._planned(gaze, path)
 
-    def _new_position(self) -> np.ndarray:
+    def _new_location(self) -> np.ndarray:
         """Where to put the held object, (3,), metres: elsewhere, or back where it was if the table has no room."""
         others = self.objects[np.arange(len(self.objects)) != self.held, :2]
         try:
             return np.append(self._layout.draw(others), self._rest_height)
         except ConfigError:
-            return self._taken_from
+            taken_from: np.ndarray = self._taken_from
+            return taken_from
 
     def _frames(self, seconds: float) -> int:
         jitter = self.config.duration_jitter

@@ -69,7 +69,7 @@ class TaskObservation(OrderedDict[str, np.ndarray]):
         return self[name]
 
 
-class JointAttentionTask(control.Task):
+class JointAttentionTask(control.Task):  # type: ignore[misc]
     """A task: its worlds, observations and saved states. The k-th episode has the k-th child of the task's seed.
 
     Attributes:
@@ -257,7 +257,7 @@ class JointAttentionTask(control.Task):
             world.close()
 
 
-class Environment(Closable, control.Environment):
+class Environment(Closable, control.Environment):  # type: ignore[misc]
     """dm_control's environment, in which each episode may have a physics of its own, and whose state can be saved.
 
     Copies (``copy.deepcopy``, ``pickle``) go on as the original does. After ``close`` everything raises
@@ -298,7 +298,7 @@ class Environment(Closable, control.Environment):
 
     def observation_spec(self) -> OrderedDict[str, specs.Array]:
         """Shapes and bounds of observations: the task's, or one array if observations are flattened."""
-        spec = super().observation_spec()
+        spec: OrderedDict[str, specs.Array] = super().observation_spec()
         if self._flat_observation:
             size = sum(int(np.prod(part.shape)) for part in spec.values())
             key = control.FLAT_OBSERVATION_KEY

@@ -36,8 +36,9 @@ class Follow(JointAttentionTask):
     def best_action(self, physics: Physics) -> np.ndarray:
         """Direction (2,), rad, of what the caregiver looks at or turns to; of the face while that is the robot."""
         target = self.world.caregiver.target
-        direction: np.ndarray = directions_to(self.world.candidate_points())[-1 if target is None else target]
-        return np.radians(direction)
+        direction = directions_to(self.world.candidate_points())[-1 if target is None else target]
+        angles: np.ndarray = np.radians(direction)
+        return angles
 
 
 class FollowSparse(Follow):

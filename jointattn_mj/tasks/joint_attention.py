@@ -23,7 +23,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import wraps
 from types import NoneType
-from typing import Any
+from typing import Any, TypeVar
 
 from dm_control.utils import containers
 
@@ -51,6 +51,14 @@ WANDERING_TIME_LIMIT = 6.0
 """Seconds in an episode of ``follow_hard``: time for three objects."""
 
 SUITE = containers.TaggedTasks()
+"""The tasks by name."""
+Maker = TypeVar("Maker", bound=Callable[..., Environment])
+
+
+def task(*tags: str) -> Callable[[Maker], Maker]:
+    """Add the decorated function, which makes a task's environment, to ``SUITE`` under its own name, with tags."""
+    decorator: Callable[[Maker], Maker] = SUITE.add(*tags)
+    return decorator
 
 
 def _environment(
@@ -63,7 +71,7 @@ def _environment(
     return Environment(task, **{"time_limit": time_limit, **(environment_kwargs or {})})
 
 
-@SUITE.add("benchmarking", "easy", "chapter6")
+@task("benchmarking", "easy", "chapter6")
 def object_transfer(
     time_limit: float = transfer.TIME_LIMIT,
     random: SeedLike = None,
@@ -93,17 +101,18 @@ def object_transfer(
     return _environment(transfer.ObjectTransfer, world, time_limit, environment_kwargs, **settings)
 
 
-@SUITE.add("benchmarking", "hard")
+@task("benchmarking", "hard")
 @wraps(object_transfer, assigned=())  # the same arguments
 def object_transfer_hard(**settings: Any) -> Environment:
     """``object_transfer`` with eight objects, nearer to each other, and one of six caregivers every episode.
 
     Observations, action, reward and episode are those of ``object_transfer``.
     """
-    return object_transfer(**{"world": CROWDED, "people": EVERYBODY} | settings)
+    hard: dict[str, Any] = {"world": CROWDED, "people": EVERYBODY, **settings}
+    return object_transfer(**hard)
 
 
-@SUITE.add("benchmarking", "easy")
+@task("benchmarking", "easy")
 def follow(
     time_limit: float = following.TIME_LIMIT,
     random: SeedLike = None,
@@ -132,7 +141,7 @@ def follow(
     return _environment(following.Follow, world, time_limit, environment_kwargs, **settings)
 
 
-@SUITE.add("benchmarking", "hard")
+@task("benchmarking", "hard")
 def follow_hard(
     time_limit: float = WANDERING_TIME_LIMIT,
     random: SeedLike = None,
@@ -158,7 +167,7 @@ def follow_hard(
     return _environment(following.FollowSparse, world, time_limit, environment_kwargs, **settings)
 
 
-@SUITE.add("benchmarking", "easy", "chapter5")
+@task("benchmarking", "easy", "chapter5")
 def turn_taking(
     time_limit: float = turns.TIME_LIMIT,
     random: SeedLike = None,
@@ -190,11 +199,12 @@ def turn_taking(
     return _environment(turns.TurnTaking, world, time_limit, environment_kwargs, **settings)
 
 
-@SUITE.add("benchmarking", "hard", "chapter4")
+@task("benchmarking", "hard", "chapter4")
 @wraps(turn_taking, assigned=())
 def turn_taking_hard(**settings: Any) -> Environment:
     """``turn_taking`` at the table of chapter 4: nine spots, three objects of ten kinds (4.5.1), one of six caregivers.
 
     Observations, action, reward and episode are those of ``turn_taking``, with more values of each.
     """
-    return turn_taking(**{"table": CHAPTER_4, "people": EVERYBODY} | settings)
+    hard: dict[str, Any] = {"table": CHAPTER_4, "people": EVERYBODY, **settings}
+    return turn_taking(**hard)

@@ -36,4 +36,5 @@ class ObjectTransfer(JointAttentionTask):
         """Direction (2,), rad, of the object that the caregiver looks at; of the face while that is the robot."""
         target = self.world.caregiver.target
         points = self.world.candidate_points()
-        return np.radians(directions_to(points)[-1 if target is None else target])
+        angles: np.ndarray = np.radians(directions_to(points)[-1 if target is None else target])
+        return angles

@@ -85,7 +85,7 @@ def test_noise_misses_and_flags_have_the_rates_they_are_given(world):
     assert not moves[~visible].any()
 
 
-def test_face_pattern_is_her_head_direction(world):
+def test_face_pattern_is_the_direction_of_the_head(world):
     for _ in range(45):
         world.step(np.zeros(2))
     exact = StatePerception(EXACT, world, np.random.default_rng(0))

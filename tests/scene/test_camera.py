@@ -72,7 +72,7 @@ def test_signs():
     assert off_centre(np.array([3.0, 4.0]), np.zeros(2)) == pytest.approx(5)
 
 
-def test_in_picture():
+def test_in_image():
     inside = in_image(np.array([[0, 0], [319, 239], [-1, 5], [320, 5], [5, 240], [np.nan, 5]]))
     np.testing.assert_array_equal(inside, [True, True, False, False, False, False])
 
@@ -91,8 +91,8 @@ def test_geometry_agrees_with_the_model(physics, head):
 def test_objects_appear_where_the_geometry_says(physics, head):
     turn(physics, np.array(head, float))
     hsv = cv2.cvtColor(Eye(physics).render(), cv2.COLOR_RGB2HSV).astype(int)
-    locations = np.array([physics.named.data.xpos[f"object/{item.name}"] for item in OBJECTS[:4]])
-    expected = pixels_of_points(locations, np.array(head, float))
+    positions = np.array([physics.named.data.xpos[f"object/{item.name}"] for item in OBJECTS[:4]])
+    expected = pixels_of_points(positions, np.array(head, float))
     checked = 0
     for item, pixel in zip(OBJECTS[:4], expected, strict=True):
         if not in_image(np.array([pixel - 15, pixel + 15])).all():
@@ -119,7 +119,7 @@ def test_every_look_fills_the_same_buffer(physics):
     assert not np.array_equal(first, before)
 
 
-def test_a_picture_is_a_function_of_the_state(physics):
+def test_a_image_is_a_function_of_the_state(physics):
     images = []
     for pan in (0.0, 8.0, 0.0):
         turn(physics, np.array([pan, -5.0]))

@@ -9,10 +9,10 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.layout import Layout, LayoutConfig
 
 
-def distances(locations: np.ndarray) -> np.ndarray:
-    """Distances of all pairs of places (n, 2)."""
-    upper = np.triu_indices(len(locations), 1)
-    return np.linalg.norm(locations[:, None] - locations[None], axis=2)[upper]
+def distances(positions: np.ndarray) -> np.ndarray:
+    """Distances of all pairs of positions (n, 2)."""
+    upper = np.triu_indices(len(positions), 1)
+    return np.linalg.norm(positions[:, None] - positions[None], axis=2)[upper]
 
 
 def unevenness(config: LayoutConfig, moves: int = 480, seed: int = 0) -> float:
@@ -34,12 +34,12 @@ def unevenness(config: LayoutConfig, moves: int = 480, seed: int = 0) -> float:
 @given(st.integers(0, 2**32 - 1), st.integers(1, 8))
 def test_objects_lie_on_the_table_and_apart(seed, count):
     config = LayoutConfig()
-    locations = Layout(config, np.random.default_rng(seed)).fill(count)
-    assert locations.shape == (count, 2)
+    positions = Layout(config, np.random.default_rng(seed)).fill(count)
+    assert positions.shape == (count, 2)
     assert np.all(
-        (locations >= [config.x_range[0], config.y_range[0]]) & (locations <= [config.x_range[1], config.y_range[1]])
+        (positions >= [config.x_range[0], config.y_range[0]]) & (positions <= [config.x_range[1], config.y_range[1]])
     )
-    assert np.all(distances(locations) >= config.spacing)
+    assert np.all(distances(positions) >= config.spacing)
 
 
 def test_a_new_place_keeps_the_spacing():

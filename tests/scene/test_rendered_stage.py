@@ -53,7 +53,7 @@ def test_imprecision_is_as_large_as_asked_for():
     assert np.std(heads) == pytest.approx(np.radians(2.0), rel=0.1)
     assert np.std(own) == pytest.approx(np.radians(0.5), rel=0.1)
     assert 0.015 < np.max(objects) <= 0.02
-    assert np.abs(eyes).max() < 0.05  # eyes make up for the head: she looks where she should
+    assert np.abs(eyes).max() < 0.05  # the eyes make up for the head: the gaze is right
 
 
 def test_objects_have_colours_of_their_own_and_change_them_about():
@@ -78,7 +78,7 @@ def test_the_hand_gestures():
 
 
 @pytest.mark.parametrize("table", [TableConfig(kinds=3), TableConfig(order="robot_first")])
-def test_tables_that_pictures_cannot_show(table):
+def test_tables_that_images_cannot_show(table):
     with pytest.raises(ConfigError, match="kinds 1 and"):
         Stage(table, StageConfig(), np.random.SeedSequence(0))
 

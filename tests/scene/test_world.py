@@ -141,7 +141,7 @@ def test_arm_and_carried_object_pass_over_the_others(run):
 
 
 def test_the_arm_leaves_the_face_free(run):
-    """Seen by the robot, and so for the detector and the face patterns, the arm hides next to nothing of her head."""
+    """Seen by the robot, and so for the detector and the face patterns, the arm hides next to nothing of the head."""
     physics, model = run.world.physics, run.world.model
     arm = [model.geom(f"caregiver/{name}").id for name in ARM_PARTS]
     head = model.geom("caregiver/head").id
@@ -184,7 +184,7 @@ def test_reset_is_a_new_beginning(world):
         np.testing.assert_array_equal(world.data.mocap_pos, fresh.data.mocap_pos)
 
 
-def test_a_pickled_world_lives_on_as_it_would_have(world):
+def test_a_pickled_world_goes_on_as_it_would_have(world):
     for _ in range(150):
         world.step(np.array([0.1, -0.1]))
     other = pickle.loads(pickle.dumps(world))

@@ -159,7 +159,7 @@ def test_one_state_one_future(task):
 
 
 @every_task
-def test_one_state_one_picture(task):
+def test_one_state_one_image(task):
     environment = episodes_of(task)
     environment.reset()
     future(environment, 5, seed=1)

@@ -28,7 +28,7 @@ def images(task: str, episodes: int = 2, **settings) -> list[np.ndarray]:
 
 
 @every_task
-def test_same_seed_same_pictures(domain, task):
+def test_same_seed_same_images(domain, task):
     np.testing.assert_array_equal(images(task, variation="all"), images(task, variation="all"))
 
 
