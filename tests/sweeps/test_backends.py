@@ -155,7 +155,7 @@ def test_a_killed_scheduler_is_one_line(tmp_path, slow, scheduler):
     command = f"experiment run 1.1 --registry toys.registry --runs 200 --backend dask --address {address} --out {out}"
     with subprocess.Popen(
         [sys.executable, "-m", "jointattn_mj.cli.main", *command.split()],
-        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])},
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path])},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
