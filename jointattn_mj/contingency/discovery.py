@@ -8,6 +8,7 @@ import numpy as np
 
 from jointattn_mj.contingency.information import Measure
 from jointattn_mj.contingency.local import LocalContingency, carriers, local_of_steps
+from jointattn_mj.contingency.names import OF_EVENTS, full_name
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.significance import (
     MEASURES,
@@ -61,7 +62,7 @@ def discover(
 ) -> tuple[Finding, ...]:
     """All events, the highest effective value first; ``data`` holds a series for every name.
 
-    ``measure`` is ``state_action_contingency`` or ``combined_transfer_entropy``. p-values come from permutations within
+    ``measure`` is ``sac`` or ``tc``, by any of their names (``NAMES``). p-values come from permutations within
     (r, a), corrected for the number of events by ``how``. The ``explain`` highest events with p up to ``alpha`` also
     tell by which values. Each event has a random stream of its own: its p does not depend on the others. ``groups`` is
     that of ``assess``.
@@ -70,7 +71,7 @@ def discover(
         SeriesError: Unknown names, names that play two parts of one event, series that cannot be measured, or bad
             options.
     """
-    chosen = _measure(measure)
+    chosen = MEASURES[full_name(measure, OF_EVENTS)]
     _check(data, sensors, actions, results, alpha)
     given, unit, tested = options or TestOptions(), check_base(base), []
     events = list(product(sensors, actions, results))
@@ -110,13 +111,6 @@ def _tested(
     bound = measure.bound(given.cells(), "smallest") / unit
     normalised = significance.corrected / bound if bound > 1e-12 else 0.0
     return Finding(sensor, action, result, significance, 1.0, normalised)
-
-
-def _measure(name: str) -> Measure:
-    measure = MEASURES.get(name)
-    if measure is None or measure.given != "ra":
-        raise SeriesError(f"events are ranked by state_action_contingency or combined_transfer_entropy; got {name!r}")
-    return measure
 
 
 def _check(

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointattn_mj.contingency.information import CONTINGENCY, Measure
+from jointattn_mj.contingency.names import OF_EVENTS, full_name
 from jointattn_mj.contingency.series import Coded, Series, check_base
 from jointattn_mj.contingency.significance import MEASURES, Adjust, adjust
 from jointattn_mj.contingency.table import Cells, Steps, acted
-from jointattn_mj.errors import SeriesError
 
 
 @dataclass(frozen=True)
@@ -86,11 +86,7 @@ def local_contingency(
     Raises:
         SeriesError: Series that cannot be measured, or a measure without an action.
     """
-    chosen = MEASURES.get(measure)
-    if chosen is None or chosen.given != "ra":
-        raise SeriesError(
-            f"local contingency needs state_action_contingency or combined_transfer_entropy; got {measure!r}"
-        )
+    chosen = MEASURES[full_name(measure, OF_EVENTS)]
     return local_of_steps(acted(s, a, r), chosen, check_base(base), how)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from jointattn_mj.contingency import bootstrap, information
 from jointattn_mj.contingency.bootstrap import Resample
 from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.names import full_name
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.surrogates import Permute, plan
 from jointattn_mj.contingency.table import Steps, steps
@@ -92,7 +93,7 @@ def assess(
     groups: Sequence[int] | None = None,
     progress: Callable[[int], object] = lambda done: None,
 ) -> Significance:
-    """Test a measure, one of the keys of ``MEASURES``; the null is that s says nothing about r' beyond its context.
+    """Test a measure, by any of its names (``NAMES``); the null is that s says nothing about r' beyond its context.
 
     ``groups`` (k,) numbers the k recordings given: those with the same number are pieces of one, cut at gaps, and
     follow each other; the source is permuted among them, and they are resampled together.
@@ -103,9 +104,7 @@ def assess(
     Raises:
         SeriesError: Series that cannot be measured, an unknown measure, or a condition missing or superfluous.
     """
-    if measure not in MEASURES:
-        raise SeriesError(f"measure must be one of {', '.join(MEASURES)}; got {measure!r}")
-    chosen = MEASURES[measure]
+    chosen = MEASURES[full_name(measure)]
     if ("a" in chosen.given) != (condition is not None):
         verb = "needs" if condition is None else "takes no"
         raise SeriesError(f"{measure} {verb} condition")

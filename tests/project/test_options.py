@@ -124,7 +124,9 @@ def wrong(hint: Any) -> Iterator[Any]:
                 yield from (0.5, 3.0)
         else:  # a Choice
             name = found[0].names[0]
-            yield from ("", "no such", f"{name}+", name.swapcase(), 0, True, None, (name,))
+            yield from ("", "no such", f"{name}+", 0, True, None, (name,))
+            if name.lower() not in found[0].other_names:
+                yield name.swapcase()
     elif get_origin(hint) in (Union, UnionType):
         options = [option for option in get_args(hint) if option is not NoneType]
         assert len(options) == 1, f"a test for {hint} is missing"

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
+from jointattn_mj.contingency.names import OF_EVENTS, measure_choice
 from jointattn_mj.contingency.online.counts import ALONE, OF_ACTION, OF_SENSOR, OWN, Counts, local_variance
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import checked_by
@@ -28,7 +29,7 @@ class DetectorConfig(Checked):
     is in some world, or on how many values its variables have.
     """
 
-    measure: Literal["sac", "tc"] = "sac"
+    measure: Annotated[str, measure_choice(OF_EVENTS)] = "sac"
     """``sac`` (eq. 5.2) or ``tc`` (eq. 4.3)."""
     correction: Literal["none", "miller_madow"] = "none"
     """``none``, or ``miller_madow`` against the bias of estimates from few transitions."""
