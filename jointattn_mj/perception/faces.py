@@ -81,6 +81,10 @@ class FaceDetectorConfig(Checked):
     fraction; a little blur of its own makes the patch nearly the same at every fraction of a pixel."""
 
     RENAMED: ClassVar = {"place_gain": "location_gain"}
+    ADVANCED: ClassVar = (
+        "search_radius_px", "add_view_every", "elsewhere_above", "confirm_above", "redetect_every", "redetect_views",
+        "location_gain", "haar_every", "haar_scale", "haar_neighbours", "haar_min_px", "patch_blur_px",
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         super().__post_init__()

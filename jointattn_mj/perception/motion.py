@@ -15,7 +15,7 @@ that passes before it pulls the centroid, but takes pixels on one side without a
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -63,6 +63,8 @@ class MotionConfig(Checked):
     """How far a block descends from where it starts: nought for the face, the centroid's shift for an object."""
     refit_ratio: Annotated[float, Real("[0, 100]")] = 0.7
     """From one pixel of centroid shift on, the share of changed pixels that may be left after shifting the old mask."""
+
+    ADVANCED: ClassVar = ("step_px", "object_margin_px", "reach_px", "refit_ratio")
 
 
 @dataclass

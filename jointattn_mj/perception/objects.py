@@ -11,7 +11,7 @@ resolution, so a few stray pixels elsewhere (skin, hair, wood) do not bend the c
 
 import colorsys
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import cv2
 import numpy as np
@@ -44,6 +44,8 @@ class ColourConfig(Checked):
     """An area with fewer pixels is not an object: it is hidden, or stray pixels."""
     reach_px: Annotated[int, Whole("[1, 320]")] = 22
     """How far from its cluster's centre an object's pixels can lie: 6 cm at 0.9 m are 18 pixels, 26 over the corner."""
+
+    ADVANCED: ClassVar = ("hue_tolerance_deg", "saturation_ratio", "value_floor", "min_area_px", "reach_px")
 
 
 @dataclass

@@ -10,7 +10,7 @@ taken as it is.
 """
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
@@ -42,6 +42,8 @@ class SOMConfig(Checked):
     softness: Annotated[float, Real("[1e-6, 1e6]")] = 0.3
     """Width of the activations in units of the map's own: the mean squared distance between neighbouring cells. The
     dissertation says "activations ... based on the similarity"; small is winner-takes-all, large is flat."""
+
+    ADVANCED: ClassVar = ("rate_end",)
 
 
 def standardised(x: np.ndarray) -> np.ndarray:

@@ -88,6 +88,7 @@ class CaregiverConfig(Checked):
     """Where the hand rests, on the table beside the objects; world frame, metres."""
 
     RENAMED: ClassVar = {"holding_place": "holding_location", "rest_place": "rest_location"}
+    ADVANCED: ClassVar = ("wobble_hz", "reach_arch_m", "carry_arch_m", "elbow_at_table_deg", "elbow_at_holding_deg")
 
 
 @dataclass

@@ -7,7 +7,7 @@ profile. Each part can be replaced by the truth, to see what its errors cost.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -48,6 +48,8 @@ class SensesConfig(Checked):
     into two categories, and a robot that took one of them for a profile found nothing after gaze following."""
     truth: tuple[Literal["face", "category", "object"], ...] = ()
     """Parts of perception that are replaced by the truth: face, category, object."""
+
+    ADVANCED: ClassVar = ("frontal_share",)
 
 
 class Gazed(NamedTuple):
