@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.objects import OBJECTS
 
 KNOWN = {item.name: item.rgb for item in OBJECTS}
 

@@ -7,7 +7,7 @@ robot's head would turn, and as then (Fig. 6.3b) no interest changes meanwhile. 
 import numpy as np
 
 from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
-from jointattn_mj.perception.percept import Percept
+from jointattn_mj.perception.percept import Percept, StillObservation
 from jointattn_mj.perception.pixels import PixelPerception
 
 AHEAD = np.zeros(2)
@@ -48,7 +48,7 @@ class Watcher:
         """
         percept = self.percept
         if percept is None or fresh:
-            self.percept = percept = self.perceiver.look({"camera": image, "head_angles": AHEAD}, landed=cut)
+            self.percept = percept = self.perceiver.perceive(StillObservation(image, AHEAD), landed=cut)
         if self.goal is None:
             self.attention.advance(self.attended, percept.moves)
         elif not self._arrive(self.goal):

@@ -11,7 +11,7 @@ from jointattn_mj.gaze_following.attention import Attention, AttentionConfig, At
 from jointattn_mj.gaze_following.gate import GazeConfig, HeadShift, gate_probability
 from jointattn_mj.gaze_following.learners import LearnerConfig, make_learner
 from jointattn_mj.options import Checked, Real, Whole
-from jointattn_mj.perception.percept import Perceiver, Percept
+from jointattn_mj.perception.percept import Observation, Perceiver, Percept
 from jointattn_mj.perception.som import SOM, SOMConfig, whole_number
 from jointattn_mj.scene.camera import direction_of, off_centre
 
@@ -61,7 +61,7 @@ class GazeShift:
 class GazeFollower:
     """Learns to look where the caregiver looks; maps observations to desired head angles.
 
-    Observations are a mapping with ``camera`` (uint8 image, read only when the robot looks), ``head_angles`` (pan,
+    Observations have an ``image`` (uint8, read only when the robot looks), ``head_angles`` (pan,
     tilt; rad) and ``head_moves`` (bool); the action is the desired pan and tilt, rad.
 
     Attributes:
@@ -89,31 +89,31 @@ class GazeFollower:
         self._held = np.zeros(2)  # reference of the head's servos, deg
         self._command = np.zeros(2)  # the same in rad
 
-    def familiarise(self, observation: Mapping[str, np.ndarray], frame: int) -> np.ndarray:
+    def familiarise(self, observation: Observation, frame: int) -> np.ndarray:
         """One frame of the minutes before the session: keep the face at the centre of view and learn its patterns."""
-        head = np.degrees(observation["head_angles"])
+        head = np.degrees(observation.head_angles)
         if frame % self.config.familiarise.every == 0:
-            percept = self.perceiver.look(observation, landed=True)
+            percept = self.perceiver.perceive(observation, landed=True)
             if percept.visible[self.face]:
                 self._hold(direction_of(percept.px[self.face], head))
                 self.som.update(self.perceiver.face_pattern())
         self.attended = self.face
         return self._command
 
-    def act(self, observation: Mapping[str, np.ndarray]) -> np.ndarray:
+    def act(self, observation: Observation) -> np.ndarray:
         """One frame of life: percept, attention, and a motor command."""
         self.landed = self.percept = None
         shift, movement = self.shift, self._movement
-        if shift is not None and movement is not None and (observation["head_moves"] or not movement.commanded):
+        if shift is not None and movement is not None and (observation.head_moves or not movement.commanded):
             return self._turn(shift, movement, observation)
-        self.percept = percept = self.perceiver.look(observation, shift is not None)
+        self.percept = percept = self.perceiver.perceive(observation, shift is not None)
         if shift is None:
             self.attention.advance(self.attended, percept.moves)
         else:
-            self._land(shift, percept, np.degrees(observation["head_angles"]))
+            self._land(shift, percept, np.degrees(observation.head_angles))
         chosen = self.attention.consider(percept.visible)
         if chosen is not None and chosen != self.attended:
-            self._launch(chosen, percept, np.degrees(observation["head_angles"]))
+            self._launch(chosen, percept, np.degrees(observation.head_angles))
         return self._command
 
     def face_input(self) -> np.ndarray:
@@ -150,13 +150,13 @@ class GazeFollower:
         self._movement = HeadShift(self._held, command, self.config.gaze.shift_frames)
         self._hold(self._movement.next_reference())
 
-    def _turn(self, shift: GazeShift, movement: HeadShift, observation: Mapping[str, np.ndarray]) -> np.ndarray:
+    def _turn(self, shift: GazeShift, movement: HeadShift, observation: Observation) -> np.ndarray:
         """One frame of a gaze shift; visual feedback looks where its target has gone."""
         looks = movement.frame in self.config.gaze.feedback_frames and not movement.commanded
         if looks and not shift.by_learner and shift.chosen != self.face:
-            percept = self.perceiver.look(observation, landed=True)
+            percept = self.perceiver.perceive(observation, landed=True)
             if percept.visible[shift.chosen]:
-                head = np.degrees(observation["head_angles"])
+                head = np.degrees(observation.head_angles)
                 shift.command = direction_of(percept.px[shift.chosen], head)
                 movement.aim(shift.command)
         self._hold(movement.next_reference())

@@ -21,9 +21,9 @@ class Perceiver:
         self.looks: list[bool] = []
         self.percept = Percept(np.ones(3, bool), LOCATIONS.copy(), np.array(moves))
 
-    def look(self, observation, landed):
-        assert observation["camera"].shape == (240, 320, 3)
-        np.testing.assert_array_equal(observation["head_angles"], [0, 0])
+    def perceive(self, observation, landed):
+        assert observation.image.shape == (240, 320, 3)
+        np.testing.assert_array_equal(observation.head_angles, [0, 0])
         self.looks.append(landed)
         return self.percept
 

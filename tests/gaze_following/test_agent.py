@@ -11,12 +11,13 @@ from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, R
 from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.gaze_following.gate import GazeConfig
 from jointattn_mj.gaze_following.learners import LearnerConfig
-from jointattn_mj.perception.percept import Percept
+from jointattn_mj.perception.percept import Percept, StillObservation
 from jointattn_mj.scene.camera import in_image, pixel_of
 
 RED, BLUE, FACE = 0, 1, 2
 LOCATIONS = ((8.0, -10.0), (-8.0, -12.0), (0.0, 3.0))
 SETTLING = 2
+NO_IMAGE = np.zeros((0, 0, 3), np.uint8)
 
 
 class Scene:
@@ -33,9 +34,9 @@ class Scene:
         self.looks: list[bool] = []
         self._still = SETTLING
 
-    def look(self, observation, landed: bool) -> Percept:
+    def perceive(self, observation, landed: bool) -> Percept:
         self.looks.append(landed)
-        head = np.degrees(observation["head_angles"])
+        head = np.degrees(observation.head_angles)
         px = np.array([pixel_of(location, head) for location in self.locations])
         visible = in_image(px) & ~np.isin(np.arange(len(px)), list(self.hidden))
         return Percept(visible=visible, px=np.where(visible[:, None], px, np.nan), moves=self.moves & visible)
@@ -45,7 +46,7 @@ class Scene:
 
     def frame(self, robot: GazeFollower) -> np.ndarray:
         """One frame of robot and head."""
-        observation = {"head_angles": np.radians(self.head), "head_moves": self._still < SETTLING}
+        observation = StillObservation(NO_IMAGE, np.radians(self.head), self._still < SETTLING)
         command = np.degrees(robot.act(observation))
         self._still = self._still + 1 if np.allclose(command, self.head, atol=1e-9) else 0
         self.head = command
@@ -313,9 +314,10 @@ def test_familiarise():
     scene = Scene(((8.0, -10.0), (-8.0, -12.0), (5.0, 4.0)))
     robot = make(scene)
     for frame in range(30):
-        scene.head = np.degrees(robot.familiarise({"head_angles": np.radians(scene.head), "head_moves": False}, frame))
+        observation = StillObservation(NO_IMAGE, np.radians(scene.head))
+        scene.head = np.degrees(robot.familiarise(observation, frame))
     np.testing.assert_allclose(scene.head, (5, 4), atol=1e-6)
-    assert robot.som.visible == 10
+    assert robot.som.n_patterns == 10
     assert robot.attended == FACE
     with pytest.raises(ConfigError, match=r"FamiliariseConfig\.minutes"):
         FamiliariseConfig(minutes=0)
