@@ -76,7 +76,7 @@ class TestLog:
         shown.to(6.5, "9 gaze shifts")
         assert shown.line(60) == "session, 6.5 of 26.0 simulated min, 3 min 0 s left, 9 gaze shifts, 1 min 0 s so far"
         shown.to(26)
-        assert shown.line(240).startswith("writing what came of it, 26.0 of 26.0")
+        assert shown.line(240).startswith("writing results, 26.0 of 26.0")
         shown.doing("drawing")
         assert Shown("reading", stream=io.StringIO()).line(5) == "reading, 5 s so far"
 
