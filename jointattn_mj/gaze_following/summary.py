@@ -86,8 +86,8 @@ def _perception(frames: FrameTable) -> dict[str, Any]:
         found = found[~np.isnan(found)]
         errors[known : known + len(found)] = found
         known += len(found)
-        looked += int(np.sum(part.column("looked") == 1))
-        missed += int(np.sum(part.column("seen", face) == 0))
+        looked += int(np.sum(part.column("perceived") == 1))
+        missed += int(np.sum(part.column("visible", face) == 0))
     errors = errors[:known]
     above = float(np.mean(errors > 8)) if known else None
     p50, p95 = np.percentile(errors, (50, 95), overwrite_input=True).tolist() if known else (None, None)
@@ -101,7 +101,7 @@ def _perception(frames: FrameTable) -> dict[str, Any]:
 def _motion(part: FramePart, candidates: list[int]) -> np.ndarray:
     """(4,) hits, moving, false alarms and still, over candidates and frames of fixation (a landing frame has no motion
     yet)."""
-    fixation = (part.column("looked") == 1) & (part.column("landed") == 0) & (part.column("head_moves") == 0)
+    fixation = (part.column("perceived") == 1) & (part.column("landed") == 0) & (part.column("head_moves") == 0)
     said = np.concatenate([part.column("moves", k)[fixation] for k in candidates]) == 1
     real = np.concatenate([part.really_moves(k)[fixation] for k in candidates])
     return np.array([np.sum(said & real), np.sum(real), np.sum(said & ~real), np.sum(~real)])

@@ -111,9 +111,9 @@ def test_fixations():
     assert red["end_s"] - red["start_s"] == pytest.approx((2 * PERIOD - 1) / 30)
     assert (red["x_px"], red["y_px"]) == (50, 150)
     assert (red["video_x_px"], red["video_y_px"]) == (100.5, 300.5)
-    assert red["seen"] == pytest.approx(0.5, abs=0.02)
+    assert red["visible"] == pytest.approx(0.5, abs=0.02)
     assert red["moving"] == 1
-    assert (face["seen"], face["moving"]) == (1, 0)
+    assert (face["visible"], face["moving"]) == (1, 0)
     shares = fixations.shares(("red", "green", "face"))
     assert shares["red"] == {"fixations": 1, "seconds": round((2 * PERIOD - 1) / 30, 3)}
 
