@@ -1,4 +1,4 @@
-"""How much longer a turn of a life from images takes than its image, and than a turn at the symbolic table."""
+"""Speed of development from images: a step beside rendering its image, and beside a step at the symbolic table."""
 
 import time
 from dataclasses import asdict, dataclass
@@ -12,21 +12,21 @@ from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.scene.looker import Pose, TableWorld
 
 STEPS = 1000
-"""In a block."""
+"""Steps in a block."""
 
 
 @dataclass(frozen=True)
 class StepsBenchmark:
-    """Medians over the blocks."""
+    """Speed of development from images: medians over the blocks."""
 
-    turn_image_ms: float
-    """Rendering alone, an image: the same ones that the life rendered."""
-    turn_ms: float
-    """A turn of a life from images, with everything."""
-    turn_to_image: float
-    """The ratio of the two, block by block."""
-    symbolic_turn_us: float
-    """A turn of the same mind at the symbolic table."""
+    step_image_ms: float
+    """Milliseconds to render an image, alone; the same images that the run rendered."""
+    step_ms: float
+    """Milliseconds of a step from images, with everything."""
+    step_to_image: float
+    """Ratio of the two, block by block."""
+    table_step_us: float
+    """Microseconds of a step of the same agent at the symbolic table."""
 
     def rows(self) -> dict[str, float | str]:
         """The figures by name."""
@@ -34,7 +34,7 @@ class StepsBenchmark:
 
 
 class _Noted(RenderedRun):
-    """Notes how bodies stood in each image."""
+    """A run that keeps the poses of all bodies at each image."""
 
     poses: list[Pose]
 
@@ -45,7 +45,10 @@ class _Noted(RenderedRun):
 
 
 def run_steps_benchmark(blocks: int) -> StepsBenchmark:
-    """Measure lives and images in turns.
+    """Measure runs from images, rendering alone, and runs at the symbolic table, interleaved in blocks.
+
+    Args:
+        blocks: Their number; one more, in which functions are compiled, is not counted.
 
     Raises:
         GLError: No image can be rendered here.
@@ -65,10 +68,10 @@ def run_steps_benchmark(blocks: int) -> StepsBenchmark:
         run.close()
     in_run, images, at_table = np.array(times).T
     return StepsBenchmark(
-        turn_image_ms=1000 * float(np.median(images)) / STEPS,
-        turn_ms=1000 * float(np.median(in_run)) / STEPS,
-        turn_to_image=float(np.median(in_run / images)),
-        symbolic_turn_us=1e6 * float(np.median(at_table)) / STEPS,
+        step_image_ms=1000 * float(np.median(images)) / STEPS,
+        step_ms=1000 * float(np.median(in_run)) / STEPS,
+        step_to_image=float(np.median(in_run / images)),
+        table_step_us=1e6 * float(np.median(at_table)) / STEPS,
     )
 
 
@@ -79,7 +82,7 @@ def _seconds(run: DevelopmentRun) -> float:
 
 
 def _render(world: TableWorld, poses: list[Pose]) -> float:
-    """Seconds for rendering alone; bodies are put into their places before each image, untimed."""
+    """Seconds that rendering alone takes; bodies are posed before each image, untimed."""
     spent = 0.0
     for pose in poses:
         world.stand(pose)

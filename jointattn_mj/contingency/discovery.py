@@ -8,6 +8,7 @@ import numpy as np
 
 from jointattn_mj.contingency.information import Measure
 from jointattn_mj.contingency.local import LocalContingency, carriers, local_of_steps
+from jointattn_mj.contingency.names import OF_EVENTS, full_name
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.significance import (
     MEASURES,
@@ -69,7 +70,7 @@ def discover(
         sensors: Names of what is sensed, S.
         actions: Names of what is done, A.
         results: Names of what may come of it, R.
-        measure: ``state_action_contingency`` or ``combined_transfer_entropy``.
+        measure: ``sac`` or ``tc``, by any of their names (``names.NAMES``).
         options: Number and kind of surrogates and resamples; None: the defaults of ``TestOptions``.
         how: Correction of p for the number of events.
         alpha: Level of significance, after the correction.
@@ -95,7 +96,7 @@ def discover(
         >>> first.event, first.p_adjusted
         ('(face, gaze) -> object', 0.01)
     """
-    chosen = _measure(measure)
+    chosen = MEASURES[full_name(measure, OF_EVENTS)]
     _check(data, sensors, actions, results, alpha)
     given, unit, tested = options or TestOptions(), check_base(base), []
     events = list(product(sensors, actions, results))
@@ -135,13 +136,6 @@ def _tested(
     bound = measure.bound(given.entries(), "smallest") / unit
     normalised = significance.corrected / bound if bound > 1e-12 else 0.0
     return Finding(sensor, action, result, significance, 1.0, normalised)
-
-
-def _measure(name: str) -> Measure:
-    measure = MEASURES.get(name)
-    if measure is None or measure.given != "ra":
-        raise SeriesError(f"events are ranked by state_action_contingency or combined_transfer_entropy; got {name!r}")
-    return measure
 
 
 def _check(

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointattn_mj.contingency.information import CONTINGENCY, Measure
+from jointattn_mj.contingency.names import OF_EVENTS, full_name
 from jointattn_mj.contingency.series import Coded, Series, check_base
 from jointattn_mj.contingency.significance import MEASURES, Adjust, adjust
 from jointattn_mj.contingency.table import Entries, Steps, acted
-from jointattn_mj.errors import SeriesError
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def local_contingency(
         s: What is sensed, (T,) integer codes, or a list of such arrays, one a recording.
         a: What is done, of the same lengths.
         r: What comes of it, likewise.
-        measure: ``state_action_contingency`` or ``combined_transfer_entropy``.
+        measure: ``sac`` or ``tc``, by any of their names (``names.NAMES``).
         base: Base of the logarithm: 2 for bits.
         how: Correction of p for the number of combinations.
 
@@ -103,11 +103,7 @@ def local_contingency(
         >>> first.sensor, first.action, first.result, first.count
         (0, 0, 0, 1)
     """
-    chosen = MEASURES.get(measure)
-    if chosen is None or chosen.given != "ra":
-        raise SeriesError(
-            f"local contingency needs state_action_contingency or combined_transfer_entropy; got {measure!r}"
-        )
+    chosen = MEASURES[full_name(measure, OF_EVENTS)]
     return local_of_steps(acted(s, a, r), chosen, check_base(base), how)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from jointattn_mj.contingency import bootstrap, information
 from jointattn_mj.contingency.bootstrap import Resample
 from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.names import full_name
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.surrogates import Permute, plan
 from jointattn_mj.contingency.table import Steps, steps
@@ -98,7 +99,7 @@ def assess(
     while the result has a longer memory than one step, is not, and p is then too small.
 
     Args:
-        measure: One of the names in ``MEASURES``.
+        measure: One of the names of a measure (``names.NAMES``).
         source: What may have an influence, (T,) integer codes, or a list of such arrays, one a recording.
         target: What may be influenced, of the same lengths.
         condition: The action, or what is known anyway; for the measures that have one.
@@ -123,9 +124,7 @@ def assess(
         >>> round(found.value, 2), found.p
         (0.99, 0.01)
     """
-    if measure not in MEASURES:
-        raise SeriesError(f"measure must be one of {', '.join(MEASURES)}; got {measure!r}")
-    chosen = MEASURES[measure]
+    chosen = MEASURES[full_name(measure)]
     if ("a" in chosen.given) != (condition is not None):
         verb = "needs" if condition is None else "takes no"
         raise SeriesError(f"{measure} {verb} condition")

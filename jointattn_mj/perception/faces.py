@@ -12,7 +12,7 @@ at the expected position counts as a new pose of the face. Else no face is repor
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, NamedTuple, Protocol
+from typing import Annotated, Any, ClassVar, NamedTuple, Protocol
 
 import cv2
 import numpy as np
@@ -78,6 +78,12 @@ class FaceDetectorConfig(Checked):
     patch_blur_px: Annotated[float, Real("[0, 32]")] = 0.7
     """Standard deviation of the patch's blur, pixels. Interpolation between pixels blurs too, depending on the
     fraction; this blur makes the patch nearly the same at every fraction of a pixel."""
+
+    RENAMED: ClassVar = {"place_gain": "location_gain"}
+    ADVANCED: ClassVar = (
+        "search_radius_px", "add_view_every", "elsewhere_above", "confirm_above", "redetect_every", "redetect_views",
+        "location_gain", "haar_every", "haar_scale", "haar_neighbours", "haar_min_px", "patch_blur_px",
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         super().__post_init__()

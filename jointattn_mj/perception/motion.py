@@ -10,7 +10,7 @@ passes before it shifts the centroid, but takes pixels on one side without addin
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -59,6 +59,8 @@ class MotionConfig(Checked):
     """How far a block descends, pixels, from where it starts: 0 for the face, the centroid's shift for an object."""
     refit_ratio: Annotated[float, Real("[0, 100]")] = 0.7
     """Largest share of changed pixels that remains once the old mask is shifted, for shifts of a pixel and more."""
+
+    ADVANCED: ClassVar = ("step_px", "object_margin_px", "reach_px", "refit_ratio")
 
 
 @dataclass

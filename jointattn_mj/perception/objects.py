@@ -10,7 +10,7 @@ stray pixels elsewhere (skin, hair, wood) do not shift the centre.
 
 import colorsys
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import cv2
 import numpy as np
@@ -43,6 +43,8 @@ class ColourConfig(Checked):
     """Least area of an object, pixels: with fewer it is hidden, or these are stray pixels."""
     reach_px: Annotated[int, Whole("[1, 320]")] = 22
     """Largest distance of an object's pixels from its cluster's centre: 6 cm at 0.9 m are 18 pixels, 26 diagonally."""
+
+    ADVANCED: ClassVar = ("hue_tolerance_deg", "saturation_ratio", "value_floor", "min_area_px", "reach_px")
 
 
 @dataclass

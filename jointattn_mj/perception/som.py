@@ -9,7 +9,7 @@ than four numbers is a measured quantity (yaw and pitch, with perception from th
 """
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
@@ -41,6 +41,8 @@ class SOMConfig(Checked):
     softness: Annotated[float, Real("[1e-6, 1e6]")] = 0.3
     """Width of the activations, relative to the mean squared distance of neighbouring units: small is
     winner-takes-all, large is flat. The dissertation says "activations ... based on the similarity"."""
+
+    ADVANCED: ClassVar = ("rate_end",)
 
 
 def standardised(x: np.ndarray) -> np.ndarray:

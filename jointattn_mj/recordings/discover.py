@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from jointattn_mj.contingency.discovery import Finding, discover, least_surrogates
+from jointattn_mj.contingency.names import OF_EVENTS, measure_choice
 from jointattn_mj.contingency.significance import Adjust
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.results import bracket, number, result_paths, share, write_results
@@ -12,8 +13,6 @@ from jointattn_mj.options import Real, Whole
 from jointattn_mj.recordings.measure import exchange_notes
 from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
-
-MEASURES = {"sac": "state_action_contingency", "tc": "combined_transfer_entropy"}
 
 
 @dataclass(frozen=True)
@@ -26,8 +25,8 @@ class DiscoverOptions(RecordingTestOptions):
     """Columns of what is done, A."""
     results: tuple[str, ...]
     """Columns of what may come of it, R."""
-    measure: Literal["sac", "tc"] = "sac"
-    """Contingency by SAC (eq. 5.2), or by T^C (eq. 4.3)."""
+    measure: Annotated[str, measure_choice(OF_EVENTS)] = "sac"
+    """Measure of contingency: sac (eq. 5.2) or tc (T^C, eq. 4.3)."""
     correction: Adjust = "holm"
     """Correction of p for the number of events."""
     alpha: Annotated[float, Real("[1e-9, 1)")] = 0.05
@@ -122,7 +121,7 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
         options.sensors,
         options.actions,
         options.results,
-        measure=MEASURES[options.measure],
+        measure=options.measure,
         options=options.test(),
         how=options.correction,
         alpha=options.alpha,

@@ -98,6 +98,9 @@ class CaregiverConfig(Checked):
         """The same caregiver, who takes ``factor`` times as long for everything."""
         return replace(self, **{name: getattr(self, name) * factor for name in DURATIONS})
 
+    RENAMED: ClassVar = {"holding_place": "holding_location", "rest_place": "rest_location"}
+    ADVANCED: ClassVar = ("wobble_hz", "reach_arch_m", "carry_arch_m", "elbow_at_table_deg", "elbow_at_holding_deg")
+
 
 @dataclass
 class Plan:

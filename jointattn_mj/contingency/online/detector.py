@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
+from jointattn_mj.contingency.names import OF_EVENTS, measure_choice
 from jointattn_mj.contingency.online.counts import ALONE, OF_ACTION, OF_SENSOR, OWN, Counts, local_variance
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import checked_by
@@ -29,7 +30,7 @@ class DetectorConfig(Checked):
     contingency in a world, or on the number of values of its variables.
     """
 
-    measure: Literal["sac", "tc"] = "sac"
+    measure: Annotated[str, measure_choice(OF_EVENTS)] = "sac"
     """Measure that ranks the events: ``sac`` (eq. 5.2) or ``tc`` (eq. 4.3)."""
     correction: Literal["none", "miller_madow"] = "none"
     """Correction of the bias of estimates from few transitions: ``none`` or ``miller_madow``."""

@@ -7,7 +7,7 @@ target and a gesture, and the head turns there. The caregiver goes on all the ti
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -77,6 +77,9 @@ class RealtimeConfig(Checked):
     """Longest fixation, in seconds."""
     familiarise_minutes: Annotated[float, Real("(0, 1e6]")] = 3.0
     """Minutes of looking at the caregiver's face before all else (section 6.4.1), with a greeting first and last."""
+
+    RENAMED: ClassVar = {"truth": "state"}
+    OLD_CHOICES: ClassVar = {"perception": {"truth": "state"}}
 
 
 class RealtimeRun(ObservedRun):

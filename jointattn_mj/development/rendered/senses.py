@@ -7,7 +7,7 @@ any other is a profile. Each part of perception can be replaced by ground truth,
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -50,6 +50,8 @@ class SensesConfig(Checked):
     categories; a robot that took one of them for a profile found nothing after gaze following."""
     truth: tuple[Literal["face", "category", "object"], ...] = ()
     """Parts of perception that are replaced by ground truth: face, category, object."""
+
+    ADVANCED: ClassVar = ("frontal_share",)
 
 
 class CentralView(NamedTuple):
