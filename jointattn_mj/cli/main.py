@@ -130,13 +130,13 @@ def _parse(arguments: list[str]) -> Callable[[], None]:
 
 
 def _session(arguments: Sequence[str] = ()) -> Callable[..., Any]:
+    from jointattn_mj.api.session import LoggedSessionOptions
     from jointattn_mj.cli.session import run_with_bar
-    from jointattn_mj.gaze_following.run import SessionOptions
     from jointattn_mj.gaze_following.varied_session import VariedSessionConfig
 
     def session(
         config: Annotated[VariedSessionConfig, tyro.conf.arg(name="")],
-        options: Annotated[SessionOptions, tyro.conf.arg(name="")],
+        options: Annotated[LoggedSessionOptions, tyro.conf.arg(name="")],
     ) -> Callable[[], None]:
         """Let robot and caregiver live together for some minutes, and write down everything (chapter 6).
 

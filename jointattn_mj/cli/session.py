@@ -3,15 +3,15 @@
 import sys
 from collections import deque
 
-from jointattn_mj.gaze_following.run import SessionOptions, run_session
+from jointattn_mj.api.session import LoggedSessionOptions, run_logged
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.summary import LATE_MINUTES
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io.progress import Progress
 
 
-def run_with_bar(config: VariedSessionConfig, options: SessionOptions) -> None:
-    """Run the session, and say in a line what came of it; errors are :func:`runner.run_session`'s."""
+def run_with_bar(config: VariedSessionConfig, options: LoggedSessionOptions) -> None:
+    """Run the session, and say in a line what came of it; errors are those of :func:`run_logged`."""
     shown = Progress("getting to know the face", config.minutes, "simulated min", digits=1)
 
     recent, counted, of_all = deque[bool](maxlen=20), 0, 0
@@ -27,17 +27,17 @@ def run_with_bar(config: VariedSessionConfig, options: SessionOptions) -> None:
 
     try:
         with shown:
-            summary = run_session(config, options, progress, VariedSessionRun)
+            summary = run_logged(config, options, progress, VariedSessionRun)
     except KeyboardInterrupt:
         if (options.out / "checkpoint.bin").exists():
             print(f"jointattn: stopped; the same command with --resume goes on from {options.out}", file=sys.stderr)
         else:
             print("jointattn: stopped before the session began; nothing was written", file=sys.stderr)
         raise
-    late = summary["late_rate"]
+    late = summary.late_success_rate
     last = f" over the last {LATE_MINUTES:g} minutes" if config.minutes > LATE_MINUTES else ""
     print(
-        f"{summary['gaze_shifts']} gaze shifts from the face to an object, {summary['successes']} to where "
+        f"{summary.gaze_shifts} gaze shifts from the face to an object, {summary.successes} to where "
         f"the caregiver looked ({'-' if late is None else format(late, '.0%')}{last}), "
-        f"in {summary['wall_seconds']:.0f} s. Results: {options.out}"
+        f"in {summary.wall_seconds:.0f} s. Results: {options.out}"
     )
