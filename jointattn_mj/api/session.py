@@ -119,8 +119,8 @@ class Session(VariedSessionConfig):
 def run_logged(
     config: SessionConfig,
     options: LoggedSessionOptions,
-    progress: Callable[[SessionRun], object],
-    kind: type[SessionRun],
+    progress: Callable[[SessionRun], object] = lambda session: None,
+    kind: type[SessionRun] = SessionRun,
 ) -> SessionSummary:
     """Run a session in a folder, with a log for Rerun's viewer if ``options.rerun`` names one.
 
