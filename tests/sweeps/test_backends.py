@@ -169,8 +169,8 @@ def test_a_killed_scheduler_is_one_line(tmp_path, slow, scheduler):
     first, state, last = err.splitlines()
     assert first == "400 trials to compute, 0 stored already"
     assert "/400 trials" in state
-    assert last.startswith("jointattn: nobody computes any more (")
-    assert last.endswith("then the same command goes on")
+    assert last.startswith("jointattn: the workers are gone (")
+    assert last.endswith("and the same command goes on")
     assert len(Store(out).read(COIN).trials["fair"]) >= 1
 
 
