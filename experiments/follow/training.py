@@ -17,10 +17,10 @@ from stable_baselines3 import PPO  # noqa: E402
 from stable_baselines3.common.evaluation import evaluate_policy  # noqa: E402
 from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv, VecNormalize  # noqa: E402
 
-from experiments.follow.images import SmallImage  # noqa: E402
+from .images import SmallImage  # noqa: E402
 
 if TYPE_CHECKING:
-    from experiments.follow.sweep import Training
+    from .sweep import Training
 
 BASELINES = ("oracle", "random", "zero")
 

@@ -2,7 +2,6 @@
 
 import sys
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -10,14 +9,10 @@ import tyro
 
 from jointattn_mj.errors import ConfigError, SweepError
 from jointattn_mj.options import Checked, Seed, Whole
-from jointattn_mj.sweeps.registry import Registry
+from jointattn_mj.sweeps.registry import Registry, experiments_registry, registry_of
 
 EXPERIMENTS = "experiments.registry"
 LONGEST_NAME = 200
-CHECKOUT = (
-    "experiments are part of the source checkout, not of the installed package: clone the repository of jointattn-mj "
-    "and run the command in its folder"
-)
 
 
 @dataclass(frozen=True)
@@ -84,27 +79,20 @@ def do(options: ListOptions | ExperimentRunOptions | ReportOptions) -> None:
 
 
 def load_registry(module: str) -> Registry:
-    """The claims; those of this project are looked for in the working directory too.
+    """The claims of a module; modules of one's own are looked for in the working directory too.
 
     Raises:
-        LaboratoryError: They are not there.
+        SweepError: They are not there.
     """
-    expected = CHECKOUT if module == EXPERIMENTS else "expected a module that Python finds, such as my_claims.registry"
+    if module == EXPERIMENTS:
+        return experiments_registry()
     if not all(part.isidentifier() for part in module.split(".")) or len(module) > LONGEST_NAME:
-        raise SweepError(f"{module[:60]!r} is no name of a module; {expected}")
+        raise SweepError(
+            f"{module[:60]!r} is no name of a module; expected a module that Python finds, such as my_claims.registry"
+        )
     if (Path.cwd() / module.split(".")[0]).is_dir() and str(Path.cwd()) not in sys.path:
         sys.path.append(str(Path.cwd()))
-    try:
-        registry = getattr(import_module(module), "REGISTRY", None)
-    except ModuleNotFoundError as error:
-        if error.name is None or not module.startswith(error.name):
-            raise SweepError(f"cannot import {module}: {error}") from error
-        raise SweepError(f"cannot import {module}; {expected}") from error
-    except Exception as error:
-        raise SweepError(f"cannot import {module}: {type(error).__name__}: {error}") from error
-    if not isinstance(registry, Registry):
-        raise SweepError(f"{module} has no REGISTRY; see jointattn_mj.sweeps.registry.Registry")
-    return registry
+    return registry_of(module)
 
 
 def chosen(registry: Registry, ids: tuple[str, ...]) -> list[str]:
