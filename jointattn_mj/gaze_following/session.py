@@ -6,7 +6,7 @@ A session can be stored at any frame and continued from there. ``run`` gives it 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -51,6 +51,9 @@ class SessionConfig(Checked):
     """How the robot perceives images."""
     state: StateConfig = field(default_factory=StateConfig)
     """Errors of perception with ``perception state``."""
+
+    RENAMED: ClassVar = {"truth": "state"}
+    OLD_CHOICES: ClassVar = {"perception": {"truth": "state"}}
 
 
 class SessionRun:
