@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Self, get_type_hints
 from jointattn_mj.errors import OutputError
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.provenance import plain
+from jointattn_mj.options import RenamedWarning
 
 WIDTH = 110
 """Characters of a summary's repr."""
@@ -19,7 +20,7 @@ class Summary:
     """Base of frozen dataclasses that hold a run's numbers; a field may be a summary itself.
 
     Fields are read as attributes. ``summary["name"]`` does the same; a key that an earlier version used gives its value
-    and a ``FutureWarning`` that names the new one. ``str`` is a table with a field a line, ``repr`` fits one line.
+    and a ``RenamedWarning`` that names the new one. ``str`` is a table with a field a line, ``repr`` fits one line.
     """
 
     RENAMED: ClassVar[Mapping[str, str]] = {}
@@ -81,7 +82,7 @@ class Summary:
         """
         if key in self.RENAMED:
             new = self.RENAMED[key]
-            warnings.warn(f"the summary's {key!r} is now called {new!r}", FutureWarning, stacklevel=2)
+            warnings.warn(f"the summary's {key!r} is now called {new!r}", RenamedWarning, stacklevel=2)
             key = new
         names = [field.name for field in fields(self)]  # type: ignore[arg-type]
         if key not in names:
