@@ -21,7 +21,7 @@ from jointattn_mj.perception.som import SOM
 
 
 class SessionResult:
-    """A finished session.
+    """A finished session of gaze following: summary, tables, and what the robot learned.
 
     Tables and weights of a result that lies in a folder are read from there when they are first asked for. Two results
     are equal if config, summary, tables and weights are; the computing time does not count.
