@@ -40,7 +40,7 @@ class SessionResult:
         >>> len(result.frames)
         900
         >>> result.frames.to_pandas()["phase"].iloc[0]
-        'gaze'
+        'observe'
     """
 
     def __init__(
