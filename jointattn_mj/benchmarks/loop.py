@@ -142,7 +142,7 @@ def _render(world: World, visible: Poses) -> float:
         world.data.qpos[:], world.data.mocap_pos[:] = qpos, locations
         mujoco.mj_fwdPosition(world.model, world.data)
         start = time.perf_counter()
-        world.eye.look()
+        world.eye.render()
         spent += time.perf_counter() - start
     return spent
 

@@ -9,7 +9,7 @@ from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.run import TableRun
-from jointattn_mj.scene.looker import Pose, TurnWorld
+from jointattn_mj.scene.looker import Pose, TableWorld
 
 STEPS = 1000
 """In a block."""
@@ -78,12 +78,12 @@ def _seconds(run: DevelopmentRun) -> float:
     return time.perf_counter() - start
 
 
-def _render(world: TurnWorld, poses: list[Pose]) -> float:
+def _render(world: TableWorld, poses: list[Pose]) -> float:
     """Seconds for rendering alone; bodies are put into their places before each image, untimed."""
     spent = 0.0
     for pose in poses:
         world.stand(pose)
         start = time.perf_counter()
-        world.eye.look()
+        world.eye.render()
         spent += time.perf_counter() - start
     return spent

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from jointattn_mj.gaze_following import figures
+from jointattn_mj.gaze_following.columns import present_name
 from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts
 from jointattn_mj.gaze_following.summary import SessionSummary
@@ -83,8 +84,8 @@ class SessionResult:
         return cls(
             summary=SessionSummary.read(path / "summary.json"),
             config=read_config(path / "config.yaml", VariedSessionConfig),
-            frames=lambda: Table.read(path / "frames.parquet"),
-            shifts=lambda: Table.read(path / "gaze_shifts.parquet"),
+            frames=lambda: Table.read(path / "frames.parquet", present_name),
+            shifts=lambda: Table.read(path / "gaze_shifts.parquet", present_name),
             weights=lambda: read_weights(path / "weights.npz"),
             folder=path,
         )

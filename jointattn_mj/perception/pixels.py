@@ -1,7 +1,6 @@
 """The robot's own perception: everything from the camera image (boxes left of the attention selector in Fig. 6.2)."""
 
 from collections import deque
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,7 +15,7 @@ from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetector
 from jointattn_mj.perception.gray import fill_gray, require_image
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
 from jointattn_mj.perception.objects import Areas, ColourAreas, ColourConfig, check_areas
-from jointattn_mj.perception.percept import Percept
+from jointattn_mj.perception.percept import Observation, Percept
 from jointattn_mj.scene import camera
 
 MEMORY_RATE = 0.02
@@ -104,16 +103,13 @@ class PixelPerception:
         check_array("the grey image", self._gray, self._gray.shape, np.uint8)
         self._motion.check_kept(self._gray, areas)
 
-    def look(self, observation: Mapping[str, np.ndarray], landed: bool) -> Percept:
+    def perceive(self, observation: Observation, landed: bool) -> Percept:
         """Face, colour areas and motion of this image; ``landed`` begins a new history of motion.
 
         Raises:
-            ObservationError: No image (h, w, 3) uint8, contiguous, under ``camera``, or no two angles, rad, under
-                ``head_angles``.
+            ObservationError: ``observation`` has no image (h, w, 3) uint8, contiguous, or no two angles, rad.
         """
-        if not {"camera", "head_angles"} <= set(observation):
-            raise ObservationError(f"an observation has camera and head_angles; got {', '.join(observation)}")
-        head, image = observation["head_angles"], observation["camera"]
+        head, image = getattr(observation, "head_angles", None), getattr(observation, "image", None)
         require_image(image)
         require_array("head_angles", head, (2,), "f", -MOST_RAD, MOST_RAD)
         gray, areas = self._next_look(image.shape[:2])

@@ -78,7 +78,7 @@ class SOM:
         self.weights = np.zeros((cells, dimension), np.float32)
         if rng is not None:
             self.weights += rng.normal(0.0, 0.1, self.weights.shape).astype(np.float32)
-        self.visible = 0
+        self.n_patterns = 0
         location = np.stack(np.divmod(np.arange(cells), self.config.columns), axis=1)
         between = location[:, None] - location[None]
         self._grid_distance = np.square(between).sum(axis=2).astype(np.float32)  # squared, in cells
@@ -94,7 +94,7 @@ class SOM:
         """
         config = self.config
         pattern = self._pattern(x)
-        progress = min(self.visible / config.updates, 1.0)
+        progress = min(self.n_patterns / config.updates, 1.0)
         sigma = config.sigma_start * (config.sigma_end / config.sigma_start) ** progress
         rate = config.rate_start * (config.rate_end / config.rate_start) ** progress
         difference = pattern - self.weights
@@ -102,7 +102,7 @@ class SOM:
         pull = rate * np.exp(self._grid_distance[winner] / (-2 * sigma * sigma))
         difference *= pull[:, None]
         self.weights += difference
-        self.visible += 1
+        self.n_patterns += 1
         self._width = self._norms = None
         return winner
 
@@ -111,7 +111,7 @@ class SOM:
         if not len(patterns):
             raise ObservationError("patterns: expected one or more to learn from; got none")
         prepared = np.stack([self._pattern(x) for x in patterns])
-        for index in rng.integers(len(prepared), size=max(0, self.config.updates - self.visible)):
+        for index in rng.integers(len(prepared), size=max(0, self.config.updates - self.n_patterns)):
             self.update(prepared[index])
 
     def activations(self, x: np.ndarray) -> np.ndarray:
@@ -156,7 +156,7 @@ class SOM:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """All that was learned, to be saved with ``np.savez``."""
-        return {"weights": self.weights.copy(), "seen": np.array(self.visible)}
+        return {"weights": self.weights.copy(), "seen": np.array(self.n_patterns)}
 
     @classmethod
     def from_arrays(cls, arrays: dict[str, np.ndarray], config: SOMConfig | None = None) -> "SOM":
@@ -171,7 +171,7 @@ class SOM:
         if weights.shape != som.weights.shape or not np.isfinite(weights).all():
             raise ConfigError(f"som: expected weights {som.weights.shape} of finite numbers, came {weights.shape}")
         som.weights[:] = weights
-        som.visible = whole_number("seen", arrays["seen"])
+        som.n_patterns = whole_number("seen", arrays["seen"])
         return som
 
     def _pattern(self, x: np.ndarray) -> np.ndarray:

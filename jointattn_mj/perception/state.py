@@ -5,14 +5,13 @@ the caregiver's head direction instead of a grey patch, and its errors are those
 make (``experiments/perception``).
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 
 from jointattn_mj.options import Checked, Real, Share, Spread
-from jointattn_mj.perception.percept import Percept
+from jointattn_mj.perception.percept import Observation, Percept
 from jointattn_mj.scene.camera import in_image, pixels_of_points
 from jointattn_mj.scene.world import World
 
@@ -60,9 +59,9 @@ class StatePerception:
         self._hit = np.where(face, config.face_motion_hit, config.object_motion_hit)
         self._alarm = np.where(face, config.face_motion_false_alarm, config.object_motion_false_alarm)
 
-    def look(self, observation: Mapping[str, np.ndarray], landed: bool) -> Percept:
+    def perceive(self, observation: Observation, landed: bool) -> Percept:
         """The percept of this frame; just landed, nothing is seen to move, as in the pixel path."""
-        pixels = pixels_of_points(self._world.candidate_points(), np.degrees(observation["head_angles"]))
+        pixels = pixels_of_points(self._world.candidate_points(), np.degrees(observation.head_angles))
         draws = self._rng.random((2, len(pixels)))
         visible = in_image(pixels) & (draws[0] >= self._miss)
         pixels += self._noise * self._rng.standard_normal(pixels.shape)

@@ -34,7 +34,7 @@ class TaskFilm:
         if id(world) not in self._views:
             self._views[id(world)] = world, EyeView(world), Onlooker(world, OUTSIDE, HEIGHT)
         _, eye, onlooker = self._views[id(world)]
-        self._reel.add(np.hstack([eye.draw(world, mind), onlooker.look()]))
+        self._reel.add(np.hstack([eye.draw(world, mind), onlooker.render()]))
 
     def __enter__(self) -> "TaskFilm":
         """Start ffmpeg; raises VideoError if it does not."""

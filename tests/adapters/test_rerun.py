@@ -110,14 +110,14 @@ class TestLog:
             visible |= dict(
                 zip(chunk["frame"], zip(chunk["Boxes2D:centers"], chunk["Boxes2D:labels"], strict=True), strict=True)
             )
-        looked = np.flatnonzero(session.frames.column("looked") > 0)
+        looked = np.flatnonzero(session.frames.column("perceived") > 0)
         for frame in looked[:: max(1, len(looked) // 8)]:
             centres, labels = visible[int(frame)]
             for centre, label in zip(centres, labels, strict=True):
                 number = session.names.index(label)
                 location = [session.frames.column(name, number)[frame] for name in ("x_px", "y_px")]
                 np.testing.assert_allclose(centre, location, atol=1e-3)
-        turning = np.flatnonzero(session.frames.column("looked") == 0)
+        turning = np.flatnonzero(session.frames.column("perceived") == 0)
         assert not any(visible[int(frame)][0] for frame in turning if int(frame) in visible)
 
     def test_scene(self, logged):

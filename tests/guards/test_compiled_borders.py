@@ -205,9 +205,10 @@ def images() -> Iterator[Case]:
     from jointattn_mj.perception.gray import fill_gray
     from jointattn_mj.perception.motion import MotionDetector
     from jointattn_mj.perception.objects import ColourAreas
+    from jointattn_mj.perception.percept import StillObservation
     from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
     from jointattn_mj.perception.som import SOM, SOMConfig
-    from jointattn_mj.scene.model import OBJECTS
+    from jointattn_mj.scene.objects import OBJECTS
 
     rgb = np.array([item.rgb for item in OBJECTS[:4]])
     perception, colours, head = PixelPerception(PixelConfig(), rgb), ColourAreas(rgb), np.zeros(2)
@@ -220,13 +221,13 @@ def images() -> Iterator[Case]:
         "a list": fine.tolist(), "text": "image", "None": None, "a batch": fine[None],
     }  # fmt: skip
     for name, image in odd.items():
-        yield f"look at {name}", lambda p=image: perception.look({"camera": p, "head_angles": head}, True)
+        yield f"look at {name}", lambda p=image: perception.perceive(StillObservation(p, head), True)
         yield f"segment {name}", lambda p=image: colours.segment(p)
         yield f"labels of {name}", lambda p=image: colours.labels(p)
         yield f"gray of {name}", lambda p=image: fill_gray(p, np.zeros((48, 64), np.uint8), 0, 0, 64, 48)
     for name, angles in {"NaN": head * NAN, "three": np.zeros(3), "None": None, "far": np.array([1e9, 0])}.items():
-        yield f"look with angles {name}", lambda a=angles: perception.look({"camera": fine, "head_angles": a}, True)
-    yield "look at nothing", lambda: perception.look({}, True)
+        yield f"look with angles {name}", lambda a=angles: perception.perceive(StillObservation(fine, a), True)
+    yield "look at nothing", lambda: perception.perceive({}, True)
     yield "a pattern before any face", lambda: PixelPerception(PixelConfig(), rgb).face_pattern()
     for name, gray in {"smaller": np.zeros((9, 9), np.uint8), "floats": np.zeros((48, 64))}.items():
         yield f"gray into {name}", lambda g=gray: fill_gray(fine, g, 0, 0, 64, 48)
@@ -281,18 +282,19 @@ def harmless() -> Iterator[Case]:
     from jointattn_mj.contingency.measures import transfer_entropy
     from jointattn_mj.perception.motion import MotionDetector
     from jointattn_mj.perception.objects import ColourAreas
+    from jointattn_mj.perception.percept import StillObservation
     from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
-    from jointattn_mj.scene.model import OBJECTS
+    from jointattn_mj.scene.objects import OBJECTS
 
     rgb, head = np.array([item.rgb for item in OBJECTS[:4]]), np.zeros(2)
     perception, rng = PixelPerception(PixelConfig(), rgb), np.random.default_rng(0)
     for height, width in ((240, 320), (1, 1), (1, 500), (500, 1), (7, 9), (240, 320), (31, 33), (480, 640), (16, 16)):
         image = rng.integers(0, 256, (height, width, 3), np.uint8)
         image.flags.writeable = False
-        look = {"camera": image, "head_angles": head}
+        look = StillObservation(image, head)
         yield (
             f"look at {height} x {width}",
-            lambda o=look: [perception.look(o, landed) for landed in (True, False, False)],
+            lambda o=look: [perception.perceive(o, landed) for landed in (True, False, False)],
         )
     motion, colours = MotionDetector(), ColourAreas(rgb)
     for shape in ((240, 320), (20, 30), (240, 320)):

@@ -9,7 +9,7 @@ from stage import Stage, minimum_jerk
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.motion import MotionConfig, MotionDetector
 from jointattn_mj.perception.objects import Areas, ColourAreas
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.objects import OBJECTS
 
 RGB = np.array([o.rgb for o in OBJECTS[:4]])
 NOTHING = Areas.empty(0, 22)

@@ -12,13 +12,12 @@ from jointattn_mj.scene.model import (
     HEAD_POSITION,
     IMAGE_HEIGHT,
     IMAGE_WIDTH,
-    OBJECTS,
     TABLE_Z,
-    ObjectConfig,
     SceneConfig,
     build_model,
     rest_positions,
 )
+from jointattn_mj.scene.objects import OBJECTS, ObjectConfig
 
 ARM = ("shoulder_yaw", "shoulder_pitch", "shoulder_roll", "elbow", "wrist_yaw", "wrist_pitch", "wrist_roll")
 NECK = ("neck_yaw", "neck_pitch", "eye_left_yaw", "eye_left_pitch", "eye_right_yaw", "eye_right_pitch")

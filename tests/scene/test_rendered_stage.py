@@ -8,7 +8,7 @@ import pytest
 from jointattn_mj.development.rendered.stage import Stage, StageConfig
 from jointattn_mj.development.table.world import CAREGIVER, ROBOT, TableConfig, step
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.scene.looker import locations
+from jointattn_mj.scene.looker import spot_positions
 from jointattn_mj.scene.movement import gaze_angles
 
 EXACT = StageConfig(variation="none", object_jitter_m=0, head_jitter_deg=0, motor_noise_deg=0)
@@ -29,7 +29,7 @@ def n_steps(config: StageConfig, count: int):
 
 
 def test_bodies_do_what_the_table_says():
-    spots = locations(3, EXACT.world.scene)
+    spots = spot_positions(3, EXACT.world.scene)
     for stage in n_steps(EXACT, 40):
         table, world = stage.table, stage.world
         lying = world.caregiver.objects[world.caregiver.objects[:, 2] > 0]
@@ -42,7 +42,7 @@ def test_bodies_do_what_the_table_says():
 
 
 def test_imprecision_is_as_large_as_asked_for():
-    config, spots = StageConfig(variation="none"), locations(3, EXACT.world.scene)
+    config, spots = StageConfig(variation="none"), spot_positions(3, EXACT.world.scene)
     heads, own, objects, eyes = [], [], [], []
     for stage, exact in zip(n_steps(config, 400), n_steps(EXACT, 400), strict=True):
         heads.append(stage.world.face_angles() - exact.world.face_angles())

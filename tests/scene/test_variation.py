@@ -9,7 +9,8 @@ import pytest
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.dressing import Conditions, Lamp, Surfaces
-from jointattn_mj.scene.model import OBJECTS, SHAPES, SceneConfig
+from jointattn_mj.scene.model import SceneConfig
+from jointattn_mj.scene.objects import OBJECTS, SHAPES
 from jointattn_mj.scene.variation import DURATIONS, PRESETS, VariationConfig, drawn, variation_of
 from jointattn_mj.scene.world import AS_USUAL, World, WorldConfig
 

@@ -8,7 +8,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.faces import FaceDetectorConfig, haar_faces
 from jointattn_mj.perception.objects import ColourAreas
 from jointattn_mj.scene.camera import pixels_of_points
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.tasks import ALL_TASKS, load
 

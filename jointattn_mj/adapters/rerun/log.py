@@ -5,7 +5,7 @@ from types import TracebackType
 
 import rerun as rr
 
-from jointattn_mj.adapters.rerun.agent import AgentState
+from jointattn_mj.adapters.rerun.curves import AgentCurves
 from jointattn_mj.adapters.rerun.entities import IMAGE
 from jointattn_mj.adapters.rerun.images import Images
 from jointattn_mj.adapters.rerun.layout import layout
@@ -55,7 +55,7 @@ class SessionLog:
         self._parts = (
             Scene(self._rows, session.world),
             Percepts(self._rows, session.names, inks),
-            AgentState(self._rows, session, inks),
+            AgentCurves(self._rows, session, inks),
         )
         self._images = Images(self._log, IMAGE)
         return self

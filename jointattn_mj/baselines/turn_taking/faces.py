@@ -18,6 +18,7 @@ from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import numbers
 from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Spread, Whole
+from jointattn_mj.perception.percept import StillObservation
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.som import standardised
 from jointattn_mj.scene.camera import directions_to
@@ -145,7 +146,6 @@ class _Sitter:
         data.qpos[self._gaze] = np.radians(np.concatenate([neck, gaze - neck, gaze - neck]))
         data.qpos[self._robot] = np.radians(head)
         mujoco.mj_forward(self._stage.model, data)
-        visible = self._perception.look(
-            {"camera": self._stage.eye.look(), "head_angles": np.radians(head)}, landed=True
-        )
-        return self._perception.face_pattern() if visible.visible[-1] else None
+        observation = StillObservation(self._stage.eye.render(), np.radians(head))
+        percept = self._perception.perceive(observation, landed=True)
+        return self._perception.face_pattern() if percept.visible[-1] else None

@@ -19,7 +19,7 @@ from jointattn_mj.options import Checked, Real, Seconds, Share, Whole
 from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, Phase, Plan, TransferScript
 from jointattn_mj.scene.dressing import Conditions
 from jointattn_mj.scene.layout import LayoutConfig
-from jointattn_mj.scene.looker import locations
+from jointattn_mj.scene.looker import spot_positions
 from jointattn_mj.scene.model import rest_height
 from jointattn_mj.scene.movement import Arm, path_between
 from jointattn_mj.scene.world import World, WorldConfig
@@ -290,7 +290,7 @@ class PartnerWorld(World):
 
     def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> Partner:
         """See ``World``."""
-        config, spots = self.config, locations(self._table.spots, self.config.scene)
+        config, spots = self.config, spot_positions(self._table.spots, self.config.scene)
         height = rest_height(config.scene)
         return Partner(self._partner, self._table, spots, config.behaviour, height, head, arm, rng)
 

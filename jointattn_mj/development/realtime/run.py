@@ -33,10 +33,10 @@ from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.state import StateConfig, StatePerception
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX, direction_of, directions_to
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
-from jointattn_mj.scene.looker import locations
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.looker import spot_positions
+from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.variation import Variation, drawn, variation_of
-from jointattn_mj.scene.world import Observation, WorldConfig, build_physics
+from jointattn_mj.scene.world import WorldConfig, WorldObservation, build_physics
 
 FRAMES_PER_MINUTE = round(60 / FRAME_S)
 AT_TEN_A_SECOND = MotionConfig(frames_back=1, face_px=0.0675, object_px=0.375)
@@ -118,10 +118,10 @@ class RealtimeRun(ObservedRun):
         scene = replace(config.world.scene, objects=OBJECTS[: table.objects])
         world, conditions = drawn(replace(config.world, scene=scene), variation_of(config.variation), of_look)
         self.world = PartnerWorld(world, build_physics(world, conditions), of_world, conditions, config.partner, table)
-        self._observation = Observation(self.world)
+        self._observation = WorldObservation(self.world)
         self._perceiver = self._new_perceiver(np.random.default_rng(of_perception))
         self.attention = AttentionSelector(config.attention, table.objects, np.random.default_rng(of_attention))
-        self.heads = np.vstack([directions_to(locations(table.spots, world.scene)), np.zeros(2)])
+        self.heads = np.vstack([directions_to(spot_positions(table.spots, world.scene)), np.zeros(2)])
         self._held = np.zeros(2)
         self.frame, self._gazes_at = 0, NOWHERE
         patterns, greetings = self._familiarised()
@@ -214,7 +214,7 @@ class RealtimeRun(ObservedRun):
         longest = round(self.config.longest_s / FRAME_S)
         for frame in range(longest):
             if frame % self.config.looks_every == 0:
-                percept = self._perceiver.look(self._observation, frame == 0)
+                percept = self._perceiver.perceive(self._observation, frame == 0)
                 attended = self._at_centre(percept)
             self.attention.advance(attended, percept.moves)
             chosen = self.attention.consider(percept.visible)
@@ -259,7 +259,7 @@ class RealtimeRun(ObservedRun):
         partner, visible, moved, again = self.world.caregiver, 0, True, False
         partner.watch(self.spots)
         while partner.greeting or not again:
-            percept = self._perceiver.look(self._observation, visible == 0)
+            percept = self._perceiver.perceive(self._observation, visible == 0)
             if percept.visible[-1]:
                 visible += 1
                 there = direction_of(percept.px[-1], np.degrees(self.world.head_angles()))

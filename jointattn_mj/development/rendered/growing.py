@@ -33,7 +33,7 @@ from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.pixels import PixelPerception
 from jointattn_mj.perception.som import SOM
 from jointattn_mj.scene.camera import direction_of, directions_to, off_centre
-from jointattn_mj.scene.looker import locations
+from jointattn_mj.scene.looker import spot_positions
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,7 @@ class RecallingBody(Body):
     def __init__(self, table: TableConfig, config: GrowingConfig, seed: np.random.SeedSequence):
         super().__init__(table, config, seed)
         self._random = np.random.default_rng(seed.spawn(1)[0])
-        self._spots = locations(self.spots, self.stage.world.config.scene)
+        self._spots = spot_positions(self.spots, self.stage.world.config.scene)
         self._album = [list[int]() for _ in range(self.spots + 1)]
         while min(len(page) for page in self._album) < self.pages:
             direction = self.direction()

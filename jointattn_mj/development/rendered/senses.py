@@ -18,6 +18,7 @@ from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Real
 from jointattn_mj.perception.categories import FaceCategories, GroupingConfig
 from jointattn_mj.perception.faces import FaceDetectorConfig
+from jointattn_mj.perception.percept import StillObservation
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.som import SOM, SOMConfig
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX
@@ -69,7 +70,7 @@ NOTHING_LOOKED_AT = Gazed(False, False, NOWHERE, NOWHERE, None)
 
 def gazed(perception: PixelPerception, image: np.ndarray, head: np.ndarray, radius_deg: float) -> Gazed:
     """Look at an image (h, w, 3) that was taken with the head at ``head`` (2,), rad."""
-    percept = perception.look({"camera": image, "head_angles": head}, True)
+    percept = perception.perceive(StillObservation(image, head), landed=True)
     face, nearest, near = _centre(percept.visible, percept.px, np.radians(radius_deg) * FOCAL_PX)
     return Gazed(
         face, near, percept.px[-1].copy(), NOWHERE if nearest < 0 else percept.px[nearest].copy(),
