@@ -62,7 +62,7 @@ class Table:
         if new_names is None:
             return cls(arrow)
         names = [new_names(name) if callable(new_names) else new_names.get(name, name) for name in arrow.column_names]
-        old = [f"{before} {now}" for before, now in zip(arrow.column_names, names, strict=True) if before != now]
+        old = [f"{now} ({before})" for before, now in zip(arrow.column_names, names, strict=True) if before != now]
         if old:
             warnings.warn(
                 f"{path} has columns by old names, read by their new ones: {', '.join(old)}",
