@@ -64,8 +64,8 @@ class GazeShift:
 class GazeFollower:
     """Agent that learns to look where the caregiver looks; maps observations to desired head angles.
 
-    An observation has an ``image`` (uint8, read only when the robot perceives), ``head_angles`` (pan and tilt, rad) and
-    ``head_moves`` (bool). The action is the desired pan and tilt, rad.
+    An observation has an ``image`` (uint8, read only when the robot perceives), ``head_angles`` (pan
+    and tilt, rad) and ``head_moves`` (bool). The action is the desired pan and tilt, rad.
 
     Attributes:
         face: Number of the candidate that is the face; objects come before it.

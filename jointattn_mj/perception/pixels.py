@@ -109,7 +109,8 @@ class PixelPerception:
         Raises:
             ObservationError: ``observation`` has no image (h, w, 3) uint8, contiguous, or no two angles, rad.
         """
-        head, image = getattr(observation, "head_angles", None), getattr(observation, "image", None)
+        head: Any = getattr(observation, "head_angles", None)
+        image: Any = getattr(observation, "image", None)
         require_image(image)
         require_array("head_angles", head, (2,), "f", -MOST_RAD, MOST_RAD)
         gray, areas = self._next_look(image.shape[:2])

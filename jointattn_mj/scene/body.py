@@ -1,8 +1,8 @@
 """The caregiver below the head: seated trunk with neck, two arms in sleeves, hands with fingers.
 
-The trunk is in the caregiver's frame: origin on the floor below the head, x towards the robot; metres. A limb lies along
-x from its joint. With ``fine`` meshes are fine and clothes have a texture, for figures; else the ribs of clothes come
-from normals, which saves a tenth of an image's time.
+The trunk is in the caregiver's frame: origin on the floor below the head, x towards the robot; metres. A limb lies
+along x from its joint. With ``fine`` meshes are fine and clothes have a texture, for figures; else the ribs of
+clothes come from normals, which saves a tenth of an image's time.
 """
 
 from __future__ import annotations

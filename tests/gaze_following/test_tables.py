@@ -137,7 +137,8 @@ def test_frame_table_types(session):
     assert candidates == ("red", "yellow", "blue", "green", "face")
     dictionary = pa.dictionary(pa.int8(), pa.string())
     for name, kind in {
-        "phase": dictionary, "target": dictionary, "attended": dictionary, "perceived": pa.bool_(), "landed": pa.bool_(),
+        "phase": dictionary, "target": dictionary, "attended": dictionary, "perceived": pa.bool_(),
+        "landed": pa.bool_(),
         "face_visible": pa.bool_(), "red_moves": pa.bool_(), "red_really_moves": pa.bool_(), "iterations": pa.int32(),
         "pan_deg": pa.float32(), "face_x_px": pa.float32(), "face_error_px": pa.float64(), "time_s": pa.float64(),
     }.items():  # fmt: skip
