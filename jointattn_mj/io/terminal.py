@@ -68,8 +68,8 @@ def unbroken_streams() -> Iterator[Unbroken]:
     for stream in streams:
         with suppress(AttributeError, OSError, ValueError):
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
-    output = sys.stdout = Unbroken(streams[0])  # type: ignore[assignment]
-    errors = sys.stderr = Unbroken(streams[1])  # type: ignore[assignment]
+    output = sys.stdout = Unbroken(streams[0])
+    errors = sys.stderr = Unbroken(streams[1])
     try:
         yield output
     finally:
