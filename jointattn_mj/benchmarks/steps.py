@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from jointattn_mj.development.loop import DevelopmentRun
+from jointattn_mj.development.rendered.body import Witnessed
 from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.run import TableRun
@@ -38,10 +39,11 @@ class _Noted(RenderedRun):
 
     poses: list[Pose]
 
-    def see(self) -> None:
-        """See ``RenderedRun``."""
-        super().see()
+    def sense(self, number: int) -> Witnessed:
+        """See ``ObservedRun``."""
+        witnessed = super().sense(number)
         self.poses.append(self.stage.world.pose())
+        return witnessed
 
 
 def run_steps_benchmark(blocks: int) -> StepsBenchmark:

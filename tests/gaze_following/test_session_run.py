@@ -24,7 +24,7 @@ needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="
 PROGRAM = """
 import os, signal, sys
 from jointattn_mj.cli import main as cli, session as session_command
-run, how, at = session_command.run_session, sys.argv[1], int(sys.argv[2])
+run, how, at = session_command.run_logged, sys.argv[1], int(sys.argv[2])
 def interrupted(config, options, progress, kind):
     def watch(session):
         if session.frame == at:
@@ -37,7 +37,7 @@ def killing_replace(source, target, replace=os.replace, written=[]):
         os.kill(os.getpid(), signal.SIGKILL)
     replace(source, target)
 if how == "interrupt":
-    session_command.run_session = interrupted
+    session_command.run_logged = interrupted
 if how == "kill":
     os.replace = killing_replace
 cli.main(sys.argv[3:])
