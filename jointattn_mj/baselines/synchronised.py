@@ -75,7 +75,7 @@ class SynchronisedSession(SessionRun):
         super().begin()
         self._phase = self.world.caregiver.phase
 
-    def step(self, watch: Callable[[SessionRun], None] | None = None) -> None:
+    def step(self, watch: Callable[[SessionRun], object] | None = None) -> None:
         """One frame; afterwards the robot may be told."""
         super().step(watch)
         phase = self.world.caregiver.phase
