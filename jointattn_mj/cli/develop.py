@@ -2,13 +2,41 @@
 
 import sys
 import time
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any
+
+import tyro
 
 from jointattn_mj.development.loop import DevelopmentRun, Found
 from jointattn_mj.development.meaning import Meaning
-from jointattn_mj.development.run import DevelopConfig, DevelopOptions, run_development
+from jointattn_mj.development.run import DevelopConfig, DevelopOptions, mode_in, preset_in, run_development, world_in
 from jointattn_mj.io.progress import Progress, count
+
+
+def develop(arguments: Sequence[str] = ()) -> Callable[..., Any]:
+    """The command for tyro to parse."""
+    chosen = DevelopConfig.of(preset_in(arguments))
+    if world_in(arguments) == "rendered":
+        from jointattn_mj.development.realtime.config import RealtimeDevelopConfig
+        from jointattn_mj.development.rendered.config import RenderedDevelopConfig
+
+        kind = RealtimeDevelopConfig if mode_in(arguments) == "realtime" else RenderedDevelopConfig
+        chosen = kind.of(preset_in(arguments, default="fast"))
+
+    def command(
+        options: Annotated[DevelopOptions, tyro.conf.arg(name="")],
+        config: Annotated[DevelopConfig, tyro.conf.arg(name="")] = chosen,
+    ) -> Callable[[], None]:
+        """Let a robot find what is contingent, make modules of it, and so develop joint attention (chapters 4 and 5).
+
+        Leaves in --out: config.yaml, summary.json (modules in their order, what they mean, behaviour by phases),
+        sac.png (Fig. 5.3), behaviour.png (Fig. 5.5), maps.png, module_1.csv and so on (the learned maps),
+        turns.parquet (a row a turn), contingency.parquet, checkpoint.bin, and with --video a video. The defaults below
+        are those of --preset and --world.
+        """
+        return lambda: run_with_bar(config, options)
+
+    return command
 
 
 def run_with_bar(config: DevelopConfig, options: DevelopOptions) -> None:

@@ -150,31 +150,9 @@ def _session(arguments: Sequence[str] = ()) -> Callable[..., Any]:
 
 
 def _develop(arguments: Sequence[str] = ()) -> Callable[..., Any]:
-    from jointattn_mj.cli.develop import run_with_bar
-    from jointattn_mj.development.run import DevelopConfig, DevelopOptions, mode_in, preset_in, world_in
+    from jointattn_mj.cli.develop import develop
 
-    chosen = DevelopConfig.of(preset_in(arguments))
-    if world_in(arguments) == "rendered":
-        from jointattn_mj.development.realtime.config import RealtimeDevelopConfig
-        from jointattn_mj.development.rendered.config import RenderedDevelopConfig
-
-        kind = RealtimeDevelopConfig if mode_in(arguments) == "realtime" else RenderedDevelopConfig
-        chosen = kind.of(preset_in(arguments, default="fast"))
-
-    def develop(
-        options: Annotated[DevelopOptions, tyro.conf.arg(name="")],
-        config: Annotated[DevelopConfig, tyro.conf.arg(name="")] = chosen,
-    ) -> Callable[[], None]:
-        """Let a robot find what is contingent, make modules of it, and so develop joint attention (chapters 4 and 5).
-
-        Leaves in --out: config.yaml, summary.json (modules in their order, what they mean, behaviour by phases),
-        sac.png (Fig. 5.3), behaviour.png (Fig. 5.5), maps.png, module_1.csv and so on (the learned maps),
-        turns.parquet (a row a turn), contingency.parquet, checkpoint.bin, and with --video a video. The defaults below
-        are those of --preset and --world.
-        """
-        return lambda: run_with_bar(config, options)
-
-    return develop
+    return develop(arguments)
 
 
 def _perceive(arguments: Sequence[str] = ()) -> Callable[..., Any]:
