@@ -6,7 +6,7 @@ A session can be stored at any frame and taken up again; ``runner`` gives it a f
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -50,6 +50,9 @@ class SessionConfig(Checked):
     """How it perceives images."""
     state: StateConfig = field(default_factory=StateConfig)
     """What stands for that with ``perception state``."""
+
+    RENAMED: ClassVar = {"truth": "state"}
+    OLD_CHOICES: ClassVar = {"perception": {"truth": "state"}}
 
 
 class SessionRun:
