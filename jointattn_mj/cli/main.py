@@ -105,6 +105,10 @@ def _say(message: str) -> None:
 
 def _parse(arguments: list[str]) -> Callable[[], None]:
     """The command that the arguments ask for; bad usage ends in one line instead of tyro's boxes."""
+    if arguments[:1] == ["develop"]:
+        from jointattn_mj.cli.develop import with_world
+
+        arguments = with_world(arguments)
     said = io.StringIO()
     asked = [arguments[0]] if arguments and arguments[0] in COMMANDS else list(COMMANDS)
     if arguments and arguments[0] not in COMMANDS and not arguments[0].startswith("-"):
