@@ -33,10 +33,20 @@ ABANDONED_S = 3600.0
 
 NAMES_IN_KEYS = {
     "agent": "mind", "holding_location": "holding_place", "rest_location": "rest_place", "location_gain": "place_gain",
-    "agent_steps": "mind_turns", "images": "pictures", "image_height": "picture_height",
+    "agent_steps": "mind_turns", "images": "pictures", "image_height": "picture_height", "calibration": "greeting",
+    "exploration": "watching", "modelled": "claimed", "stop_rule": "rule", "stability_of": "of",
 }  # fmt: skip
 """Fields of configs that have been renamed, by their name now. Keys and stored configs keep the first name, so that
 trials stored before are found."""
+
+
+CHOICES_IN_KEYS = {
+    "perception": {"state": "truth"},
+    "stop_rule": {"convergence": "still", "confidence": "certain"},
+    "modelled": {"keep": "block"},
+    "history": {"since_creation": "made", "full": "ever"},
+}
+"""Choices of fields that have been renamed, by field and choice as they are called now; likewise."""
 
 
 def config_text(config: Any) -> str:
@@ -49,12 +59,15 @@ def _with_first_names(value: Any) -> Any:
         return [_with_first_names(item) for item in value]
     if not isinstance(value, dict):
         return value
-    named = {NAMES_IN_KEYS.get(name, name): _with_first_names(item) for name, item in value.items()}
-    if named.get("perception") == "state":
-        named["perception"] = "truth"
+    named = {NAMES_IN_KEYS.get(name, name): _first_choice(name, item) for name, item in value.items()}
     if isinstance(named.get("state"), dict):
         named["truth"] = named.pop("state")
     return named
+
+
+def _first_choice(name: str, value: Any) -> Any:
+    """The value of a field, by the first name of what was chosen."""
+    return CHOICES_IN_KEYS.get(name, {}).get(value, value) if isinstance(value, str) else _with_first_names(value)
 
 
 def text_of(value: Any) -> str:

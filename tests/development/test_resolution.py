@@ -103,7 +103,7 @@ def test_contingency_is_that_of_the_measures(seed):
 def test_both_split_together_where_neither_says_anything_alone():
     given_ = transitions(*two_sides(3000, 1))
     growth = Growth(ordered(), SPACE)
-    steps = growth.look(given_)
+    steps = growth.update(given_)
     assert steps[0].split.kind == "S and A"
     assert steps[0].split.axis == 0 and abs(steps[0].split.at) < 4
     assert len(growth.resolution.sensed) == 2
@@ -114,15 +114,15 @@ def test_both_split_together_where_neither_says_anything_alone():
 @pytest.mark.parametrize("seed", range(3))
 def test_noise_splits_nothing(seed):
     growth = Growth(points(), SPACE)
-    assert growth.look(transitions(*noise(6000, seed))) == []
+    assert growth.update(transitions(*noise(6000, seed))) == []
     assert len(growth.resolution.sensed) == len(growth.resolution.boxes) == 1
 
 
 def test_it_looks_again_only_when_there_is_enough_that_is_new():
     growth = Growth(ordered(), SPACE, ResolutionConfig(warm_up=100, look_again=0.5))
     given_ = transitions(*two_sides(3001, 2))
-    assert growth.look(given_.some(slice(99))) == [] and growth.due(100)
-    growth.look(given_.some(slice(1000)))
+    assert growth.update(given_.some(slice(99))) == [] and growth.due(100)
+    growth.update(given_.some(slice(1000)))
     assert not growth.due(1500) and growth.due(1501)
 
 
@@ -142,7 +142,7 @@ def test_series_of_unequal_length():
 
 def test_babbling_goes_on_the_same_after_a_pickle_and_a_mind_lives_with_what_was_found(monkeypatch):
     monkeypatch.setattr(RecallingBody, "pages", 6)
-    config = GrowingConfig(greeting=3, watching=80, resolution=ResolutionConfig(warm_up=1000))
+    config = GrowingConfig(calibration=3, exploration=80, resolution=ResolutionConfig(warm_up=1000))
     one = Babbling(TableConfig(spots=2, objects=1), config, 5, RecallingBody)
     one.advance(1500)
     other = pickle.loads(pickle.dumps(one))

@@ -11,7 +11,7 @@ from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.meaning import meanings
 from jointattn_mj.development.rendered.continuous import SCATTERED, ContinuousConfig, ContinuousRun
 from jointattn_mj.development.rendered.film import RunFilm
-from jointattn_mj.development.rendered.growing import Babbling, Body, GrowingConfig, GrowingRun, RecallingBody
+from jointattn_mj.development.rendered.growing import Babbling, FreeGazeBody, GrowingConfig, GrowingRun, RecallingBody
 from jointattn_mj.development.rendered.growth_film import GrowthFilm
 from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
 from jointattn_mj.development.table.presets import PRESETS
@@ -73,8 +73,8 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
         """See ``DevelopmentConfig``; those of --rendered.* also follow from --maps and --resolution."""
         start = super().defaults(given)
         if given.get("resolution") == "growing":
-            senses, greeting, watching = GROWING.senses, GROWING.greeting, GROWING.watching
-            rendered = replace(start.rendered, senses=senses, greeting=greeting, watching=watching)
+            senses, calibration, exploration = GROWING.senses, GROWING.calibration, GROWING.exploration
+            rendered = replace(start.rendered, senses=senses, calibration=calibration, exploration=exploration)
             return replace(start, rendered=rendered)
         return replace(start, rendered=SCATTERED) if given.get("maps") == "continuous" else start
 
@@ -90,7 +90,7 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
         last = self.seed, self.steps
         initial = self.initial_modules()
         if self.resolution == "growing":
-            body = Body if self.babbling.images else RecallingBody
+            body = FreeGazeBody if self.babbling.images else RecallingBody
             babbling = Babbling(self.table, self._growing(), self.seed, body)
             babbling.advance(self.babbling.steps)
             return GrowingRun(babbling, self.agent, *last, initial, self.sample_every)
@@ -105,8 +105,8 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
             stage=world.stage,
             senses=world.senses,
             resolution=babbling.resolution,
-            greeting=world.greeting,
-            watching=world.watching,
+            calibration=world.calibration,
+            exploration=world.exploration,
             face_share=babbling.face_share,
             margin=babbling.margin,
         )
