@@ -8,7 +8,7 @@ imported before it is needed.
 from jointattn_mj.sweeps.registry import Entry, Registry
 
 REGISTRY = Registry(
-    "experiments",
+    __package__,
     Entry("4.4", "detection", "Which event is contingent", "section 4.5.2, Fig. 4.4",
           "T^C of (S1, A1, R2) becomes the highest; after about 30,000 turns nothing changes any more."),
     Entry("4.5", "many_objects", "More and fewer objects", "section 4.5.2, Fig. 4.5",

@@ -3,13 +3,11 @@
 from typing import Any
 
 from jointattn_mj.adapters import registration as _registration
-from jointattn_mj.io import compiled as _compiled
 from jointattn_mj.scene import gl as _gl
 from jointattn_mj.scene import llvm as _llvm
 
 _gl.choose_when_needed()
 _llvm.keep_apart()
-_compiled.choose_folder()
 _registration.register_when_needed()
 
 __version__ = "0.1.0"

@@ -14,7 +14,7 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, fields
 from difflib import get_close_matches
 from functools import cache
@@ -29,6 +29,8 @@ from jointattn_mj.errors import ConfigError
 
 TOP_LEVEL = tyro.conf.arg(prefix_name=False)
 """An option that many use: `--caregiver`, not `--world.scene.caregiver`."""
+FLAT = tyro.conf.arg(name="")
+"""A parameter of a command whose fields are options without a prefix."""
 
 UNITS = {
     "deg_s": "degrees per second", "m_s": "metres per second", "deg": "degrees", "px": "pixels", "s": "seconds",
@@ -160,6 +162,8 @@ class Checked(metaclass=_ConfigType):
     OLD_CHOICES: ClassVar[Mapping[str, Mapping[str, str]]] = {}
     """For a field (by its new name) its choices by their names in the last version:
     ``{"perception": {"truth": "state"}}``."""
+    ADVANCED: ClassVar[Sequence[str]] = ()
+    """Fields that are tuned constants: the command line lists them last, and in --help-all only."""
 
     def __init_subclass__(cls) -> None:
         if "__repr__" not in vars(cls):

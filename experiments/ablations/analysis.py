@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.ablations.sweep import SETTINGS
-from experiments.tables import in_order, time_of
 from jointattn_mj.development.behaviour import KEC
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, proportion
+
+from ..tables import in_order, time_of
+from .sweep import SETTINGS
 
 
 def _results(trials: Trials, setting: str) -> list[dict[str, Any]]:

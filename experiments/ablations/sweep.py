@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from experiments.tables import develop, table_config
 from jointattn_mj.sweeps.claim import Setting
+
+from ..tables import develop, table_config
 
 CHANGES = {
     "default": {},

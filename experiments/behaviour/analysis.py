@@ -5,10 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.tables import in_order
 from jointattn_mj.development.behaviour import BEHAVIOURS, FG, KEC
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
+
+from ..tables import in_order
 
 PHASES = 4
 

@@ -1,7 +1,8 @@
 """Rates of six behaviours in the last 1000 turns of each phase between modules (Fig. 5.5)."""
 
-from experiments.tables import develop, table_config
 from jointattn_mj.sweeps.claim import Setting
+
+from ..tables import develop, table_config
 
 FIRST_SEED = 30_000
 SETTINGS = {

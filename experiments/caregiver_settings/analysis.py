@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.caregiver_settings.sweep import CHANCES
-from experiments.tables import STAGES, in_order
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import proportion
+
+from ..tables import STAGES, in_order
+from .sweep import CHANCES
 
 KNOWN = {
     STAGES[0]: ("C0", "FG (S1, A1, R3)"), STAGES[1]: ("C1", "SCf (Π1, A1, R1)"), STAGES[2]: ("C2", "SC (Π1, A1, R2)"),

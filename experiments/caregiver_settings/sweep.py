@@ -1,7 +1,8 @@
 """Modules under all p_r, p_i of Fig. 5.4, for p_e of 1 and 0 and the values between (section 5.3.3)."""
 
-from experiments.tables import develop, table_config
 from jointattn_mj.sweeps.claim import Setting
+
+from ..tables import develop, table_config
 
 CHANCES = (0.0, 0.25, 0.5, 0.75, 1.0)
 

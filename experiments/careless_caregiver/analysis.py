@@ -5,9 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.careless_caregiver.sweep import CARE
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
+
+from .sweep import CARE
 
 
 def _leads(trials: Trials, care: float) -> np.ndarray:

@@ -2,9 +2,10 @@
 
 from typing import Any
 
-from experiments.tables import TableRunConfig, run_table, table_config, target_lead
 from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.sweeps.claim import Setting
+
+from ..tables import TableRunConfig, run_table, table_config, target_lead
 
 CARE = tuple(round(0.1 * step, 1) for step in range(11))
 TARGET = Event(0, 0, 1)

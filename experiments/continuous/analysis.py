@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.continuous.sweep import CHECKPOINTS, WITHIN_DEG
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, median_interval, paired_difference, proportion
+
+from .sweep import CHECKPOINTS, WITHIN_DEG
 
 Result = dict[str, Any]
 COLOURS = {"informative": "#c0392b", "all": "#2471a3", "chapter 6": "#7d6608"}

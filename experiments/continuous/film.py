@@ -8,12 +8,13 @@ from itertools import islice
 
 import tyro
 
-from experiments.continuous.sweep import FILM, RunConfig
 from jointattn_mj.contingency.online.reactive import RandomModule
 from jointattn_mj.development.meaning import GAZE
 from jointattn_mj.development.rendered.continuous import ContinuousRun
 from jointattn_mj.development.rendered.film import RunFilm
 from jointattn_mj.development.table.presets import PRESETS
+
+from .sweep import FILM, RunConfig
 
 SEED = 7
 LEAD = 2

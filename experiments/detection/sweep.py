@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from experiments.tables import TableRunConfig, run_table, table_config
 from jointattn_mj.sweeps.claim import Setting
+
+from ..tables import TableRunConfig, run_table, table_config
 
 TARGET = "(S1, A1, R2)"
 POINTS = 80

@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from experiments.tables import TableRunConfig, run_table, table_config
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.sweeps.claim import Setting
+
+from ..tables import TableRunConfig, run_table, table_config
 
 FIRST_SEED = 30_000
 SETTINGS = {"chapter4": Setting(table_config("chapter4", turns=30_000), runs=20)}

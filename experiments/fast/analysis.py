@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.fast.sweep import CHANCES, SETTINGS, SPOTS
-from experiments.tables import in_order, time_of
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import median_interval, proportion
+
+from ..tables import in_order, time_of
+from .sweep import CHANCES, SETTINGS, SPOTS
 
 
 def _results(trials: Trials, setting: str) -> list[dict[str, Any]]:

@@ -1,7 +1,8 @@
 """The preset ``fast`` beside ``thesis``: in the world of chapter 5, and in others that nobody chose anything for."""
 
-from experiments.tables import develop, table_config
 from jointattn_mj.sweeps.claim import Setting
+
+from ..tables import develop, table_config
 
 SPOTS = (2, 3, 4, 5, 6)
 CHANCES = (0.25, 0.5, 0.75)

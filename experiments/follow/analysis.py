@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments.follow.sweep import SETTINGS
 from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, median_interval, paired_difference
+
+from .sweep import SETTINGS
 
 WORDS = {"state": "from the state", "images": "from images", "blindfolded": "blindfolded"}
 BLINDFOLDED = "blindfolded"

@@ -71,6 +71,6 @@ def trial(config: Training, seed: int) -> dict[str, Any]:
     Raises:
         ExtraError: Stable-Baselines3 is not installed; it is the extra ``rl``.
     """
-    from experiments.follow.training import train
+    from .training import train
 
     return train(config, seed)

@@ -5,9 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.many_objects.sweep import CHANCES, OBJECTS
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
+
+from .sweep import CHANCES, OBJECTS
 
 
 def _leads(trials: Trials, objects: int, follow: float | None = None, lead: float | None = None) -> np.ndarray:

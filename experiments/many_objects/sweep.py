@@ -2,9 +2,10 @@
 
 from typing import Any
 
-from experiments.tables import TableRunConfig, run_table, table_config, target_lead
 from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.sweeps.claim import Setting
+
+from ..tables import TableRunConfig, run_table, table_config, target_lead
 
 CHANCES = (0.25, 0.5, 0.75)
 OBJECTS = range(1, 10)

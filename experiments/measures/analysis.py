@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.measures.sweep import MEASURES, OF_EVENTS
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import median_interval, proportion
+
+from .sweep import MEASURES, OF_EVENTS
 
 
 def right_since(result: dict[str, Any], measure: str) -> float:

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from experiments.tables import TableRunConfig, run_table, table_config
 from jointattn_mj.contingency import (
     combined_transfer_entropy,
     conditional_mutual_information,
@@ -17,6 +16,8 @@ from jointattn_mj.contingency import (
     transfer_entropy,
 )
 from jointattn_mj.sweeps.claim import Setting
+
+from ..tables import TableRunConfig, run_table, table_config
 
 FIRST_SEED = 30_000
 LENGTHS = tuple(int(n) for n in np.unique(np.geomspace(500, 40_000, 20).round(-2)))

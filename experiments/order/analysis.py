@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from experiments.tables import STAGES, in_order, time_of
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
+
+from ..tables import STAGES, in_order, time_of
 
 NAMES = ("gaze following, FG-m", "looking back, SCf-m", "gaze alternation, SC-m")
 EXAMPLE = (5748, 42862, 47686)

@@ -1,7 +1,8 @@
 """Which modules a robot makes in 100,000 turns, and when, under two orders of a turn (section 5.3.2)."""
 
-from experiments.tables import develop, table_config
 from jointattn_mj.sweeps.claim import Setting
+
+from ..tables import develop, table_config
 
 FIRST_SEED = 30_000
 SETTINGS = {

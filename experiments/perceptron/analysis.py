@@ -4,9 +4,10 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from experiments.perceptron.sweep import EPOCHS, RATES
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval
+
+from .sweep import EPOCHS, RATES
 
 PUBLISHED = 0.84
 

@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from experiments.experience.sweep import found_objects
-from experiments.tables import TableRunConfig, run_table, table_config
 from jointattn_mj.sweeps.claim import Setting
+
+from ..experience.sweep import found_objects
+from ..tables import TableRunConfig, run_table, table_config
 
 RATES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 EPOCHS = (1, 3, 10)

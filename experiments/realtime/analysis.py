@@ -8,10 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments.realtime.sweep import SETTINGS, STEPS_AN_HOUR, Hour
-from experiments.tables import STAGES
 from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import median_interval, paired_difference, proportion
+
+from ..tables import STAGES
+from .sweep import SETTINGS, STEPS_AN_HOUR, Hour
 
 HOUR = 60.0
 FOLLOWING, BACK, ALTERNATING = STAGES

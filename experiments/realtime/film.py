@@ -4,11 +4,12 @@ from pathlib import Path
 
 import tyro
 
-from experiments.realtime.sweep import FILM, FILMED, MODULES, MOST_STEPS
 from jointattn_mj.development.meaning import meanings
 from jointattn_mj.development.realtime.film import RealtimeFilm
 from jointattn_mj.development.realtime.run import RealtimeConfig, RealtimeRun
 from jointattn_mj.development.table.presets import PRESETS
+
+from .sweep import FILM, FILMED, MODULES, MOST_STEPS
 
 BEFORE_MINUTES = 1.0
 """The robot has to move at random for a while, for there to be anything to see."""

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.rendered_turns.sweep import SETTINGS
-from experiments.tables import STAGES, in_order, time_of
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
+
+from ..tables import STAGES, in_order, time_of
+from .sweep import SETTINGS
 
 NAMES = ("FG", "SCf", "SC")
 ASKED = 0.85

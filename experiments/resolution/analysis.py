@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.resolution.sweep import SETTINGS
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, median_interval, proportion
+
+from .sweep import SETTINGS
 
 Result = dict[str, Any]
 COLOURS = {2: "#7d6608", 3: "#c0392b", 4: "#2471a3", 5: "#1e8449"}

@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import tyro
 
-from experiments.resolution.sweep import FILM, RunConfig
 from jointattn_mj.contingency.online.reactive import RandomModule
 from jointattn_mj.development.meaning import GAZE, meanings
 from jointattn_mj.development.rendered.growing import Babbling, GrowingRun
 from jointattn_mj.development.rendered.growth_film import GrowthFilm
 from jointattn_mj.development.table.presets import PRESETS
+
+from .sweep import FILM, RunConfig
 
 SEED, SPOTS, MOST = 7, 3, 20_000
 AFTER = 5

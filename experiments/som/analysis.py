@@ -5,10 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.som.sweep import unpacked
 from jointattn_mj.perception.som import SOMConfig
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, paired_difference
+
+from .sweep import unpacked
 
 TOUCHING = 0.1
 """Share of faces beyond which the sheet does not keep neighbours together."""

@@ -5,9 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.tables import STAGES
 from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import proportion
+
+from ..tables import STAGES
 
 
 def _course(result: dict, symbol: str) -> np.ndarray:

@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from experiments.tables import TableRunConfig, run_table, table_config
 from jointattn_mj.sweeps.claim import Setting
+
+from ..tables import TableRunConfig, run_table, table_config
 
 FIRST_SEED = 30_000
 SETTINGS = {"caregiver first": Setting(table_config("thesis", turns=80_000), runs=20)}

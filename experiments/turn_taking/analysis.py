@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments.turn_taking.sweep import SETTINGS, DevelopmentRun
 from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
+
+from .sweep import SETTINGS, DevelopmentRun
 
 END = 6
 """Stretches of a life, of 60, that count as its end: 30,000 attempts."""

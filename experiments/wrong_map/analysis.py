@@ -5,9 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.wrong_map.sweep import SETTINGS
 from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, proportion
+
+from .sweep import SETTINGS
 
 WRONG_DEG = 6.0
 """Median error of a map that counts as wrong."""

@@ -11,12 +11,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from experiments.sessions.sweep import session_config
 from jointattn_mj.gaze_following.agent import GazeFollower, GazeShift
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.options import Checked
 from jointattn_mj.scene.camera import directions_to, off_centre
 from jointattn_mj.sweeps.claim import Setting
+
+from ..sessions.sweep import session_config
 
 BASE = session_config("state", cues=False)
 TOLERANCE_DEG = 3.5

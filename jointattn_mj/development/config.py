@@ -40,6 +40,8 @@ class DevelopmentConfig(Checked):
     agent: DeveloperConfig = field(default_factory=DeveloperConfig)
 
     RENAMED: ClassVar[Mapping[str, str]] = {"mind": "agent"}
+    CHOOSES: ClassVar[tuple[tuple[str, str], ...]] = ()
+    """Options besides the preset, and their values, from which the defaults of others follow."""
     steps_at_a_time: ClassVar[int]
     """Steps from one call of ``progress`` to the next."""
     checkpoint_every: ClassVar[int]

@@ -6,11 +6,12 @@ worker shows, and what is left after it.
 
 import logging
 import os
+import queue
 import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, Future
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any, Protocol
 
 from joblib import cpu_count
@@ -74,8 +75,8 @@ class Loky:
 
     def close(self) -> None:
         if self._executor is not None:
-            with _manager_unheard():
-                self._executor.shutdown(wait=True, kill_workers=True)
+            _take_back_waiting(self._executor)
+            self._executor.shutdown(wait=True, kill_workers=True)
             self._executor = None
 
 
@@ -93,22 +94,12 @@ def _hangup_ignored() -> Iterator[None]:
         signal.signal(signal.SIGHUP, kept)
 
 
-@contextmanager
-def _manager_unheard() -> Iterator[None]:
-    """Trials that were waiting when workers are killed make loky's own thread look up what it has just thrown away: a
-    KeyError without consequence, whose stack trace would stand in front of the user."""
-    before = threading.excepthook
-
-    def hook(problem: threading.ExceptHookArgs) -> None:
-        of_manager = problem.thread is not None and problem.thread.name == "ExecutorManagerThread"
-        if not (of_manager and issubclass(problem.exc_type, KeyError)):
-            before(problem)
-
-    threading.excepthook = hook
-    try:
-        yield
-    finally:
-        threading.excepthook = before
+def _take_back_waiting(executor: ProcessPoolExecutor) -> None:
+    """Empty the queue of trials that wait, so that loky's thread does not look them up when they have been thrown away:
+    it would end in a KeyError without consequence, and its stack trace would stand before the user."""
+    with suppress(AttributeError, queue.Empty):
+        while True:
+            executor._work_ids.get_nowait()
 
 
 class Dask:

@@ -1,30 +1,42 @@
-"""Claims by id. What runs one is imported when it is asked for, what reads it when it is read."""
+"""Claims by id. The modules that run or analyse a claim are imported when they are first needed."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from importlib.util import find_spec
+from pathlib import Path
+from types import ModuleType
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import ConfigError, SweepError
 from jointattn_mj.sweeps.claim import Claim
+
+PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
 
 
 @dataclass(frozen=True)
 class Entry:
-    """What can be said of a claim without importing it."""
+    """Facts about a claim that are known without importing it."""
 
     id: str
     folder: str
-    """Package with ``sweep`` and ``analysis``."""
+    """Package with the modules ``sweep`` and ``analysis``."""
     title: str
     source: str
-    """Where it stands in the dissertation."""
+    """Where the claim stands in the dissertation."""
     says: str
     """What the dissertation claims, in one or two sentences."""
 
 
 class Registry(Mapping[str, Claim]):
-    """Claims by id, in the order in which they were entered."""
+    """Claims by id, in the order in which they were entered.
+
+    Args:
+        package: Dotted name of the package that holds a folder for each claim.
+        entries: The claims, with different ids.
+
+    Raises:
+        ConfigError: Two entries have the same id.
+    """
 
     def __init__(self, package: str, *entries: Entry):
         self.entries = {entry.id: entry for entry in entries}
@@ -32,11 +44,11 @@ class Registry(Mapping[str, Claim]):
             raise ConfigError(f"claim ids must differ; got {', '.join(entry.id for entry in entries)}")
         self._package = package
 
-    def __getitem__(self, claim: str) -> Claim:
-        entry = self.entries[claim]
+    def __getitem__(self, claim_id: str) -> Claim:
+        entry = self.entries[claim_id]
         sweep = import_module(f"{self._package}.{entry.folder}.sweep")
 
-        def analysis() -> Any:
+        def analysis() -> ModuleType:
             return import_module(f"{self._package}.{entry.folder}.analysis")
 
         return Claim(
@@ -58,3 +70,44 @@ class Registry(Mapping[str, Claim]):
 
     def __len__(self) -> int:
         return len(self.entries)
+
+    def __repr__(self) -> str:
+        return f"Registry({self._package!r}: {', '.join(self.entries)})"
+
+
+def experiments_registry() -> Registry:
+    """The claims of the dissertation: those of the checkout, or else the copy that the installed package carries.
+
+    Raises:
+        SweepError: Neither is there, or another package called ``experiments`` stands before the checkout's.
+    """
+    if (PACKAGE_FOLDER / "experiments").is_dir():
+        return registry_of("jointattn_mj.experiments.registry")
+    expected = PACKAGE_FOLDER.parent / "experiments" / "registry.py"
+    spec = find_spec("experiments")
+    if not expected.exists() or spec is None:
+        raise SweepError(f"the package carries no experiments, and {expected} is not there; install jointattn-mj again")
+    if expected.parent not in map(Path, spec.submodule_search_locations or ()):
+        raise SweepError(f"expected the package experiments in {expected.parent}; got {spec.origin}; rename that one")
+    return registry_of("experiments.registry")
+
+
+def registry_of(module: str) -> Registry:
+    """``REGISTRY`` of a module, such as ``my_claims.registry``.
+
+    Raises:
+        SweepError: The module cannot be imported, or has no such registry.
+    """
+    try:
+        registry = getattr(import_module(module), "REGISTRY", None)
+    except ModuleNotFoundError as error:
+        if error.name is None or not module.startswith(error.name):
+            raise SweepError(f"cannot import {module}: {error}") from error
+        raise SweepError(
+            f"cannot import {module}; expected a module that Python finds, such as my_claims.registry"
+        ) from error
+    except Exception as error:
+        raise SweepError(f"cannot import {module}: {type(error).__name__}: {error}") from error
+    if not isinstance(registry, Registry):
+        raise SweepError(f"{module} has no REGISTRY; see jointattn_mj.sweeps.registry.Registry")
+    return registry

@@ -261,7 +261,7 @@ def _plain_in_markdown(text: str) -> str:
 
 def _page(chapters: Sequence[Chapter], images: Mapping[str, Mapping[str, str]], folder: Path) -> str:
     environment = Environment(
-        loader=PackageLoader("jointattn_mj.laboratory"),
+        loader=PackageLoader("jointattn_mj.sweeps"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

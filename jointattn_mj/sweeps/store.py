@@ -1,9 +1,10 @@
 """Trials on disk: one JSON file each, named after a hash of all that went into it, there whole or not at all.
 
-    <folder>/cells/<claim>/<key>.json      a finished cell: what it was computed from, its result, versions, wall time
-    <folder>/failed/<claim>/<key>.json     a trial that failed: the error, its traceback; gone once it has succeeded
+    <folder>/trials/<claim>/<key>.json     a finished trial: claim, setting, seed, config, result, versions, wall time
+    <folder>/failed/<claim>/<key>.json     a trial that failed: error and traceback; deleted once it has succeeded
 
-Several runs may use one folder at once: they can only write the same file twice.
+Folders of version 0.1 call the first ``cells``; they are read, and runs in them go on there. Several runs may use one
+folder at once: two that compute the same trial write the same file.
 """
 
 import hashlib
@@ -26,18 +27,18 @@ from jointattn_mj.sweeps.claim import Claim, Setting, Trial, Trials
 
 END = b"\n}\n"
 UNREADABLE = (OSError, ValueError, KeyError, TypeError, RecursionError)
-"""What reading a file can end in that is damaged, or something else under its name."""
+"""Errors of reading a file that is damaged, or that holds something else."""
 ABANDONED_S = 3600.0
-"""A temporary file as old as this was left by a process that was killed."""
-
-
+"""Age at which a temporary file counts as left behind by a killed process."""
+TRIALS, FORMER_TRIALS = "trials", "cells"
+"""Names of the folder of finished trials: now, and in version 0.1."""
 NAMES_IN_KEYS = {
     "agent": "mind", "holding_location": "holding_place", "rest_location": "rest_place", "location_gain": "place_gain",
     "agent_steps": "mind_turns", "images": "pictures", "image_height": "picture_height", "calibration": "greeting",
     "exploration": "watching", "modelled": "claimed", "stop_rule": "rule", "stability_of": "of",
 }  # fmt: skip
-"""Fields of configs that have been renamed, by their name now. Keys and stored configs keep the first name, so that
-trials stored before are found."""
+"""Renamed fields of configs: name now, name when trials were first stored. Keys and stored configs keep the first name,
+so that trials stored before are found. A new row here belongs to every renaming of such a field."""
 
 
 CHOICES_IN_KEYS = {
@@ -50,7 +51,7 @@ CHOICES_IN_KEYS = {
 
 
 def config_text(config: Any) -> str:
-    """The config of a setting as the JSON text that the keys of its trials are made of."""
+    """The config of a setting as JSON text, with the names of fields that keys are made of."""
     return text_of(_with_first_names(plain(config)))
 
 
@@ -71,10 +72,10 @@ def _first_choice(name: str, value: Any) -> Any:
 
 
 def text_of(value: Any) -> str:
-    """``value`` as the one JSON text that it has: plain data, keys in order, null for NaN.
+    """``value`` as JSON text, the same for equal values: keys sorted, null for NaN.
 
     Raises:
-        CellError: Something in it is no plain data, or infinite.
+        TrialError: ``value`` holds an infinite number, or an object that JSON has no form for.
     """
     try:
         return json.dumps(_finite(plain(value)), sort_keys=True, allow_nan=False, separators=(",", ":"))
@@ -90,13 +91,13 @@ def _finite(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         if math.isnan(value):
             return None
-        raise TrialError(f"expected finite numbers, for JSON has no others; got {value}; say None for what never came")
+        raise TrialError(f"expected finite numbers, for JSON has no others; got {value}; use None for a missing value")
     return value
 
 
 @dataclass(frozen=True)
 class PlannedTrial:
-    """A trial to compute."""
+    """A trial to compute: a claim's setting with a seed."""
 
     claim: Claim
     name: str
@@ -110,49 +111,65 @@ class PlannedTrial:
 
 
 class Keys:
-    """Names of the files of a claim's trials; the resolved config of each setting is written out once."""
+    """File names (keys) of a claim's trials. The config of each setting is turned into text once."""
 
     def __init__(self, claim: Claim):
         self.claim = claim
         self.configs = {name: config_text(setting.config) for name, setting in claim.settings.items()}
 
     def key(self, name: str, seed: int) -> str:
-        """Of the trial with this setting and seed."""
+        """Key of the trial with this setting and seed."""
         return key_of(self.claim.id, self.claim.version, self.configs[name], seed)
 
     def tasks(self, names: Sequence[str], seeds: Mapping[str, range]) -> Iterator[PlannedTrial]:
-        """Trials of these settings, all with their first seed, then all with their second..."""
-        for place in range(max((len(seeds[name]) for name in names), default=0)):
+        """Trials of these settings: the first seed of each, then the second seed of each, and so on.
+
+        Args:
+            names: Ids of settings.
+            seeds: Seeds of each of them.
+        """
+        for index in range(max((len(seeds[name]) for name in names), default=0)):
             for name in names:
-                if place < len(seeds[name]):
-                    seed = seeds[name][place]
+                if index < len(seeds[name]):
+                    seed = seeds[name][index]
                     yield PlannedTrial(self.claim, name, self.claim.settings[name], seed, self.key(name, seed))
 
     @cached_property
     def settings(self) -> dict[str, list[str]]:
-        """Ids of settings by their config: two that are the same share their trials."""
-        found: dict[str, list[str]] = {}
+        """Ids of settings by the text of their config. Settings with equal configs share their trials."""
+        ids: dict[str, list[str]] = {}
         for name, config in self.configs.items():
-            found.setdefault(config, []).append(name)
-        return found
+            ids.setdefault(config, []).append(name)
+        return ids
 
 
 def key_of(claim: str, version: int, config: str, seed: int) -> str:
-    """32 hexadecimal digits of a hash over all that a trial's result depends on."""
+    """Hash over all that a trial's result depends on, as 32 hexadecimal digits.
+
+    Args:
+        claim: Id of the claim.
+        version: The claim's version.
+        config: Text of the setting's config, see :func:`config_text`.
+        seed: Seed of the trial.
+    """
     return hashlib.sha256(f"{claim}\n{version}\n{seed}\n{config}".encode()).hexdigest()[:32]
 
 
 @dataclass(frozen=True)
 class Stored:
-    """What a folder holds of a claim."""
+    """The trials of a claim that a folder holds."""
 
     trials: Trials
     versions: tuple[dict[str, str], ...]
-    """Every combination of versions that a trial was computed with."""
+    """The combinations of package versions that trials were computed with."""
     others: int
-    """Trials of another version of the claim, or of settings that it has no more."""
+    """Number of trials of another version of the claim, or of settings that it no longer has."""
     damaged: tuple[Path, ...]
     """Files that hold no trial."""
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{name}: {len(trials)}" for name, trials in self.trials.items())
+        return f"Stored({counts or 'nothing'}; {self.others} others, {len(self.damaged)} damaged)"
 
 
 class Store:
@@ -161,11 +178,14 @@ class Store:
     def __init__(self, folder: Path):
         self.folder = folder
 
+    def __repr__(self) -> str:
+        return f"Store({str(self.folder)!r})"
+
     def prepare(self, claim: str) -> None:
-        """Make the folders, and forget what killed processes left half written.
+        """Make a claim's folders, and delete half-written files of killed processes.
 
         Raises:
-            OutputError: They cannot be made.
+            OutputError: A folder cannot be made.
         """
         for folder in (self._trials(claim), self._failed(claim)):
             try:
@@ -173,35 +193,42 @@ class Store:
             except OSError as error:
                 raise OutputError(f"cannot make the folder {folder}: {error.strerror}; choose another --out") from error
             for path in folder.glob(".*"):
-                with suppress(OSError):  # another run has just put it in place, or it may only be read
+                with suppress(OSError):  # another run has just renamed the file, or the folder is read-only
                     if time.time() - path.stat().st_mtime > ABANDONED_S:
                         path.unlink()
 
     @contextmanager
     def berth(self) -> Iterator[int]:
-        """While the block runs: how many other runs use the folder that began before this one, or a number that one of
-        them has left free. It is given up by a killed process too; 0 where the file system knows no locks."""
-        place = 0
+        """Hold the lowest free number among the runs that use the folder now, from 0 on.
+
+        The number is free again when the block ends or the process is killed. It is 0 on a file system without locks.
+        """
+        number = 0
         with ExitStack() as locks:
             with suppress(OSError):
-                while not locks.enter_context(locked(self.folder / f".run{place}.lock")):
-                    place += 1
-            yield place
+                while not locks.enter_context(locked(self.folder / f".run{number}.lock")):
+                    number += 1
+            yield number
 
     def path(self, task: PlannedTrial) -> Path:
-        """Where the trial is, or will be."""
+        """File of the trial, whether it is there or not."""
         return self._trials(task.claim.id) / f"{task.key}.json"
 
     def has(self, task: PlannedTrial) -> bool:
-        """Whether the trial is there, down to its last line."""
+        """Whether the trial's file is there and whole."""
         return _is_whole(self.path(task))
 
     def known(self, claim: str) -> frozenset[str]:
-        """Keys of all whole trials of a claim; of another version too."""
+        """Keys of all whole trials of a claim, those of other versions included."""
         return frozenset(Path(entry.name).stem for entry in _files(self._trials(claim)) if _is_whole(entry))
 
     def write(self, task: PlannedTrial, result: str, **beside: Any) -> None:
-        """Store a trial, ``result`` as JSON text; ``beside`` are facts about how it was computed.
+        """Store a finished trial.
+
+        Args:
+            task: The trial.
+            result: Its result as JSON text.
+            beside: Facts about the computation, such as versions and wall time.
 
         Raises:
             OutputError: The file cannot be written.
@@ -215,7 +242,13 @@ class Store:
             self._failure(task).unlink(missing_ok=True)
 
     def write_failure(self, task: PlannedTrial, error: str, traceback: str, alone: str) -> None:
-        """Note why a trial failed and the command that runs it alone.
+        """Store the note of a failed trial.
+
+        Args:
+            task: The trial.
+            error: The error in one line.
+            traceback: Its traceback.
+            alone: The command that runs this trial alone.
 
         Raises:
             OutputError: The file cannot be written.
@@ -227,12 +260,12 @@ class Store:
         write_whole(self._failure(task), lambda path: path.write_text(json.dumps(facts, indent=1) + "\n"))
 
     def failures(self, claim: str) -> list[dict[str, Any]]:
-        """Failed trials, by setting and seed; of a note that is damaged no more is known than its file."""
-        found = [_failure(Path(entry)) for entry in _files(self._failed(claim))]
-        return sorted(found, key=lambda failure: (failure["setting"], failure["seed"]))
+        """Notes of failed trials, sorted by setting and seed. A damaged note has its path under ``damaged``."""
+        notes = [_failure(Path(entry)) for entry in _files(self._failed(claim))]
+        return sorted(notes, key=lambda note: (note["setting"], note["seed"]))
 
     def read(self, claim: Claim) -> Stored:
-        """All stored trials of a claim that belong to its settings as they are now."""
+        """Read all stored trials that belong to the present settings of a claim."""
         keys, others, damaged = Keys(claim), 0, []
         trials: dict[str, list[Trial]] = {name: [] for name in claim.settings}
         versions = set()
@@ -252,11 +285,12 @@ class Store:
                 trials[name].append(Trial(name, seed, result))
             if names:
                 versions.add(tuple((package, str(number)) for package, number in made_with.items()))
-        found = {name: sorted(part, key=lambda trial: trial.seed) for name, part in trials.items() if part}
-        return Stored(found, tuple(dict(one) for one in sorted(versions)), others, tuple(sorted(damaged)))
+        by_seed = {name: sorted(part, key=lambda trial: trial.seed) for name, part in trials.items() if part}
+        return Stored(by_seed, tuple(map(dict, sorted(versions))), others, tuple(sorted(damaged)))
 
     def _trials(self, claim: str) -> Path:
-        return self.folder / "cells" / claim
+        former = (self.folder / FORMER_TRIALS).is_dir() and not (self.folder / TRIALS).exists()
+        return self.folder / (FORMER_TRIALS if former else TRIALS) / claim
 
     def _failed(self, claim: str) -> Path:
         return self.folder / "failed" / claim
@@ -274,10 +308,10 @@ def _failure(path: Path) -> dict[str, Any]:
 
 
 def _files(folder: Path) -> list[os.DirEntry[str]]:
-    """Files that are there whole: no temporary ones; nothing where there is no folder.
+    """JSON files of a folder, without temporary ones; none where the folder is missing.
 
     Raises:
-        OutputError: There is something else, or it may not be read.
+        OutputError: ``folder`` is no folder, or cannot be read.
     """
     try:
         with os.scandir(folder) as entries:
@@ -289,7 +323,7 @@ def _files(folder: Path) -> list[os.DirEntry[str]]:
 
 
 def _is_whole(path: Path | os.DirEntry[str]) -> bool:
-    """Whether the file ends as :meth:`Store.write` ends it: a machine that lost power can leave less."""
+    """Whether the file ends as :meth:`Store.write` ends it. A loss of power can leave a part of a file."""
     try:
         with open(path, "rb") as file:
             file.seek(-len(END), os.SEEK_END)

@@ -1,5 +1,6 @@
 """Runs in folders: same seed, same files; stopped and killed runs go on; bad usage is refused in a line."""
 
+import contextlib
 import dataclasses
 import json
 import signal
@@ -21,6 +22,7 @@ from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
 from jointattn_mj.io import space
+from jointattn_mj.options import RenamedWarning
 
 STEPS = 12_000
 SHORT = ("--preset", "fast", "--seed", 1, "--steps", STEPS)
@@ -282,24 +284,46 @@ def test_a_preset_may_need_what_another_forbids(jointattn, tmp_path):
 @pytest.mark.parametrize(
     ("typed", "meant"),
     [
-        ("develop table --preset fast", "develop table --preset fast"),
-        ("develop --preset fast", "develop table --preset fast"),
-        ("develop --seed 1 --world rendered", "develop rendered --seed 1"),
-        ("develop --world=rendered --mode realtime --minutes 2", "develop realtime --minutes 2"),
-        ("develop --world rendered --mode turns", "develop rendered"),
-        ("develop --world table --mind.memory reset --mind.detector.hold=3",
-         "develop table --agent.memory reset --agent.detector.hold=3"),
-        ("develop", "develop table"),
-        ("develop --help", "develop --help"),
-        ("session --world rendered", "session --world rendered"),
-        ("", ""),
+        ("table --preset fast", "table --preset fast"),
+        ("--preset fast", "table --preset fast"),
+        ("--seed 1 --world rendered", "rendered --seed 1"),
+        ("--world=rendered --mode realtime --minutes 2", "realtime --minutes 2"),
+        ("--world rendered --mode turns", "rendered"),
+        ("--world table --seed 3", "table --seed 3"),
+        ("", "table"),
     ],
-)  # fmt: skip
-def test_what_the_last_version_typed_is_understood(typed, meant, capsys):
-    assert with_world(typed.split()) == meant.split()
-    told = capsys.readouterr().err
-    for old in ("--world", "--mind"):
-        assert (f" {old}" in told) == (typed.startswith("develop") and f" {old}" in typed)
+)
+def test_what_the_last_version_typed_is_understood(typed, meant):
+    old = "--world" in typed
+    with pytest.warns(RenamedWarning, match=meant.split()[0]) if old else contextlib.nullcontext():
+        assert with_world(typed.split()) == meant.split()
+
+
+def test_old_names_of_groups_are_understood(jointattn, tmp_path):
+    options = ("--mind.memory", "reset", "--mind.detector.rule=certain", "--steps", 50)
+    outcome = jointattn("develop", "--world", "table", *options, "--out", tmp_path)
+    assert outcome.code == 0
+    for name in ("develop table", "--agent.memory", "--agent.detector.stop-rule", "confidence"):
+        assert name in outcome.err
+    agent = yaml.safe_load((tmp_path / "config.yaml").read_text())["config"]["agent"]
+    assert (agent["memory"], agent["detector"]["stop_rule"]) == ("reset", "confidence")
+
+
+def test_a_config_file_gives_defaults(jointattn, finished, tmp_path):
+    """The same run again from its config.yaml; options override it, but for those that choose other defaults."""
+    file = finished / "config.yaml"
+    outcome = jointattn("develop", "table", "--config", file, "--out", tmp_path / "again")
+    assert outcome.code == 0, outcome.err
+    assert results(tmp_path / "again") == results(finished)
+    options = ("--steps", 30, "--agent.memory", "whole", "--preset", "fast")
+    outcome = jointattn("develop", "table", "--config", file, *options, "--out", tmp_path / "other")
+    assert outcome.code == 0, outcome.err
+    written = yaml.safe_load((tmp_path / "other" / "config.yaml").read_text())["config"]
+    before = yaml.safe_load(file.read_text())["config"]
+    assert written == before | {"steps": 30, "agent": before["agent"] | {"memory": "whole"}}
+    refused(
+        jointattn("develop", "--config", file, "--preset", "thesis", "--out", tmp_path / "no"), 2, "--preset thesis"
+    )
 
 
 @pytest.mark.parametrize("typed", ["develop moon", "develop --world moon"])
@@ -322,7 +346,7 @@ def test_help(jointattn):
     assert outcome.code == 0
     for word in ("table", "rendered", "realtime", "sac.png"):
         assert word in outcome.out
-    outcome = jointattn("develop", "table", "--help")
+    outcome = jointattn("develop", "table", "--help-all")
     assert outcome.code == 0
     for word in ("--preset", "--table.caregiver.follow", "--agent.selector.habituation", "--reactive", "--out"):
         assert word in outcome.out
@@ -333,7 +357,7 @@ def test_help(jointattn):
 def test_needs_no_3d_world():
     """Neither MuJoCo nor OpenCV is imported for a run at the table."""
     program = (
-        "import sys; from jointattn_mj.cli.develop import develop; develop(['develop', 'table']); "
+        "import sys; from jointattn_mj.cli import develop; "
         "from jointattn_mj.development import figures, logbook; "
         "print({'mujoco', 'cv2', 'torch', 'dm_control'} & set(sys.modules))"
     )

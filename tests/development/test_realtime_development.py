@@ -38,7 +38,7 @@ def test_each_world_has_its_own_options(capsys):
         ("rendered", ["--rendered.stage.looks-at", "--maps", "--continuous.enough", "--babbling.steps"]),
         ("realtime", ["--minutes", "--realtime.longest-s"]),
     ):
-        cli.main(["develop", world, "--help"])
+        cli.main(["develop", world, "--help-all"])
         said = capsys.readouterr().out
         assert all(option in said for option in options)
         assert ("--minutes" in said) == (world == "realtime")

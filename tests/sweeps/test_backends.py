@@ -38,7 +38,7 @@ def test_no_scheduler():
 
 
 def test_loky_survives_a_killed_worker(tmp_path, monkeypatch):
-    """kill -9 in the middle of a cell; and nobody in a worker takes more than one core."""
+    """kill -9 in the middle of a trial; and nobody in a worker takes more than one core."""
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
     monkeypatch.setenv("TOY_TROUBLE", f"kill_once:3:{tmp_path / 'marker'}")
     tally = run([COIN], Selection("fair"), tmp_path, Loky(2))
@@ -49,7 +49,7 @@ def test_loky_survives_a_killed_worker(tmp_path, monkeypatch):
 HEAVY = {"mujoco", "torch", "cv2", "matplotlib", "dm_control"}
 
 
-def test_a_worker_imports_what_its_cell_needs():
+def test_a_worker_imports_what_its_trial_needs():
     backend = Loky(1)
     try:
         backend.submit(sorted, [])  # starts it
@@ -155,26 +155,26 @@ def test_a_killed_scheduler_is_one_line(tmp_path, slow, scheduler):
     command = f"experiment run 1.1 --registry toys.registry --runs 200 --backend dask --address {address} --out {out}"
     with subprocess.Popen(
         [sys.executable, "-m", "jointattn_mj.cli.main", *command.split()],
-        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])},
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path])},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
     ) as process:
-        while not (out / "cells" / "1.1").is_dir() or len(list((out / "cells" / "1.1").glob("[!.]*"))) < 3:
+        while not (out / "trials" / "1.1").is_dir() or len(list((out / "trials" / "1.1").glob("[!.]*"))) < 3:
             assert process.poll() is None, process.stderr.read()
             time.sleep(0.05)
         processes[0].kill()
         said, err = process.communicate(timeout=120)
     assert (process.returncode, said) == (1, "")
     first, state, last = err.splitlines()
-    assert first == "400 cells to compute, 0 stored already"
-    assert "/400 cells" in state
+    assert first == "400 trials to compute, 0 stored already"
+    assert "/400 trials" in state
     assert last.startswith("jointattn: nobody computes any more (")
     assert last.endswith("then the same command goes on")
     assert len(Store(out).read(COIN).trials["fair"]) >= 1
 
 
-def test_cells_that_wait_when_all_is_stopped_say_nothing(monkeypatch):
+def test_trials_that_wait_when_all_is_stopped_say_nothing(monkeypatch):
     """loky's own thread would: it looks up what it has thrown away."""
     heard = []
     monkeypatch.setattr(threading, "excepthook", heard.append)

@@ -31,7 +31,7 @@ def test_verdict_of_several(verdicts, overall):
 
 
 def test_a_claim_needs_settings():
-    parts = {"id": "1", "title": "", "source": "", "says": "", "cell": max, "analyse": max, "draw": max}
+    parts = {"id": "1", "title": "", "source": "", "says": "", "trial": max, "analyse": max, "draw": max}
     with pytest.raises(ConfigError, match="at least one setting"):
         Claim(settings={}, **parts)
     with pytest.raises(ConfigError, match=r"runs: .*; got -1"):

@@ -1,4 +1,4 @@
-"""The page and the tables: the same cells give the same bytes, and everything that was found is in them."""
+"""The page and the tables: the same trials give the same bytes, and everything that was found is in them."""
 
 import csv
 import json
@@ -40,7 +40,7 @@ def folder(tmp_path_factory):
     return folder
 
 
-def test_the_same_cells_the_same_bytes(folder, tmp_path):
+def test_the_same_trials_the_same_bytes(folder, tmp_path):
     """In another folder, but for its name; in another order, with other wall times, and after a report on fewer."""
     fill(tmp_path, runs=1)
     write_report(REGISTRY, ["1.1"], tmp_path)
@@ -92,7 +92,7 @@ def test_tables_for_programs(folder):
     assert r"so \| so" in table[-1]
 
 
-def test_claims_without_cells_are_named_and_not_imported(folder):
+def test_claims_without_trials_are_named_and_not_imported(folder):
     assert chapter(REGISTRY, "1.2", Store(folder)) == Chapter(REGISTRY.entries["1.2"])
     write_report(REGISTRY, list(REGISTRY), folder)
     page = (folder / "report.html").read_text()
@@ -103,7 +103,7 @@ def test_claims_without_cells_are_named_and_not_imported(folder):
 
 
 def test_nothing_stored(tmp_path):
-    with pytest.raises(OutputError, match=r"holds no cells of 1\.1, 1\.2; run some with `jointattn experiment run"):
+    with pytest.raises(OutputError, match=r"holds no trials of 1\.1, 1\.2; run some with `jointattn experiment run"):
         write_report(REGISTRY, list(REGISTRY), tmp_path)
     assert list(tmp_path.iterdir()) == []
 
@@ -118,7 +118,7 @@ def test_an_analysis_that_fails_takes_nothing_with_it(tmp_path):
     assert "could not be read in full: analyse: KeyError" in page
 
 
-def test_what_a_reader_should_know_of_the_cells(tmp_path):
+def test_what_a_reader_should_know_of_the_trials(tmp_path):
     fill(tmp_path)
     fill(tmp_path, claim=replace(COIN, version=7), runs=1)
     store, task = Store(tmp_path), next(plan([COIN], Selection(runs=9)))
@@ -127,7 +127,7 @@ def test_what_a_reader_should_know_of_the_cells(tmp_path):
     notes = " ".join(chapter(REGISTRY, "1.1", store).notes)
     assert "Cells that failed: 1" in notes
     assert "not used: 2" in notes
-    assert "hold no cell: 1" in notes
+    assert "hold no trial: 1" in notes
 
 
 @pytest.mark.parametrize(

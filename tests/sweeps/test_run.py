@@ -1,4 +1,4 @@
-"""What a run computes, and what goes wrong with one cell and not with the others. No process is started."""
+"""What a run computes, and what goes wrong with one trial and not with the others. No process is started."""
 
 import json
 from concurrent.futures import CancelledError, Future
@@ -107,7 +107,7 @@ def test_results_do_not_hang_on_how_they_were_computed(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["error", "exit"])
-def test_an_error_ends_one_cell(tmp_path, monkeypatch, kind):
+def test_an_error_ends_one_trial(tmp_path, monkeypatch, kind):
     monkeypatch.setenv("TOY_TROUBLE", f"{kind}:1")
     tally = go(tmp_path, registry="toys.registry")
     assert (tally.done, stored(tmp_path)) == (3, {"fair": [0, 2, 3]})
@@ -123,13 +123,13 @@ def test_an_error_ends_one_cell(tmp_path, monkeypatch, kind):
 
 
 @pytest.mark.parametrize("together", [True, False])
-def test_a_death_costs_no_cell(tmp_path, together):
+def test_a_death_costs_no_trial(tmp_path, together):
     tally = go(tmp_path, Here(slots=3, together=together, dies={1: 1}), runs=6)
     assert (tally.deaths, tally.failed, tally.done) == (1, [], 6)
 
 
 @pytest.mark.parametrize("together", [True, False])
-def test_a_cell_that_always_kills_is_found(tmp_path, together):
+def test_a_trial_that_always_kills_is_found(tmp_path, together):
     """It is tried again alone and last, so that nobody is blamed for another's deed."""
     backend = Here(slots=3, together=together, dies={1: 99})
     tally = go(tmp_path, backend, runs=6)
@@ -185,7 +185,7 @@ def test_a_full_disk_ends_the_run(tmp_path, monkeypatch):
 def test_infinite_results_are_refused(tmp_path):
     claim = replace(COIN, trial=endless)
     ((_, error, _),) = go(tmp_path, claims=[claim], runs=1).failed
-    assert error.startswith("CellError: expected finite numbers")
+    assert error.startswith("TrialError: expected finite numbers")
 
 
 def endless(config, seed):
@@ -201,7 +201,7 @@ def test_time_left_goes_by_setting():
 
 def test_wall_time_stands_beside_the_result(tmp_path):
     go(tmp_path, runs=1)
-    (path,) = (tmp_path / "cells" / "1.1").iterdir()
+    (path,) = (tmp_path / "trials" / "1.1").iterdir()
     assert json.loads(path.read_text())["wall_seconds"] >= 0
 
 

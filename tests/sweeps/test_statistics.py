@@ -97,7 +97,7 @@ def test_share_is_a_mean_of_zeros_and_ones():
         proportion(3, 2)
 
 
-@pytest.mark.parametrize(("n", "place"), [(6, 1), (8, 1), (9, 2), (10, 2), (15, 4), (20, 6), (25, 8), (40, 14)])
+@pytest.mark.parametrize(("n", "location"), [(6, 1), (8, 1), (9, 2), (10, 2), (15, 4), (20, 6), (25, 8), (40, 14)])
 def test_median_as_in_tables_of_order_statistics(n, location):
     """The places that textbooks on the sign test give for 95%."""
     estimate = median_interval(np.random.default_rng(n).permutation(n) + 1.0)

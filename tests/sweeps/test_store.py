@@ -1,4 +1,4 @@
-"""Cells on disk: what goes in comes out, whole or not at all, and nothing else is taken for a cell."""
+"""Trials on disk: what goes in comes out, whole or not at all, and nothing else is taken for a trial."""
 
 import json
 import os
@@ -88,7 +88,7 @@ def test_a_key_hangs_on_everything():
     assert len(key()) == 32
 
 
-def test_equal_settings_share_their_cells(store):
+def test_equal_settings_share_their_trials(store):
     claim = replace(COIN, settings={"a": Setting({"x": 1}, 1), "b": Setting({"x": 1}, 1)})
     first, second = tasks(claim, runs=1)
     store.write(first, "{}")
@@ -96,7 +96,7 @@ def test_equal_settings_share_their_cells(store):
     assert {name: len(trials) for name, trials in store.read(claim).trials.items()} == {"a": 1, "b": 1}
 
 
-def test_cells_of_before(store):
+def test_trials_of_before(store):
     """Those of an older version, or of a setting that is no more, are counted and left alone."""
     fill(store)
     raised = store.read(replace(COIN, version=2))
@@ -131,7 +131,7 @@ def test_a_file_under_another_name(store):
     assert len(store.read(COIN).damaged) == 1
 
 
-def test_failures_go_when_the_cell_succeeds(store):
+def test_failures_go_when_the_trial_succeeds(store):
     task = tasks()[0]
     store.write_failure(task, "ValueError: no", "line 1\nline 2", "run it alone")
     (failure,) = store.failures(COIN.id)
@@ -154,10 +154,21 @@ def test_full_disk(store, monkeypatch):
 
 
 def test_no_folder_to_be_had(tmp_path):
-    (tmp_path / "cells").write_text("a file")
+    (tmp_path / "trials").write_text("a file")
     with pytest.raises(OutputError, match="cannot make the folder"):
         Store(tmp_path).prepare("1.1")
     assert Store(tmp_path / "nowhere").known("1.1") == frozenset()
+
+
+def test_folders_of_version_0_1(tmp_path):
+    """Their trials lie in ``cells``; they are read, and a run in them goes on there."""
+    former = Store(tmp_path)
+    (tmp_path / "cells").mkdir()
+    former.prepare(COIN.id)
+    fill(former, runs=1)
+    assert {path.name for path in tmp_path.iterdir()} == {"cells", "failed"}
+    assert len(Store(tmp_path).known(COIN.id)) == 2
+    assert {name: len(trials) for name, trials in Store(tmp_path).read(COIN).trials.items()} == {"fair": 1, "loaded": 1}
 
 
 def test_what_killed_processes_left(store):

@@ -59,6 +59,7 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
     continuous: ContinuousConfig = field(default_factory=ContinuousConfig)
     babbling: BabblingConfig = field(default_factory=BabblingConfig)
 
+    CHOOSES: ClassVar[tuple[tuple[str, str], ...]] = (("maps", "continuous"), ("resolution", "growing"))
     steps_at_a_time: ClassVar[int] = 500
     checkpoint_every: ClassVar[int] = 10_000
     films: ClassVar[bool] = True

@@ -1,6 +1,7 @@
 """``jointattn experiment`` as it is typed: killed, stopped, started twice, it ends in the very same files."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -10,7 +11,10 @@ from pathlib import Path
 import pytest
 from shell import Outcome, Shell
 
-HERE = Path(__file__).parent
+from experiments.registry import REGISTRY
+
+HERE = Path(__file__).parents[1]
+ROOT = HERE.parent
 FILES = ("report.html", "claims.json", "claims.csv", "claims.md", "figures/1.1-heads.png")
 TOYS = ("--registry", "toys.registry")
 PATH = os.pathsep.join(filter(None, [str(HERE), os.environ.get("PYTHONPATH")]))
@@ -53,11 +57,11 @@ def finish(process: subprocess.Popen) -> Outcome:
 
 
 def stored(out: Path) -> int:
-    return len(list((out / "cells" / "1.1").glob("[!.]*.json")))
+    return len(list((out / "trials" / "1.1").glob("[!.]*.json")))
 
 
 def wait_for_trials(out: Path, process: subprocess.Popen, count: int = 2) -> None:
-    while not ((out / "cells" / "1.1").is_dir() and stored(out) >= count):
+    while not ((out / "trials" / "1.1").is_dir() and stored(out) >= count):
         assert process.poll() is None, process.stderr.read()
         time.sleep(0.01)
 
@@ -67,7 +71,7 @@ def undisturbed(jointattn, tmp_path_factory) -> dict[str, bytes]:
     out = tmp_path_factory.mktemp("runs") / "undisturbed"
     outcome = go(jointattn, out)
     assert (outcome.code, outcome.out) == (0, f"{out}\n")
-    assert outcome.err.startswith("16 cells to compute, 0 stored already\n16/16 cells, 0 failed")
+    assert outcome.err.startswith("16 trials to compute, 0 stored already\n16/16 trials, 0 failed")
     return reported(jointattn, out)
 
 
@@ -95,7 +99,7 @@ def test_stopped_and_started_again(jointattn, undisturbed, tmp_path, number):
     done = stored(tmp_path)
     assert 2 <= done < 16
     again = go(jointattn, tmp_path)
-    assert again.err.startswith(f"{16 - done} cells to compute, {done} stored already\n")
+    assert again.err.startswith(f"{16 - done} trials to compute, {done} stored already\n")
     assert reported(jointattn, tmp_path) == undisturbed
 
 
@@ -105,13 +109,13 @@ def test_two_at_once(jointattn, undisturbed, tmp_path):
     assert reported(jointattn, tmp_path) == undisturbed
 
 
-def test_a_cell_that_fails(jointattn, undisturbed, tmp_path):
+def test_a_trial_that_fails(jointattn, undisturbed, tmp_path):
     outcome = go(jointattn, tmp_path, trouble="error:3")
     assert (outcome.code, outcome.out) == (1, f"{tmp_path}\n")
     assert (
         "1.1 fair seed 3: ValueError: the coin stands on its edge\n    alone: jointattn experiment run" in outcome.err
     )
-    assert "jointattn: 2 cells failed; the same command tries them again\n" in outcome.err
+    assert "jointattn: 2 trials failed; the same command tries them again\n" in outcome.err
     (alone,) = [line for line in outcome.err.splitlines() if "alone:" in line and "--setting fair" in line]
     assert jointattn(*alone.split()[2:]).code == 0
     assert stored(tmp_path) == 15
@@ -128,7 +132,7 @@ def test_a_full_disk(jointattn, undisturbed, tmp_path):
 
 
 def test_a_damaged_note_of_a_failure(jointattn, tmp_path):
-    """It is counted and named, and goes away once its cell has succeeded."""
+    """It is counted and named, and goes away once its trial has succeeded."""
     go(jointattn, tmp_path, "--runs", 2, trouble="error:1")
     note = next((tmp_path / "failed" / "1.1").glob("*.json"))
     whole = note.read_text()
@@ -146,14 +150,14 @@ def test_a_damaged_note_of_a_failure(jointattn, tmp_path):
 
 def test_folders_in_the_place_of_files(jointattn, tmp_path):
     go(jointattn, tmp_path, "--runs", 2, trouble="error:1")
-    trial, note = (next((tmp_path / kind / "1.1").glob("[!.]*.json")) for kind in ("cells", "failed"))
+    trial, note = (next((tmp_path / kind / "1.1").glob("[!.]*.json")) for kind in ("trials", "failed"))
     for path in (trial, note):
         path.unlink()
         path.mkdir()
     outcome = jointattn("experiment", "report", tmp_path, *TOYS)
     assert (outcome.code, outcome.err) == (0, "")
     page = (tmp_path / "report.html").read_text()
-    assert f"Files that hold no cell: 1 ({trial.name})" in page
+    assert f"Files that hold no trial: 1 ({trial.name})" in page
     assert "2 failed" in jointattn("experiment", "list", *TOYS, "--out", tmp_path).out
     outcome = go(jointattn, tmp_path, "--runs", 2)
     assert outcome.code == 2
@@ -190,7 +194,7 @@ def test_our_own_claims_are_listed_in_no_time():
         (["run", "1.1", *TOYS, "--out", "x", "--backend", "dask"], 2, "needs --address"),
         (["run", "1.1", *TOYS], 2, "--out"),
         (["run", "1.1", *TOYS, "--out", "/proc/x"], 2, "cannot make the folder"),
-        (["report", "nowhere", *TOYS], 2, "nowhere holds no cells"),
+        (["report", "nowhere", *TOYS], 2, "nowhere holds no trials"),
         (["list", "--registry", "no.such.thing"], 1, "cannot import no.such.thing; expected a module"),
         (["list", "--registry", "toys.coin.sweep"], 1, "has no REGISTRY"),
         (["list", "--registry", "shell"], 1, "shell has no REGISTRY"),
@@ -214,18 +218,32 @@ def test_what_cannot_be_done(jointattn, arguments, code, words):
     assert not Path("x").exists()
 
 
-def test_without_the_checkout(tmp_path):
-    """An installed package brings no experiments, and says where they are."""
+def test_experiments_that_the_package_carries(tmp_path):
+    """As after installing a wheel: the package elsewhere, with experiments inside."""
+    site = tmp_path / "site"
+    unwanted = shutil.ignore_patterns("__pycache__", "figures", "*.mp4")
+    shutil.copytree(ROOT / "jointattn_mj", site / "jointattn_mj", ignore=unwanted)
+    shutil.copytree(ROOT / "experiments", site / "jointattn_mj" / "experiments", ignore=unwanted)
     program = (
-        "import sys\nfrom importlib.abc import MetaPathFinder\n"
-        "class Hidden(MetaPathFinder):\n"
-        "    def find_spec(self, name, path, target=None):\n"
-        "        if name.split('.')[0] == 'experiments':\n"
-        "            raise ModuleNotFoundError(f'No module named {name!r}', name=name)\n"
-        "sys.meta_path.insert(0, Hidden())\n"
-        "from jointattn_mj.cli.main import main\nmain(['experiment', 'list'])\n"
+        "from jointattn_mj.sweeps.registry import experiments_registry\n"
+        "registry = experiments_registry()\n"
+        "print(registry['5.2'].trial.__module__, len(registry))\n"
+        "print({registry[claim].analyse({}) is None for claim in registry})\n"
     )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(site)},
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines() == [f"jointattn_mj.experiments.tables {len(REGISTRY)}", "{False}"]
+
+
+def test_another_package_of_that_name(tmp_path):
+    (tmp_path / "experiments").mkdir()
+    (tmp_path / "experiments" / "__init__.py").touch()
+    program = "from jointattn_mj.sweeps.registry import experiments_registry\nexperiments_registry()\n"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path)
-    assert done.returncode == 1
-    assert "clone the repository" in done.stderr
-    assert "Traceback" not in done.stderr
+    assert f"expected the package experiments in {ROOT / 'experiments'}; got {tmp_path}" in done.stderr
