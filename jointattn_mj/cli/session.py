@@ -3,8 +3,8 @@
 from collections import deque
 from typing import Annotated
 
+from jointattn_mj.api.session import LoggedSessionOptions, run_logged
 from jointattn_mj.cli.running import going_on_from, one_thread
-from jointattn_mj.gaze_following.run import SessionOptions, run_session
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.summary import LATE_MINUTES
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
@@ -16,7 +16,7 @@ RECENT = 20
 """Gaze shifts over which the success rate beside the bar is taken."""
 
 
-def session(config: Annotated[VariedSessionConfig, FLAT], options: Annotated[SessionOptions, FLAT]) -> None:
+def session(config: Annotated[VariedSessionConfig, FLAT], options: Annotated[LoggedSessionOptions, FLAT]) -> None:
     """Simulate a robot that learns to look where a caregiver looks (chapter 6).
 
     Leaves in --out: config.yaml, summary.json, gaze_shifts.parquet (a row a gaze shift), frames.parquet (a row a
@@ -36,11 +36,11 @@ def session(config: Annotated[VariedSessionConfig, FLAT], options: Annotated[Ses
         shown.to(session.frame / FRAMES_PER_MINUTE, f"{counted} gaze shifts, {rate}")
 
     with going_on_from(options.out, "the session"), shown:
-        summary = run_session(config, options, progress, VariedSessionRun)
-    late = summary["late_rate"]
+        summary = run_logged(config, options, progress, VariedSessionRun)
+    late = summary.late_success_rate
     last = f" over the last {LATE_MINUTES:g} minutes" if config.minutes > LATE_MINUTES else ""
     print(
-        f"{summary['gaze_shifts']} gaze shifts from the face to an object, {summary['successes']} to where "
+        f"{summary.gaze_shifts} gaze shifts from the face to an object, {summary.successes} to where "
         f"the caregiver looked ({'-' if late is None else format(late, '.0%')}{last}), "
-        f"in {summary['wall_seconds']:.0f} s. Results: {options.out}"
+        f"in {summary.wall_seconds:.0f} s. Results: {options.out}"
     )

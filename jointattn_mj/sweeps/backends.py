@@ -1,18 +1,18 @@
-"""Where trials are computed: processes of this machine (loky), or the workers of a dask scheduler somebody started.
+"""Where trials are computed: in processes of this machine (loky), or by the workers of a running dask scheduler.
 
-Both take a function and its arguments and hand back a ``concurrent.futures.Future``; what differs is how the death of a
-worker shows, and what is left after it.
+Both take a function with its arguments and return a ``concurrent.futures.Future``. They differ in how the death of a
+worker shows, and in what else it ends.
 """
 
 import logging
 import os
-import queue
 import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, Future
 from contextlib import contextmanager, suppress
-from typing import Any, Protocol
+from queue import Empty, Queue
+from typing import Any, Protocol, cast
 
 from joblib import cpu_count
 from joblib.externals.loky import ProcessPoolExecutor
@@ -24,30 +24,37 @@ from jointattn_mj.sweeps.worker import SINGLE_THREADED, start
 
 
 class Backend(Protocol):
-    """Computes in other processes."""
+    """Computes functions in other processes."""
 
     deaths: tuple[type[BaseException], ...]
-    """What a future raises when its worker died."""
+    """Exceptions of a future whose worker died."""
     all_die_together: bool
-    """Whether one death takes everything under way with it."""
+    """Whether the death of one worker ends all trials under way."""
     most_deaths: int
-    """So often a trial may end in one, the last times alone, before it counts as failed."""
+    """Number of workers' deaths after which a trial counts as failed. All but the first are with the trial alone."""
 
     def slots(self) -> int:
-        """How many trials can run at once; 0 while there is no worker."""
+        """Number of trials that can run at once; 0 while there is no worker."""
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        """Compute somewhere, soon."""
+        """Compute ``function(*arguments)`` in a worker."""
 
     def restart(self) -> None:
-        """Begin anew after a death."""
+        """Get ready for new work after a worker's death."""
 
     def close(self) -> None:
-        """Stop whatever still runs."""
+        """Stop all work."""
 
 
 class Loky:
-    """``jobs`` processes of this machine, as many as it has cores where it is 0."""
+    """Processes of this machine.
+
+    Args:
+        jobs: Number of processes; 0 for one a core.
+
+    Raises:
+        ConfigError: ``jobs`` is negative.
+    """
 
     deaths: tuple[type[BaseException], ...] = (BrokenProcessPool,)
     all_die_together = True
@@ -68,22 +75,25 @@ class Loky:
                 ensure_running()
             environment = {name: os.environ.get(name, value) for name, value in SINGLE_THREADED.items()}
             self._executor = ProcessPoolExecutor(self.jobs, env=environment, initializer=start)
-        return self._executor.submit(function, *arguments)
+        future: Future[Any] = self._executor.submit(function, *arguments)
+        return future
 
     def restart(self) -> None:
         self.close()
 
     def close(self) -> None:
         if self._executor is not None:
-            _take_back_waiting(self._executor)
+            _forget_waiting(self._executor)
             self._executor.shutdown(wait=True, kill_workers=True)
             self._executor = None
 
 
 @contextmanager
 def _hangup_ignored() -> Iterator[None]:
-    """loky's process that counts semaphores is started so that the end of the terminal does not end it before us: it
-    would be missed, with a stack trace."""
+    """Ignore SIGHUP in processes started by the block.
+
+    loky's resource tracker has to outlive this process when the terminal closes; without it loky prints a traceback.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -94,16 +104,27 @@ def _hangup_ignored() -> Iterator[None]:
         signal.signal(signal.SIGHUP, kept)
 
 
-def _take_back_waiting(executor: ProcessPoolExecutor) -> None:
-    """Empty the queue of trials that wait, so that loky's thread does not look them up when they have been thrown away:
-    it would end in a KeyError without consequence, and its stack trace would stand before the user."""
-    with suppress(AttributeError, queue.Empty):
+def _forget_waiting(executor: ProcessPoolExecutor) -> None:
+    """Empty loky's queue of trials that no worker has begun, before its workers are killed.
+
+    Its own thread would look these up after throwing them away, and print the traceback of a KeyError.
+    """
+    waiting: Queue[int] = executor._work_ids
+    with suppress(Empty):
         while True:
-            executor._work_ids.get_nowait()
+            waiting.get_nowait()
 
 
 class Dask:
-    """The workers of the scheduler at ``address``; they may come and go."""
+    """The workers of a dask scheduler, of which any may join or leave while it computes.
+
+    Args:
+        address: Where the scheduler listens, such as ``tcp://127.0.0.1:8786``.
+        patience_s: Seconds to wait for its answer.
+
+    Raises:
+        SweepError: dask is not installed, or no scheduler answers.
+    """
 
     all_die_together = False
     most_deaths = 1  # the scheduler has tried it with several workers by then
@@ -117,7 +138,7 @@ class Dask:
         _silence("distributed", "tornado")
         self.deaths: tuple[type[BaseException], ...] = (KilledWorker,)
         try:
-            self._client = Client(address, timeout=patience_s, set_as_default=False)
+            self._client = cast(Any, Client)(address, timeout=patience_s, set_as_default=False)
         except (OSError, ValueError) as error:
             raise SweepError(
                 f"no dask scheduler answers at {address} ({error}); start one with `dask scheduler`, workers with "
@@ -146,31 +167,36 @@ class Dask:
 
 
 def _silence(*names: str) -> None:
-    """Log nothing of these libraries: they would print stack traces before this one says in a line what is wrong."""
+    """Turn off the logging of these libraries, which print tracebacks before our one-line message."""
     for logger in map(logging.getLogger, [*logging.Logger.manager.loggerDict]):
         if logger.name.split(".")[0] in names:
             logger.setLevel(logging.CRITICAL + 1)
 
 
 def gone(error: BaseException) -> SweepError:
-    """What to say where nobody is there any more to compute."""
+    """The error to raise when scheduler or workers are gone."""
     return SweepError(
-        f"nobody computes any more ({type(error).__name__}); start scheduler and workers again, then the same command "
+        f"the workers are gone ({type(error).__name__}); start scheduler and workers again, and the same command "
         "goes on"
     )
 
 
 def lost_touch(error: BaseException) -> bool:
-    """Whether a future ended so because nobody is there any more to compute it."""
+    """Whether a future ended with ``error`` because the workers are gone."""
     return isinstance(error, CancelledError) or type(error).__name__ in ("CommClosedError", "FutureCancelledError")
 
 
 def new_backend(name: str, jobs: int, address: str | None) -> Backend:
-    """The backend that the options ask for.
+    """Make the backend that the options ask for.
+
+    Args:
+        name: ``loky`` or ``dask``.
+        jobs: Processes of loky; 0 for one a core.
+        address: Address of the dask scheduler.
 
     Raises:
-        ConfigError: Options that do not go together.
-        LaboratoryError: The scheduler cannot be reached.
+        ConfigError: The options contradict each other.
+        SweepError: The scheduler cannot be reached.
     """
     if name == "loky":
         if address is not None:

@@ -1,4 +1,7 @@
-"""What an experiment is: settings, one pure function for a trial, and an analysis that reads stored trials."""
+"""A claim of the dissertation as an experiment: settings, a pure function that computes a trial, and an analysis.
+
+A setting is one condition of the experiment, with a number of runs. A trial is a setting with a seed.
+"""
 
 from __future__ import annotations
 
@@ -18,32 +21,34 @@ if TYPE_CHECKING:
 
 
 class Verdict(StrEnum):
-    """How a sentence of the dissertation fared here."""
+    """Whether a sentence of the dissertation was reproduced."""
 
     REPRODUCED = "reproduced"
     PARTLY = "partly"
     NOT = "not reproduced"
     EXTENSION = "extension"
-    """The dissertation has no counterpart."""
+    """The dissertation has no value to compare with."""
     UNDECIDED = "undecided"
-    """Too few runs to say."""
+    """Too few runs to decide."""
 
     @classmethod
     def of_share(cls, ours: Estimate, published: float) -> Verdict:
-        """What our share says of a published one above one half: partly where the whole interval lies below it,
-        undecided where the interval holds one half too, for then as few as that would have given the same."""
+        """Verdict on a published share above one half.
+
+        It is partly if our whole interval lies below the published share, and undecided if the interval holds one half.
+        """
         if ours.high < published:
             return cls.PARTLY
         return cls.REPRODUCED if ours.low > 0.5 else cls.UNDECIDED
 
     @classmethod
     def of_most(cls, ours: Estimate) -> Verdict:
-        """Whether our share is that of most, or of less than half; undecided where the interval holds one half."""
+        """Verdict on "most": reproduced if our interval lies above one half, not reproduced if it lies below."""
         return cls.REPRODUCED if ours.low > 0.5 else cls.NOT if ours.high < 0.5 else cls.UNDECIDED
 
     @classmethod
     def of_all(cls, verdicts: Iterable[Verdict]) -> Verdict:
-        """What several come to: the one that all share of those that decide something, partly where they differ."""
+        """Verdict of several together: the one on which all that decide something agree, or partly."""
         given = set(verdicts)
         decided = given - {cls.EXTENSION, cls.UNDECIDED}
         if len(decided) == 1:
@@ -58,9 +63,9 @@ class Setting(Checked):
     """One condition of an experiment."""
 
     config: Any
-    """A dataclass or a plain dict: all that a trial needs but its seed."""
+    """A dataclass or a plain dict: all that a trial needs besides its seed."""
     runs: Annotated[int, Whole("[0, 1e6]")]
-    """Seeds by default."""
+    """Number of runs, each with a seed of its own."""
 
 
 @dataclass(frozen=True)
@@ -68,12 +73,16 @@ class Trial:
     """A finished trial, as read from its file."""
 
     setting: str
+    """Id of the setting."""
     seed: int
     result: dict[str, Any]
 
+    def __repr__(self) -> str:
+        return f"Trial({self.setting!r}, seed={self.seed}, {', '.join(self.result)})"
+
 
 Trials = Mapping[str, Sequence[Trial]]
-"""By setting id, ordered by seed; only what is stored: a setting without a trial is missing."""
+"""Stored trials by the id of their setting, sorted by seed. A setting without trials is missing."""
 
 
 @dataclass(frozen=True)
@@ -81,38 +90,47 @@ class Comparison:
     """One row of the table of claims."""
 
     what: str
-    """What is compared, such as "FG, SCf, SC are the first three modules, in this order"."""
+    """The quantity, such as "FG, SCf, SC are the first three modules, in this order"."""
     dissertation: str
-    """What stands there, such as "90% of ten runs"."""
+    """The published value, such as "90% of ten runs"."""
     ours: Estimate | None
-    """Our value with 95% interval and n; None where a sentence must do."""
+    """Our value with 95% interval and n; None if there is no number."""
     verdict: Verdict
     note: str = ""
-    """Why, in a sentence."""
+    """A sentence that explains the verdict or the value."""
+
+    def __repr__(self) -> str:
+        return f"Comparison({self.what}: {self.ours}; dissertation: {self.dissertation}; {self.verdict})"
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim of the dissertation, how it is tried, and how what came out is read."""
+    """A claim of the dissertation, the settings that test it, and the analysis of their trials."""
 
     id: str
     """Such as "5.2"."""
     title: str
     source: str
-    """Where it stands, such as "section 5.3.2, Fig. 5.3"."""
+    """Where the claim stands, such as "section 5.3.2, Fig. 5.3"."""
     says: str
-    """What the dissertation claims, in one or two sentences."""
+    """The claim in one or two sentences."""
     settings: Mapping[str, Setting]
     trial: Callable[[Any, int], dict[str, Any]]
-    """(config, seed) -> numbers, strings, lists and dicts, None for what is missing. Pure: the same for ever."""
+    """Compute a trial from a config and a seed. The same arguments always give the same result, which holds numbers,
+    strings, lists and dicts, and None for a missing value."""
     analyse: Callable[[Trials], list[Comparison]]
+    """Compare stored trials with the dissertation. Settings may be missing, and runs few."""
     draw: Callable[[Trials], Mapping[str, Figure]]
-    """Figures by file stem; copes with missing settings and few runs."""
+    """Draw stored trials; figures by the stem of their file. Settings may be missing, and runs few."""
     first_seed: int = 0
+    """Seed of the first run of every setting."""
     version: int = 1
-    """Raised when the meaning of a trial changes: stored files of another version are not used."""
+    """Raised when the meaning of a trial changes: stored trials of other versions are not used."""
     film: Path | None = None
-    """A short video (MP4) to show beside the figures."""
+    """A short video (MP4) that the report shows."""
+
+    def __repr__(self) -> str:
+        return f"Claim({self.id!r}, {self.title!r}, {len(self.settings)} settings)"
 
     def __post_init__(self) -> None:
         if not self.settings:

@@ -1,4 +1,4 @@
-"""How a run goes, on the screen: one line that changes, or in a log file a line now and then."""
+"""Progress of a run: on a terminal one line that changes, elsewhere a line now and then."""
 
 import sys
 import time
@@ -9,12 +9,13 @@ from jointattn_mj.io.terminal import Unbroken
 from jointattn_mj.sweeps.run import SweepWatcher, Tally
 
 SCREEN_S = 0.1
+"""Seconds between two changes of the line on a terminal."""
 MOST_FAILURES = 20
-"""Failed trials that are shown one by one."""
+"""Number of failed trials that are listed one by one."""
 
 
 class SweepProgress(SweepWatcher):
-    """Writes to ``stream``, stderr by default."""
+    """Writes progress to a stream, stderr by default."""
 
     def __init__(self, stream: TextIO | None = None):
         self.stream: Any = Unbroken(stream or sys.stderr)
@@ -46,10 +47,16 @@ class SweepProgress(SweepWatcher):
         for task, error, alone in tally.failed[:MOST_FAILURES]:
             self._line(f"  {task}: {' '.join(error.split())}\n    alone: {alone}")
         if len(tally.failed) > MOST_FAILURES:
-            self._line(f"  and {len(tally.failed) - MOST_FAILURES} more, each with its traceback in the folder failed/")
+            self._line(f"  and {len(tally.failed) - MOST_FAILURES} more; the folder failed/ has the traceback of each")
 
     def state(self, tally: Tally, slots: int | None, seconds: float) -> str:
-        """One line; ``slots`` is None when the run is over."""
+        """The progress in one line.
+
+        Args:
+            tally: Trials done, running and failed.
+            slots: Trials that can run at once; None when the run is over.
+            seconds: Time since the run began.
+        """
         ended = tally.done + len(tally.failed)
         parts = [f"{ended}/{tally.todo} trials"]
         if slots is not None:
@@ -71,7 +78,7 @@ class SweepProgress(SweepWatcher):
 
 
 def rate(per_second: float) -> str:
-    """Trials a second, a minute or an hour, whichever makes a number to read."""
+    """Trials per second, minute or hour: the first unit in which at least one ends."""
     for unit, seconds in (("s", 1), ("min", 60)):
         if per_second * seconds >= 1:
             return f"{per_second * seconds:.3g}/{unit}"

@@ -1,4 +1,4 @@
-"""Computes what is missing of some claims, and gets over what goes wrong on the way."""
+"""Computes the trials that are missing of some claims. Failed trials and dead workers do not stop the others."""
 
 import shlex
 import traceback
@@ -17,32 +17,37 @@ from jointattn_mj.sweeps.store import Keys, PlannedTrial, Store
 from jointattn_mj.sweeps.worker import Outcome, compute, pack
 
 GOLDEN = 0.618
-"""Runs that share a folder begin this part of the way apart, so that any number of them spreads."""
+"""Runs that share a folder begin this share of the queue apart, which spreads any number of them."""
 WAIT_S = 1.0
-"""So often progress is told even where nothing has ended."""
+"""Seconds after which progress is reported though no trial has ended."""
 
 
 @dataclass
 class Tally:
-    """How far a run has come."""
+    """Progress of a run of trials."""
 
     todo: int = 0
-    """Trials that were missing when it began."""
+    """Trials that were missing at the beginning."""
     stored: int = 0
-    """Trials that were there already."""
+    """Trials that were stored at the beginning."""
     done: int = 0
+    """Trials computed and stored by this run."""
     failed: list[tuple[PlannedTrial, str, str]] = field(default_factory=list)
-    """Trials that failed, with their error and the command that runs them alone."""
+    """Failed trials, each with its error and the command that runs it alone."""
     running: int = 0
+    """Trials in workers now."""
     deaths: int = 0
-    """Workers that died."""
+    """Number of workers that died."""
     left: Counter[tuple[str, str]] = field(default_factory=Counter)
     """Trials still to do, by claim and setting."""
     seconds: dict[tuple[str, str], tuple[int, float]] = field(default_factory=dict)
-    """Trials and their computing time, by claim and setting."""
+    """Number and computing time of finished trials, by claim and setting."""
+
+    def __repr__(self) -> str:
+        return f"Tally({self.done} of {self.todo} done, {self.stored} stored before, {len(self.failed)} failed)"
 
     def work_left_s(self) -> float | None:
-        """Computing time of what is left, from what the same settings took so far; None before anything is known."""
+        """Seconds of computing still to do, from the finished trials of the same settings; None before the first."""
         known = sum(count for count, _ in self.seconds.values())
         if not known:
             return None
@@ -52,29 +57,31 @@ class Tally:
 
 
 class SweepWatcher:
-    """Is told how a run goes; this one does not listen."""
+    """Receives the progress of a run; this one ignores it. ``slots`` is the number of trials that can run at once."""
 
     def begin(self, tally: Tally, slots: int) -> None:
-        """Before the first trial."""
+        """Called before the first trial."""
 
     def tick(self, tally: Tally, slots: int) -> None:
-        """Whenever a trial has ended, and every second."""
+        """Called whenever a trial has ended, and every second."""
 
     def end(self, tally: Tally) -> None:
-        """After the last trial, or when the run is cut short."""
+        """Called after the last trial, or when the run is cut short."""
 
 
 @dataclass(frozen=True)
 class Selection(Checked):
-    """Which trials of a claim: its own settings, seeds and runs where nothing else is said."""
+    """A choice of a claim's trials. None means all settings, the setting's number of runs, the claim's first seed."""
 
     setting: str | None = None
-    """A setting's id, or how the ids of several begin."""
+    """Id of a setting, or the beginning of several ids."""
     runs: Annotated[int, Whole("[1, 1e6]")] | None = None
+    """Runs of each setting."""
     first_seed: Seed | None = None
+    """Seed of the first run."""
 
     def names(self, claim: Claim) -> list[str]:
-        """The settings that are meant."""
+        """Ids of the chosen settings."""
         if self.setting is None:
             return list(claim.settings)
         if self.setting in claim.settings:
@@ -82,7 +89,7 @@ class Selection(Checked):
         return [name for name in claim.settings if name.startswith(self.setting)]
 
     def seeds(self, claim: Claim, names: Iterable[str]) -> dict[str, range]:
-        """The seeds of each."""
+        """Chosen seeds of each of these settings."""
         first = claim.first_seed if self.first_seed is None else self.first_seed
         return {
             name: range(first, first + (claim.settings[name].runs if self.runs is None else self.runs))
@@ -91,10 +98,10 @@ class Selection(Checked):
 
 
 def plan(claims: Sequence[Claim], selection: Selection) -> Iterator[PlannedTrial]:
-    """All trials that are meant, claim after claim.
+    """All chosen trials, claim after claim.
 
     Raises:
-        ConfigError: No claim has the setting.
+        ConfigError: No claim has the chosen setting.
     """
     named = [(claim, selection.names(claim)) for claim in claims]
     if not any(names for _, names in named):
@@ -112,14 +119,24 @@ def run(
     watcher: SweepWatcher | None = None,
     **always: object,
 ) -> Tally:
-    """Compute and store what is missing; trials that failed before are tried again.
+    """Compute and store the trials that are missing. Trials that failed before are tried again.
 
-    The error of a trial, or the death of its worker, ends that trial and no other. ``always`` are options that the
-    command line needs to run a trial again.
+    An error in a trial, or the death of its worker, ends that trial and no other.
+
+    Args:
+        claims: The claims.
+        selection: Which of their trials.
+        folder: Folder of results.
+        backend: Where trials are computed; it is closed at the end.
+        watcher: Receives the progress.
+        always: Options of the command that runs a failed trial alone, such as ``registry``.
+
+    Returns:
+        The counts at the end, with the trials that failed.
 
     Raises:
-        OutputError: The folder cannot be written; all trials that had been stored stay.
-        LaboratoryError: The workers are gone for good.
+        OutputError: The folder cannot be written; trials stored before stay.
+        SweepError: The workers are gone for good.
     """
     store, watcher = Store(folder), watcher or SweepWatcher()
     meant = list(plan(claims, selection))
@@ -132,8 +149,8 @@ def run(
     tally.left.update((task.claim.id, task.name) for task in queue)
     watcher.begin(tally, backend.slots())
     try:
-        with store.berth() as place:
-            queue.rotate(-int(place * GOLDEN % 1 * len(queue)))
+        with store.berth() as number:
+            queue.rotate(-int(number * GOLDEN % 1 * len(queue)))
             _Run(store, backend, watcher, tally, always).through(queue)
     finally:
         backend.close()
@@ -143,6 +160,8 @@ def run(
 
 
 class _Run:
+    """The state of a run: trials with workers, packed settings, and trials during which workers died."""
+
     def __init__(
         self, store: Store, backend: Backend, watcher: SweepWatcher, tally: Tally, always: Mapping[str, object]
     ):
@@ -151,10 +170,10 @@ class _Run:
         self.packed: dict[tuple[str, str], bytes] = {}
         self.deaths: Counter[str] = Counter()
         self.doubtful: deque[PlannedTrial] = deque()
-        """Trials during which a worker died. They run last and alone, so that a guilty one takes nothing with it."""
+        """Trials during which a worker died. They run last and alone, so that one that kills ends no other."""
 
     def through(self, queue: deque[PlannedTrial]) -> None:
-        """Compute everything in ``queue``."""
+        """Compute all trials of ``queue``."""
         while queue or self.flying or self.doubtful:
             slots = self.backend.slots()
             while queue and len(self.flying) < max(1, slots):
@@ -169,7 +188,7 @@ class _Run:
             self.watcher.tick(self.tally, slots)
 
     def launch(self, queue: deque[PlannedTrial]) -> None:
-        """Hand the first trial to a worker, unless another run has stored it by now."""
+        """Hand the first trial to a worker, unless another run has stored it meanwhile."""
         task = queue.popleft()
         kind = task.claim.id, task.name
         if self.store.has(task):
@@ -186,7 +205,7 @@ class _Run:
             self.bury([])
 
     def land(self, future: Future[Outcome]) -> PlannedTrial | None:
-        """Take in a future that has ended; returns its trial where the worker died."""
+        """Store the result of a future that has ended; returns its trial if the worker died."""
         task = self.flying.pop(future)
         kind = task.claim.id, task.name
         try:
@@ -209,7 +228,7 @@ class _Run:
         return None
 
     def bury(self, lost: list[PlannedTrial]) -> None:
-        """Get over the death of a worker, and of those that went with it."""
+        """Restart the backend after a death, and queue the trials that it ended or count them as failed."""
         if self.backend.all_die_together:
             ended, left = wait(self.flying, timeout=10 * WAIT_S)
             lost = lost + [task for future in ended if (task := self.land(future)) is not None]
@@ -222,17 +241,23 @@ class _Run:
                 self.doubtful.append(task)
             else:
                 self.tally.left[task.claim.id, task.name] -= 1
-                self.fail(task, "its worker died every time that it was tried, the last times alone", "")
+                self.fail(task, "its worker died at every attempt, in the last ones with this trial alone", "")
 
     def fail(self, task: PlannedTrial, error: str, told: str) -> None:
-        """Note a trial that failed."""
+        """Store the note of a failed trial.
+
+        Args:
+            task: The trial.
+            error: The error in one line.
+            told: Its traceback.
+        """
         alone = command([task.claim.id], self.store.folder, setting=task.name, seed=task.seed, runs=1, **self.always)
         self.store.write_failure(task, error, told, alone)
         self.tally.failed.append((task, error, alone))
 
 
 def command(claims: Sequence[str], folder: Path, **options: object) -> str:
-    """The command line that runs these claims."""
+    """Command line that runs these claims into ``folder``; options that are None are left out."""
     given: Mapping[str, object] = {**options, "out": folder}
     words = [word for name, value in given.items() if value is not None for word in (f"--{name}", str(value))]
     return f"jointattn experiment run {shlex.join([*claims, *words])}"

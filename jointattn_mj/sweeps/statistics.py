@@ -1,4 +1,4 @@
-"""Intervals, differences, and how many runs a comparison needs: what every experiment reports with."""
+"""Estimates with 95% intervals, paired differences, and the number of runs that a comparison needs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ class Estimate:
     """A mean, share or median over independent runs with its 95% interval."""
 
     mean: float
-    """The value itself, whatever it is of."""
+    """The mean, share or median."""
     low: float
     high: float
     sd: float
     """Standard deviation of single runs."""
     n: int
     share: bool = False
-    """Whether it is one of a whole, to be read in per cent."""
+    """Whether it is a share of a whole, shown in per cent."""
 
     def __str__(self) -> str:
         if self.share:
@@ -53,9 +53,9 @@ NOTHING = Estimate(np.nan, np.nan, np.nan, np.nan, 0)
 
 
 def mean_interval(values: Sequence[float] | np.ndarray) -> Estimate:
-    """Mean of ``values`` (n,) with a BCa bootstrap interval; NaN are left out.
+    """Mean of ``values`` (n,) with a BCa bootstrap interval of 9,999 resamples. NaN are left out.
 
-    With fewer than two values, or none that differ, the interval is the mean itself.
+    With fewer than two values, or if all are equal, the interval is the mean itself.
     """
     values = _known(values)
     if len(values) == 0:
@@ -73,7 +73,7 @@ def proportion(successes: int, n: int) -> Estimate:
     """Share of ``successes`` among ``n`` with Wilson's interval.
 
     Raises:
-        ValueError: Not 0 <= successes <= n.
+        ValueError: ``successes`` is not in [0, n].
     """
     if not 0 <= successes <= n:
         raise ValueError(f"proportion needs 0 <= successes <= n; got {successes} of {n}")
@@ -86,10 +86,11 @@ def proportion(successes: int, n: int) -> Estimate:
 
 
 def median_interval(values: Sequence[float] | np.ndarray) -> Estimate:
-    """Median of ``values`` (n,) with the narrowest symmetric pair of order statistics that holds it 95% of the time.
+    """Median of ``values`` (n,) with a distribution-free interval.
 
-    Infinite values are welcome (what never happened); NaN are left out. Up to five values bound no median at this
-    level: the interval then is everything.
+    The interval is the narrowest symmetric pair of order statistics that holds the median with 95%. Five values or
+    fewer bound no median at this level; their interval is infinite. An infinite value stands for an event that never
+    happened. NaN are left out.
     """
     values = np.sort(_known(values))
     n = len(values)
@@ -105,10 +106,14 @@ def median_interval(values: Sequence[float] | np.ndarray) -> Estimate:
 
 
 def paired_difference(a: Sequence[float] | np.ndarray, b: Sequence[float] | np.ndarray) -> Estimate:
-    """Mean of ``a - b``, both (n,) with the same run at the same place; pairs with a NaN are left out.
+    """Mean of ``a - b`` with its interval. Pairs with a NaN are left out.
+
+    Args:
+        a: Values (n,), one for each run.
+        b: Values (n,) of the same runs in the same order.
 
     Raises:
-        ValueError: Unequal lengths.
+        ValueError: The lengths differ.
     """
     a, b = np.asarray(a, float), np.asarray(b, float)
     if a.shape != b.shape:
@@ -117,10 +122,15 @@ def paired_difference(a: Sequence[float] | np.ndarray, b: Sequence[float] | np.n
 
 
 def runs_needed(one: float, other: float, sd: float | None = None, power: float = POWER) -> float:
-    """Runs on each side that tell ``one`` from ``other`` (two-sided, 5%) with this probability; not rounded.
+    """Runs on each side that a two-sided test at 5% needs to tell two values apart; not rounded.
 
-    Shares by default, compared by the normal approximation; means of values that scatter by ``sd``, by t, where given.
-    Infinite where the two are the same.
+    Without ``sd`` the values are shares, compared by the normal approximation; with it they are means, compared by t.
+
+    Args:
+        one: The first share or mean.
+        other: The second; if it equals the first, the result is infinite.
+        sd: Standard deviation of single runs around their mean.
+        power: Probability with which the test finds the difference.
     """
     if one == other:
         return np.inf
@@ -143,12 +153,15 @@ def runs_needed(one: float, other: float, sd: float | None = None, power: float 
 
 
 def enough(n: int, one: float, other: float, sd: float | None = None) -> bool:
-    """Whether ``n`` runs on each side tell ``one`` from ``other`` four times in five; see :func:`runs_needed`."""
+    """Whether ``n`` runs on each side tell two values apart with a power of 0.8; see :func:`runs_needed`."""
     return n >= runs_needed(one, other, sd)
 
 
 def too_few(n: int, one: float, other: float, sd: float | None = None) -> str:
-    """The sentence that a finding needs where ``n`` runs cannot carry the difference; empty where they can."""
+    """A sentence saying that ``n`` runs on each side cannot tell two values apart; empty if they can.
+
+    See :func:`runs_needed` for the arguments.
+    """
     needed = runs_needed(one, other, sd)
     if n >= needed:
         return ""
@@ -163,5 +176,6 @@ def _binomial_sd(one: float, other: float) -> float:
 
 
 def _known(values: Sequence[float] | np.ndarray) -> np.ndarray:
-    values = np.asarray(values, float)
-    return values[~np.isnan(values)]
+    numbers: np.ndarray = np.asarray(values, float)
+    known: np.ndarray = numbers[~np.isnan(numbers)]
+    return known

@@ -1,6 +1,7 @@
-"""What a worker process does: one trial, whatever happens in it.
+"""Computes a trial in a worker process, and reports its error if it fails.
 
-Trials travel to workers as pickles, which can run any code: workers and whoever can reach a dask scheduler are trusted.
+Trials are sent to workers as pickles, which can run any code. Workers, and whoever can reach the dask scheduler, are
+trusted.
 """
 
 import os
@@ -25,7 +26,7 @@ SINGLE_THREADED = {
     "OPENCV_FOR_THREADS_NUM": "1",
     "LP_NUM_THREADS": "0",
 }
-"""Environment of a worker: trials run side by side, so none takes more than its core (llvmpipe counts from 0)."""
+"""Environment of a worker, which keeps each trial to one core. llvmpipe counts extra threads, so 0 means one."""
 
 
 @dataclass(frozen=True)
@@ -33,36 +34,42 @@ class Outcome:
     """How a trial ended."""
 
     seconds: float
+    """Wall time."""
     result: str = ""
-    """JSON text; empty where the trial failed."""
+    """JSON text; empty if the trial failed."""
     made_with: dict[str, Any] | None = None
-    """Versions and platform."""
+    """Versions of packages, Python and platform."""
     error: str = ""
+    """The error in one line; empty if there was none."""
     traceback: str = ""
 
 
 def pack(trial: Any, config: Any) -> bytes:
-    """A trial's function and config for :func:`compute`, which unpacks them where an error can be caught."""
+    """Pickle a trial's function and config for :func:`compute`."""
     return pickle.dumps((trial, config))
 
 
 def compute(packed: bytes, seed: int) -> Outcome:
-    """Compute one trial. An error is an outcome like another."""
+    """Compute one trial; an error becomes part of the outcome.
+
+    Args:
+        packed: The trial's function and config, as :func:`pack` makes them.
+        seed: Seed of the trial.
+    """
     for name, value in SINGLE_THREADED.items():
         os.environ.setdefault(name, value)
     started = time.perf_counter()
     try:
         trial, config = pickle.loads(packed)
         result = text_of(trial(config, seed))
-    except BaseException as error:  # a trial that exits is one that failed
+    except BaseException as error:  # SystemExit is a failure too
         said = f"{type(error).__name__}: {error}".strip().rstrip(":")
         return Outcome(time.perf_counter() - started, error=said, traceback=traceback.format_exc())
     return Outcome(time.perf_counter() - started, result, _made_with())
 
 
 def start() -> None:
-    """Begin a worker process of this machine: Ctrl-C and the end of the terminal are the main process's, and without
-    that one it ends."""
+    """Prepare a worker process: it ignores Ctrl-C and the end of the terminal, and exits when its parent is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)

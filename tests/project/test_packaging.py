@@ -29,12 +29,14 @@ def wheel(tmp_path_factory) -> Path:
     return Path(next(wheels.WheelBuilder(str(ROOT)).build(directory=str(folder), versions=["standard"])))
 
 
-def test_the_wheel_has_package_and_assets_and_nothing_else(wheel):
+def test_the_wheel_has_package_assets_and_experiments_and_nothing_else(wheel):
+    """Of the experiments all but figures and films, which are large."""
     with zipfile.ZipFile(wheel) as archive:
         names = {name for name in archive.namelist() if ".dist-info/" not in name}
         (entry,) = [name for name in archive.namelist() if name.endswith("entry_points.txt")]
         assert "jointattn = jointattn_mj.cli.main:main" in archive.read(entry).decode()
-    assert names == tracked("jointattn_mj") | {f"jointattn_mj/{name}" for name in tracked("assets")}
+    experiments = {name for name in tracked("experiments") if "/figures/" not in name and not name.endswith(".mp4")}
+    assert names == tracked("jointattn_mj") | {f"jointattn_mj/{name}" for name in tracked("assets") | experiments}
 
 
 def test_the_source_archive_has_what_builds_tests_and_documents_it(tmp_path):
@@ -71,7 +73,9 @@ def test_the_wheel_works_in_an_empty_environment(wheel, tmp_path):
     run("python", "-m", "pip", "install", "--quiet", wheel)
     where = run("python", "-c", "import jointattn_mj; print(jointattn_mj.__file__)")
     assert Path(where.strip()).is_relative_to(tmp_path / "env")
-    run("jointattn", "session", "--minutes", 0.2, "--perception", "state", "--out", "truth")
+    assert "5.2" in run("jointattn", "experiment", "list")
+    run("jointattn", "experiment", "run", "4.7", "--runs", 1, "--out", "claims")
+    run("jointattn", "session", "--minutes", 0.2, "--perception", "state", "--out", "state")
     run("jointattn", "session", "--minutes", 0.02, "--robot.familiarise.minutes", 0.02, "--out", "images", "--video")
     run("jointattn", "develop", "--preset", "fast", "--steps", 10_000, "--out", "life")
     assert json.loads((tmp_path / "images" / "summary.json").read_text())["rendered_frames"] > 0

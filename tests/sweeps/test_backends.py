@@ -53,7 +53,7 @@ def test_a_worker_imports_what_its_trial_needs():
     backend = Loky(1)
     try:
         backend.submit(sorted, [])  # starts it
-        code = f"import sys; sys.path.append({str(Path(__file__).parent)!r}); import toys.coin.sweep"
+        code = f"import sys; sys.path.append({str(Path(__file__).parents[1])!r}); import toys.coin.sweep"
         assert backend.submit(exec, code).result() is None
         assert backend.submit(eval, f"__import__('sys').modules.keys() & {set(HEAVY)!r}").result() == set()
     finally:
@@ -90,7 +90,7 @@ def alive(process: int) -> bool:
 def scheduler(tmp_path):
     """Address of a scheduler with two workers on loopback, each in a process of its own."""
     pytest.importorskip("distributed")
-    quiet = os.environ | {"PYTHONPATH": str(Path(__file__).parent), "PYTHONWARNINGS": "ignore"}
+    quiet = os.environ | {"PYTHONPATH": str(Path(__file__).parents[1]), "PYTHONWARNINGS": "ignore"}
     options = {"env": quiet, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     where = tmp_path / "scheduler.json"
     dask = [sys.executable, "-m", "dask"]
@@ -169,8 +169,8 @@ def test_a_killed_scheduler_is_one_line(tmp_path, slow, scheduler):
     first, state, last = err.splitlines()
     assert first == "400 trials to compute, 0 stored already"
     assert "/400 trials" in state
-    assert last.startswith("jointattn: nobody computes any more (")
-    assert last.endswith("then the same command goes on")
+    assert last.startswith("jointattn: the workers are gone (")
+    assert last.endswith("and the same command goes on")
     assert len(Store(out).read(COIN).trials["fair"]) >= 1
 
 

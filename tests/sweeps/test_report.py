@@ -125,7 +125,7 @@ def test_what_a_reader_should_know_of_the_trials(tmp_path):
     store.write_failure(task, "no", "", "")
     store.path(task).write_text("{}")
     notes = " ".join(chapter(REGISTRY, "1.1", store).notes)
-    assert "Cells that failed: 1" in notes
+    assert "Trials that failed: 1" in notes
     assert "not used: 2" in notes
     assert "hold no trial: 1" in notes
 
