@@ -273,7 +273,7 @@ class Finished:
         names = [self._variables.describe(event) for event in agent.events]
         detector = agent.config.detector
         unit = "bits" if detector.base == 2 else f"units of base {detector.base:g}"
-        measure = f"{'SAC' if detector.measure == 'sac' else 'T^C'} ({unit})"
+        measure = f"SAC (eq. 5.2), {unit}" if detector.measure == "sac" else f"T^C (eq. 4.3), {unit}"
         maps = [
             figures.MapImage(f"{number}: {mark.label}", module, self._variables)
             for number, (mark, module) in enumerate(zip(marks, agent.modules, strict=True), 1)
