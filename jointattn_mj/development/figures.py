@@ -105,21 +105,21 @@ def draw_contingency(
     save(figure, path)
 
 
-def draw_behaviour(path: Path, found: Series, parts: Sequence[BehaviourPhase], made: Sequence[Made]) -> None:
+def draw_behaviour(path: Path, series: Series, parts: Sequence[BehaviourPhase], made: Sequence[Made]) -> None:
     """Draw the rates of the six behaviours over the last WINDOW steps (Fig. 5.5), with the phases between modules.
 
     Args:
         path: PNG file.
-        found: (steps,) the behaviour in each step.
+        series: (steps,) the behaviour in each step.
         parts: The phases.
         made: Modules in their order.
     """
     figure = Figure(figsize=(WIDTH, 5.4), layout="constrained")
     axes = figure.subplots()
-    steps_done = len(found)
+    steps_done = len(series)
     end = _end(made, steps_done)
     steps = np.unique(np.linspace(min(WINDOW, end), end, MOST_POINTS // 4).astype(int))
-    rates = moving_rates(found, steps)
+    rates = moving_rates(series, steps)
     for number, (short, words) in enumerate(zip(SHORT, BEHAVIOURS, strict=True)):
         axes.plot(steps, rates[:, number], color=BEHAVIOUR_INKS[number], lw=1.6, label=f"{short}  {words}")
     for one in made:

@@ -89,7 +89,6 @@ class TestContingency:
         draw_contingency(tmp_path / "sac.png", noted(np.zeros((1, len(NAMES)))), NAMES, [], "SAC (bits)")
         assert cv2.imread(str(tmp_path / "sac.png")) is not None
 
-
     def test_few_events_are_named(self, drawn, tmp_path):
         """Of those without a module, as many as there are pale colours; the rest share one line of the legend."""
         table = np.full((60, len(NAMES)), 1e-4)
