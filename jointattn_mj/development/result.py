@@ -140,8 +140,8 @@ class DevelopmentResult:
 
     def __repr__(self) -> str:
         one, where = self.summary, "in memory" if self.folder is None else f"in {self.folder}"
-        names = " ".join(module.name.replace("module ", "module_") for module in one.modules)
-        modules = f"{count(len(one.modules), 'module')}: {names}" if names else "no module"
+        names = ", ".join(module.name for module in one.modules)
+        modules = f"{count(len(one.modules), 'module')} ({names})" if names else "no module"
         return f"DevelopmentResult({one.world}, {one.preset}, seed {one.seed}, {one.steps:,} steps, {modules}, {where})"
 
 

@@ -71,7 +71,7 @@ def test_what_is_read_at_a_glance(result, folder):
     said = [repr(one) for one in (result, DevelopmentResult.open(folder), result.summary, *result.modules)]
     said += [repr(result.summary.phases[0]), repr(Development("fast", steps=STEPS, seed=1))]
     assert all("\n" not in text and len(text) < 160 for text in said)
-    assert said[0] == "DevelopmentResult(table, fast, seed 1, 6,000 steps, 1 module: FG-m, in memory)"
+    assert said[0] == "DevelopmentResult(table, fast, seed 1, 6,000 steps, 1 module (FG-m), in memory)"
     assert said[-1] == "Development('fast', world='table', steps=6000, seed=1)"
 
 
