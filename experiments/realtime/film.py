@@ -22,11 +22,11 @@ def film(path: Path = FILM, seed: int = FILMED, minutes: float = 90.0) -> None:
     run = RealtimeRun(preset.world, RealtimeConfig(), preset.agent, seed, MOST_STEPS, sample_every=MOST_STEPS)
     run.run_until(BEFORE_MINUTES)
     with RealtimeFilm(path) as reel:
-        reel.watch(run, "Before anything was found", SECONDS)
+        reel.scene(run, "Before anything was found", SECONDS)
         while run.minutes < minutes and len(run.found) < MODULES:
             if run.advance(1) and run.agent.modules:
                 known = meanings(run.named_variables(), run.agent.modules)
-                reel.watch(run, f"After {known[-1].label}", SECONDS)
+                reel.scene(run, f"After {known[-1].label}", SECONDS)
     run.close()
 
 

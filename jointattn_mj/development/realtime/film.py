@@ -1,20 +1,25 @@
-"""Some seconds of a life in real time as a film, as fast as they were lived."""
+"""A film of some seconds of a real-time run, in real time."""
 
 import pickle
 
 from jointattn_mj.development.realtime.run import FRAMES_PER_MINUTE, RealtimeRun
-from jointattn_mj.development.rendered.film import OUTSIDE, RATE, RunFilm, still, with_views
+from jointattn_mj.development.rendered.film import OUTSIDE, RATE, Film, sensed, still, with_views
 from jointattn_mj.video.onlooker import Onlooker
 
 EVERY = 2
-"""Frames of a life from one image of its film to the next, each of which is shown twice: fifteen a second."""
+"""Frames of the run from one image of the film to the next; each image is shown so often, which gives 15 a second."""
 
 
-class RealtimeFilm(RunFilm):
-    """``with RealtimeFilm(path) as film: film.watch(run, "before", seconds=10)``."""
+class RealtimeFilm(Film):
+    """``with RealtimeFilm(path) as film: film.scene(run, "before", seconds=10)``."""
 
-    def watch(self, run: RealtimeRun, title: str, seconds: float = 10.0) -> None:
-        """Film the next ``seconds`` of a copy of ``run``.
+    def scene(self, run: RealtimeRun, title: str, seconds: float = 10.0) -> None:
+        """Film the next seconds of a copy of ``run``.
+
+        Args:
+            run: The run, which stays as it is.
+            title: Words at the top.
+            seconds: Simulated time.
 
         Raises:
             GLError: No image can be rendered here.
@@ -30,7 +35,8 @@ class RealtimeFilm(RunFilm):
                 when = f"minute {minute:.0f}:{second:04.1f}, step {copy.steps_done:,}"
                 driver = int(copy.agent.state.driver[0])
                 canvas = still(copy, title, when, driver, copy.world.caregiver.looks_at)
-                image = with_views(canvas, copy.world, onlooker, radius)
+                words = f"last step {sensed(copy)}" if copy.steps_done else ""
+                image = with_views(canvas, copy.world, onlooker, radius, words)
                 for _ in range(EVERY):
                     self._reel.add(image)
 

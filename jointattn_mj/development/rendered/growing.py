@@ -139,7 +139,8 @@ class FreeGazeBody(Body):
         """Where to look next: a direction (2,), deg, or None for the caregiver's face."""
         if self._moves.random() < self.config.face_share:
             return None
-        return self._moves.uniform(self.space[:, 0], self.space[:, 1])
+        direction: np.ndarray = self._moves.uniform(self.space[:, 0], self.space[:, 1])
+        return direction
 
     def looks_at(self) -> int:
         """Spot at which the caregiver looks, in truth; ``spots`` for the robot."""

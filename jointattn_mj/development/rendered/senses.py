@@ -14,10 +14,10 @@ import numpy as np
 from jointattn_mj.contingency.online.events import Variable, Variables
 from jointattn_mj.development.table.world import TableConfig, table_variables
 from jointattn_mj.guards.finite import check_finite
-from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Real
 from jointattn_mj.perception.categories import FaceCategories, GroupingConfig
 from jointattn_mj.perception.faces import FaceDetectorConfig
+from jointattn_mj.perception.percept import Percept
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.som import SOM, SOMConfig
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX
@@ -80,23 +80,22 @@ def central_view(perception: PixelPerception, observation: Mapping[str, np.ndarr
         radius_deg: What is so near to the centre of view counts as being there.
     """
     percept = perception.look(observation, True)
-    face, nearest, near = _centre(percept.visible, percept.px, np.radians(radius_deg) * FOCAL_PX)
+    radius, off = np.radians(radius_deg) * FOCAL_PX, px_off_centre(percept)
+    face, nearest = bool(off[-1] <= radius), int(off[:-1].argmin())
     return CentralView(
-        face, near, percept.px[-1].copy(), UNDETECTED if nearest < 0 else percept.px[nearest].copy(),
-        perception.face_pattern() if face else None,
-    )  # fmt: skip
+        face=face,
+        object=bool(off[nearest] <= radius),
+        face_px=percept.px[-1].copy(),
+        object_px=percept.px[nearest].copy() if percept.visible[nearest] else UNDETECTED,
+        pattern=perception.face_pattern() if face else None,
+    )
 
 
-@njit(cache=True)
-def _centre(visible, px, radius):
-    """Whether the face is within ``radius`` of the centre; the nearest object, or -1, and whether that is."""
-    nearest, least = -1, np.inf
-    for k in range(len(visible)):
-        off = np.hypot(px[k, 0] - CENTRE_X, px[k, 1] - CENTRE_Y) if visible[k] else np.inf
-        if k == len(visible) - 1:
-            return off <= radius, nearest, least <= radius
-        if off < least:
-            nearest, least = k, off
+def px_off_centre(percept: Percept) -> np.ndarray:
+    """Distance (n + 1,) of each candidate from the centre of view, pixels; infinite for one that is not visible."""
+    off: np.ndarray = np.hypot(percept.px[:, 0] - CENTRE_X, percept.px[:, 1] - CENTRE_Y)
+    off[~percept.visible] = np.inf
+    return off
 
 
 class Senses:

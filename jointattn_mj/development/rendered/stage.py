@@ -100,7 +100,8 @@ class Stage:
         location = self.table.state[CAREGIVER]
         if location == len(self._spots):
             return None
-        return self._lie[location] if self.config.looks_at == "object" else self._spots[location]
+        point: np.ndarray = (self._lie if self.config.looks_at == "object" else self._spots)[location]
+        return point
 
     def show(self, gesture: int, heads: np.ndarray) -> None:
         """Move all bodies to where the table's last step has put them.
