@@ -254,7 +254,7 @@ def _finish(axes: Axes) -> None:
     """Grid, sizes of text, and thousands along the steps."""
     axes.xaxis.set_major_formatter(lambda value, location: f"{value:,.0f}")
     axes.tick_params(labelsize=SMALL)
-    axes.xaxis.label.set_size(TEXT)
-    axes.yaxis.label.set_size(TEXT)
+    axes.xaxis.label.set_fontsize(TEXT)
+    axes.yaxis.label.set_fontsize(TEXT)
     axes.locator_params(axis="x", nbins=6)
     axes.grid(alpha=0.3)
