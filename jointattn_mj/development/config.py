@@ -35,7 +35,7 @@ class DevelopmentConfig(Checked):
     thesis: chapter 5 as it is written. thesis_robot_first: the robot acts first in a step. fast: makes the same modules
     in a fraction of the steps, by standard errors. chapter4: finds events and makes no modules."""
     steps: Annotated[int, Whole("[1, 1e10]")] = 100_000
-    """Length of the run in steps: the caregiver shifts her gaze, the robot observes, the robot acts."""
+    """Length of the run in steps. In a step the caregiver shifts gaze, the robot observes, and the robot acts."""
     seed: Seed = 0
     """Random seed of table, caregiver and robot."""
     reactive: Literal["random", "face_avoiding"] = "random"
