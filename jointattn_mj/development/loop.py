@@ -80,6 +80,10 @@ class DevelopmentRun(ABC):
         self._log = RowStore("turns", np.int8, len(self.columns))
         self.noted = ContingencyLog(sample_every, len(agent.events))
 
+    def __repr__(self) -> str:
+        done, modules = f"{self.steps_done:,} of {self.n_steps:,} steps", len(self.agent.modules)
+        return f"{type(self).__name__}({done}, {len(self.agent.events)} events, {modules} modules)"
+
     @abstractmethod
     def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
         """Do the steps up to ``last``, or until an event is found.

@@ -29,6 +29,7 @@ from jointattn_mj.development.run import run_development
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.io import checkpoint
 
 SPACE = np.array([[-20.0, 20.0], [-15.0, -14.0]])
 PROTOTYPES = 12
@@ -144,7 +145,29 @@ def test_series_of_unequal_length():
         transitions(units[1:], commands, results)
 
 
-def test_babbling_goes_on_the_same_after_a_pickle_and_a_mind_lives_with_what_was_found(monkeypatch):
+def test_checkpoints_hold_a_robot_that_babbles_and_its_run(tmp_path, monkeypatch):
+    monkeypatch.setattr(RecallingBody, "pages", 3)
+    config = GrowingConfig(calibration=3, exploration=60, resolution=ResolutionConfig(warm_up=100, deviations=2.0))
+    one = Babbling(TableConfig(spots=2, objects=1), config, 1, RecallingBody)
+    one.advance(1000)
+    checkpoint.save(tmp_path / "babbling.bin", one, config)
+    other = checkpoint.load(tmp_path / "babbling.bin", config, kind=Babbling)
+    for each in (one, other):
+        each.advance(100)
+    assert other.looked_at == one.looked_at
+    run = GrowingRun(one, PRESETS["fast"].agent, 1, 200)
+    run.advance(50)
+    checkpoint.save(tmp_path / "run.bin", run, config)
+    again = checkpoint.load(tmp_path / "run.bin", config, kind=GrowingRun)
+    for each in (run, again):
+        each.advance(150)
+        each.check()
+        each.close()
+    assert all(np.array_equal(run.log(column), again.log(column)) for column in run.columns)
+    assert repr(run) == repr(again) == "GrowingRun(200 of 200 steps, 12 events, 0 modules)"
+
+
+def test_babbling_and_its_run_go_on_the_same_after_a_pickle(monkeypatch):
     monkeypatch.setattr(RecallingBody, "pages", 6)
     config = GrowingConfig(calibration=3, exploration=80, resolution=ResolutionConfig(warm_up=1000))
     one = Babbling(TableConfig(spots=2, objects=1), config, 5, RecallingBody)

@@ -10,11 +10,11 @@ The functions are compiled, since a run has 300,000 attempts; each can be called
 from dataclasses import dataclass
 from typing import Annotated, Literal, NamedTuple
 
+import numba
 import numpy as np
 
 from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.guards.border import checked_by, require_array
-from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Angle, Checked, Positive, Real, Whole
 
 MOST = 1e6
@@ -67,8 +67,7 @@ class TurnTakerConfig(Checked):
     without_target: Literal["stay", "network"] = "stay"
     """What happens when visual feedback commands and no object is visible: the head stays, or the network commands."""
     gate: Literal["sigmoid", "shut", "open"] = "sigmoid"
-    """``sigmoid``: the gate opens with learning time. ``shut``: visual feedback commands. ``open``: the network
-    commands."""
+    """``sigmoid``: the gate opens with learning time. ``shut``: visual feedback commands. ``open``: the network."""
     gate_midpoint: Annotated[float, Real("[-1e9, 1e9]")] = 60_000.0
     """Attempts after which the network's command is taken with probability 1/2."""
     gate_width: Positive = 20_000.0
@@ -187,7 +186,7 @@ def _check_face(network: Network, face: np.ndarray) -> None:
 
 
 @checked_by(_check_face)
-@njit(fastmath=True, cache=True)
+@numba.njit(fastmath=True, cache=True)
 def face_drive(network: Network, face: np.ndarray) -> np.ndarray:
     """Input of each hidden unit from the face, (hidden,); it is the same in all steps of an attempt."""
     drive = network.threshold.copy()
@@ -205,7 +204,7 @@ def _check_command(network: Network, drive: np.ndarray, head: np.ndarray, scale:
 
 
 @checked_by(_check_command)
-@njit(cache=True)
+@numba.njit(cache=True)
 def network_command(network: Network, drive: np.ndarray, head: np.ndarray, scale: float) -> tuple[float, float]:
     """The network's output.
 
@@ -236,7 +235,7 @@ def _check_pairs(
 
 
 @checked_by(_check_pairs)
-@njit(fastmath=True, cache=True)
+@numba.njit(fastmath=True, cache=True)
 def backpropagate(
     network: Network,
     face: np.ndarray,
@@ -300,7 +299,7 @@ def _check_target(
 
 
 @checked_by(_check_target)
-@njit(cache=True)
+@numba.njit(cache=True)
 def feedback_target(
     feedback: int, visible: np.ndarray, off: np.ndarray, interest: np.ndarray, kept: int, by_network: bool
 ) -> int:

@@ -98,7 +98,8 @@ def gaze_deg(locations: np.ndarray) -> np.ndarray:
     """Yaw and pitch (..., 2) of the caregiver's gaze at objects at ``locations`` (..., 2) on the table, deg."""
     height = np.full((*locations.shape[:-1], 1), rest_height(WorldConfig().scene))
     own = (np.concatenate([locations, height], axis=-1) - HEAD_POSITION) * (-1.0, -1.0, 1.0)
-    return np.degrees(gaze_angles(np.zeros(3), own))
+    gaze: np.ndarray = np.degrees(gaze_angles(np.zeros(3), own))
+    return gaze
 
 
 @njit(cache=True)

@@ -36,6 +36,10 @@ class Module:
     saliency: np.ndarray
     """(R, S, R', A) contingent saliency e (eq. 5.3), nats, from which all others follow."""
 
+    def __repr__(self) -> str:
+        offered = int((self.command != OFFERS_NOTHING).sum())
+        return f"Module({self.event}, a command under {offered} of {self.command.size} pairs of observables)"
+
 
 def contingent_saliency(table: np.ndarray) -> np.ndarray:
     """Contingent saliency e(r', a; r, s) of eq. 5.3.

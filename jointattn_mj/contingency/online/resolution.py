@@ -86,6 +86,9 @@ class Resolution:
     boxes: tuple[np.ndarray, ...]
     """(d, 2) bounds of the commands of each value of A but the last, which stands for the other action."""
 
+    def __repr__(self) -> str:
+        return f"Resolution({len(self.sensed) + 1} values of S, {len(self.boxes) + 1} of A)"
+
     def sensor(self, units: np.ndarray) -> np.ndarray:
         """(T,) value of S for each prototype in ``units`` (T,)."""
         value = np.full(max([-1, *(max(leaf, default=-1) for leaf in self.sensed)]) + 2, len(self.sensed))
@@ -168,7 +171,8 @@ def local_contingency(given: Transitions, resolution: Resolution) -> np.ndarray:
         joint = counts.sum(axis=axes, keepdims=True)
         with np.errstate(invalid="ignore"):
             shares: np.ndarray = joint / joint.sum(axis=3, keepdims=True)
-        return np.broadcast_to(shares, counts.shape)[r, s, a, after]
+        of_each: np.ndarray = np.broadcast_to(shares, counts.shape)[r, s, a, after]
+        return of_each
 
     local: np.ndarray = np.log(share(()) * share((1, 2)) / (share((1,)) * share((2,))))
     return local
