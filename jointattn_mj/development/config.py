@@ -53,8 +53,6 @@ class DevelopmentConfig(Checked):
     """Steps from one call of ``progress`` to the next."""
     checkpoint_every: ClassVar[int]
     """Steps between checkpoints, where the options do not say."""
-    films: ClassVar[bool] = False
-    """Whether a run can be filmed."""
     unit: ClassVar[str] = "steps"
     """Unit of ``length`` and of ``DevelopmentRun.spent``."""
 
@@ -85,6 +83,11 @@ class DevelopmentConfig(Checked):
     def kind(self) -> type[DevelopmentRun]:
         """Class of the run, as a checkpoint holds it."""
         raise self._of_no_world()
+
+    @property
+    def films(self) -> bool:
+        """Whether a run can be filmed."""
+        return False
 
     @property
     def length(self) -> float:

@@ -138,7 +138,7 @@ def run_development(
     if not options.resume:
         check_space(config, options.out)
     if options.video and not config.films:
-        raise ConfigError(f"world {config.world} cannot be filmed; choose world rendered, or no --video")
+        raise ConfigError("only what is rendered can be filmed; choose world rendered with images, or no --video")
     with claimed(options.out, options.resume):
         return _run(config, options, progress)
 
