@@ -46,7 +46,7 @@ SETTINGS = {
     "thesis": Setting(Visible("thesis", 60_000), runs=20),
 }
 FILM = Path(__file__).with_name("gaze_alternation.mp4")
-"""``jointattn develop --world rendered --steps 12000 --seed 3 --video``."""
+"""``jointattn develop rendered --steps 12000 --seed 3 --video``."""
 
 
 def trial(config: Visible, seed: int) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Values that split where contingency rises: partitions stay partitions, gains are what they claim."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,8 +21,11 @@ from jointattn_mj.contingency.online.resolution import (
     splits,
     transitions,
 )
+from jointattn_mj.development.config import DevelopmentOptions
 from jointattn_mj.development.meaning import FACE, OBJECT
+from jointattn_mj.development.rendered.config import RenderedDevelopmentConfig
 from jointattn_mj.development.rendered.growing import Babbling, GrowingConfig, GrowingRun, RecallingBody
+from jointattn_mj.development.run import run_development
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError, SeriesError
@@ -185,3 +189,37 @@ def test_babbling_and_its_run_go_on_the_same_after_a_pickle(monkeypatch):
     assert runs[0].log(OBJECT).any()
     for each in (one, other):
         each.body.stage.world.close()
+
+
+def test_the_command_babbles_stops_and_goes_on_the_same(tmp_path, monkeypatch):
+    """Its options, its checkpoints and its summary."""
+    monkeypatch.setattr(RecallingBody, "pages", 6)
+    config = RenderedDevelopmentConfig.of(
+        resolution="growing", seed=5, steps=60, table={"spots": 2, "objects": 1},
+        rendered={"calibration": 3, "exploration": 80},
+        babbling={"steps": 5000, "images": False, "resolution": {"warm_up": 1000}},
+    )  # fmt: skip
+    assert config.rendered.senses == GrowingConfig().senses
+    whole = run_development(config, DevelopmentOptions(tmp_path / "whole"))
+    with pytest.raises(ConfigError, match="filmed"):
+        run_development(config, DevelopmentOptions(tmp_path / "film", video=True))
+    more = whole.summary.more
+    assert more["faces_told_apart"] > 1 and len(more["regions_of_gaze_deg"]) > 1 and more["splits"]
+    stopped = DevelopmentOptions(tmp_path / "stopped", checkpoint_every=20)
+
+    def stop(run, found):
+        if run.steps_done == 40:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_development(config, stopped, stop)
+    assert run_development(config, replace(stopped, resume=True)) == whole
+
+
+def test_the_command_films_what_is_rendered(tmp_path):
+    config = RenderedDevelopmentConfig.of(
+        resolution="growing", seed=5, steps=12, table={"spots": 2, "objects": 1},
+        rendered={"calibration": 3, "exploration": 80}, babbling={"steps": 50},
+    )  # fmt: skip
+    run_development(config, DevelopmentOptions(tmp_path, video=True))
+    assert (tmp_path / "video.mp4").stat().st_size > 10_000

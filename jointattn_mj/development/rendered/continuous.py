@@ -8,13 +8,14 @@ the head goes.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from jointattn_mj.contingency.online.modules import Module
 from jointattn_mj.contingency.online.reactive import ReactiveModule
 from jointattn_mj.development.agent import DeveloperConfig
+from jointattn_mj.development.contingency_log import ContingencyLog
 from jointattn_mj.development.meaning import FACE, GAZE, OBJECT
 from jointattn_mj.development.rendered.body import Witnessed
 from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
@@ -22,6 +23,7 @@ from jointattn_mj.development.rendered.senses import ABRUPT, CentralView, Senses
 from jointattn_mj.development.rendered.stage import StageConfig
 from jointattn_mj.development.table.world import CAREGIVER, TableConfig
 from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, make_learner
+from jointattn_mj.io.rows import RowStore
 from jointattn_mj.options import Checked, Count
 from jointattn_mj.scene.camera import directions_to, off_centre
 
@@ -123,8 +125,6 @@ class ContinuousRun(RenderedRun):
 
     Attributes:
         following: The module of (S1, A1, R3) with its map; None before it is found.
-        pairs: All pairs so far, informative or not.
-        landings: Where the module's gaze shifts ended, in truth.
     """
 
     def __init__(
@@ -153,12 +153,45 @@ class ContinuousRun(RenderedRun):
         super().__init__(table, config, agent, seed, n_steps, reactive, sample_every)
         self.continuous = continuous
         self.following: ContinuousModule | None = None
-        self.pairs: list[Pair] = []
-        self.landings: list[Landing] = []
+        units = len(self.senses.categories.som.weights)
+        self._pairs, self._landings = RowStore("pairs", np.float64, units + 5), RowStore("landings", np.float64, 4)
         self._face_visible: np.ndarray | None = None  # activations for the face at the centre of view, a step ago
         self._object_at: np.ndarray | None = None  # direction of the object at the centre of view, a step ago
         self._target: np.ndarray | None = None  # object (3,) that the caregiver looked at a step ago
         self._rng = np.random.default_rng(np.random.SeedSequence(seed).spawn(6)[5])
+
+    @property
+    def pairs(self) -> list[Pair]:
+        """All pairs so far, informative or not."""
+        return [
+            Pair(int(row[0]), row[5:], row[3:5], FORWARD if row[1] else BACKWARD, bool(row[2]))
+            for row in self._pairs.read()
+        ]
+
+    @property
+    def landings(self) -> list[Landing]:
+        """Where the module's gaze shifts ended, in truth."""
+        return [
+            Landing(int(step), bool(by_map), off_deg, bool(nearest))
+            for step, by_map, off_deg, nearest in self._landings.read().tolist()
+        ]
+
+    def more(self) -> dict[str, Any]:
+        """See ``ObservedRun``; and how near the module's gaze shifts came, by its table and by its map."""
+        landings = {"table": [one for one in self.landings if not one.by_map]}
+        landings["map"] = [one for one in self.landings if one.by_map]
+        return {
+            **super().more(),
+            "pairs_learned_from": 0 if self.following is None else self.following.pairs,
+            "landings": {
+                name: {
+                    "gaze_shifts": len(rows),
+                    "median_off_deg": float(np.median([one.off_deg for one in rows])) if rows else None,
+                    "nearest_to_the_right_object": float(np.mean([one.nearest for one in rows])) if rows else None,
+                }
+                for name, rows in landings.items()
+            },
+        }
 
     def sense(self, number: int) -> Witnessed:
         """See ``RenderedRun``; the head goes where the map says while its module is used, and the map learns."""
@@ -224,13 +257,19 @@ class ContinuousRun(RenderedRun):
                 next_r = int(self._r[event.result])
                 informative = one.is_informative(r[event.result], s[event.sensor], next_r, a[event.action])
             pair = Pair(number, self._face_visible, location, FORWARD, informative)
-            self.pairs.append(pair)
+            self._keep(pair)
             if one is not None and informative:
                 one.learn(pair)
         elif face is not None and self._object_at is not None:
-            self.pairs.append(Pair(number, face, self._object_at, BACKWARD, False))
+            self._keep(Pair(number, face, self._object_at, BACKWARD, False))
         self._face_visible, self._object_at = face, location
         self._target = self.target()
+
+    def _keep(self, pair: Pair) -> None:
+        self._pairs.append([pair.step, pair.order == FORWARD, pair.informative, *pair.direction, *pair.activations])
+
+    def _written_down(self) -> tuple[RowStore | ContingencyLog, ...]:
+        return *super()._written_down(), self._pairs, self._landings
 
     def _judge(self, number: int, target: np.ndarray, before: np.ndarray, by_map: bool) -> None:
         """Note how near the gaze has come to the caregiver's object, unless objects were moved meanwhile.
@@ -247,4 +286,4 @@ class ContinuousRun(RenderedRun):
         head = np.degrees(self.stage.world.head_angles())
         off = [off_centre(direction, head) for direction in directions_to(objects)]
         own = off_centre(directions_to(target[None])[0], head)
-        self.landings.append(Landing(number, by_map, own, bool(own <= min(off) + 1e-9)))
+        self._landings.append(Landing(number, by_map, own, bool(own <= min(off) + 1e-9)))

@@ -7,7 +7,7 @@ values that were found.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -295,6 +295,9 @@ class GrowingRun(ObservedRun):
         self.body = babbling.body
         self.resolution: Resolution = babbling.growth.resolution
         self.directions = babbling.commands()
+        self._splits = [
+            (step.n_transitions, step.split.kind, float(step.contingency)) for step in babbling.growth.steps
+        ]
         senses, faces = self.body.config.senses, len(self.resolution.sensed)
         frontal = self.resolution.sensor(self.body.frontal_units)
         self.frontal = frontal_categories(frontal, faces, senses.frontal_share)
@@ -313,6 +316,19 @@ class GrowingRun(ObservedRun):
             if min(off) <= self.body.config.senses.centre_radius_deg:
                 names[int(np.argmin(off))] = name
         return _with_gaze(variables, tuple(names))
+
+    def more(self) -> dict[str, Any]:
+        """See ``ObservedRun``; and what babbling came to tell apart, by which splits of the values of S and A."""
+        return {
+            "caregiver": self.body.stage.world.config.scene.caregiver,
+            **super().more(),
+            "faces_told_apart": len(self.resolution.sensed),
+            "regions_of_gaze_deg": [box.tolist() for box in self.resolution.boxes],
+            "splits": [
+                {"step": step, "values": kind, "contingency_nats": contingency}
+                for step, kind, contingency in self._splits
+            ],
+        }
 
     def check(self) -> None:
         """See ``DevelopmentRun``."""

@@ -55,14 +55,14 @@ CONFIGS = {
         "robot",
         "world",
     ),
-    "jointattn_mj.development.run.DevelopConfig": (
+    "jointattn_mj.development.table.config.TableDevelopmentConfig": (
         "world",
         "preset",
         "steps",
         "seed",
         "reactive",
         "sample_every",
-        "mind",
+        "agent",
     ),
     "jointattn_mj.development.rendered.run.RenderedConfig": ("calibration", "exploration", "senses"),
     "jointattn_mj.development.realtime.run.RealtimeConfig": (
