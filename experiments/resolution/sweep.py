@@ -11,7 +11,7 @@ from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.contingency.online.reactive import RandomModule
 from jointattn_mj.contingency.online.resolution import Growth, Step, contingency
 from jointattn_mj.development.meaning import FACE, GAZE, OBJECT
-from jointattn_mj.development.rendered.growing import Babbling, Body, GrowingConfig, GrowingRun, RecallingBody
+from jointattn_mj.development.rendered.growing import Babbling, FreeGazeBody, GrowingConfig, GrowingRun, RecallingBody
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.sweeps.claim import Setting
@@ -42,7 +42,7 @@ def trial(config: RunConfig, seed: int) -> dict[str, Any]:
     """The path of the resolution, what its values came to mean, and what the preset ``fast`` found with them."""
     preset = PRESETS["fast"]
     table = replace(preset.world, spots=config.spots, objects=min(2, config.spots - 1))
-    babbling = Babbling(table, config.growing, seed, Body if config.images else RecallingBody)
+    babbling = Babbling(table, config.growing, seed, FreeGazeBody if config.images else RecallingBody)
     babbling.advance(config.turns)
     growth, given = babbling.growth, babbling.experience()
     confusion = _confusion(babbling)
@@ -71,7 +71,7 @@ def trial(config: RunConfig, seed: int) -> dict[str, Any]:
 def _step(step: Step) -> dict[str, Any]:
     split = step.split
     return {
-        "turns": step.turns, "kind": split.kind, "axis": split.axis, "at": split.at, "gain": split.gain,
+        "turns": step.n_transitions, "kind": split.kind, "axis": split.axis, "at": split.at, "gain": split.gain,
         "error": split.error, "contingency": step.contingency, "faces": len(step.resolution.sensed),
         "regions": [box.tolist() for box in step.resolution.boxes],
     }  # fmt: skip
@@ -80,7 +80,7 @@ def _step(step: Step) -> dict[str, Any]:
 def _confusion(babbling: Babbling) -> np.ndarray:
     """(faces, spots + 1) how often each value of S, but the last, came with each true target of hers."""
     given = babbling.experience()
-    value = babbling.growth.resolution.sensor(given.cells)
+    value = babbling.growth.resolution.sensor(given.units)
     counts = np.zeros((len(babbling.growth.resolution.sensed) + 1, babbling.body.spots + 1), np.int64)
     np.add.at(counts, (value, np.array(babbling.looked_at)[:-1]), 1)
     return counts[:-1]
@@ -89,13 +89,13 @@ def _confusion(babbling: Babbling) -> np.ndarray:
 def _shuffled(babbling: Babbling, rng: np.random.Generator) -> int:
     """Splits made of the same experience, had her faces come in another order."""
     given = babbling.experience()
-    sensed, cells = given.cells >= 0, given.cells.copy()
-    cells[sensed] = rng.permutation(cells[sensed])
+    sensed, units = given.units >= 0, given.units.copy()
+    units[sensed] = rng.permutation(units[sensed])
     growth = Growth(babbling.body.som.weights, babbling.body.space, babbling.body.config.resolution)
-    shuffled = given._replace(cells=cells)
-    for turns in range(500, len(cells) + 1, 500):
+    shuffled = given._replace(units=units)
+    for turns in range(500, len(units) + 1, 500):
         if growth.due(turns):
-            growth.look(shuffled.some(slice(turns)))
+            growth.update(shuffled.some(slice(turns)))
     return len(growth.steps)
 
 

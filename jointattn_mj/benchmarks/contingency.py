@@ -18,7 +18,7 @@ import numpy as np
 
 from jointattn_mj.contingency.measures import transfer_entropy
 from jointattn_mj.contingency.online.counts import add, empty_counts
-from jointattn_mj.contingency.online.detector import DetectorConfig, look, new_watch
+from jointattn_mj.contingency.online.detector import DetectorConfig, new_watch, update
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.development.table.presets import PRESETS, Preset
 from jointattn_mj.development.table.run import TableRun
@@ -145,7 +145,7 @@ class _Detecting:
 def _detect(watch, counts, s, a, r):
     for t in range(len(s) - 1):
         add(counts, s[t], a[t], r[t], r[t + 1], 1, len(counts.contexts))
-        look(watch, counts)
+        update(watch, counts)
 
 
 class Recomputing:

@@ -7,6 +7,7 @@ import numpy as np
 
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
+from jointattn_mj.development.rendered.senses import CentralView
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.scene.looker import Pose, TableWorld
@@ -38,9 +39,9 @@ class _Noted(RenderedRun):
 
     poses: list[Pose]
 
-    def see(self) -> None:
+    def read(self, view: CentralView) -> None:
         """See ``RenderedRun``."""
-        super().see()
+        super().read(view)
         self.poses.append(self.stage.world.pose())
 
 

@@ -28,7 +28,7 @@ def chosen(steps: Steps, resample: Resample) -> Literal["blocks", "recordings"]:
 
 def default_block(transitions: int) -> int:
     """Transitions in a block: the cube root, at least 1."""
-    return max(1, round(transitions ** (1 / 3)))
+    return max(1, round(float(transitions ** (1 / 3))))
 
 
 def resampled(
@@ -70,7 +70,10 @@ def interval(value: float, values: np.ndarray, bias: float, level: float) -> tup
 
 
 @njit(cache=True)
-def _resample(values, rng, which, spans, length, ids, signs, entries):
+def _resample(
+    values: np.ndarray, rng: np.random.Generator, which: np.ndarray, spans: np.ndarray, length: int,
+    ids: np.ndarray, signs: np.ndarray, entries: int,
+) -> None:  # fmt: skip
     """Fill ``values``; ``length`` 0 draws whole recordings."""
     n, recordings = len(which), len(spans) - 1
     counts, sums = np.empty(entries, np.int64), np.zeros(entries, np.int64)

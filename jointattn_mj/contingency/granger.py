@@ -76,4 +76,5 @@ def _unexplained(products: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarr
     """Residual covariance of columns y after least squares on columns x."""
     inner = np.linalg.pinv(products[np.ix_(x, x)], rcond=1e-10, hermitian=True)
     across = products[np.ix_(x, y)]
-    return products[np.ix_(y, y)] - across.T @ inner @ across
+    unexplained: np.ndarray = products[np.ix_(y, y)] - across.T @ inner @ across
+    return unexplained

@@ -14,6 +14,9 @@ from jointattn_mj.io.compiled import njit
 SHUFFLE = 6
 """Strata with fewer transitions than so many for each hypergeometric draw are shuffled: that is faster there."""
 
+Room = tuple[np.ndarray, np.ndarray]
+"""A table, flat, and a list of its entries in use."""
+
 
 def tables(n: int) -> np.ndarray:
     """c ln c and ln c! for c = 0..n: (2, n + 1)."""
@@ -74,7 +77,7 @@ def _shuffle(values: np.ndarray, rng: np.random.Generator) -> None:
 
 
 @njit(cache=True)
-def _add(table, touched, used, entry, count):
+def _add(table: np.ndarray, touched: np.ndarray, used: int, entry: int, count: int) -> int:
     """Add to an entry; returns how many entries are in use."""
     if table[entry] == 0 and count > 0:
         touched[used] = entry
@@ -84,7 +87,9 @@ def _add(table, touched, used, entry, count):
 
 
 @njit(cache=True)
-def _settle(table, touched, used, rows, afters, xlogx):
+def _settle(
+    table: np.ndarray, touched: np.ndarray, used: int, rows: np.ndarray, afters: int, xlogx: np.ndarray
+) -> float:
     """Sum of c ln c over the entries less that over their rows."""
     total = 0.0
     for i in range(used):
@@ -99,7 +104,10 @@ def _settle(table, touched, used, rows, afters, xlogx):
 
 
 @njit(cache=True)
-def _close(fine, coarse, used, contexts, stratum, with_less, rows, afters, xlogx):
+def _close(
+    fine: Room, coarse: Room, used: np.ndarray, contexts: np.ndarray, stratum: int, with_less: bool,
+    rows: np.ndarray, afters: int, xlogx: np.ndarray,
+) -> float:  # fmt: skip
     """After a stratum: settle the contexts that end with it. Returns what they add, and entries in use."""
     total = 0.0
     last = stratum + 1 == len(contexts)
@@ -122,7 +130,7 @@ def _close(fine, coarse, used, contexts, stratum, with_less, rows, afters, xlogx
 
 
 @njit(cache=True)
-def _room(n, sources, afters):
+def _room(n: int, sources: int, afters: int) -> Room:
     """An empty table and a list of its entries in use."""
     entries = sources * afters
     return np.zeros(entries, np.int64), np.empty(min(n, entries) + 1, np.int64)
@@ -130,9 +138,11 @@ def _room(n, sources, afters):
 
 @njit(cache=True)
 def within(
-    values, rng, source, after, sources, afters, bounds, contexts, fixed, with_less, tables,
-    source_values, source_counts, source_bounds, after_values, after_counts, after_bounds,
-):  # fmt: skip
+    values: np.ndarray, rng: np.random.Generator, source: np.ndarray, after: np.ndarray, sources: int, afters: int,
+    bounds: np.ndarray, contexts: np.ndarray, fixed: float, with_less: bool, tables: np.ndarray,
+    source_values: np.ndarray, source_counts: np.ndarray, source_bounds: np.ndarray,
+    after_values: np.ndarray, after_counts: np.ndarray, after_bounds: np.ndarray,
+) -> None:  # fmt: skip
     """Fill ``values`` with surrogates permuted within the strata."""
     n = len(source)
     fine, coarse = _room(n, sources, afters), _room(n, sources, afters)
@@ -170,8 +180,10 @@ def within(
 
 @njit(cache=True)
 def plain(
-    values, rng, source, after, sources, afters, bounds, contexts, fixed, with_less, tables, groups, group_bounds
-):
+    values: np.ndarray, rng: np.random.Generator, source: np.ndarray, after: np.ndarray, sources: int, afters: int,
+    bounds: np.ndarray, contexts: np.ndarray, fixed: float, with_less: bool, tables: np.ndarray,
+    groups: np.ndarray, group_bounds: np.ndarray,
+) -> None:  # fmt: skip
     """Fill ``values`` with surrogates permuted within the groups, whatever their contexts."""
     n = len(source)
     fine, coarse = _room(n, sources, afters), _room(n, sources, afters)

@@ -47,7 +47,8 @@ class Entries:
     def marginal(self, axes: str) -> np.ndarray:
         """Count (m,) of the marginal over ``axes`` to which each entry belongs; over no axes: all transitions."""
         keys, bound = self.ids(axes)
-        return np.bincount(keys, self.counts, bound)[keys]
+        counts: np.ndarray = np.bincount(keys, self.counts, bound)
+        return np.take(counts, keys)
 
     def distribution(self, axes: str) -> np.ndarray:
         """Counts (k,) of the k observed entries of the marginal."""
@@ -63,7 +64,8 @@ class Entries:
     def information(self, given: str) -> np.ndarray:
         """Local information (m,) in nats that s gives on n in each entry: log p(n | s, given) / p(n | given)."""
         both, alone = self.marginal(given + "sn"), self.marginal(given)
-        return np.log(both * alone / (self.marginal(given + "s") * self.marginal(given + "n")))
+        local: np.ndarray = np.log(both * alone / (self.marginal(given + "s") * self.marginal(given + "n")))
+        return local
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,7 @@ class Steps:
         if not whole or self.groups is None:
             return starts
         first = np.concatenate([[True], np.diff(self.groups) != 0, [True]])
-        return starts[first]
+        return np.compress(first, starts)
 
     def recordings(self) -> np.ndarray:
         """Number of the whole recording of each transition (n,), from 0."""
@@ -200,12 +202,13 @@ def _logarithms() -> np.ndarray:
 
 
 @njit(cache=True)
-def _logarithm(count, logarithms):
-    return logarithms[count] if count < len(logarithms) else np.log(count)
+def _logarithm(count: int, logarithms: np.ndarray) -> float:
+    logarithm: float = logarithms[count] if count < len(logarithms) else np.log(count)
+    return logarithm
 
 
 @njit(cache=True)
-def _information(blocks, logarithms):
+def _information(blocks: np.ndarray, logarithms: np.ndarray) -> float:
     """Sum of c ln(c n / (row column)) over the entries of all blocks (k, rows, columns); n is a block's sum."""
     total = 0.0
     rows, columns = np.empty(blocks.shape[1], np.int64), np.empty(blocks.shape[2], np.int64)
@@ -233,7 +236,9 @@ def _information(blocks, logarithms):
 
 
 @njit(cache=True)
-def _count(table, target, source, bounds, targets, sources):
+def _count(
+    table: np.ndarray, target: np.ndarray, source: np.ndarray, bounds: np.ndarray, targets: int, sources: int
+) -> None:
     """Add every transition to ``table``, flat over (r, s, n)."""
     for recording in range(len(bounds) - 1):
         before = target[bounds[recording]]
@@ -244,7 +249,10 @@ def _count(table, target, source, bounds, targets, sources):
 
 
 @njit(cache=True)
-def _count_conditioned(table, target, condition, source, bounds, targets, conditions, sources):
+def _count_conditioned(
+    table: np.ndarray, target: np.ndarray, condition: np.ndarray, source: np.ndarray, bounds: np.ndarray,
+    targets: int, conditions: int, sources: int,
+) -> None:  # fmt: skip
     """Add every transition to ``table``, flat over (r, a, s, n)."""
     for recording in range(len(bounds) - 1):
         before = target[bounds[recording]]

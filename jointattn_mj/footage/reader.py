@@ -80,6 +80,12 @@ class Footage:
         self.interlaced = interlaced_images(path, 0.0, PROBED_S)
         self.images, self.seconds, self.jumps, self.timed = 0, 0.0, 0, fps is None
 
+    def __repr__(self) -> str:
+        """In one line: file, rate and length."""
+        rate = f"{self.fps:g} images a second" if self.fps else "unknown rate"
+        length = f"{self.declared_s:.1f} s" if self.declared_s is not None else "unknown length"
+        return f"Footage({self.path}: {rate}, {length})"
+
     def __iter__(self) -> Iterator[Still]:
         """The frames at 0 s, 1/30 s, 2/30 s and so on.
 

@@ -74,6 +74,10 @@ class Viewing:
         self.sample = np.zeros((1, 1, 3), np.uint8)
         self._faces = 0
 
+    def __repr__(self) -> str:
+        """In one line: video, progress and fixations."""
+        return f"Viewing({self.footage.path}: {self.frames} frames, {len(self.fixations.all)} fixations)"
+
     def measure_face(self) -> None:
         """Measure the face, unless a scale is given, and check that the video can be read.
 

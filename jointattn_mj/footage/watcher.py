@@ -7,6 +7,7 @@ meanwhile (Fig. 6.3b). Perception goes on, for the camera is still.
 import numpy as np
 
 from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
+from jointattn_mj.gaze_following.fixation import attend
 from jointattn_mj.perception.percept import Percept, StillObservation
 from jointattn_mj.perception.pixels import PixelPerception
 
@@ -58,12 +59,11 @@ class Watcher:
         percept = self.percept
         if percept is None or fresh:
             self.percept = percept = self.perceiver.perceive(StillObservation(image, AHEAD), landed=cut)
-        if self.goal is None:
-            self.attention.advance(self.attended, percept.moves)
-        elif not self._arrive(self.goal):
+        fixating = self.goal is None
+        if self.goal is not None and not self._arrive(self.goal):
             return percept
-        chosen = self.attention.consider(percept.visible)
-        if chosen is not None and chosen != self.attended:
+        chosen = attend(self.attention, self.attended, percept, fixating)
+        if chosen is not None:
             self.goal, self._left = chosen, self._shift_frames
             if self._left == 0:
                 self._arrive(chosen)

@@ -8,6 +8,7 @@ import numpy as np
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.attention import Attention, AttentionConfig, AttentionSelector
+from jointattn_mj.gaze_following.fixation import attend
 from jointattn_mj.gaze_following.gate import GazeConfig, HeadShift, gate_probability
 from jointattn_mj.gaze_following.learners import LearnerConfig, make_learner
 from jointattn_mj.options import Checked, Real, Whole
@@ -104,6 +105,11 @@ class GazeFollower:
         self._held = np.zeros(2)  # reference of the head's servos, deg
         self._command = np.zeros(2)  # the same in rad
 
+    def __repr__(self) -> str:
+        """In one line: what is attended, and how much was learned."""
+        attended = {None: "nothing", self.face: "the face"}.get(self.attended, f"object {self.attended}")
+        return f"GazeFollower(attends to {attended}, {self.iterations} learning iterations)"
+
     def familiarise(self, observation: Observation, frame: int) -> np.ndarray:
         """Action (2,) for one frame before the session: look at the face, and learn its patterns.
 
@@ -127,12 +133,10 @@ class GazeFollower:
         if shift is not None and movement is not None and (observation.head_moves or not movement.commanded):
             return self._turn(shift, movement, observation)
         self.percept = percept = self.perceiver.perceive(observation, shift is not None)
-        if shift is None:
-            self.attention.advance(self.attended, percept.moves)
-        else:
+        if shift is not None:
             self._land(shift, percept, np.degrees(observation.head_angles))
-        chosen = self.attention.consider(percept.visible)
-        if chosen is not None and chosen != self.attended:
+        chosen = attend(self.attention, self.attended, percept, fixating=shift is None)
+        if chosen is not None:
             self._launch(chosen, percept, np.degrees(observation.head_angles))
         return self._command
 

@@ -22,7 +22,7 @@ GROUP = 1 << 13
 """Shifts in a row group of the file."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ShiftRow:
     """One gaze shift. ``columns.SHIFT`` has the meanings of the fields; None where one does not apply."""
 
@@ -54,6 +54,12 @@ class ShiftRow:
     pan_error_deg: float | None
     tilt_error_deg: float | None
     map_error_deg: float | None
+
+    def __repr__(self) -> str:
+        """In one line: when, from where to where, who commanded it, and whether it was a success."""
+        result = {None: "", True: ", success", False: ", no success"}[self.success]
+        way = f"{self.source or 'nothing'} to {self.reached or 'nothing'}, commanded by {self.commanded_by}"
+        return f"ShiftRow({self.launch_s:.2f} to {self.landing_s:.2f} s: {way}{result})"
 
 
 def shift_row(
@@ -167,6 +173,11 @@ class Shifts(Sequence[ShiftRow]):
         return isinstance(other, Shifts) and len(self) == len(other) and all(map(ShiftRow.__eq__, self, other))
 
     __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        """In one line: how many there are."""
+        counted, successes = (int(np.sum(self.column(name) == 1)) for name in ("face_to_object", "success"))
+        return f"Shifts({len(self)} gaze shifts, {counted} from the face to an object, {successes} successes)"
 
     def append(self, row: ShiftRow) -> None:
         """Add a shift that has just landed.

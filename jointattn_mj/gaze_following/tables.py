@@ -86,6 +86,10 @@ class FrameTable:
         self.index = {name: index for index, name in enumerate(names)}
         self.rows = RowStore("frames", np.float32, len(names))
 
+    def __repr__(self) -> str:
+        """In one line: its length and its candidates."""
+        return f"FrameTable({self.frames} frames, {self.frames * FRAME_S:.1f} s; {', '.join(self.candidates)})"
+
     @property
     def frames(self) -> int:
         """Frames so far."""

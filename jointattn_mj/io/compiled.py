@@ -10,14 +10,23 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import cache, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, overload
 
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.dispatcher import Dispatcher
 
 Function = Callable[..., Any]
+F = TypeVar("F", bound=Function)
 PACKAGE = Path(__file__).parents[1]
+
+
+@overload
+def njit(function: F, /) -> F: ...
+
+
+@overload
+def njit(*, cache: bool = ..., **options: Any) -> Callable[[F], F]: ...
 
 
 def njit(function: Function | None = None, *, cache: bool = False, **options: Any) -> Any:
@@ -35,7 +44,7 @@ def njit(function: Function | None = None, *, cache: bool = False, **options: An
     compiled = numba.njit(**options)(function)
     if cache and isinstance(compiled, Dispatcher):  # with NUMBA_DISABLE_JIT it is the function itself
         with suppress(RuntimeError):  # no folder
-            compiled._cache = _Cache(function)  # type: ignore[attr-defined]  # as ``Dispatcher.enable_caching`` does
+            compiled._cache = _Cache(function)  # type: ignore[attr-defined, no-untyped-call]  # as ``enable_caching``
     return compiled
 
 
@@ -54,7 +63,7 @@ class _Located(CompileResultCacheImpl):
     """Chooses the folder as numba does; what it holds is current while ``state`` stays the same."""
 
     def __init__(self, function: Function):
-        super().__init__(function)
+        super().__init__(function)  # type: ignore[no-untyped-call]
         self._locator.get_source_stamp = state
 
 

@@ -37,7 +37,7 @@ def measured(counts, field="sum"):
 
 def same_counts(one, other):
     """Equal to the last count; sums up to rounding."""
-    assert np.array_equal(one.cells, other.cells)
+    assert np.array_equal(one.entries, other.entries)
     for field in module.CONTEXT.names:
         assert one.contexts[field] == pytest.approx(other.contexts[field], rel=1e-12, abs=1e-11), field
     assert np.array_equal(one.of_event, other.of_event)
@@ -124,7 +124,7 @@ def test_events_that_join_later_start_empty_and_do_not_disturb_the_old_ones():
         assert measured(wider)[1][number] == pytest.approx(
             contingency(joint_counts(since, both, event))[1] * (len(since[0]) - 1), abs=1e-10
         )
-    assert counts.cells.sum() == pytest.approx(30 * 2 * len(counts.contexts))  # its own tables, not the wider ones'
+    assert counts.entries.sum() == pytest.approx(30 * 2 * len(counts.contexts))  # its own tables, not the wider ones'
 
 
 def test_fewer_contexts_take_part():
@@ -202,8 +202,8 @@ def test_counts_pass_the_end_of_the_list():
     set_joint_table(counts, 0, table)
     counted(counts, lived)
     set_joint_table(after, 0, table + joint_counts(lived, world, Event(0, 0, 0)))
-    assert np.array_equal(counts.cells, after.cells)
-    assert counts.cells.max() > 2 * LISTED
+    assert np.array_equal(counts.entries, after.entries)
+    assert counts.entries.max() > 2 * LISTED
     assert np.array(measured(counts)) / table.sum() == pytest.approx(np.array(measured(after)) / table.sum(), abs=1e-13)
     counted(counts, lived, -1)
     assert np.array_equal(joint_table(counts, 0), table)

@@ -61,7 +61,7 @@ def test_wrong_options():
 @pytest.fixture(scope="module")
 def runs():
     """A life in which gaze following is found early, for it is given; and what it was before, pickled."""
-    config = replace(SCATTERED, watching=240)
+    config = replace(SCATTERED, exploration=240)
     run = ContinuousRun(TableConfig(), config, PRESETS["fast"].agent, 3, 1300, ContinuousConfig(enough=15))
     run.advance(600)
     run.take_in(run.agent.events.index(FOLLOWS))

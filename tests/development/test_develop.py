@@ -98,7 +98,7 @@ class TestResults:
 
     def test_config(self, finished):
         written = yaml.safe_load((finished / "config.yaml").read_text())
-        assert written["config"]["mind"]["detector"]["rule"] == "certain"
+        assert written["config"]["mind"]["detector"]["stop_rule"] == "confidence"
         assert "numba" in written["versions"]
 
     def test_log(self, finished):

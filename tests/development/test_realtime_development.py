@@ -34,7 +34,7 @@ def test_it_lives_as_many_minutes_as_asked_for_and_resumes_to_the_same(tmp_path,
 def test_the_command_line_chooses_the_world_and_how_time_goes_on(capsys):
     for arguments, option in (
         ([], "--table.spots"),
-        (["--world", "rendered"], "--rendered.watching"),
+        (["--world", "rendered"], "--rendered.exploration"),
         (["--world=rendered", "--mode", "realtime"], "--minutes"),
     ):
         cli.main(["develop", *arguments, "--help"])

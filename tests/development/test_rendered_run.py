@@ -21,7 +21,7 @@ from jointattn_mj.io import rows
 from jointattn_mj.perception.percept import Percept
 
 HASTY = DeveloperConfig(detector=DetectorConfig(threshold=5e-3), most_modules=2)
-SHORT = RenderedConfig(watching=240)
+SHORT = RenderedConfig(exploration=240)
 TRUE = replace(SHORT, senses=SensesConfig(truth=PARTS))
 TABLE = TableConfig()
 
@@ -87,7 +87,7 @@ def test_frontal_is_what_greeted_it(run):
 
 
 def test_a_turn_is_a_picture(run):
-    assert run.stage.world.rendered_frames == run.steps_done + SHORT.watching + SHORT.greeting
+    assert run.stage.world.rendered_frames == run.steps_done + SHORT.exploration + SHORT.calibration
 
 
 def test_the_same_seed_lives_the_same_life_however_it_is_interrupted(run):
@@ -111,14 +111,14 @@ def test_who_sees_nothing_senses_nothing():
     run = RenderedRun(TABLE, SHORT, HASTY, 2, 40)
     count = len(run.stage.objects) + 1
     nothing = Percept(np.zeros(count, bool), np.full((count, 2), np.nan), np.zeros(count, bool))
-    run.perception.perceive = lambda observation, landed: nothing
+    run.body.perception.perceive = lambda observation, landed: nothing
     run.advance(40)
     assert (run.log("caregiver's face") == len(run.agent.variables.sensors[0].values) - 1).all()
     for name in ("frontal face", "profile", "object"):
         assert not run.log(name).any()
 
 
-@pytest.mark.parametrize("wrong", [{"greeting": 0}, {"watching": 0}])
+@pytest.mark.parametrize("wrong", [{"calibration": 0}, {"exploration": 0}])
 def test_options_that_cannot_work(wrong):
     with pytest.raises(ConfigError):
         RenderedConfig(**wrong)

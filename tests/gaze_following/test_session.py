@@ -1,4 +1,4 @@
-"""Two minutes of life on the truth path: what is written down is what happened, counted again from the files."""
+"""Two minutes of a session from the state: what is logged is what happened, counted again from the files."""
 
 import json
 import math

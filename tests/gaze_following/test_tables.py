@@ -221,3 +221,13 @@ def test_columns_of_earlier_versions():
     assert present_name("red_seen") == "red_visible"
     assert present_name("light_red_x_m") == "light_red_x_m"
     assert {present_name(old) for old in OLD_COLUMNS} <= {*FRAME, *CANDIDATE}
+
+
+def test_what_a_shift_and_tables_are_fits_a_line(session):
+    said = repr(row())
+    assert said.startswith("ShiftRow(1.00 to 1.90 s: face to red, commanded by visual_feedback, ")
+    shifts = Shifts(NAMES)
+    shifts.append(row())
+    assert repr(shifts) == "Shifts(1 gaze shifts, 1 from the face to an object, 1 successes)"
+    assert repr(session.frames).startswith("FrameTable(") and repr(session.robot).startswith("GazeFollower(attends to ")
+    assert max(map(len, (said, repr(session.frames), repr(session.robot)))) < 120

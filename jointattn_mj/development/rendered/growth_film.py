@@ -11,7 +11,7 @@ import numpy as np
 
 from jointattn_mj.contingency.online.resolution import Resolution
 from jointattn_mj.development.rendered.film import HEIGHT, INKS, MOVING, RATE, RESTING, WIDTH
-from jointattn_mj.development.rendered.growing import Babbling, Body, GrowingRun
+from jointattn_mj.development.rendered.growing import Babbling, FreeGazeBody, GrowingRun
 from jointattn_mj.scene.camera import FOCAL_PX
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 from jointattn_mj.scene.movement import minimum_jerk
@@ -116,21 +116,21 @@ def _still(run: Babbling | GrowingRun, resolution: Resolution, title: str, words
     return canvas
 
 
-def _draw_faces(area: np.ndarray, body: Body, resolution: Resolution) -> None:
+def _draw_faces(area: np.ndarray, body: FreeGazeBody, resolution: Resolution) -> None:
     """Draw the map of faces, each unit framed in the colour of its value."""
     area[:] = PANEL
     write(area, 12, 6, f"Faces it tells apart: {len(resolution.sensed)}", WHITE, 19, True)
     values = resolution.sensor(np.arange(len(body.som.weights)))
-    for cell, image in enumerate(body.som.images().reshape(-1, 32, 32)):
-        row, column = divmod(cell, body.som.config.columns)
+    for unit, image in enumerate(body.som.images().reshape(-1, 32, 32)):
+        row, column = divmod(unit, body.som.config.columns)
         x, y, side = 14 + 26 * column, 34 + 25 * row, 24
         patch = cv2.resize(image, (side - 4, side - 4), interpolation=cv2.INTER_AREA)
         grey = np.clip(140 + 60 * patch, 0, 255).astype(np.uint8)
-        area[y : y + side, x : x + side] = INKS[values[cell] % len(INKS)]
+        area[y : y + side, x : x + side] = INKS[values[unit] % len(INKS)]
         area[y + 2 : y + side - 2, x + 2 : x + side - 2] = grey[..., None]
 
 
-def _draw_table(area: np.ndarray, body: Body, resolution: Resolution) -> None:
+def _draw_table(area: np.ndarray, body: FreeGazeBody, resolution: Resolution) -> None:
     """Draw directions from left to right in the colours of their regions, the head's direction and the true spots."""
     area[:] = PANEL
     title = f"Directions of gaze: {len(resolution.boxes)}, and the face"

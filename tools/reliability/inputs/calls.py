@@ -64,7 +64,7 @@ CONFIGS = {
         "sample_every",
         "mind",
     ),
-    "jointattn_mj.development.rendered.run.RenderedConfig": ("greeting", "watching", "senses"),
+    "jointattn_mj.development.rendered.run.RenderedConfig": ("calibration", "exploration", "senses"),
     "jointattn_mj.development.realtime.run.RealtimeConfig": (
         "looks_every",
         "shift_frames",
