@@ -13,6 +13,7 @@ import argparse
 import hashlib
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -31,24 +32,50 @@ COMMANDS = {
     "session/varied": "session --perception state --minutes 2 --variation all --out {out}",
     "session/pixels": "session --minutes 1 --seed 5 --out {out}",
     "session/video": "session --minutes 0.1 --seed 7 --start-from {session/pixels}/weights.npz --video --out {out}",
-    "develop/thesis": "develop --preset thesis --steps 20000 --seed 1 --out {out}",
-    "develop/fast": "develop --preset fast --steps 20000 --seed 2 --out {out}",
-    "develop/chapter4": "develop --preset chapter4 --steps 20000 --out {out}",
-    "develop/face_avoiding": "develop --steps 20000 --reactive face_avoiding --out {out}",
-    "develop/rendered": "develop --world rendered --steps 3000 --seed 3 --out {out}",
-    "develop/realtime": "develop --world rendered --mode realtime --minutes 2 --seed 3 --out {out}",
+    "develop/thesis": "develop table --preset thesis --steps 20000 --seed 1 --out {out}",
+    "develop/fast": "develop table --preset fast --steps 20000 --seed 2 --out {out}",
+    "develop/chapter4": "develop table --preset chapter4 --steps 20000 --out {out}",
+    "develop/face_avoiding": "develop table --steps 20000 --reactive face_avoiding --out {out}",
+    "develop/rendered": "develop rendered --steps 3000 --seed 3 --out {out}",
+    "develop/realtime": "develop realtime --minutes 2 --seed 3 --out {out}",
     "perceive": "perceive {session/video}/video.mp4 --out {out}",
     "play/oracle": "play follow --agent oracle --episodes 3 --out {out}/play",
     "play/gaze_follower": "play object_transfer --agent gaze_follower --episodes 1 --out {out}/play",
     "play/developer": "play turn_taking --agent developer --episodes 1 --out {out}/play",
-    "measure": "measure {develop/fast}/turns.parquet --source \"caregiver's face\" --condition 'shift gaze' "
+    "measure": "measure {develop/fast}/steps.parquet --source \"caregiver's face\" --condition 'shift gaze' "
     "--target object --surrogates 99 --out {out}/measured",
-    "discover": "discover {develop/fast}/turns.parquet --sensors \"caregiver's face\" 'object looked at' "
+    "discover": "discover {develop/fast}/steps.parquet --sensors \"caregiver's face\" 'object looked at' "
     "--actions 'shift gaze' gesture --results 'frontal face' object --surrogates 99 --out {out}/found",
 }
 """Commands by a name that never changes; ``{NAME}`` stands for the folder of one that ran before."""
-RENAMED: dict[str, str] = {}
-"""New name: old name, of files, columns, arrays and keys."""
+RENAMED: tuple[tuple[str, str], ...] = (
+    (r"^steps\.parquet", "turns.parquet"),
+    (r"^(turns|contingency)\.parquet/step$", r"\1.parquet/turn"),
+    (r"^frames\.parquet/perceived$", "frames.parquet/looked"),
+    (r"^((?:frames|percepts|fixations)\.parquet/.*)visible$", r"\1seen"),
+    (r"^percepts\.parquet/image$", "percepts.parquet/picture"),
+    (r"images_read$", "pictures_read"),
+    (r"late_success_rate$", "late_rate"),
+    (r"successes_on_an_object$", "successes_on_something"),
+    (r"gaze_shifts_by_learner$", "commanded_by_learner"),
+    (r"^summary\.json/motion_detection", "summary.json/motion"),
+    (r"face_missed_share$", "face_missed"),
+    (r"median_px$", "p50"),
+    (r"percentile_95_px$", "p95"),
+    (r"share_above_8_px$", "above_8px"),
+    (r"exploration_steps$", "turns_watched_before"),
+    (r"^config\.yaml/config/state", "config.yaml/config/truth"),
+    (r"^config\.yaml/config/(.*)holding_location", r"config.yaml/config/\1holding_place"),
+    (r"^config\.yaml/config/(.*)rest_location", r"config.yaml/config/\1rest_place"),
+    (r"location_gain$", "place_gain"),
+    (r"^config\.yaml/config/agent", "config.yaml/config/mind"),
+    (r"detector/stop_rule$", "detector/rule"),
+    (r"detector/modelled$", "detector/claimed"),
+    (r"detector/stability_of$", "detector/of"),
+    (r"/calibration$", "/greeting"),
+    (r"/exploration$", "/watching"),
+)
+"""What has been renamed since the record before: a pattern of names now, and what it was; in this order."""
 UNTOLD = ("wall_seconds", "versions", "platform", "python", "system", "machine", "seconds", "created", "checkpoint.bin")
 """What may differ between two runs of the same code."""
 
@@ -60,7 +87,9 @@ def digest(value: bytes) -> str:
 
 def named(path: str) -> str:
     """A part's name as the record before has it."""
-    return "/".join(RENAMED.get(part, part) for part in path.split("/"))
+    for now, before in RENAMED:
+        path = re.sub(now, before, path)
+    return path
 
 
 def leaves(value: Any, path: str) -> Iterator[tuple[str, Any]]:
@@ -137,7 +166,7 @@ def record(to: Path, only: str) -> None:
             setting, folder = next(iter(REGISTRY[claim].settings)), Path(scratch) / f"claim_{claim}"
             words = ["experiment", "run", claim, "--setting", setting, "--runs", "1", "--jobs", "1"]
             ended = jointattn([*words, "--out", str(folder)], capture_output=True)
-            results = [json.loads(path.read_text())["result"] for path in sorted(folder.rglob("cells/**/*.json"))]
+            results = [json.loads(path.read_text())["result"] for path in sorted(folder.rglob("trials/**/*.json"))]
             found = {named(key): digest(json.dumps(value).encode()) for key, value in leaves(results, setting)}
             _keep(records, to, f"claim/{claim}", found, ended.stderr)
 
