@@ -1,8 +1,8 @@
 """All claims by id. A claim is one entry here and one folder beside this file.
 
-In the folder, ``sweep.py`` has ``SETTINGS`` and ``trial``. It has ``FIRST_SEED`` and ``VERSION`` if they are not 0 and 1,
-and ``FILM``, the path of a short video, if there is one. ``analysis.py`` has ``analyse`` and ``draw``. ``README.md`` says
-what came out. The modules are imported when they are first needed.
+In the folder, ``sweep.py`` has ``SETTINGS`` and ``trial``. It has ``FIRST_SEED`` and ``VERSION`` if they are not 0 and
+1, and ``FILM``, the path of a short video, if there is one. ``analysis.py`` has ``analyse`` and ``draw``. ``README.md``
+says what came out. The modules are imported when they are first needed.
 """
 
 from jointattn_mj.sweeps.registry import Entry, Registry

@@ -82,7 +82,7 @@ def _time(setting: str, results: list[dict[str, Any]], stage: int, name: str) ->
 
 
 def draw(trials: Trials) -> Mapping[str, Figure]:
-    """When the modules are made, from images and at the symbolic table; faces and their categories; order by exact part."""
+    """When modules are made, from images and at the symbolic table; faces and their categories; order by exact part."""
     shown = [setting for setting in SETTINGS if _results(trials, setting)]
     if not shown:
         return {}
