@@ -253,6 +253,7 @@ def _row(finding: Comparison) -> dict[str, Any]:
     return {
         "what": finding.what,
         "dissertation": finding.dissertation,
+        "here": "" if ours is None else str(ours),
         "value": None if ours is None else float(ours.mean),
         "low": None if ours is None else float(ours.low),
         "high": None if ours is None else float(ours.high),
@@ -264,7 +265,21 @@ def _row(finding: Comparison) -> dict[str, Any]:
 
 
 def _csv(chapters: Sequence[Chapter]) -> str:
-    columns = ("claim", "title", "source", "what", "dissertation", "value", "low", "high", "sd", "n", "verdict", "note")
+    columns = (
+        "claim",
+        "title",
+        "source",
+        "what",
+        "dissertation",
+        "value",
+        "low",
+        "high",
+        "sd",
+        "n",
+        "verdict",
+        "note",
+        "here",
+    )
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")
     writer.writeheader()
@@ -275,13 +290,23 @@ def _csv(chapters: Sequence[Chapter]) -> str:
 
 
 def _markdown(chapters: Sequence[Chapter]) -> str:
-    lines = ["| claim | what | dissertation | here, 95% interval | n | verdict |", "|---|---|---|---|---|---|"]
-    for one in chapters:
-        for finding in one.findings:
-            ours, n = ("", "") if finding.ours is None else (str(finding.ours), str(finding.ours.n))
-            verdict = f"{finding.verdict}: {finding.note}" if finding.note else str(finding.verdict)
-            columns = (one.entry.id, finding.what, finding.dissertation, ours, n, verdict)
-            lines.append(f"| {' | '.join(map(_plain_in_markdown, columns))} |")
+    """A heading and a table for every claim with findings."""
+    parts = [
+        f"## {_plain_in_markdown(f'{one.entry.id}: {one.entry.title}')}\n\n{table_of(_facts(one)['findings'])}"
+        for one in chapters
+        if one.findings
+    ]
+    return "\n".join(parts)
+
+
+def table_of(findings: Sequence[Mapping[str, Any]]) -> str:
+    """Findings, as claims.json has them, as a table in Markdown."""
+    lines = ["| what | dissertation | here, 95% interval | n | verdict |", "|---|---|---|---|---|"]
+    for finding in findings:
+        n = "" if finding["n"] is None else str(finding["n"])
+        verdict = f"{finding['verdict']}: {finding['note']}" if finding["note"] else finding["verdict"]
+        columns = (finding["what"], finding["dissertation"], finding["here"], n, verdict)
+        lines.append(f"| {' | '.join(map(_plain_in_markdown, columns))} |")
     return "\n".join(lines) + "\n"
 
 
