@@ -4,18 +4,23 @@ A config is a frozen dataclass that inherits from :class:`Checked`. The annotati
 ``Literal`` choices, or a marker in ``Annotated``, such as ``Annotated[float, Real("(0, 1]")]``. The command line lists
 choices and intervals in ``--help``. What concerns several fields at once stays in the config's own ``__post_init__``,
 after ``super().__post_init__()``.
+
+Names that a field or a choice had in the last version stand in ``RENAMED`` and ``OLD_CHOICES`` of the config. They are
+taken with a :class:`RenamedWarning` from Python, from the command line and from config files.
 """
 
+import inspect
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import MISSING, Field, dataclass, fields
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, ClassVar, Literal, Union, cast, get_args, get_origin, get_type_hints
 
 import tyro
 from tyro.constructors import PrimitiveConstructorSpec
@@ -24,6 +29,8 @@ from jointattn_mj.errors import ConfigError
 
 TOP_LEVEL = tyro.conf.arg(prefix_name=False)
 """An option that many use: `--caregiver`, not `--world.scene.caregiver`."""
+FLAT = tyro.conf.arg(name="")
+"""A parameter of a command whose fields are options without a prefix."""
 
 UNITS = {
     "deg_s": "degrees per second", "m_s": "metres per second", "deg": "degrees", "px": "pixels", "s": "seconds",
@@ -46,7 +53,7 @@ class Interval(PrimitiveConstructorSpec[Any]):
             raise ValueError(f"an interval is written as [0, 1) or (0, 1]; got {interval!r}")
         self.low, self.high = (self.kind(float(bound)) for bound in found.group(2, 3))
         self.closed = found[1] == "[", found[4] == "]"
-        self.words = f"a {self.name} in {interval}"
+        self.interval, self.words = interval, f"a {self.name} in {interval}"
         super().__init__(
             nargs=1,
             metavar=("INT" if self.kind is int else "FLOAT") + interval.replace(" ", ""),
@@ -62,6 +69,9 @@ class Interval(PrimitiveConstructorSpec[Any]):
         above = value >= self.low if self.closed[0] else value > self.low
         below = value <= self.high if self.closed[1] else value < self.high
         return value if above and below else UNFIT  # NaN is neither
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.interval!r})"
 
     def _read(self, text: str) -> Any:
         try:
@@ -99,7 +109,11 @@ class Choice(PrimitiveConstructorSpec[str]):
             str_from_instance=lambda value: [value],
             choices=None if joined else self.names,
         )
+        self._joined = joined
         self._parts: Callable[[str], list[str]] = lambda text: text.split(joined) if joined else [text]
+
+    def __repr__(self) -> str:
+        return f"Choice({self.names!r}{f', {self._joined!r}' if self._joined else ''})"
 
     def fit(self, value: Any) -> Any:
         """The text, or UNFIT."""
@@ -124,8 +138,43 @@ Colour = tuple[Share, Share, Share]
 """Red, green, blue."""
 
 
-class Checked:
+class RenamedWarning(FutureWarning):
+    """A name of the last version was used; the message names the new one."""
+
+
+class _ConfigType(type):
+    """Lets configs be made with the names that their fields had in the last version."""
+
+    def __call__(cls, *arguments: Any, **named: Any) -> Any:
+        return super().__call__(*arguments, **with_new_names(cls, named))
+
+    @property
+    def __signature__(cls) -> inspect.Signature:
+        whole = inspect.signature(cls.__init__)  # type: ignore[misc]
+        return whole.replace(parameters=list(whole.parameters.values())[1:])
+
+
+class Checked(metaclass=_ConfigType):
     """Base of every config: when one is made, each field is held against its annotation."""
+
+    RENAMED: ClassVar[Mapping[str, str]] = {}
+    """Fields by the name that they had in the last version: ``{"mind": "agent"}``."""
+    OLD_CHOICES: ClassVar[Mapping[str, Mapping[str, str]]] = {}
+    """For a field (by its new name) its choices by their names in the last version:
+    ``{"perception": {"truth": "state"}}``."""
+    ADVANCED: ClassVar[Sequence[str]] = ()
+    """Fields that are tuned constants: the command line lists them last, and in --help-all only."""
+
+    def __init_subclass__(cls) -> None:
+        if "__repr__" not in vars(cls):
+            cls.__repr__ = Checked.__repr__  # type: ignore[method-assign]  # or dataclass would write its own
+
+    def __repr__(self) -> str:
+        """What differs from the defaults, as the code that makes the config: ``SessionConfig(minutes=2, seed=3)``."""
+        given = [
+            f"{one.name}={getattr(self, one.name)!r}" for one in fields(cast(Any, self)) if not _is_default(self, one)
+        ]
+        return f"{type(self).__name__}({', '.join(given)})"
 
     def __post_init__(self) -> None:
         """Check every field.
@@ -133,10 +182,12 @@ class Checked:
         Raises:
             ConfigError: One is of another type, out of its interval or none of its choices.
         """
-        config: Any = type(self)  # mypy takes no class for hashable whose metaclass is not named
+        config = type(self)
         for name, rule in _rules(config):
             value = getattr(self, name)
             kept = rule.fit(_plain(value))
+            if kept is UNFIT and (current := with_new_choice(config, name, value)) is not value:
+                kept = rule.fit(current)
             if kept is UNFIT:
                 raise ConfigError(
                     f"{config.__name__}.{name}: expected {rule.words}{_unit(name, rule)}; got {shown(value)}"
@@ -144,6 +195,64 @@ class Checked:
                 )
             if kept is not value:
                 object.__setattr__(self, name, kept)
+
+
+def _is_default(config: Checked, one: Field[Any]) -> bool:
+    default = one.default if one.default_factory is MISSING else one.default_factory()
+    value = getattr(config, one.name)
+    return type(value) is type(default) and bool(value == default)
+
+
+def with_new_names(config: type, named: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of fields by their names of today; warns of each that was named as in the last version.
+
+    Args:
+        config: A class of configs.
+        named: Values by the names of fields, new or old.
+
+    Raises:
+        TypeError: A field is named twice.
+    """
+    old, current = old_names(config), dict(named)
+    for name in named.keys() & old.keys():
+        if old[name] in named:
+            raise TypeError(f"{config.__name__}.{old[name]} is given twice: {name} is its old name")
+        current[old[name]] = current.pop(name)
+        warn_renamed(f"{config.__name__}.{name}", old[name])
+    return current
+
+
+def with_new_choice(config: type, name: str, value: Any) -> Any:
+    """A choice by its name of today, or ``value`` itself; warns of a name of the last version.
+
+    Args:
+        config: A class of configs.
+        name: One of its fields.
+        value: Its value; in a tuple each part is a choice.
+    """
+    old = old_choices(config).get(name, {})
+    for part in value if isinstance(value, tuple) else (value,):
+        if isinstance(part, str) and part in old:
+            warn_renamed(f"{config.__name__}.{name} {part!r}", repr(old[part]))
+            value = tuple(old[part] if one == part else one for one in value) if isinstance(value, tuple) else old[part]
+    return value
+
+
+def warn_renamed(old: str, new: str) -> None:
+    """Warn that ``old`` is called ``new`` now."""
+    warnings.warn(f"{old} is now called {new}; the old name goes with the next version", RenamedWarning, stacklevel=4)
+
+
+@cache
+def old_names(config: type) -> dict[str, str]:
+    """``RENAMED`` of a class of configs and of those that it inherits from."""
+    return {old: new for kind in reversed(config.__mro__) for old, new in vars(kind).get("RENAMED", {}).items()}
+
+
+@cache
+def old_choices(config: type) -> dict[str, Mapping[str, str]]:
+    """``OLD_CHOICES`` of a class of configs and of those that it inherits from."""
+    return {name: old for kind in reversed(config.__mro__) for name, old in vars(kind).get("OLD_CHOICES", {}).items()}
 
 
 def shown(value: Any) -> str:
@@ -190,7 +299,7 @@ class _Rule:
 @cache
 def _rules(config: type) -> tuple[tuple[str, _Rule], ...]:
     hints = get_type_hints(config, include_extras=True)
-    return tuple((field.name, rule_of(hints[field.name])) for field in fields(config))  # type: ignore[arg-type]
+    return tuple((field.name, rule_of(hints[field.name])) for field in fields(config))
 
 
 def rule_of(hint: Any) -> _Rule:

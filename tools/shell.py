@@ -113,10 +113,12 @@ def _wait(child: int, seconds: float | None) -> int:
 
 
 def _serve() -> None:
-    from jointattn_mj.cli.main import COMMANDS, main
+    from jointattn_mj.cli.commands import COMMANDS
+    from jointattn_mj.cli.main import main
+    from jointattn_mj.cli.parsing import module_of
 
-    for load in COMMANDS.values():
-        load()
+    for name in COMMANDS:
+        module_of(name)
     for line in sys.stdin:
         with (
             tempfile.TemporaryFile("w+", errors="replace") as out,

@@ -8,7 +8,7 @@ from jointattn_mj.adapters.registration import IDS
 from jointattn_mj.io.extras import extra
 from jointattn_mj.tasks import load
 from jointattn_mj.tasks.agents import AGENTS
-from jointattn_mj.viewing.play import DOMAIN, PlayOptions, play_episodes
+from jointattn_mj.viewing.play import play_episodes
 
 extra("rl", "stable_baselines3")
 import gymnasium  # noqa: E402
@@ -52,8 +52,8 @@ def tested(learner: PPO, environment: VecEnv, seed: int, episodes: int) -> float
 def earned(config: "Training", agent: str, seed: int) -> float:
     """The same of an agent of ``jointattn play``, in the same episodes; none of the baselines needs an image."""
     task = IDS[config.environment]
-    environment = load(DOMAIN, task, task_kwargs={"random": seed, "camera": False})
-    played = play_episodes(environment, AGENTS[agent](environment, seed), PlayOptions(task, agent, config.episodes))
+    environment = load("joint_attention", task, task_kwargs={"random": seed, "camera": False})
+    played = play_episodes(environment, AGENTS[agent](environment, seed), config.episodes)
     environment.close()
     return float(np.mean([episode.reward_a_step for episode in played]))
 

@@ -70,6 +70,6 @@ def result_of(session: SessionRun) -> dict[str, Any]:
     """The result kept of a session, without its wall time."""
     rows = [row for row in session.shifts if row.face_to_object]
     columns = ("landing_s", "success", "pan_error_deg", "tilt_error_deg")
-    summary = session.summary(0.0)
+    summary = session.summary(0.0).by_old_keys()
     del summary["wall_seconds"]
     return {**summary, "shifts": {name: [getattr(row, name) for row in rows] for name in columns}}

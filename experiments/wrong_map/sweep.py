@@ -108,7 +108,7 @@ def trial(condition: Condition, seed: int) -> dict[str, Any]:
         session.begin()
         while session.frame < session.total:
             session.step()
-        summary = session.summary(0.0)
+        summary = session.summary(0.0).by_old_keys()
     finally:
         session.close()
     kept = {name: summary[name] for name in ("gaze_shifts", "successes", "late_rate", "map_error_deg")}

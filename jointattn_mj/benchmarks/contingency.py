@@ -15,7 +15,6 @@ from functools import partial
 from itertools import count
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.measures import transfer_entropy
 from jointattn_mj.contingency.online.counts import add, empty_counts
@@ -24,6 +23,7 @@ from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.development.table.presets import PRESETS, Preset
 from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.development.table.world import CHAPTER_5, table_variables
+from jointattn_mj.io.compiled import njit
 
 TRANSITIONS = 20_000
 """Transitions of a block for the detector."""

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import mujoco
 import numpy as np
@@ -22,16 +22,18 @@ CARTPOLE_STEPS = 50
 class BenchmarkOptions(Checked):
     """How long to measure."""
 
-    what: Literal["scene", "turns", "contingency", "all"] = "scene"
-    """``scene``: closed loop, rendering alone, truth and cartpole. ``turns``: turns of chapter 5 from images,
-    rendering these alone, and turns at the symbolic table. ``contingency``: the detector beside recomputation
-    in numpy, whole lives at the table, compiling, transfer entropy beside pyinform."""
+    what: Literal["scene", "steps", "contingency", "all"] = "scene"
+    """What to measure. scene: a session from images, rendering alone, a session from the state, cartpole. steps: steps
+    of chapter 5 from images, rendering these alone, and steps at the symbolic table. contingency: the detector beside
+    recomputation in numpy, whole runs at the table, compiling, transfer entropy beside pyinform."""
     blocks: Annotated[int, Whole("[1, 100000]")] = 8
-    """How often everything takes its turn; the medians are reported."""
+    """Number of repetitions of each measurement; medians are reported."""
     seconds: Annotated[float, Real("[1, 1e6]")] = 30.0
-    """Simulated seconds of each closed-loop block."""
+    """Simulated seconds in a block of a session."""
     out: Path | None = None
     """Also write the figures to this JSON file."""
+
+    OLD_CHOICES: ClassVar = {"what": {"turns": "steps"}}
 
 
 @dataclass(frozen=True)

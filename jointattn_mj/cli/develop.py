@@ -2,13 +2,42 @@
 
 import sys
 import time
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any
 
+from jointattn_mj.cli.parsing import with_defaults
 from jointattn_mj.development.loop import DevelopmentRun, Found
 from jointattn_mj.development.meaning import Meaning
-from jointattn_mj.development.run import DevelopConfig, DevelopOptions, run_development
+from jointattn_mj.development.run import DevelopConfig, DevelopOptions, mode_in, preset_in, run_development, world_in
+from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.progress import Progress, count
+from jointattn_mj.options import FLAT
+
+LESS = "fewer steps or minutes"
+
+
+def develop(config: Annotated[DevelopConfig, FLAT], options: Annotated[DevelopOptions, FLAT]) -> None:
+    """Let a robot find what is contingent, make modules of it, and so develop joint attention (chapters 4 and 5).
+
+    Leaves in --out: config.yaml, summary.json (modules in their order, what they mean, behaviour by phases),
+    sac.png (Fig. 5.3), behaviour.png (Fig. 5.5), maps.png, module_1.csv and so on (the learned maps),
+    turns.parquet (a row a turn), contingency.parquet, checkpoint.bin, and with --video a video. The defaults below
+    are those of --preset and --world.
+    """
+    run_with_bar(config, options)
+
+
+def command_for(arguments: Sequence[str], file: Path | None) -> Callable[..., None]:
+    """The command with the defaults that --preset, --world and --mode stand for, or those of a file."""
+    chosen = DevelopConfig.of(preset_in(arguments))
+    if world_in(arguments) == "rendered":
+        from jointattn_mj.development.realtime.config import RealtimeDevelopConfig
+        from jointattn_mj.development.rendered.config import RenderedDevelopConfig
+
+        kind = RealtimeDevelopConfig if mode_in(arguments) == "realtime" else RenderedDevelopConfig
+        chosen = kind.of(preset_in(arguments, default="fast"))
+    return with_defaults(develop, config=chosen if file is None else read_config(file, type(chosen)))
 
 
 def run_with_bar(config: DevelopConfig, options: DevelopOptions) -> None:

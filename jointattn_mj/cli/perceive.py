@@ -1,22 +1,35 @@
-"""``jointattn perceive``, which shows how it goes."""
+"""``jointattn perceive``: what the robot perceives in a video, and how far it has come."""
 
 import sys
+from typing import Annotated
 
+from jointattn_mj.cli.running import one_thread
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.run import run_perceive
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.io.progress import Progress
+from jointattn_mj.options import FLAT
+
+LESS = "a shorter video"
 
 
-def run_with_bar(config: PerceiveConfig, options: PerceiveOptions) -> None:
-    """Watch the video, and say in a few lines what came of it; errors are :func:`footage.run.run_perceive`'s."""
-    shown = Progress("going back to where it was" if options.resume else "looking for a face", unit="s of video")
+def perceive(config: Annotated[PerceiveConfig, FLAT], options: Annotated[PerceiveOptions, FLAT]) -> None:
+    """Show what the robot perceives in a video of a person at a table, and where it would look (section 6.3.2).
+
+    The camera stands still: a fixation is attention to a location in the image, and no head turns.
+    Leaves in --out: config.yaml, summary.json (with the mapping from the video to the robot's image), percepts.parquet
+    (a row a frame), fixations.parquet, fixations.png, som.png, faces.parquet, overlay.mp4, checkpoint.bin.
+    """
+    one_thread()
+    shown = Progress(
+        "reading again up to the checkpoint" if options.resume else "looking for a face", unit="s of video"
+    )
 
     def progress(viewing: Viewing) -> None:
         found = viewing.visible / viewing.frames
         words = f"face in {found[-1]:.0%}, {len(viewing.fixations.all)} fixations"
-        shown.doing("watching")
+        shown.doing("perceiving")
         shown.to(viewing.frames / RATE, words, _seconds(viewing))
 
     try:
@@ -24,7 +37,7 @@ def run_with_bar(config: PerceiveConfig, options: PerceiveOptions) -> None:
             summary = run_perceive(config, options, progress)
     except KeyboardInterrupt:
         if (options.out / "summary.json").exists():
-            left = f"what was watched is in {options.out}; the same command with --resume goes on"
+            left = f"results so far are in {options.out}; the same command with --resume goes on"
         elif (options.out / "checkpoint.bin").exists():
             left = f"the same command with --resume goes on from {options.out}"
         else:
@@ -39,7 +52,7 @@ def run_with_bar(config: PerceiveConfig, options: PerceiveOptions) -> None:
 
 
 def _seconds(viewing: Viewing) -> float | None:
-    """How long the viewing will be, if anybody knows."""
+    """The video's length in seconds, where it is known."""
     bounds = [bound for bound in (viewing.footage.declared_s, viewing.total / RATE) if bound is not None]
     least = min(bounds)
     return None if least == float("inf") else max(least, viewing.frames / RATE)

@@ -1,20 +1,30 @@
-"""``jointattn session``: a session that shows how it goes."""
+"""``jointattn session``: a session of gaze following, and how it goes."""
 
-import sys
 from collections import deque
+from typing import Annotated
 
-from jointattn_mj.gaze_following.run import SessionOptions, run_session
+from jointattn_mj.api.session import LoggedSessionOptions, run_logged
+from jointattn_mj.cli.running import going_on_from, one_thread
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.summary import LATE_MINUTES
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io.progress import Progress
+from jointattn_mj.options import FLAT
+
+LESS = "fewer minutes"
+RECENT = 20
+"""Gaze shifts over which the success rate beside the bar is taken."""
 
 
-def run_with_bar(config: VariedSessionConfig, options: SessionOptions) -> None:
-    """Run the session, and say in a line what came of it; errors are :func:`runner.run_session`'s."""
-    shown = Progress("getting to know the face", config.minutes, "simulated min", digits=1)
+def session(config: Annotated[VariedSessionConfig, FLAT], options: Annotated[LoggedSessionOptions, FLAT]) -> None:
+    """Simulate a robot that learns to look where a caregiver looks (chapter 6).
 
-    recent, counted, of_all = deque[bool](maxlen=20), 0, 0
+    Leaves in --out: config.yaml, summary.json, gaze_shifts.parquet (a row a gaze shift), frames.parquet (a row a
+    frame), som.png, success.png (eq. 6.9), weights.npz, checkpoint.bin, and with --video a video.
+    """
+    one_thread()
+    shown = Progress("learning the caregiver's face", config.minutes, "simulated min", digits=1)
+    recent, counted, of_all = deque[bool](maxlen=RECENT), 0, 0
 
     def progress(session: SessionRun) -> None:
         nonlocal counted, of_all
@@ -25,19 +35,12 @@ def run_with_bar(config: VariedSessionConfig, options: SessionOptions) -> None:
         shown.doing("session")
         shown.to(session.frame / FRAMES_PER_MINUTE, f"{counted} gaze shifts, {rate}")
 
-    try:
-        with shown:
-            summary = run_session(config, options, progress, VariedSessionRun)
-    except KeyboardInterrupt:
-        if (options.out / "checkpoint.bin").exists():
-            print(f"jointattn: stopped; the same command with --resume goes on from {options.out}", file=sys.stderr)
-        else:
-            print("jointattn: stopped before the session began; nothing was written", file=sys.stderr)
-        raise
-    late = summary["late_rate"]
+    with going_on_from(options.out, "the session"), shown:
+        summary = run_logged(config, options, progress, VariedSessionRun)
+    late = summary.late_success_rate
     last = f" over the last {LATE_MINUTES:g} minutes" if config.minutes > LATE_MINUTES else ""
     print(
-        f"{summary['gaze_shifts']} gaze shifts from the face to an object, {summary['successes']} to where "
+        f"{summary.gaze_shifts} gaze shifts from the face to an object, {summary.successes} to where "
         f"the caregiver looked ({'-' if late is None else format(late, '.0%')}{last}), "
-        f"in {summary['wall_seconds']:.0f} s. Results: {options.out}"
+        f"in {summary.wall_seconds:.0f} s. Results: {options.out}"
     )

@@ -1,4 +1,4 @@
-"""What is wrong with a command line, on one line instead of in tyro's boxes."""
+"""Errors of a command line on one line, instead of in tyro's boxes."""
 
 import re
 
@@ -6,31 +6,33 @@ from jointattn_mj.options import meant
 
 
 def complaint(box: str) -> str:
-    """What tyro's box says: its first part, what it suggests, and where help is.
+    """An error of tyro on one line: its first part, the suggestion, and where help is.
 
     Args:
-        box: What tyro printed to stderr; its first line is a title that the first part says again.
+        box: What tyro printed to stderr. The box's title is left out: the first part says it again.
     """
     lines = [line.strip("│ ") for line in re.sub(r"\x1b\[[0-9;]*m", "", box).splitlines()]
     first, *others = re.split(r" ─+ ", " ".join(line for line in lines if line[:1] not in ("╭", "╰")))
     first = re.sub(r" (?=[.,])", "", first)  # where a line was broken before a full stop
+    first = re.sub(r"for argument '(?:\w+\.)?(\S+)'\.", r"for \1.", first)
     help_hint = others[-1].partition("For full helptext, ")[2] if others else ""
     return f"{_placed(first)}{_commands(others)}{_suggestion(first, others)} ({help_hint or 'see jointattn --help'})"
 
 
 def without_class(message: str) -> str:
-    """An error of a config without the name of its class: nobody has typed it."""
+    """An error of a config without the name of its class, which nobody has typed."""
     return re.sub(r"^[A-Z]\w*\.", "", message)
 
 
 def _placed(text: str) -> str:
-    """``Error parsing LOCATION: MESSAGE`` as an option or a dotted name and what is wrong with it."""
-    found = re.match(r"Error parsing (?:__tyro-dummy-inner__\.\w+\.)?(\S+): (.*)", text)
+    """``Error parsing LOCATION: MESSAGE`` as the option, or its dotted name, and the message."""
+    found = re.match(r"Error parsing (\S+): (.*)", text)
     if found is None:
         return text
     location, message = found.groups()
     if without_class(message) != message:
-        return f"{location}.{without_class(message)}"
+        part = location.partition(".")[2]  # after the parameter of the command
+        return f"{part}.{without_class(message)}".removeprefix(".")
     return f"{location}: {message}" if location.startswith("-") else message
 
 
@@ -40,7 +42,7 @@ def _commands(parts: list[str]) -> str:
 
 
 def _suggestion(text: str, parts: list[str]) -> str:
-    choice = re.match(r"invalid choice '(.*)' for argument .* Expected one of \((.*)\)", text)
+    choice = re.match(r"invalid choice '(.*)' for .* Expected one of \((.*)\)", text)
     if choice:
         return meant(choice[1], re.findall(r"'([^']*)'", choice[2]))
     near = [option for part in parts if part.startswith("Perhaps you meant") for option in re.findall(r"--\S+", part)]

@@ -1,6 +1,6 @@
 """``jointattn view``: an agent in a task, live in a window or in a browser.
 
-What takes seconds to import is imported once it was said that the view is starting.
+What takes seconds to import is imported after the line that says that the view is starting.
 """
 
 import socket
@@ -11,13 +11,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 
 from jointattn_mj.adapters.registration import IDS
+from jointattn_mj.cli.running import one_thread
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.interrupts import deferred
-from jointattn_mj.options import Checked, Choice, Seed, Whole
+from jointattn_mj.options import FLAT, Checked, Choice, Seed, Whole
 
 if TYPE_CHECKING:
     from jointattn_mj.viewing.show import Show
 
+LESS = "a shorter episode"
 HERE = "127.0.0.1"
 """This machine alone."""
 DOMAIN = "joint_attention"
@@ -25,30 +27,29 @@ DOMAIN = "joint_attention"
 
 @dataclass(frozen=True)
 class ViewOptions(Checked):
-    """What is shown, and where."""
+    """Which task and agent are shown, and where."""
 
     task: tyro.conf.Positional[Annotated[str, Choice(IDS.values())]]
     """Task of the suite."""
     agent: Literal["zero", "random", "oracle", "gaze_follower"] | None = None
-    """Who acts. Not given: the gaze follower of chapter 6 where the task gives images in time, else the oracle."""
+    """Who acts. By default the gaze follower of chapter 6 where the task gives images in time, else the oracle."""
     seed: Seed = 0
-    """All randomness comes from it."""
+    """Seed of all randomness."""
     browser: bool = False
     """Serve the browser's viewer even where there is a display; needs the extra ``view``."""
     host: str = HERE
-    """Interface on which to serve it. Any other than this machine's own lets others watch, and stop the show."""
+    """Network interface to serve it on. Any but this machine's own lets others watch and stop the view."""
     port: Annotated[int, Whole("[1, 65535]")] = 8080
-    """The first port to try; the next free one is taken."""
+    """First port to try; the next free one is taken."""
 
 
-def view(options: ViewOptions) -> None:
-    """Show it until the window is closed, or until Ctrl-C.
+def view(options: Annotated[ViewOptions, FLAT]) -> None:
+    """Watch an agent in a task: in a window where there is a display, else in a browser.
 
-    Raises:
-        ConfigError: No such task, an agent that cannot live in it, an interface that this machine does not have.
-        ExtraError: No display, and the package for the browser is missing.
-        GLError: The robot's images cannot be rendered here.
+    The browser's address is printed; only this machine reaches it unless --host says otherwise. Closing the window or
+    Ctrl-C ends the view.
     """
+    one_thread()
     print(f"jointattn: the view of {options.task} is starting", file=sys.stderr, flush=True)
     if options.browser or options.host != HERE or not _has_display():
         _serve(options)

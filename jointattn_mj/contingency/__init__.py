@@ -1,5 +1,9 @@
 """Contingency: how much what one senses and does says about what comes next (chapters 4 and 5)."""
 
+import warnings
+from importlib import import_module
+from typing import Any
+
 from jointattn_mj.contingency.discovery import Finding, discover
 from jointattn_mj.contingency.granger import linear_granger
 from jointattn_mj.contingency.local import LocalContingency, local_contingency
@@ -25,12 +29,10 @@ from jointattn_mj.contingency.significance import (
     benjamini_hochberg,
     holm,
 )
-from jointattn_mj.recordings.reader import Recordings, read_recordings
 
 __all__ = [
     "Finding",
     "LocalContingency",
-    "Recordings",
     "Significance",
     "TestOptions",
     "adjust",
@@ -50,8 +52,15 @@ __all__ = [
     "pointwise_mutual_information",
     "pointwise_state_action_contingency",
     "pointwise_transfer_entropy",
-    "read_recordings",
     "recode",
     "state_action_contingency",
     "transfer_entropy",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Names that have moved to ``jointattn_mj``."""
+    if name in ("Recordings", "read_recordings"):
+        warnings.warn(f"contingency.{name} is now called jointattn_mj.{name}", DeprecationWarning, stacklevel=2)
+        return getattr(import_module("jointattn_mj.recordings.reader"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

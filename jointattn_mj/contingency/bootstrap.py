@@ -4,10 +4,10 @@ from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.information import Measure
 from jointattn_mj.contingency.table import Steps
+from jointattn_mj.io.compiled import njit
 
 Resample = Literal["auto", "blocks", "recordings"]
 """``blocks``: of consecutive transitions, from anywhere, going on at a recording's start where it ends (circular block

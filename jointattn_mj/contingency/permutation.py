@@ -6,10 +6,10 @@ for a million transitions than for a thousand; elsewhere the source is shuffled.
 """
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import checked_by
+from jointattn_mj.io.compiled import njit
 
 SHUFFLE = 6
 """Strata with fewer transitions than so many for each hypergeometric draw are shuffled: that is faster there."""

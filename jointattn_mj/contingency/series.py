@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.errors import SeriesError
+from jointattn_mj.io.compiled import njit
 
 Series = np.ndarray | Sequence[Any]
 """An array-like of codes (T,), or a sequence of them."""

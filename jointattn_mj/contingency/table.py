@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.series import Coded, Series, aligned, combined
 from jointattn_mj.errors import SeriesError
+from jointattn_mj.io.compiled import njit
 
 AXES = "rasn"
 """r: result before, a: action or other condition, s: source, n: result next. Marginals are named by these letters."""

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.online.counts import (
     Counts,
@@ -29,6 +28,7 @@ from jointattn_mj.development.one_type import one_type
 from jointattn_mj.development.restored_agent import check_agent, check_module
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.guards.finite import check_finite
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Whole
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event, Variables
@@ -16,6 +15,7 @@ from jointattn_mj.development.agent import Developer, think
 from jointattn_mj.development.contingency_log import ContingencyLog
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.guards.restored import check_array, check_whole
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.io.rows import RowStore
 
 

@@ -3,12 +3,12 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.online.counts import add
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.guards.restored import check_alike, check_array
+from jointattn_mj.io.compiled import njit
 
 if TYPE_CHECKING:
     from jointattn_mj.development.agent import AgentState

@@ -51,6 +51,8 @@ class DevelopConfig(Checked):
     table: TableConfig = field(default_factory=TableConfig)
     agent: DeveloperConfig = field(default_factory=DeveloperConfig)
 
+    RENAMED: ClassVar = {"mind": "agent"}
+
     kind: ClassVar[type[DevelopmentRun]] = TableRun
     """Of the life that it makes."""
     at_a_time: ClassVar[int] = 20_000

@@ -1,4 +1,4 @@
-"""Watches a video from beginning to end, and leaves what was perceived and attended to in a folder."""
+"""Watches a video: frame by frame for Python, or to its end with results, checkpoints and an overlay in a folder."""
 
 import json
 import time
@@ -7,8 +7,9 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from jointattn_mj.errors import CheckpointError
+from jointattn_mj.errors import CheckpointError, OutputError
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
+from jointattn_mj.footage.frames import PerceivedFrame, frame_now
 from jointattn_mj.footage.log import PerceptLog
 from jointattn_mj.footage.overlay import HEIGHT, WIDTH, FootageOverlay
 from jointattn_mj.footage.reader import RATE, Still
@@ -23,13 +24,40 @@ from jointattn_mj.video.parted import PartedReel
 from jointattn_mj.video.reel import find_ffmpeg
 
 
+def percepts(config: PerceiveConfig) -> Iterator[PerceivedFrame]:
+    """What is perceived in a video, frame after frame; the video is read as far as is asked for.
+
+    Raises:
+        FootageError: The file is no video, or has no image.
+    """
+    viewing = Viewing(config)
+    viewing.measure_face()
+
+    def frames() -> Iterator[PerceivedFrame]:
+        for still in viewing.footage:
+            viewing.see(still)
+            yield frame_now(viewing, still)
+            if viewing.frames >= viewing.total:
+                return
+
+    return frames()
+
+
 def run_perceive(
     config: PerceiveConfig, options: PerceiveOptions, progress: Callable[[Viewing], object] = lambda viewing: None
 ) -> dict[str, Any]:
-    """Watch a video and leave the results in ``options.out``; returns the summary.
+    """Watch a video and leave the results in the folder ``options.out``.
 
-    ``progress`` is called after every second of video. On Ctrl-C or SIGTERM the frame is finished, and what was watched
-    so far leaves a checkpoint and all its results before KeyboardInterrupt goes on.
+    On Ctrl-C or SIGTERM the frame is finished. What was watched so far leaves a checkpoint and all its results, and
+    KeyboardInterrupt goes on.
+
+    Args:
+        config: What is perceived and attended to.
+        options: Where the results go.
+        progress: Is called after every second of video.
+
+    Returns:
+        The summary.
 
     Raises:
         FootageError: The file is no video, or has no image.
@@ -53,7 +81,7 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
         kinds = (float, bool, dict, RowStore)
         spent, finished, state, rows = checkpoint.load(out / "checkpoint.bin", config, kind=kinds)
         if finished:
-            return _read_summary(out)
+            return _summary_of_finished(out)
         viewing.restore(state)
         if state["overlay_every"] != every:
             asked = f"--overlay-every {state['overlay_every']}" if state["overlay_every"] else "--no-overlay"
@@ -65,19 +93,19 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
     def wall_seconds() -> float:
         return spent + time.perf_counter() - started
 
-    def freeze(finished: bool = False) -> None:
+    def save_checkpoint(finished: bool = False) -> None:
         film.cut()
         state = {**viewing.state(), "overlay_every": every}
         checkpoint.save(out / "checkpoint.bin", (wall_seconds(), finished, state, log.rows), config)
 
     if not options.resume:
         viewing.measure_face()
-        freeze()
+        save_checkpoint()
     if not (out / "config.yaml").exists():
         write_config(out / "config.yaml", config)
     pause = max(1, round(options.checkpoint_minutes * 60 * RATE))
     with deferred() as interrupts, film:
-        for still in _unseen(viewing, interrupts):
+        for still in _new_frames(viewing, interrupts):
             mapped = viewing.see(still)
             log.add(viewing.watcher, still.number, still.fresh)
             if every is not None and (viewing.frames - 1) % every == 0:
@@ -85,23 +113,23 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
             if viewing.frames % RATE == 0:
                 progress(viewing)
             if viewing.frames % pause == 0:
-                freeze()
-        freeze()
+                save_checkpoint()
+        save_checkpoint()
     log.write(out / "percepts.parquet")
     if every is not None:
         film.join(out / "overlay.mp4")
     summary = _leave_results(viewing, out, interrupts.requested, wall_seconds())
     if interrupts.requested:
         raise KeyboardInterrupt
-    freeze(finished=True)
+    save_checkpoint(finished=True)
     forget_log(out)
     return summary
 
 
-def _unseen(viewing: Viewing, interrupts: Interrupts) -> Iterator[Still]:
-    """The frames that were not seen yet, until enough are seen or somebody stops; at least one of a new viewing.
+def _new_frames(viewing: Viewing, interrupts: Interrupts) -> Iterator[Still]:
+    """The frames that were not watched yet, until there are enough or somebody stops; at least one of a new viewing.
 
-    Going on means to read the video from its beginning: that alone leads to the same images.
+    A resumed viewing reads the video from its beginning, since only that gives the same images.
     """
     stills = iter(viewing.footage)
     for _ in islice(stills, viewing.frames):
@@ -114,12 +142,24 @@ def _unseen(viewing: Viewing, interrupts: Interrupts) -> Iterator[Still]:
         yield still
 
 
-def _read_summary(out: Path) -> dict[str, Any]:
-    """Of a viewing that is finished."""
+def _summary_of_finished(out: Path) -> dict[str, Any]:
     try:
-        return json.loads((out / "summary.json").read_text())
-    except (OSError, ValueError) as error:
+        return read_summary(out)
+    except OutputError as error:
         raise CheckpointError(f"the viewing in {out} is finished, but its summary.json is gone or damaged") from error
+
+
+def read_summary(out: Path) -> dict[str, Any]:
+    """The summary of a viewing in ``out``.
+
+    Raises:
+        OutputError: There is none, or it cannot be read.
+    """
+    try:
+        summary: dict[str, Any] = json.loads((out / "summary.json").read_text())
+        return summary
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{out / 'summary.json'} is missing or damaged; give the folder of a video") from error
 
 
 def _leave_results(viewing: Viewing, out: Path, stopped: bool, wall_seconds: float) -> dict[str, Any]:

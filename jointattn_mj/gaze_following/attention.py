@@ -7,11 +7,11 @@ saliency that grows while it moves. Candidates are the n objects and, last, the 
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Protocol
 
-import numba
 import numpy as np
 
 from jointattn_mj.guards.border import require_array
 from jointattn_mj.guards.restored import check_array
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import TOP_LEVEL, Checked, Positive, Real, Whole
 
 
@@ -47,13 +47,13 @@ class AttentionConfig(Checked):
     gives its number of shifts, a draw at every frame gives half as many again and destroys the effect of cues."""
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def motion_saliency(motion: float, gain: float, delay: float, width: float) -> float:
     """M_i = g(m_i), eq. 6.2 and 6.4, from the degree of motion m_i in frames."""
     return 1 + gain / (1 + np.exp((delay - motion) / width))
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _advance(
     saliency, motion, interest, attended, moves, preference, decay, growth, toward_preference, gain, delay, width
 ):

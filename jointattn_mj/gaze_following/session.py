@@ -1,19 +1,19 @@
-"""A session of chapter 6: the robot and the caregiver for so many minutes, with everything written down.
+"""A session of chapter 6: robot and caregiver interact for some minutes, and every frame and gaze shift is logged.
 
-A session can be stored at any frame and taken up again; ``runner`` gives it a folder, checkpoints and results.
+A session can be stored at any frame and continued from there. ``run`` gives it a folder, checkpoints and results.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
 from jointattn_mj.gaze_following.agent import GazeFollower, GazeShift, RobotConfig
 from jointattn_mj.gaze_following.scoring import Moment, judge
 from jointattn_mj.gaze_following.shifts import Shifts, shift_row
-from jointattn_mj.gaze_following.summary import summarise
+from jointattn_mj.gaze_following.summary import SessionSummary, summarise
 from jointattn_mj.gaze_following.tables import FrameTable
 from jointattn_mj.guards.finite import check_finite
 from jointattn_mj.io.weights import read_weights
@@ -35,27 +35,39 @@ class SessionConfig(Checked):
     minutes: Annotated[float, Real("(0, 1e9]")] = 26.0
     """Simulated minutes; "each session lasted approximately 26 minutes" (6.4.3)."""
     seed: Seed = 0
-    """All randomness comes from it, one stream a component."""
+    """Seed of all random draws. Every component draws from a stream of its own."""
     perception: Literal["pixels", "state"] = "pixels"
-    """Rendered images, or the simulator's state with the errors that the pixel path was measured to make."""
+    """Perceive rendered images, or the simulator's state with the errors that were measured on images. The state is
+    much faster."""
     success: Literal["either", "launch", "landing"] = "either"
-    """Which moment's target a shift is held against (see ``scoring``). All are logged."""
+    """Count a gaze shift as success by the caregiver's target at launch, at landing, or either. All are logged."""
     start_from: Path | None = None
-    """weights.npz of an earlier session: begin with what that robot had learned."""
+    """Begin with what the robot of an earlier session had learned: its weights.npz."""
     world: WorldConfig = field(default_factory=WorldConfig)
-    """What is outside the robot's mind."""
+    """Scene, caregiver, and the robot's body."""
     robot: RobotConfig = field(default_factory=RobotConfig)
-    """The robot's mind."""
+    """The robot's attention, learning and gaze control."""
     pixels: PixelConfig = field(default_factory=PixelConfig)
-    """How it perceives images."""
+    """How the robot perceives images."""
     state: StateConfig = field(default_factory=StateConfig)
-    """What stands for that with ``perception state``."""
+    """Errors of perception with ``perception state``."""
+
+    RENAMED: ClassVar = {"truth": "state"}
+    OLD_CHOICES: ClassVar = {"perception": {"truth": "state"}}
 
 
 class SessionRun:
-    """The life of robot and caregiver, one frame at a time.
+    """A session under way, one frame at a time.
 
-    What it is made of can be exchanged: override ``new_world``, ``new_perceiver`` or ``new_robot``.
+    Its parts can be exchanged: override ``new_world``, ``new_perceiver`` or ``new_robot``.
+
+    Attributes:
+        config: What decides the session.
+        names: Names of the candidates for attention: the objects and, last, the face.
+        world: Scene, caregiver, and the robot's body.
+        robot: The robot's attention, learning and gaze control.
+        total: Frames that the session has; ``frame``: the number of the next one.
+        shifts: Table of gaze shifts; ``frames``: table of frames.
     """
 
     def __init__(self, config: SessionConfig):
@@ -75,29 +87,34 @@ class SessionRun:
         self._observation = Observation(self.world)
 
     def new_world(self, seed: np.random.SeedSequence) -> World:
-        """Scene, caregiver and the robot's body."""
+        """Make scene, caregiver and the robot's body."""
         return World.build(self.config.world, seed)
 
     def new_robot(self, perceiver: Perceiver, seed: np.random.SeedSequence) -> GazeFollower:
-        """The robot's mind."""
+        """Make the robot that learns; its body is part of the world."""
         return GazeFollower(self.config.robot, perceiver, len(self.config.world.scene.objects), seed)
 
     def new_perceiver(self, rng: np.random.Generator) -> Perceiver:
-        """How the robot perceives; ``self.world`` is there already."""
+        """Make what turns observations into percepts; ``self.world`` exists already."""
         if self.config.perception == "state":
             return StatePerception(self.config.state, self.world, rng)
         return PixelPerception(self.config.pixels, np.array([item.rgb for item in self.config.world.scene.objects]))
 
     def begin(self) -> None:
-        """The minutes before: learn the patterns of the face, or take over what an earlier robot knew."""
+        """Before the first frame: learn the patterns of the face, or load what an earlier robot learned.
+
+        Raises:
+            CheckpointError: ``config.start_from`` is no file of weights.
+            ConfigError: Its weights do not fit this robot.
+        """
         if self.config.start_from is not None:
             self.robot.load(read_weights(self.config.start_from))
             return
         for frame in range(round(self.config.robot.familiarise.minutes * FRAMES_PER_MINUTE)):
             self.world.step(self.robot.familiarise(self._observation, frame))
 
-    def step(self, watch: Callable[["SessionRun"], None] | None = None) -> None:
-        """One frame; ``watch`` is shown the session when the robot has perceived and decided, before anything moves."""
+    def step(self, watch: Callable[["SessionRun"], object] | None = None) -> None:
+        """Simulate one frame; ``watch`` is called when the robot has perceived and decided, before anything moves."""
         world, robot = self.world, self.robot
         rendered, turning = world.rendered_frames, robot.shift is not None
         head = world.head_angles()
@@ -129,7 +146,7 @@ class SessionRun:
         )
 
     def attach(self, folder: Path) -> None:
-        """Keep frames and shifts in ``folder`` from now on, and not in memory (see ``RowStore``)."""
+        """Keep frames and shifts in files in ``folder`` from now on, and not in memory (see ``RowStore``)."""
         self.frames.rows.attach(folder)
         self.shifts.rows.attach(folder)
 
@@ -138,7 +155,7 @@ class SessionRun:
         return self.robot.weights()
 
     def check(self) -> None:
-        """Go on only with finite numbers; asked before every checkpoint and before results are written.
+        """Check that all numbers are finite, as before every checkpoint and before results are written.
 
         Raises:
             NotFiniteError: What was learned, or the simulation, is NaN or infinite.
@@ -146,10 +163,10 @@ class SessionRun:
         check_finite(self.weights())
         self.world.check()
 
-    def summary(self, wall_seconds: float) -> dict[str, Any]:
-        """The session so far in numbers (see ``recording.summary``)."""
+    def summary(self, wall_seconds: float) -> SessionSummary:
+        """The session so far in numbers; ``wall_seconds`` is its computing time."""
         return summarise(self.frames, self.shifts, self.config.minutes, wall_seconds)
 
     def close(self) -> None:
-        """Free what images needed."""
+        """Free what rendering needed."""
         self.world.close()

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-from numba import njit
 
 from jointattn_mj.gaze_following.agent import GazeFollower
 from jointattn_mj.gaze_following.columns import FRAME, described
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.io.parquet import write_parts
 from jointattn_mj.io.rows import RowStore, spans
 from jointattn_mj.scene.camera import pixels_of_point

@@ -1,4 +1,4 @@
-"""Sessions in worlds that the seed draws: other light, people, objects, pace (``scene.variation``)."""
+"""Sessions whose world varies with the seed: light, people, objects, pace (see ``scene.variation``)."""
 
 from dataclasses import dataclass
 
@@ -11,24 +11,24 @@ from jointattn_mj.scene.world import World
 
 @dataclass(frozen=True)
 class VariedSessionConfig(SessionConfig):
-    """A session, and how far its world may differ."""
+    """What decides a session, and what of its world varies with the seed."""
 
     variation: Variation = "none"
-    """What about the world the seed decides: lights, textures, people, camera, objects, layout, pace; all, or some of
-    them joined by +."""
+    """What varies with the seed: lights, textures, people, camera, objects, layout or pace, several of them joined by
+    +, or all."""
 
     @property
     def ranges(self) -> VariationConfig:
-        """What ``variation`` names."""
+        """Ranges of what ``variation`` names."""
         return variation_of(self.variation)
 
 
 class VariedSessionRun(SessionRun):
-    """A session whose world is drawn anew with every seed, and then stays; the robot expects the usual colours."""
+    """A session whose world the seed draws once, at its beginning; the robot expects the usual colours."""
 
     config: VariedSessionConfig
 
     def new_world(self, seed: np.random.SeedSequence) -> World:
-        """See ``SessionRun``; with nothing to vary it is the same world."""
+        """Make scene, caregiver and the robot's body; without variation they are those of ``SessionRun``."""
         world, conditions = drawn(self.config.world, self.config.ranges, seed)
         return World.build(world, seed, conditions)

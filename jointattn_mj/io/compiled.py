@@ -1,56 +1,61 @@
-"""Where compiled code is stored: in a folder of its own for each state of the sources.
+"""``njit`` with a store of compiled functions that notices what was inlined into them.
 
 numba takes a stored function for current as long as the file that it stands in has not changed. What was inlined into
-it from other files may have changed all the same, and an old mixture would run on, silently. A folder named after the
-contents of all files with compiled functions rules that out.
+it from other files may have changed all the same, and an old mixture would run on, silently. Here a stored function is
+current as long as no file of the package with compiled functions has changed. Functions of others are not touched.
 """
 
 import hashlib
-import os
-import shutil
-import sys
-import time
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
 from pathlib import Path
+from typing import Any
 
-VARIABLE = "NUMBA_CACHE_DIR"
-PREFIX = "jointattn-"
-FORGOTTEN_AFTER_S = 7 * 24 * 3600
-"""Folders of other states of the sources are removed when they have been left alone for so long."""
+import numba
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.dispatcher import Dispatcher
+
+PACKAGE = Path(__file__).parents[1]
 
 
-def state(package: Path) -> str:
-    """Twelve digits that change with any file of the package in which something is compiled."""
+def njit(function: Callable[..., Any] | None = None, *, cache: bool = False, **options: Any) -> Any:
+    """``numba.njit``, to be used in its place.
+
+    Args:
+        function: What to compile; None where the decorator has options.
+        cache: Store the compiled function in numba's folder for it: ``__pycache__`` beside the file, a folder of the
+            user where that cannot be written, or what NUMBA_CACHE_DIR names. Where none can be written, it is compiled
+            again by every process.
+        options: numba's.
+    """
+    if function is None:
+        return lambda function: njit(function, cache=cache, **options)
+    compiled = numba.njit(**options)(function)
+    if cache and isinstance(compiled, Dispatcher):  # with NUMBA_DISABLE_JIT it is the function itself
+        with suppress(RuntimeError):  # no folder
+            compiled._cache = _Cache(function)  # type: ignore[attr-defined]  # as ``Dispatcher.enable_caching`` does
+    return compiled
+
+
+@cache
+def state(package: Path = PACKAGE) -> str:
+    """A digest that changes with any file of the package in which something is compiled."""
     digest = hashlib.sha256()
     for path in sorted(package.rglob("*.py")):
         text = path.read_bytes()
         if b"njit" in text:
             digest.update(str(path.relative_to(package)).encode() + b"\0" + text)
-    return digest.hexdigest()[:12]
+    return digest.hexdigest()
 
 
-def choose_folder(package: Path = Path(__file__).parent) -> None:
-    """Tell numba, and the processes that are started from this one, where to store what it compiles.
+class _Located(CompileResultCacheImpl):
+    """Chooses the folder as numba does; what it holds is current while ``state`` stays the same."""
 
-    That is beside the package's byte code, or in the folder that NUMBA_CACHE_DIR names. Where the package cannot be
-    written to and none is named, numba's own choice stays.
-    """
-    named = os.environ.get(VARIABLE)
-    base = Path(named) if named else package / "__pycache__"
-    if base.name.startswith(PREFIX):  # from the process that started this one
-        base = base.parent
-    folder = base / f"{PREFIX}{state(package)}"
-    if not folder.is_dir():
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError:
-            return
-        _forget(base, folder)
-    os.environ[VARIABLE] = str(folder)
-    if "numba" in sys.modules:
-        sys.modules["numba"].config.CACHE_DIR = str(folder)
+    def __init__(self, function: Callable[..., Any]):
+        super().__init__(function)
+        self._locator.get_source_stamp = state
 
 
-def _forget(base: Path, kept: Path) -> None:
-    for folder in base.glob(f"{PREFIX}*"):
-        if folder != kept and time.time() - folder.stat().st_mtime > FORGOTTEN_AFTER_S:
-            shutil.rmtree(folder, ignore_errors=True)
+class _Cache(FunctionCache):
+    _impl_class = _Located

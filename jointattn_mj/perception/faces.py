@@ -13,7 +13,7 @@ where the robot expects the face is taken for a pose not seen before; else no fa
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, NamedTuple, Protocol
+from typing import Annotated, Any, ClassVar, NamedTuple, Protocol
 
 import cv2
 import numpy as np
@@ -79,6 +79,8 @@ class FaceDetectorConfig(Checked):
     patch_blur_px: Annotated[float, Real("[0, 32]")] = 0.7
     """Standard deviation of the blur of the patch. Interpolating between pixels blurs by an amount that depends on the
     fraction; a little blur of its own makes the patch nearly the same at every fraction of a pixel."""
+
+    RENAMED: ClassVar = {"place_gain": "location_gain"}
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -8,7 +8,9 @@ alone reads up to .1 px of motion from two equal images, since what enters the b
 """
 
 import numpy as np
-from numba import njit, uintp
+from numba import uintp
+
+from jointattn_mj.io.compiled import njit
 
 BLOCK = 8  # pixels; section 6.4.1 names block matching without a size
 

@@ -3,10 +3,11 @@
 from typing import Any
 
 import numpy as np
-from numba import njit, uintp
+from numba import uintp
 
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import checked_by, numbers, require_array
+from jointattn_mj.io.compiled import njit
 
 _RED, _GREEN, _BLUE, _HALF, _BITS = (np.uint32(k) for k in (9798, 19235, 3735, 1 << 14, 15))  # OpenCV's weights
 

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.guards.border import require_array
 from jointattn_mj.guards.restored import check_array, check_whole
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.flow import BLOCK, region_flow
 from jointattn_mj.perception.gray import require_gray

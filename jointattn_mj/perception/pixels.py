@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import require_array
 from jointattn_mj.guards.restored import check_array
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked
 from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig, FaceFinder, FaceFix
 from jointattn_mj.perception.gray import fill_gray, require_image

@@ -12,9 +12,10 @@ from typing import Any
 
 import cv2
 import numpy as np
-from numba import njit, uintp
+from numba import uintp
 
 from jointattn_mj.guards.restored import check_array, check_whole
+from jointattn_mj.io.compiled import njit
 
 MOST_PX = 1 << 15  # of an image's side, and so of a template's
 FLAT = 5.0  # standard deviation of grey values below which a region has no pattern to correlate

@@ -87,6 +87,8 @@ class CaregiverConfig(Checked):
     rest_location: tuple[Metres, Metres, Metres] = (1.21, 0.36, 0.752)
     """Where the hand rests, on the table beside the objects; world frame, metres."""
 
+    RENAMED: ClassVar = {"holding_place": "holding_location", "rest_place": "rest_location"}
+
 
 @dataclass
 class Plan:

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numba import njit
 
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import checked_by, require_array
 from jointattn_mj.guards.restored import check_array
+from jointattn_mj.io.compiled import njit
 
 ARM_JOINTS = ("shoulder_yaw", "shoulder_pitch", "shoulder_roll", "elbow", "wrist_yaw", "wrist_pitch", "wrist_roll")
 

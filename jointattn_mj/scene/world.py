@@ -12,12 +12,12 @@ import mujoco
 import numpy as np
 from dm_control.mujoco import Physics
 from dm_control.mujoco.wrapper import MjModel
-from numba import njit
 
 from jointattn_mj.errors import NotFiniteError
 from jointattn_mj.guards.closing import Closable
 from jointattn_mj.guards.finite import check_finite
 from jointattn_mj.guards.restored import check_array
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.camera import Eye

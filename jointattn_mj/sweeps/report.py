@@ -236,7 +236,7 @@ def _facts(one: Chapter) -> dict[str, Any]:
         "source": one.entry.source,
         "says": one.entry.says,
         "verdict": str(one.verdict) if one.findings else None,
-        "findings": [_row(finding) for finding in one.findings],
+        "findings": [finding_row(finding) for finding in one.findings],
         "commands": list(one.commands),
         "settings": {
             name: {"config": one.configs[name], "n": len(seeds), "seeds": _seeds_in_words(seeds)}
@@ -248,7 +248,7 @@ def _facts(one: Chapter) -> dict[str, Any]:
     }
 
 
-def _row(finding: Comparison) -> dict[str, Any]:
+def finding_row(finding: Comparison) -> dict[str, Any]:
     ours = finding.ours
     return {
         "what": finding.what,
@@ -285,7 +285,7 @@ def _csv(chapters: Sequence[Chapter]) -> str:
     writer.writeheader()
     for one in chapters:
         about = {"claim": one.entry.id, "title": one.entry.title, "source": one.entry.source}
-        writer.writerows({**about, **_row(finding)} for finding in one.findings)
+        writer.writerows({**about, **finding_row(finding)} for finding in one.findings)
     return text.getvalue()
 
 

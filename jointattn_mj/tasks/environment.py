@@ -41,7 +41,7 @@ _SETTINGS = ("flat_observation", "legacy_step")
 """Of ``control.Environment``, beside the time limit and the control timestep."""
 
 
-class JointAttentionTask(control.JointAttentionTask):
+class JointAttentionTask(control.Task):
     """An episode with the caregiver, whose k-th seed is the k-th child of the task's.
 
     Attributes:

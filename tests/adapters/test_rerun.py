@@ -16,10 +16,10 @@ import cv2
 import numpy as np
 import pytest
 
+from jointattn_mj.api.session import LoggedSessionOptions, run_logged
 from jointattn_mj.cli.main import main
 from jointattn_mj.errors import ConfigError, OutputError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
-from jointattn_mj.gaze_following.run import SessionOptions, run_session
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.scene import gl
 
@@ -202,8 +202,8 @@ def test_resumed_sessions_leave_parts_of_one_log(tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run_session(config, SessionOptions(tmp_path / "run", rerun=path, checkpoint_minutes=1 / 60), stop)
-    run_session(config, SessionOptions(tmp_path / "run", rerun=path, resume=True))
+        run_logged(config, LoggedSessionOptions(tmp_path / "run", rerun=path, checkpoint_minutes=1 / 60), stop)
+    run_logged(config, LoggedSessionOptions(tmp_path / "run", rerun=path, resume=True))
     parts = [path, path.with_stem("log_2")]
     frames = [sorted(frame for chunk in columns(part, "head") for frame in chunk["frame"]) for part in parts]
     assert frames == [list(range(60)), list(range(60, 180))]
@@ -223,13 +223,13 @@ class TestRefusal:
 
     def test_other_suffix(self, tmp_path):
         with pytest.raises(ConfigError, match=r"\.rrd.*a\.mp4"):
-            SessionOptions(tmp_path, rerun=tmp_path / "a.mp4")
+            LoggedSessionOptions(tmp_path, rerun=tmp_path / "a.mp4")
 
     @needs_rerun
     def test_file_that_is_there(self, tmp_path):
         (tmp_path / "a.rrd").write_text("mine")
         with pytest.raises(OutputError, match="already there"):
-            run_session(CONFIG, SessionOptions(tmp_path / "out", rerun=tmp_path / "a.rrd"))
+            run_logged(CONFIG, LoggedSessionOptions(tmp_path / "out", rerun=tmp_path / "a.rrd"))
         assert (tmp_path / "a.rrd").read_text() == "mine"
         assert not (tmp_path / "out").exists()
 
@@ -237,12 +237,12 @@ class TestRefusal:
     def test_a_file_in_the_folders_place(self, tmp_path):
         (tmp_path / "place").write_text("mine")
         with pytest.raises(OutputError, match="cannot make the folder"):
-            run_session(CONFIG, SessionOptions(tmp_path / "out", rerun=tmp_path / "place" / "a.rrd"))
+            run_logged(CONFIG, LoggedSessionOptions(tmp_path / "out", rerun=tmp_path / "place" / "a.rrd"))
         assert not (tmp_path / "out").exists()
 
 
 def test_costs_nothing_when_not_asked_for():
-    code = "import sys, jointattn_mj.gaze_following.run; sys.exit('rerun' in sys.modules)"
+    code = "import sys, jointattn_mj.api.session; sys.exit('rerun' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 
@@ -253,11 +253,11 @@ def test_full_disk(tmp_path, monkeypatch, capfd):
     from jointattn_mj.adapters.rerun import outlet
 
     config, plain = replace(CONFIG, minutes=0.1, perception="state"), tmp_path / "plain"
-    run_session(config, SessionOptions(plain))
+    run_logged(config, LoggedSessionOptions(plain))
     for number, room in enumerate((0, 8192, 102_400, 102_401)):
         out, path = tmp_path / str(number), tmp_path / f"{number}.rrd"
         monkeypatch.setattr(outlet, "FileIO", lambda path, how, room=room: SmallDisk(path, room))
-        run_session(config, SessionOptions(out, rerun=path))
+        run_logged(config, LoggedSessionOptions(out, rerun=path))
         assert path.stat().st_size == room
         assert capfd.readouterr().err == (
             f"jointattn: cannot write {path}: No space left on device; the session goes on without it\n"

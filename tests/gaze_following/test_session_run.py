@@ -18,13 +18,13 @@ from jointattn_mj.scene import gl
 
 RESULTS = ("frames.parquet", "gaze_shifts.parquet", "weights.npz", "success.png", "som.png")
 FOLDER = {*RESULTS, "summary.json", "config.yaml", "checkpoint.bin"}
-MINUTES = {"truth": 2.0, "pixels": 0.6}
+MINUTES = {"state": 2.0, "pixels": 0.6}
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
 
 PROGRAM = """
 import os, signal, sys
 from jointattn_mj.cli import main as cli, session as session_command
-run, how, at = session_command.run_session, sys.argv[1], int(sys.argv[2])
+run, how, at = session_command.run_logged, sys.argv[1], int(sys.argv[2])
 def interrupted(config, options, progress, kind):
     def watch(session):
         if session.frame == at:
@@ -37,7 +37,7 @@ def killing_replace(source, target, replace=os.replace, written=[]):
         os.kill(os.getpid(), signal.SIGKILL)
     replace(source, target)
 if how == "interrupt":
-    session_command.run_session = interrupted
+    session_command.run_logged = interrupted
 if how == "kill":
     os.replace = killing_replace
 cli.main(sys.argv[3:])
@@ -73,7 +73,7 @@ def assert_same(first: Path, second: Path) -> None:
     assert summaries[0] == summaries[1]
 
 
-@pytest.fixture(scope="module", params=["truth", pytest.param("pixels", marks=needs_gl)])
+@pytest.fixture(scope="module", params=["state", pytest.param("pixels", marks=needs_gl)])
 def straight(request, tmp_path_factory) -> tuple[str, Path]:
     """A session that nothing disturbs."""
     out = tmp_path_factory.mktemp(request.param) / "straight"
@@ -251,7 +251,7 @@ session.close()
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="no /proc")
-@pytest.mark.parametrize(("perception", "seconds"), [("truth", 240), pytest.param("pixels", 60, marks=needs_gl)])
+@pytest.mark.parametrize(("perception", "seconds"), [("state", 240), pytest.param("pixels", 60, marks=needs_gl)])
 def test_memory_stays_flat(tmp_path, perception, seconds):
     """After a warm-up of a quarter of the time, in a process of its own. Over 26 minutes even 1 MB a minute would be
     little; here it is less."""

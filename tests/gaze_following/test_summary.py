@@ -7,10 +7,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jointattn_mj.errors import OutputError
 from jointattn_mj.gaze_following import summary as counting
 from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts
-from jointattn_mj.gaze_following.summary import moving_average, summarise
+from jointattn_mj.gaze_following.summary import (
+    DetectionRates,
+    FaceError,
+    MapError,
+    SessionSummary,
+    moving_average,
+    summarise,
+)
 from jointattn_mj.gaze_following.tables import FrameTable
+from jointattn_mj.io.summaries import WIDTH
 
 SHIFT = ShiftRow(
     launch_s=0, landing_s=0, source="face", chosen="red", reached="red", commanded_by="visual_feedback",
@@ -69,29 +78,29 @@ def test_counts_by_hand():
     by_learner = replace(MISS, commanded_by="learner", map_error_deg=9.0)
     rows = [at(1, SHIFT), at(2, launch_only), at(3, landing_only), at(21, by_learner), at(25, SHIFT), at(25.5, BACK)]
     summary = summarise(no_frames(), table(rows), 26.0, 12.345)
-    assert (summary["minutes"], summary["wall_seconds"]) == (26.0, 12.35)
-    assert summary["gaze_shifts"] == 5
-    assert summary["gaze_shifts_of_all_kinds"] == 6
-    assert summary["successes"] == 4
-    assert summary["successes_at_launch"] == 3
-    assert summary["successes_at_landing"] == 3
-    assert summary["landings_on_nothing"] == 1
-    assert summary["successes_on_something"] == 3
-    assert summary["success_rate"] == pytest.approx(4 / 5)
-    assert summary["late_rate"] == pytest.approx(1 / 2)  # from the 20th minute on
-    assert summary["commanded_by_learner"] == 1
-    assert summary["map_error_deg"] == {"median": 6.0, "n": 2}
+    assert (summary.minutes, summary.wall_seconds) == (26.0, 12.35)
+    assert summary.gaze_shifts == 5
+    assert summary.gaze_shifts_of_all_kinds == 6
+    assert summary.successes == 4
+    assert summary.successes_at_launch == 3
+    assert summary.successes_at_landing == 3
+    assert summary.landings_on_nothing == 1
+    assert summary.successes_on_an_object == 3
+    assert summary.success_rate == pytest.approx(4 / 5)
+    assert summary.late_success_rate == pytest.approx(1 / 2)  # from the 20th minute on
+    assert summary.gaze_shifts_by_learner == 1
+    assert summary.map_error_deg == MapError(6.0, 2)
 
 
 def test_nothing_happened():
     """None where there is nothing to count, never a division by zero or NaN, which is no JSON."""
     summary = summarise(no_frames(), table([]), 26.0, 0.0)
-    assert summary["gaze_shifts"] == summary["successes"] == summary["learning_iterations"] == summary["frames"] == 0
-    for value in (summary["success_rate"], summary["late_rate"], summary["map_error_deg"]["median"]):
+    assert summary.gaze_shifts == summary.successes == summary.learning_iterations == summary.frames == 0
+    for value in (summary.success_rate, summary.late_success_rate, summary.map_error_deg.median):
         assert value is None
-    assert summary["motion"]["face"] == {"hit_rate": None, "false_alarm_rate": None}
-    assert summary["face_error_px"] == {"p50": None, "p95": None, "above_8px": None}
-    assert summary["face_missed"] is None
+    assert summary.motion_detection.face == DetectionRates(None, None)
+    assert summary.face_error_px == FaceError(None, None, None)
+    assert summary.face_missed_share is None
 
 
 @pytest.mark.parametrize("part", [1, 3, 100])
@@ -112,6 +121,42 @@ def test_motion_rates_by_hand(monkeypatch, part):
         values[:, frames.index[name, candidate]] = column
     for row in values:
         frames.rows.append(row)
-    motion = summarise(frames, table([]), 1.0, 0.0)["motion"]
-    assert motion["objects"] == {"hit_rate": pytest.approx(2 / 3), "false_alarm_rate": pytest.approx(2 / 3)}
-    assert motion["face"] == {"hit_rate": None, "false_alarm_rate": 0}
+    motion = summarise(frames, table([]), 1.0, 0.0).motion_detection
+    assert motion.objects == DetectionRates(pytest.approx(2 / 3), pytest.approx(2 / 3))
+    assert motion.face == DetectionRates(None, 0)
+
+
+def test_keys_of_the_last_version():
+    """They give the same values and name the new key; a file that has them is read."""
+    summary = summarise(no_frames(), table([at(1, SHIFT)]), 26.0, 1.0)
+    with pytest.warns(FutureWarning, match="'late_rate' is now called 'late_success_rate'"):
+        assert summary["late_rate"] == summary.late_success_rate
+    with pytest.warns(FutureWarning, match="median_px"):
+        assert summary.face_error_px["p50"] is None
+    assert summary["successes"] == 1
+    with pytest.raises(KeyError, match="there are minutes, frames"):
+        summary["failures"]
+    before = summary.by_old_keys()
+    assert before["motion"] == {
+        "face": {"hit_rate": None, "false_alarm_rate": None},
+        "objects": before["motion"]["objects"],
+    }
+    assert list(before["face_error_px"]) == ["p50", "p95", "above_8px"]
+    assert SessionSummary.of(before) == SessionSummary.of(summary.plain()) == summary
+
+
+def test_a_summary_that_is_not_one(tmp_path):
+    with pytest.raises(OutputError, match="give the folder of a finished run"):
+        SessionSummary.read(tmp_path / "summary.json")
+    (tmp_path / "summary.json").write_text("{}")
+    with pytest.raises(OutputError, match="missing or unknown"):
+        SessionSummary.read(tmp_path / "summary.json")
+    (tmp_path / "summary.json").write_text("3")
+    with pytest.raises(OutputError, match="cannot read"):
+        SessionSummary.read(tmp_path / "summary.json")
+
+
+def test_a_summary_in_a_line_and_in_a_table():
+    summary = summarise(no_frames(), table([at(1, SHIFT)]), 26.0, 1.0)
+    assert len(repr(summary)) <= WIDTH and repr(summary).startswith("SessionSummary(minutes=26, frames=0,")
+    assert "motion_detection.face.hit_rate" in str(summary) and len(str(summary).splitlines()) == 25

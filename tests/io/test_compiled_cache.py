@@ -1,4 +1,4 @@
-"""Compiled code is stored apart for each state of the sources."""
+"""Compiled functions are stored where numba stores them, and are current as long as all that they consist of is."""
 
 import os
 import shutil
@@ -8,85 +8,79 @@ from pathlib import Path
 
 import pytest
 
-import jointattn_mj
 from jointattn_mj.io import compiled
+
+INNER = "from toy.compiled import njit\n\n@njit(cache=True)\ndef inner():\n    return {}\n"
+OUTER = """
+from toy.compiled import njit
+from toy.inner import inner
+
+@njit(cache=True)
+def outer():
+    return inner()
+"""
+ASK = "from toy.outer import outer; print(outer(), sum(outer.stats.cache_hits.values()))"
 
 
 @pytest.fixture
-def package(tmp_path, monkeypatch):
-    """Two files, one of which is inlined into the other, and a third with nothing compiled."""
-    monkeypatch.setenv(compiled.VARIABLE, "")
-    monkeypatch.setitem(sys.modules, "numba", None)
-    monkeypatch.delitem(sys.modules, "numba")
-    folder = tmp_path / "package"
-    (folder / "inner").mkdir(parents=True)
-    (folder / "inner" / "one.py").write_text("from numba import njit\n")
-    (folder / "two.py").write_text("from numba import njit  # and more\n")
-    (folder / "words.py").write_text("'''No compiled code.'''\n")
-    return folder
+def toy(tmp_path) -> Path:
+    """A package with a function that is inlined into one of another file."""
+    package = tmp_path / "toy" / "toy"
+    (package / "io").mkdir(parents=True)
+    (package / "__init__.py").write_text("")
+    text = Path(compiled.__file__).read_text().replace("parents[1]", "parents[0]")
+    (package / "compiled.py").write_text(text)
+    (package / "inner.py").write_text(INNER.format(1))
+    (package / "outer.py").write_text(OUTER)
+    return package
 
 
-def chosen(package: Path) -> Path:
-    compiled.choose_folder(package)
-    return Path(os.environ[compiled.VARIABLE])
-
-
-def test_another_folder_for_other_sources(package):
-    first = chosen(package)
-    assert first.parent == package / "__pycache__"
-    assert first.is_dir()
-    assert chosen(package) == first
-    (package / "words.py").write_text("'''Other words.'''\n")
-    assert chosen(package) == first
-    (package / "inner" / "one.py").write_text("from numba import njit  # changed\n")
-    assert chosen(package) != first
-
-
-def test_a_folder_that_is_named(package, tmp_path, monkeypatch):
-    monkeypatch.setenv(compiled.VARIABLE, str(tmp_path / "mine"))
-    assert chosen(package).parent == tmp_path / "mine"
-    assert chosen(package).parent == tmp_path / "mine"  # as in a process that this one starts
-
-
-def test_where_nothing_can_be_written(package):
-    (package / "__pycache__").write_text("in the way")
-    compiled.choose_folder(package)
-    assert os.environ[compiled.VARIABLE] == ""
-
-
-def test_old_folders_are_forgotten(package):
-    old, recent, other = (package / "__pycache__" / name for name in ("jointattn-old", "jointattn-recent", "other"))
-    for folder in (old, recent, other):
-        folder.mkdir(parents=True)
-    for folder in (old, other):
-        os.utime(folder, (0, 0))
-    chosen(package)
-    assert not old.exists()
-    assert recent.exists()
-    assert other.exists()
-
-
-def test_what_was_inlined_from_a_changed_file_is_compiled_again(tmp_path):
-    """Without the folder, numba would go on with the old mixture."""
-    package = tmp_path / "toy"
-    package.mkdir()
-    shutil.copy(compiled.__file__, package / "compiled.py")
-    (package / "__init__.py").write_text("from toy import compiled\ncompiled.choose_folder()\n")
-    inner = "from numba import njit\n\n@njit(cache=True)\ndef inner():\n    return {}\n"
-    (package / "outer.py").write_text(
-        "from numba import njit\nfrom toy.inner import inner\n\n@njit(cache=True)\ndef outer():\n    return inner()\n"
+def said(package: Path, code: str = ASK, **environment: str) -> str:
+    kept = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={**kept, "PYTHONPATH": str(package.parent), **environment},
+        capture_output=True,
+        text=True,
     )
-    said = []
-    for value in (1, 2):
-        (package / "inner.py").write_text(inner.format(value))
-        environment = {**os.environ, compiled.VARIABLE: "", "PYTHONPATH": str(tmp_path)}
-        code = "from toy.outer import outer; print(outer())"
-        said.append(
-            subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True).stdout
-        )
-    assert said == ["1\n", "2\n"]
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
 
 
-def test_this_package_has_one():
-    folder = Path(os.environ[compiled.VARIABLE])
-    assert folder.name == f"jointattn-{compiled.state(Path(jointattn_mj.__file__).parent)}"
+def test_what_was_inlined_from_a_changed_file_is_compiled_again(toy):
+    """numba alone would go on with the old mixture."""
+    assert [said(toy), said(toy)] == ["1 0", "1 1"]
+    (toy / "words.py").write_text("'No compiled code.'\n")
+    assert said(toy) == "1 1"
+    (toy / "inner.py").write_text(INNER.format(2))
+    assert [said(toy), said(toy)] == ["2 0", "2 1"]
+
+
+def test_a_folder_that_is_named(toy, tmp_path):
+    named = tmp_path / "mine"
+    assert [said(toy, NUMBA_CACHE_DIR=str(named)) for _ in range(2)] == ["1 0", "1 1"]
+    assert list(named.rglob("outer*.nbi"))
+    assert not (toy / "__pycache__").exists() or not list((toy / "__pycache__").glob("*.nbi"))
+
+
+def test_where_nothing_can_be_written(toy):
+    shutil.rmtree(toy / "__pycache__", ignore_errors=True)
+    (toy / "__pycache__").write_text("in the way")
+    nowhere = str(toy / "outer.py")
+    assert [said(toy, HOME=nowhere, XDG_CACHE_HOME=nowhere) for _ in range(2)] == ["1 0", "1 0"]
+
+
+def test_functions_of_others_are_left_alone(tmp_path):
+    """Importing the package changes neither the environment nor where numba stores what a user compiles."""
+    code = """
+import os
+before = dict(os.environ)
+import jointattn_mj, numba
+import jointattn_mj.perception.som
+from mine import own
+own()
+print(os.environ == before, repr(numba.config.CACHE_DIR), os.path.basename(own._cache.cache_path))
+"""
+    (tmp_path / "mine.py").write_text("import numba\n\n@numba.njit(cache=True)\ndef own():\n    return 1\n")
+    root = str(Path(compiled.__file__).parents[2])
+    assert said(tmp_path / "x", code, PYTHONPATH=f"{tmp_path}:{root}") == "True '' __pycache__"

@@ -27,7 +27,7 @@ def check(words: list[str]) -> None:
     match words:
         case ["jointattn", *arguments]:
             if "--help" not in arguments:
-                cli._parse(arguments)
+                cli._command_of(arguments)
         case ["make", *targets]:
             known = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.M)
             assert set(targets) <= set(known)

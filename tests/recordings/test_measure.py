@@ -12,7 +12,7 @@ import pytest
 from shell import Outcome, Shell
 
 import jointattn_mj.contingency as c
-from jointattn_mj.contingency import read_recordings
+from jointattn_mj import read_recordings
 from jointattn_mj.errors import ConfigError, OutputError
 from jointattn_mj.io.results import bracket, number, share
 from jointattn_mj.recordings import patience

@@ -6,7 +6,7 @@ import pytest
 from pyarrow import csv, parquet
 
 import jointattn_mj.contingency as c
-from jointattn_mj.contingency import read_recordings
+from jointattn_mj import read_recordings
 from jointattn_mj.errors import ConfigError, SeriesError
 
 

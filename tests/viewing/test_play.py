@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from shell import Shell
 
+from jointattn_mj.cli.play import PlayOptions, environment_for, table
 from jointattn_mj.tasks.agents import AGENTS
-from jointattn_mj.viewing.play import Episode, PlayOptions, environment_for, play_episodes, table
+from jointattn_mj.viewing.play import Episode, play_episodes
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +22,7 @@ def jointattn():
 def played(task: str, agent: str, episodes: int = 2, seed: int = 0) -> list[Episode]:
     options = PlayOptions(task, agent, episodes, seed)
     environment = environment_for(options)
-    found = play_episodes(environment, AGENTS[agent](environment, seed), options)
+    found = play_episodes(environment, AGENTS[agent](environment, seed), episodes)
     environment.close()
     return found
 
@@ -42,7 +43,7 @@ def test_the_developer_goes_on_from_episode_to_episode():
     options = PlayOptions("turn_taking", "developer", 2)
     environment = environment_for(options)
     agent = AGENTS["developer"](environment, 0)
-    found = play_episodes(environment, agent, options)
+    found = play_episodes(environment, agent, 2)
     assert agent.agent.state.n_steps[0] == 2000
     assert all(0.1 < one.reward_a_step < 0.6 for one in found)
     assert environment.task.world.rendered_frames == 0

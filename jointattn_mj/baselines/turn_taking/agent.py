@@ -10,11 +10,11 @@ The functions are compiled, for a life is 300,000 attempts; they are plain enoug
 from dataclasses import dataclass
 from typing import Annotated, Literal, NamedTuple
 
-import numba
 import numpy as np
 
 from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.guards.border import checked_by, require_array
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Angle, Checked, Positive, Real, Whole
 
 MOST = 1e6
@@ -170,7 +170,7 @@ def _check_face(network: Network, face: np.ndarray) -> None:
 
 
 @checked_by(_check_face)
-@numba.njit(fastmath=True, cache=True)
+@njit(fastmath=True, cache=True)
 def face_drive(network: Network, face: np.ndarray) -> np.ndarray:
     """What a face adds to the input of each hidden unit: (hidden,). It is the same all through an attempt."""
     drive = network.threshold.copy()
@@ -188,7 +188,7 @@ def _check_command(network: Network, drive: np.ndarray, head: np.ndarray, scale:
 
 
 @checked_by(_check_command)
-@numba.njit(cache=True)
+@njit(cache=True)
 def network_command(network: Network, drive: np.ndarray, head: np.ndarray, scale: float) -> tuple[float, float]:
     """The network's output: pan and tilt still to go, deg."""
     pan, tilt = float(network.out_threshold[0]), float(network.out_threshold[1])
@@ -209,7 +209,7 @@ def _check_pairs(
 
 
 @checked_by(_check_pairs)
-@numba.njit(fastmath=True, cache=True)
+@njit(fastmath=True, cache=True)
 def backpropagate(
     network: Network,
     face: np.ndarray,
@@ -263,7 +263,7 @@ def _check_target(
 
 
 @checked_by(_check_target)
-@numba.njit(cache=True)
+@njit(cache=True)
 def feedback_target(
     feedback: int, visible: np.ndarray, off: np.ndarray, interest: np.ndarray, kept: int, by_network: bool
 ) -> int:

@@ -10,7 +10,6 @@ of rendered ones (``turn_taking.faces``).
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
 from jointattn_mj.baselines.turn_taking.agent import (
@@ -25,14 +24,15 @@ from jointattn_mj.baselines.turn_taking.agent import (
 from jointattn_mj.baselines.turn_taking.faces import FACE_DIRECTION, FaceInputs
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import numbers, require_array
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.perception.state import StateConfig
 from jointattn_mj.scene import camera
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH, rest_height
 from jointattn_mj.scene.world import WorldConfig
 
-_pixel_of = numba.njit(camera.pixel_of)
-_direction_of = numba.njit(camera.direction_of)
-_off_centre = numba.njit(camera.off_centre)
+_pixel_of = njit(camera.pixel_of)
+_direction_of = njit(camera.direction_of)
+_off_centre = njit(camera.off_centre)
 BESIDE_DEG = 80.0
 """Further to the side nothing is in the image, and a pixel is not defined."""
 
@@ -98,7 +98,7 @@ def live(
     return Outcomes(right, reached, in_view, results[:, 3])
 
 
-@numba.njit
+@njit
 def _live(network, options, gate, directions, face_index, patterns, start, noise, miss, learning, rng, results):
     tables, objects = face_index.shape
     for k in range(len(gate)):
@@ -109,7 +109,7 @@ def _live(network, options, gate, directions, face_index, patterns, start, noise
         )
 
 
-@numba.njit
+@njit
 def _attempt(
     network: Network,
     options: Options,
@@ -162,7 +162,7 @@ def _attempt(
     return result
 
 
-@numba.njit
+@njit
 def _look(directions, head, noise, miss, rng):
     """Which objects are seen (n,), in which direction (n, 2), and how far from the centre of view (n,), inf unseen."""
     count = len(directions)

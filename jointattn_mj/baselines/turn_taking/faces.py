@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import mujoco
-import numba
 import numpy as np
 
 from jointattn_mj.baselines.turn_taking.layouts import TABLE, draw_locations
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import numbers
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Spread, Whole
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.som import standardised
@@ -91,7 +91,7 @@ def gaze_deg(locations: np.ndarray) -> np.ndarray:
     return np.degrees(gaze_angles(np.zeros(3), own))
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _nearest(points: np.ndarray, bank: np.ndarray) -> np.ndarray:
     nearest = np.empty(len(points), np.int64)
     for i in range(len(points)):

@@ -21,11 +21,11 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.online.events import Event, Variables
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import checked_by, require_array
+from jointattn_mj.io.compiled import njit
 
 NONE = -1
 CONTEXT = np.dtype(

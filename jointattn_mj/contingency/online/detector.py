@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.online.counts import ALONE, OF_ACTION, OF_SENSOR, OWN, Counts, local_variance
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import checked_by
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Whole
 
 NOTHING = -1

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.contingency.online.reactive import ReactiveModule, ReactiveTable
 from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.guards.border import checked_by, require_array
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, NotNegative
 
 NOBODY = -1

@@ -7,7 +7,7 @@ chooses where to look and what gesture to make, and the head turns there. The ca
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -76,6 +76,9 @@ class RealtimeConfig(Checked):
     """A fixation that nothing ends lasts so long."""
     familiarise_minutes: Annotated[float, Real("(0, 1e6]")] = 3.0
     """Minutes of looking at the caregiver's face before all else (section 6.4.1); she greets the robot first."""
+
+    RENAMED: ClassVar = {"truth": "state"}
+    OLD_CHOICES: ClassVar = {"perception": {"truth": "state"}}
 
 
 class RealtimeRun(ObservedRun):

@@ -1,8 +1,7 @@
 """A step of a mind, compiled: in a file of its own, for whatever stands beside compiled code is compiled with it."""
 
-from numba import njit
-
 from jointattn_mj.development.loop import think_and_note
+from jointattn_mj.io.compiled import njit
 
 
 @njit(cache=True)

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.reactive import ReactiveModule
@@ -16,6 +15,7 @@ from jointattn_mj.development.rendered.senses import NOTHING_LOOKED_AT, Gazed, S
 from jointattn_mj.development.rendered.stage import Stage, StageConfig
 from jointattn_mj.development.table.world import CAREGIVER, OPTION, TableConfig, step
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.perception.pixels import PixelPerception
 from jointattn_mj.scene.camera import direction_of

@@ -10,11 +10,11 @@ from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.online.events import Variable, Variables
 from jointattn_mj.development.table.world import TableConfig, table_variables
 from jointattn_mj.guards.finite import check_finite
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Real
 from jointattn_mj.perception.categories import FaceCategories, GroupingConfig
 from jointattn_mj.perception.faces import FaceDetectorConfig

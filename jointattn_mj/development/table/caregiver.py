@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import checked_by, require_array
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Share
 
 NEUTRAL, RJA, IJA, IJA_BACK, AFTER_JOINT_ATTENTION, CARELESS = range(6)

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Variables
@@ -23,6 +22,7 @@ from jointattn_mj.development.table.world import (
     table_witnessed,
 )
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.io.compiled import njit
 
 
 class TableRun(DevelopmentRun):

@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from jointattn_mj.contingency.online.events import Variable, Variables
 from jointattn_mj.development.one_type import one_type
@@ -12,6 +11,7 @@ from jointattn_mj.development.table.caregiver import NOWHERE, OPTIONS, Rules, Ta
 from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.guards.border import checked_by, require_array
 from jointattn_mj.guards.restored import check_alike, check_array
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Whole
 
 ROBOT, CAREGIVER, RETURNS_TO, OPTION, TURN = range(5)

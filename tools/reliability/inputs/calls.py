@@ -91,7 +91,7 @@ def measures() -> Iterator[tuple[str, str, bool]]:
         yield _measure("transfer_entropy", "x", "y", f"base={value}"), f"transfer_entropy(base={value})", True
         yield _measure("assess", value, "x", "y"), f"assess({value}, x, y)", True
     for path in ("None", "5", "''", "'no.csv'", "'/'", "'/dev/null'", r"'a\0b'", "'x' * 5000"):
-        read = f"from jointattn_mj.contingency import read_recordings; read_recordings({path}, ['x'])"
+        read = f"from jointattn_mj import read_recordings; read_recordings({path}, ['x'])"
         yield read, f"read_recordings({path})", True
 
 

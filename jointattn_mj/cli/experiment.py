@@ -1,4 +1,4 @@
-"""``jointattn experiment``: list claims, run what is missing of them, report what is stored."""
+"""``jointattn experiment``: list claims, run their missing trials, report stored ones."""
 
 import sys
 from dataclasses import dataclass
@@ -8,67 +8,68 @@ from typing import Annotated, Literal
 import tyro
 
 from jointattn_mj.errors import ConfigError, SweepError
-from jointattn_mj.options import Checked, Seed, Whole
+from jointattn_mj.options import FLAT, Checked, Seed, Whole
 from jointattn_mj.sweeps.registry import Registry, experiments_registry, registry_of
 
 EXPERIMENTS = "experiments.registry"
 LONGEST_NAME = 200
+LESS = "fewer jobs at once"
 
 
 @dataclass(frozen=True)
 class ListOptions(Checked):
-    """Say which claims there are, and with --out how much of each is stored."""
+    """List the claims, and with --out how many trials of each are stored."""
 
     out: Path | None = None
-    """Folder of results."""
+    """Folder of the results."""
     registry: str = EXPERIMENTS
-    """Module whose REGISTRY has the claims."""
+    """Module whose REGISTRY holds the claims."""
 
 
 @dataclass(frozen=True)
 class ExperimentRunOptions(Checked):
-    """Compute what is missing of some claims. It can be stopped at any time; the same command goes on."""
+    """Run the trials of some claims that are not stored yet. The same command goes on after a stop."""
 
     claims: tyro.conf.Positional[tuple[str, ...]]
     """Ids of claims, or all."""
     out: Path
-    """Folder for the results; what it holds already is not computed again."""
+    """Folder for the results; trials that it holds are not run again."""
     runs: Annotated[int, Whole("[1, 1e6]")] | None = None
-    """Runs of each setting, instead of its own number."""
+    """Runs of each setting; by default the claim's own number."""
     seed: Seed | None = None
-    """Seed of the first run."""
+    """Seed of the first run; by default the claim's own."""
     setting: str | None = None
-    """Only this setting, or those whose ids begin so."""
+    """Run only this setting, or all whose ids begin so."""
     jobs: Annotated[int, Whole("[0, 1024]")] = 0
-    """Trials at once on this machine; 0 for one a core."""
+    """Trials at once on this machine; 0 runs one a core."""
     backend: Literal["loky", "dask"] = "loky"
-    """Processes of this machine, or the workers of a dask scheduler."""
+    """Where trials run: in processes of this machine, or in the workers of a dask scheduler."""
     address: str | None = None
-    """Where the scheduler listens, such as tcp://127.0.0.1:8786."""
+    """Address of the dask scheduler, such as tcp://127.0.0.1:8786."""
     registry: str = EXPERIMENTS
-    """Module whose REGISTRY has the claims."""
+    """Module whose REGISTRY holds the claims."""
 
 
 @dataclass(frozen=True)
 class ReportOptions(Checked):
-    """Write what is stored as one page (report.html), as claims.json, claims.csv and figures."""
+    """Write a report of the stored trials: report.html, claims.json, claims.csv and figures."""
 
     folder: Annotated[Path, tyro.conf.Positional]
-    """Folder of results."""
+    """Folder of the results."""
     claims: tuple[str, ...] = ()
-    """Only these; by default all that have trials there."""
+    """Ids of claims to report; by default all that have trials there."""
     registry: str = EXPERIMENTS
-    """Module whose REGISTRY has the claims."""
+    """Module whose REGISTRY holds the claims."""
 
 
-def do(options: ListOptions | ExperimentRunOptions | ReportOptions) -> None:
-    """What the options ask for.
+Listing = Annotated[ListOptions, tyro.conf.subcommand("list")]
+Running = Annotated[ExperimentRunOptions, tyro.conf.subcommand("run")]
+Reporting = Annotated[ReportOptions, tyro.conf.subcommand("report")]
 
-    Raises:
-        ConfigError: Options that cannot work.
-        OutputError: The folder cannot be used.
-        LaboratoryError: No experiments here, no workers there, or trials that failed.
-    """
+
+def experiment(command: Annotated[Listing | Running | Reporting, FLAT]) -> None:
+    """List the claims of the dissertation, run them, or report what came out."""
+    options: ListOptions | ExperimentRunOptions | ReportOptions = command
     registry = load_registry(options.registry)
     if isinstance(options, ListOptions):
         print(listing(registry, options.out))
@@ -96,10 +97,10 @@ def load_registry(module: str) -> Registry:
 
 
 def chosen(registry: Registry, ids: tuple[str, ...]) -> list[str]:
-    """Ids of the claims that are meant, in their order.
+    """Ids of the chosen claims, in the registry's order.
 
     Raises:
-        ConfigError: None, or one that is not there.
+        ConfigError: No id is given, or one that does not exist.
     """
     known = ", ".join(registry)
     if not ids:
@@ -113,7 +114,7 @@ def chosen(registry: Registry, ids: tuple[str, ...]) -> list[str]:
 
 
 def listing(registry: Registry, folder: Path | None) -> str:
-    """A line a claim; with a folder how many of its trials are there, and how many failed."""
+    """A line for each claim; with a folder also how many of its trials are stored, and how many failed."""
     rows = [("id", "stored", "claim", "source")] if folder else [("id", "", "claim", "source")]
     for claim, entry in registry.entries.items():
         rows.append((claim, _stored(registry, claim, folder) if folder else "", entry.title, entry.source))

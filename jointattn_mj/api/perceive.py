@@ -1,0 +1,106 @@
+"""A video from Python: the same options and results as ``jointattn perceive``, or frame after frame."""
+
+from collections.abc import Callable, Iterator
+from os import PathLike
+from pathlib import Path
+from typing import TypedDict, Unpack, overload
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
+from jointattn_mj.footage.frame_map import Fit
+from jointattn_mj.footage.frames import PerceivedFrame
+from jointattn_mj.footage.result import PerceptionResult
+from jointattn_mj.footage.run import percepts, run_perceive
+from jointattn_mj.footage.viewing import Viewing
+from jointattn_mj.gaze_following.attention import AttentionConfig
+from jointattn_mj.perception.pixels import PixelConfig
+from jointattn_mj.perception.som import SOMConfig
+
+
+class PerceiveFields(TypedDict, total=False):
+    """Options of ``perceive`` that decide what is perceived; :class:`PerceiveConfig` has their defaults."""
+
+    objects: tuple[str, ...]
+    max_minutes: float | None
+    fps: float | None
+    fit: Fit
+    scale: float | None
+    face_follow: float
+    shift_frames: int
+    seed: int
+    attention: AttentionConfig
+    pixels: PixelConfig
+    som: SOMConfig
+
+
+@overload
+def perceive(
+    video: str | PathLike[str], out: None = None, **options: Unpack[PerceiveFields]
+) -> Iterator[PerceivedFrame]: ...
+@overload
+def perceive(
+    video: str | PathLike[str],
+    out: str | PathLike[str],
+    *,
+    resume: bool = False,
+    overlay: bool = True,
+    overlay_every: int = 1,
+    checkpoint_minutes: float = 2.0,
+    progress: Callable[[Viewing], object] = lambda viewing: None,
+    **options: Unpack[PerceiveFields],
+) -> PerceptionResult: ...
+def perceive(
+    video: str | PathLike[str],
+    out: str | PathLike[str] | None = None,
+    *,
+    resume: bool = False,
+    overlay: bool = True,
+    overlay_every: int = 1,
+    checkpoint_minutes: float = 2.0,
+    progress: Callable[[Viewing], object] = lambda viewing: None,
+    **options: Unpack[PerceiveFields],
+) -> Iterator[PerceivedFrame] | PerceptionResult:
+    """Watch a video of a person at a table: what the robot would perceive, and where it would look (6.3.2).
+
+    Without ``out`` the video is watched as far as you iterate, and nothing is written. With ``out`` it is watched to
+    its end at once, and the results go to that folder.
+
+    Args:
+        video: Video file, from a camera that stands still.
+        out: Folder for the results: percepts, fixations, faces, figures, and a video with everything drawn on it.
+        resume: Continue from the checkpoint in ``out``.
+        overlay: Write that video (slow).
+        overlay_every: Write one image of it for so many frames.
+        checkpoint_minutes: Minutes of the video between checkpoints in ``out``.
+        progress: Is called after every second of video, with ``out``.
+        **options: Fields of ``PerceiveConfig``: ``objects`` (colours to look for, such as
+            ``("red", "cup=#c03a2b")``), ``max_minutes``, ``fps``, ``fit``, ``scale``, ``face_follow``,
+            ``shift_frames``, ``seed``, ``attention``, ``pixels``, ``som``.
+
+    Returns:
+        Without ``out`` an iterator over :class:`PerceivedFrame`, a thirtieth of a second each: face, objects, optical
+        flow, fixation, time. With ``out`` a :class:`PerceptionResult`, which iterates over the same frames.
+
+    Raises:
+        FootageError: The file is no video, or has no image.
+        ConfigError: Options that are not allowed.
+        OutputError: The folder holds another run, or cannot be written.
+        CheckpointError: ``resume`` without a fitting checkpoint.
+        VideoError: The overlay cannot be written.
+
+    Example:
+        >>> from jointattn_mj import perceive
+        >>> frames = perceive("out/clip.mp4")
+        >>> next(frames).time_s
+        0.0
+        >>> {frame.fixation for frame in frames} <= {None, "face", "red", "yellow", "blue", "green"}
+        True
+    """
+    config = PerceiveConfig(Path(video), **options)
+    if out is not None:
+        where = PerceiveOptions(Path(out), resume, overlay, overlay_every, checkpoint_minutes)
+        run_perceive(config, where, progress)
+        return PerceptionResult.open(where.out)
+    if resume:
+        raise ConfigError("resume needs the folder out; got out=None")
+    return percepts(config)

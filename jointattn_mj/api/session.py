@@ -1,0 +1,148 @@
+"""A session from Python: the same options and results as ``jointattn session``."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from os import PathLike
+from pathlib import Path
+
+from jointattn_mj.errors import ConfigError, OutputError
+from jointattn_mj.gaze_following.result import SessionResult
+from jointattn_mj.gaze_following.run import SessionOptions, Watcher, run_in_memory, run_session
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
+from jointattn_mj.gaze_following.summary import SessionSummary
+from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
+from jointattn_mj.io.extras import extra
+from jointattn_mj.io.files import free_name
+
+
+@dataclass(frozen=True)
+class LoggedSessionOptions(SessionOptions):
+    """Where a session leaves its results, and how much of it is shown."""
+
+    rerun: Path | None = None
+    """Also write a log for Rerun's viewer, FILE.rrd. Needs the extra ``rerun``."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.rerun is not None and self.rerun.suffix != ".rrd":
+            raise ConfigError(f"rerun must be a file that ends in .rrd, as its viewer expects; got {self.rerun}")
+
+
+@dataclass(frozen=True)
+class Session(VariedSessionConfig):
+    """A session of chapter 6: the robot learns to look where the caregiver looks.
+
+    Args:
+        minutes: Simulated minutes.
+        seed: Seed of all random draws: the same seed gives the same result.
+        perception: ``"pixels"`` (rendered images) or ``"state"`` (the simulator's state with measured errors, faster).
+        success: Whose target counts as success: at ``"launch"`` or ``"landing"`` of the gaze shift, or ``"either"``.
+        start_from: weights.npz of an earlier session, whose robot goes on learning.
+        world: ``WorldConfig``: scene, caregiver, and the robot's body.
+        robot: ``RobotConfig``: attention, learning and gaze control.
+        pixels: ``PixelConfig``: how images are perceived.
+        state: ``StateConfig``: errors of perception with ``perception="state"``.
+        variation: What of the world varies with the seed, such as ``"lights+people"``.
+
+    Raises:
+        ConfigError: A value that is not allowed; the message says which are.
+
+    Example:
+        >>> from jointattn_mj import Session
+        >>> result = Session(minutes=2, perception="state", seed=0).run()
+        >>> result.summary.frames
+        3600
+        >>> result.shifts["landing_s"].max() < 120
+        True
+    """
+
+    @property
+    def config(self) -> VariedSessionConfig:
+        """What decides the session, without the way to run it."""
+        names = [field.name for field in fields(VariedSessionConfig)]
+        return VariedSessionConfig(**{name: getattr(self, name) for name in names})
+
+    def run(
+        self,
+        out: str | PathLike[str] | None = None,
+        *,
+        resume: bool = False,
+        video: bool = False,
+        video_every: int = 1,
+        rerun: str | PathLike[str] | None = None,
+        checkpoint_minutes: float = 2.0,
+        progress: Callable[[SessionRun], object] = lambda session: None,
+        kind: type[SessionRun] = VariedSessionRun,
+    ) -> SessionResult:
+        """Run the session, in a folder or in memory.
+
+        Args:
+            out: Folder for the results. Without one the session runs in memory and leaves no files.
+            resume: Continue from the checkpoint in ``out``, to the same final result.
+            video: Also write a video into ``out`` (slow).
+            video_every: Write one frame of the video for so many of the session.
+            rerun: Also write a log for Rerun's viewer, a file that ends in .rrd.
+            checkpoint_minutes: Simulated minutes between checkpoints in ``out``.
+            progress: Is called with the session after every simulated second.
+            kind: Class of the session; a subclass of ``VariedSessionRun`` or ``SessionRun`` brings parts of your own.
+
+        Returns:
+            The result. Its tables are read from ``out`` when they are first asked for.
+
+        Raises:
+            ConfigError: Options that do not go together.
+            OutputError: The folder holds another run, or cannot be written.
+            CheckpointError: ``resume`` without a fitting checkpoint.
+            GLError: Images are needed and cannot be rendered here.
+            VideoError: A video is asked for and cannot be written.
+            ExtraError: ``rerun`` is asked for and not installed.
+            NotFiniteError: What is learned or simulated has become NaN.
+
+        Example:
+            >>> result = Session(minutes=0.5, perception="state").run(out="out/in_a_folder")
+            >>> sorted(path.name for path in result.folder.glob("*.parquet"))
+            ['frames.parquet', 'gaze_shifts.parquet']
+        """
+        if self.variation != "none" and not issubclass(kind, VariedSessionRun):
+            raise ConfigError(f"variation needs a subclass of VariedSessionRun; got {kind.__name__}")
+        if out is None:
+            if resume or video:
+                raise ConfigError("resume and video need the folder out; got out=None")
+            return run_in_memory(self.config, progress, kind, _rerun_log(None if rerun is None else Path(rerun), False))
+        options = LoggedSessionOptions(
+            Path(out), resume, video, video_every, checkpoint_minutes, None if rerun is None else Path(rerun)
+        )
+        run_logged(self.config, options, progress, kind)
+        return SessionResult.open(options.out)
+
+
+def run_logged(
+    config: SessionConfig,
+    options: LoggedSessionOptions,
+    progress: Callable[[SessionRun], object] = lambda session: None,
+    kind: type[SessionRun] = SessionRun,
+) -> SessionSummary:
+    """Run a session in a folder, with a log for Rerun's viewer if ``options.rerun`` names one.
+
+    Arguments and errors are those of :func:`~jointattn_mj.gaze_following.run.run_session`.
+
+    Raises:
+        ExtraError: A log is asked for, and the package that writes it is missing.
+    """
+    return run_session(config, options, progress, kind, _rerun_log(options.rerun, options.resume))
+
+
+def _rerun_log(path: Path | None, resume: bool) -> tuple[Watcher, ...]:
+    """What writes a log into a file that is not there yet; a resumed session's next part gets a name of its own."""
+    if path is None:
+        return ()
+    extra("rerun", "rerun")
+    from jointattn_mj.adapters.rerun import SessionLog
+
+    if path.exists() and not resume:
+        raise OutputError(f"{path} is already there; choose another --rerun")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {path.parent}: {error.strerror}; choose another --rerun") from error
+    return (lambda session: SessionLog(free_name(path), session),)

@@ -1,0 +1,104 @@
+"""Help in two lengths: ``--help`` has what people set, ``--help-all`` everything, tuned constants last.
+
+What people set are the options without a dot: those of the command's own configs, and those marked ``TOP_LEVEL`` in
+nested ones. Every option is accepted, whatever help shows.
+"""
+
+import io
+import re
+import shutil
+import textwrap
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import redirect_stdout, suppress
+from dataclasses import is_dataclass, replace
+from typing import Any, get_args, get_type_hints
+
+import tyro
+from tyro.constructors import ConstructorRegistry, StructConstructorSpec, StructFieldSpec, StructTypeInfo
+
+from jointattn_mj.options import TOP_LEVEL, Checked
+
+Choose = Callable[[type[Checked], str, Any], bool]
+"""Whether a field is shown, from its class, its name and its annotation."""
+ALL = "--help-all"
+HELP = ("-h", "--help", ALL)
+ADVANCED = "advanced: constants tuned once for the robot's camera and scene, in no test, experiment or page"
+
+
+def help_text(command: Callable[..., Any], prog: str, arguments: Sequence[str]) -> str:
+    """Help of a command.
+
+    Args:
+        command: Its annotations say which options there are.
+        prog: What stands before the options.
+        arguments: Words of the command line; with --help-all among them everything is shown.
+    """
+    words = ["--help" if word in HELP else word for word in arguments]
+    own = set(configs_of(command))
+    more = []
+    if "config" in get_type_hints(command):
+        more.append("--config FILE takes defaults from the config.yaml of an earlier run; options override them.")
+    if ALL in arguments:
+        text = _text(command, prog, words, lambda kind, name, hint: name not in kind.ADVANCED)
+        tuned = _text(command, prog, words, lambda kind, name, hint: name in kind.ADVANCED)
+        groups = [part for part in tuned.split("\n\n ") if re.match(r".+ options\n", part)]
+        more = [ADVANCED, "", *(f" {group}\n" for group in groups), *more] if groups else more
+    else:
+        text = _text(command, prog, words, lambda kind, name, hint: kind in own or TOP_LEVEL in get_args(hint))
+        text = re.sub(r"\n\n \S+ options\n(?:  [^ -].*\n)*(?=  -)", "\n", text)  # all in one group
+        if any(_is_nested(hint) for kind in own for hint in get_type_hints(kind).values()):
+            more.append(f"{ALL} lists the options of all parts too.")
+    return "\n".join([text, "", *more]) if more else text
+
+
+def configs_of(command: Callable[..., Any]) -> Iterator[type[Checked]]:
+    """Classes of configs in the annotations of a command's parameters."""
+    todo = list(get_type_hints(command, include_extras=True).values())
+    while todo:
+        hint = todo.pop()
+        if isinstance(hint, type) and issubclass(hint, Checked):
+            yield hint
+        todo += get_args(hint)
+
+
+def _is_nested(hint: Any) -> bool:
+    return isinstance(hint, type) and is_dataclass(hint)
+
+
+def _text(command: Callable[..., Any], prog: str, arguments: Sequence[str], choose: Choose) -> str:
+    """What tyro says with the fields that are chosen, as plain text."""
+    registry, said = ConstructorRegistry(), io.StringIO()
+    asking = False
+
+    @registry.struct_rule
+    def chosen(info: StructTypeInfo) -> StructConstructorSpec | None:
+        nonlocal asking
+        kind: Any = info.type
+        if asking or not (isinstance(kind, type) and issubclass(kind, Checked)):
+            return None
+        asking = True
+        try:
+            whole = ConstructorRegistry.get_struct_spec(info)
+        finally:
+            asking = False
+        if not isinstance(whole, StructConstructorSpec):
+            return None
+        return replace(whole, fields=tuple(_on_one_line(field) for field in whole.fields if shown(kind, field)))
+
+    def shown(kind: type[Checked], field: StructFieldSpec) -> bool:
+        hint: Any = field.type
+        return _is_nested(hint) or choose(kind, field.name, hint)
+
+    short = (tyro.conf.DisallowNone, tyro.conf.FlagCreatePairsOff)
+    with redirect_stdout(said), suppress(SystemExit):
+        tyro.cli(command, prog=prog, args=list(arguments), registry=registry, config=short)
+    lines = [line.rstrip() for line in said.getvalue().splitlines() if not re.fullmatch(r" *-{9,} *", line)]
+    width = shutil.get_terminal_size().columns
+    return "\n".join(textwrap.fill(line, width) if len(line) > width else line for line in lines).strip()
+
+
+def _on_one_line(field: StructFieldSpec) -> StructFieldSpec:
+    """A field whose help is broken into lines by the terminal's width alone."""
+    whole: Any = field.helptext
+    said = whole() if callable(whole) else whole
+    return replace(field, helptext=" ".join(said.split()) if said else None)

@@ -1,0 +1,145 @@
+"""What was perceived in one frame of a video, with names for numbers: what Python users iterate over."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from jointattn_mj.footage.reader import RATE, Still
+from jointattn_mj.footage.viewing import Viewing
+from jointattn_mj.io.table import Table
+
+Flow = dict[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class PerceivedCandidate:
+    """An object or the face in one frame; pixels are those of the robot's image of 320x240, x right and y down."""
+
+    detected: bool
+    """Whether it was found in the image."""
+    x_px: float | None
+    """Centre; None where it was not detected."""
+    y_px: float | None
+    """Centre; None where it was not detected."""
+    moves: bool
+    """Whether it was seen to move (eq. 6.3)."""
+    saliency: float
+    """S_i, eq. 6.5 and 6.6."""
+    motion: float
+    """m_i, eq. 6.3, frames."""
+    interest: float
+    """I_i, eq. 6.1; attention is drawn by it."""
+
+    def __repr__(self) -> str:
+        if self.x_px is None or self.y_px is None:
+            return f"PerceivedCandidate(not detected, interest {self.interest:.3g})"
+        moves = ", moves" if self.moves else ""
+        return f"PerceivedCandidate(at {self.x_px:.1f}, {self.y_px:.1f} px{moves}, interest {self.interest:.3g})"
+
+
+@dataclass(frozen=True)
+class PerceivedFrame:
+    """One frame of a video as the robot perceives it; frames are a thirtieth of a second apart."""
+
+    time_s: float
+    """Time in the video."""
+    image: int
+    """Number of the video's image that the frame shows, from 0."""
+    fresh: bool
+    """Whether that is another image than in the frame before."""
+    face: PerceivedCandidate
+    """The face."""
+    face_fit: float | None
+    """Normalised cross-correlation of the face's best view, -1..1."""
+    objects: dict[str, PerceivedCandidate]
+    """The objects, by name."""
+    fixation: str | None
+    """What is fixated: ``"face"`` or the name of an object. None at first, and while attention shifts."""
+    flow: Flow = field(default_factory=dict, compare=False)
+    """Mean optical flow of what has texture, by name: pixels right and down since the image that it was compared with.
+
+    Empty for frames that were read from a folder, which holds no flow."""
+
+    def __repr__(self) -> str:
+        everything = {"face": self.face, **self.objects}
+        detected = ", ".join(f"{name}{' moves' * one.moves}" for name, one in everything.items() if one.detected)
+        return f"PerceivedFrame({self.time_s:.2f} s, detected: {detected or 'nothing'}; fixates {self.fixation})"
+
+
+def frame_now(viewing: Viewing, still: Still) -> PerceivedFrame:
+    """What a viewing has made of the frame that it was shown last.
+
+    Args:
+        viewing: Has just been shown ``still``.
+        still: The frame.
+    """
+    watcher = viewing.watcher
+    attention, percept, fit = watcher.attention, watcher.percept, watcher.perceiver.fix.score
+    if percept is None:
+        raise ValueError("expected a viewing that has been shown a frame; got a new one")
+    locations = [(single(x), single(y)) for x, y in percept.px]
+    candidates = {
+        name: PerceivedCandidate(
+            detected=bool(percept.visible[k]),
+            x_px=locations[k][0],
+            y_px=locations[k][1],
+            moves=bool(percept.moves[k]),
+            saliency=float(np.float32(attention.saliency[k])),
+            motion=float(np.float32(attention.motion[k])),
+            interest=float(np.float32(attention.interest[k])),
+        )
+        for k, name in enumerate(viewing.names)
+    }
+    attended = None if watcher.attended is None or watcher.goal is not None else viewing.names[watcher.attended]
+    return PerceivedFrame(
+        time_s=(viewing.frames - 1) / RATE,
+        image=still.number,
+        fresh=bool(still.fresh),
+        face=candidates.pop("face"),
+        face_fit=single(fit),
+        objects=candidates,
+        fixation=attended,
+        flow=_flow(viewing),
+    )
+
+
+def frames_of(percepts: Table, names: tuple[str, ...]) -> Iterator[PerceivedFrame]:
+    """The frames that a table of percepts holds.
+
+    Args:
+        percepts: What ``percepts.parquet`` holds.
+        names: Of the candidates, the face's last.
+    """
+    for batch in percepts.arrow.to_batches(max_chunksize=RATE * 60):
+        for row in batch.to_pylist():
+            candidates = {name: _candidate(row, name) for name in names}
+            yield PerceivedFrame(
+                time_s=row["time_s"],
+                image=row["image"],
+                fresh=row["fresh"],
+                face=candidates.pop("face"),
+                face_fit=row["face_fit"],
+                objects=candidates,
+                fixation=None if row["head_moves"] else row["attended"],
+            )
+
+
+def _candidate(row: dict[str, Any], name: str) -> PerceivedCandidate:
+    columns = ("seen", "x_px", "y_px", "moves", "saliency", "motion", "interest")
+    return PerceivedCandidate(*(row[f"{name}_{column}"] for column in columns))
+
+
+def single(value: float) -> float | None:
+    """A number in the precision of the tables; None for NaN."""
+    return None if np.isnan(value) else float(np.float32(value))
+
+
+def _flow(viewing: Viewing) -> Flow:
+    motion = viewing.watcher.perceiver.motion
+    if motion is None:
+        return {}
+    blocks = {name: motion.flow[motion.owner == k] for k, name in enumerate(viewing.names)}
+    means = {name: flow.mean(axis=0) for name, flow in blocks.items() if len(flow)}
+    return {name: (float(x), float(y)) for name, (x, y) in means.items()}

@@ -1,0 +1,153 @@
+"""What a session leaves: tables, summary and weights, in memory or in a folder."""
+
+from collections.abc import Callable
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from jointattn_mj.gaze_following import figures
+from jointattn_mj.gaze_following.session import SessionConfig
+from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts
+from jointattn_mj.gaze_following.summary import SessionSummary
+from jointattn_mj.gaze_following.varied_session import VariedSessionConfig
+from jointattn_mj.io.configs import read_config
+from jointattn_mj.io.files import claimed
+from jointattn_mj.io.provenance import write_config
+from jointattn_mj.io.table import Table
+from jointattn_mj.io.weights import read_weights, write_weights
+from jointattn_mj.perception.som import SOM
+
+
+class SessionResult:
+    """A finished session.
+
+    Tables and weights of a result that lies in a folder are read from there when they are first asked for. Two results
+    are equal if config, summary, tables and weights are; the computing time does not count.
+
+    Attributes:
+        config: What decided the session.
+        summary: The session in numbers.
+        folder: Where the results lie; None for a result in memory.
+
+    Example:
+        >>> from jointattn_mj import Session, SessionResult
+        >>> result = Session(minutes=0.5, perception="state").run()
+        >>> result.save("out/half_a_minute")
+        >>> SessionResult.open("out/half_a_minute") == result
+        True
+        >>> len(result.frames)
+        900
+        >>> result.frames.to_pandas()["phase"].iloc[0]
+        'gaze'
+    """
+
+    def __init__(
+        self,
+        config: SessionConfig,
+        summary: SessionSummary,
+        frames: Callable[[], Table],
+        shifts: Callable[[], Table],
+        weights: Callable[[], dict[str, np.ndarray]],
+        folder: Path | None = None,
+    ):
+        """Users get results from ``Session.run`` and ``SessionResult.open``.
+
+        Args:
+            config: What decided the session.
+            summary: The session in numbers.
+            frames: Gives the table of frames; called once, when it is first asked for.
+            shifts: Gives the table of gaze shifts.
+            weights: Gives what the robot learned.
+            folder: Where the results lie, if anywhere.
+        """
+        self.config, self.summary, self.folder = config, summary, folder
+        self._read_frames, self._read_shifts, self._read_weights = frames, shifts, weights
+
+    @classmethod
+    def open(cls, folder: str | PathLike[str]) -> "SessionResult":
+        """The result of a session that has finished in ``folder``.
+
+        Args:
+            folder: What ``--out`` or ``run(out=...)`` named, or ``save``.
+
+        Returns:
+            The result, equal to the one that the session returned.
+
+        Raises:
+            OutputError: The folder holds no finished session.
+            ConfigError: Its config.yaml cannot be read.
+        """
+        path = Path(folder)
+        return cls(
+            summary=SessionSummary.read(path / "summary.json"),
+            config=read_config(path / "config.yaml", VariedSessionConfig),
+            frames=lambda: Table.read(path / "frames.parquet"),
+            shifts=lambda: Table.read(path / "gaze_shifts.parquet"),
+            weights=lambda: read_weights(path / "weights.npz"),
+            folder=path,
+        )
+
+    @cached_property
+    def frames(self) -> Table:
+        """A row a frame: the scene, what the robot perceived, and the interest of every candidate."""
+        return self._read_frames()
+
+    @cached_property
+    def shifts(self) -> Table:
+        """A row a gaze shift: from where to where, who commanded it, and whether it was a success."""
+        return self._read_shifts()
+
+    @cached_property
+    def weights(self) -> dict[str, np.ndarray]:
+        """What the robot learned, arrays by name: the map of faces, the map from faces to commands, and l of eq. 6.8.
+
+        ``weights.npz`` in the result's folder holds them; ``start_from`` begins another session with it.
+        """
+        return self._read_weights()
+
+    def save(self, folder: str | PathLike[str]) -> None:
+        """Leave the result in a folder, as the command ``jointattn session`` does, but for its checkpoint.
+
+        Args:
+            folder: Is made when missing, and refused when it holds another run.
+
+        Raises:
+            OutputError: The folder holds another run, or cannot be written.
+        """
+        out = Path(folder)
+        with claimed(out):
+            write_config(out / "config.yaml", self.config)
+            self.frames.write(out / "frames.parquet")
+            self.shifts.write(out / "gaze_shifts.parquet")
+            write_weights(out / "weights.npz", self.weights)
+            figures.draw_success(out / "success.png", self._shift_rows(), self.config.minutes)
+            som = {name.removeprefix("som_"): array for name, array in self.weights.items() if name.startswith("som_")}
+            figures.draw_som(out / "som.png", SOM.from_arrays(som, self.config.robot.som))
+            self.summary.write(out / "summary.json")
+
+    def _shift_rows(self) -> Shifts:
+        """The table of shifts in the form that figures are drawn from."""
+        shifts = Shifts((*(item.name for item in self.config.world.scene.objects), "face"))
+        for row in self.shifts.arrow.to_pylist():
+            shifts.append(ShiftRow(**row))
+        return shifts
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, SessionResult):
+            return NotImplemented
+        return (
+            (self.config, self.summary) == (other.config, other.summary)
+            and (self.shifts, self.frames) == (other.shifts, other.frames)
+            and self.weights.keys() == other.weights.keys()
+            and all(np.array_equal(array, other.weights[name]) for name, array in self.weights.items())
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        summary = self.summary
+        rate = "" if summary.success_rate is None else f", {summary.success_rate:.0%} successes"
+        where = "in memory" if self.folder is None else f"in {self.folder}"
+        return f"SessionResult({summary.minutes:g} min, {summary.gaze_shifts} gaze shifts{rate}, {where})"

@@ -1,0 +1,154 @@
+"""The tables of a result: columns by name, which become pandas or polars by one call."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from jointattn_mj.errors import OutputError
+from jointattn_mj.io.extras import extra
+from jointattn_mj.io.parquet import write_parquet
+from jointattn_mj.options import meant
+
+WIDTH = 100
+"""Characters of a table's repr."""
+
+
+class Table:
+    """A table that does not change, kept in Arrow's columns.
+
+    ``table["column"]`` is a NumPy array, ``len(table)`` the number of rows, ``"column" in table`` asks for a column,
+    iterating gives the names of the columns. Two tables are equal if their names and values are; missing values and
+    NaN equal themselves.
+
+    Attributes:
+        arrow: The same table as ``pyarrow.Table``; its schema says what each column means.
+
+    Example:
+        >>> import pyarrow
+        >>> from jointattn_mj.io.table import Table
+        >>> table = Table(pyarrow.table({"time_s": [0.0, 0.5], "name": ["red", None]}))
+        >>> table
+        Table(2 rows, 2 columns: time_s, name)
+        >>> table["time_s"]
+        array([0. , 0.5])
+    """
+
+    def __init__(self, arrow: pa.Table):
+        self.arrow = arrow
+
+    @classmethod
+    def read(cls, path: Path, new_names: Mapping[str, str] | None = None) -> "Table":
+        """Read a Parquet file.
+
+        Args:
+            path: The file.
+            new_names: Names of columns as an earlier version wrote them, and what they are called now.
+
+        Raises:
+            OutputError: There is no such file, or it is no Parquet file.
+        """
+        try:
+            arrow = pq.read_table(path)
+        except FileNotFoundError as error:
+            raise OutputError(f"there is no table at {path}; give the folder of a finished run") from error
+        except (OSError, pa.ArrowException) as error:
+            raise OutputError(f"cannot read the table {path} ({error}); give the folder of a finished run") from error
+        new_names = new_names or {}
+        return cls(arrow.rename_columns([new_names.get(name, name) for name in arrow.column_names]))
+
+    def write(self, path: Path) -> None:
+        """Write a Parquet file, whole or not at all.
+
+        Raises:
+            OutputError: The file cannot be written.
+        """
+        write_parquet(path, self.arrow)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return tuple(self.arrow.column_names)
+
+    def describe(self, column: str) -> str:
+        """What a column means; empty where its writer has not said so.
+
+        Raises:
+            KeyError: There is no such column.
+        """
+        self._check(column)
+        metadata: dict[bytes, bytes] = self.arrow.field(column).metadata or {}
+        return metadata.get(b"description", b"").decode()
+
+    def to_pandas(self) -> Any:
+        """The table as ``pandas.DataFrame``.
+
+        Raises:
+            ExtraError: The package pandas is not installed.
+        """
+        extra("tables", "pandas")
+        return self.arrow.to_pandas()
+
+    def to_polars(self) -> Any:
+        """The table as ``polars.DataFrame``.
+
+        Raises:
+            ExtraError: The package polars is not installed.
+        """
+        return extra("tables", "polars").from_arrow(self.arrow)
+
+    def __getitem__(self, column: str) -> np.ndarray:
+        """Values (rows,) of a column: missing numbers are NaN, other missing values None in an array of objects.
+
+        Raises:
+            KeyError: There is no such column.
+        """
+        self._check(column)
+        values: np.ndarray = _decoded(self.arrow[column]).to_numpy()
+        return values
+
+    def __contains__(self, column: object) -> bool:
+        return column in self.arrow.column_names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.arrow.column_names)
+
+    def __len__(self) -> int:
+        return int(self.arrow.num_rows)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Table):
+            return NotImplemented
+        return (
+            self.columns == other.columns
+            and len(self) == len(other)
+            and all(_same(_decoded(self.arrow[name]), _decoded(other.arrow[name])) for name in self)
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        start = f"Table({len(self)} rows, {len(self.columns)} columns: "
+        names, room = ", ".join(self.columns), WIDTH - len(start) - 1
+        return f"{start}{names if len(names) <= room else names[: room - 3] + '...'})"
+
+    def _check(self, column: str) -> None:
+        if column not in self:
+            raise KeyError(f"no column {column!r}{meant(column, self.columns)}; there are {', '.join(self.columns)}")
+
+
+def _decoded(values: pa.ChunkedArray) -> pa.ChunkedArray:
+    """Words in place of numbers of words."""
+    return values.cast(values.type.value_type) if pa.types.is_dictionary(values.type) else values
+
+
+def _same(some: pa.ChunkedArray, others: pa.ChunkedArray) -> bool:
+    if some.equals(others):
+        return True
+    if not (pa.types.is_floating(some.type) and some.type == others.type):
+        return False
+    missing = some.is_null().equals(others.is_null())
+    return missing and np.array_equal(some.to_numpy(), others.to_numpy(), equal_nan=True)

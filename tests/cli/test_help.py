@@ -1,0 +1,89 @@
+"""What the command line says of itself: the overview, and help in two lengths."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+from shell import Shell
+
+from jointattn_mj import __version__
+from jointattn_mj.cli.commands import COMMANDS, overview
+from jointattn_mj.cli.help import ADVANCED
+
+SCREENS, LINES, COLUMNS = 2, 45, 100
+OPTION = re.compile(r"^ +(?:-h, )?(--[\w.-]+)", re.M)
+PARTS = {"session": ("--robot.", "--pixels.", "--world."), "perceive": ("--attention.", "--pixels.", "--som.")}
+
+
+@pytest.fixture(scope="module")
+def jointattn():
+    os.environ["COLUMNS"], before = str(COLUMNS), os.environ.get("COLUMNS")
+    shell = Shell()
+    yield shell
+    shell.close()
+    del os.environ["COLUMNS"]
+    if before is not None:
+        os.environ["COLUMNS"] = before
+
+
+@pytest.mark.parametrize("arguments", [(), ("--help",), ("-h",)])
+def test_the_overview_imports_neither_numpy_nor_tyro(arguments):
+    program = (
+        "import sys; from jointattn_mj.cli.main import main; "
+        f"main({list(arguments)}); print(*(name for name in ('numpy', 'tyro') if name in sys.modules), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.returncode, done.stderr.strip()) == (0, "")
+    assert done.stdout.strip() == overview()
+    for name, command in COMMANDS.items():
+        assert re.search(rf"^  {name} +{re.escape(command.does)}$", done.stdout, re.M)
+
+
+def test_overview_is_narrow():
+    assert max(map(len, overview().splitlines())) <= 110
+
+
+def test_version(jointattn):
+    outcome = jointattn("--version")
+    assert (outcome.code, outcome.out, outcome.err) == (0, f"jointattn-mj {__version__}\n", "")
+
+
+@pytest.mark.parametrize("command", [*COMMANDS, "experiment run", "experiment report"])
+def test_help_fits_two_screens(jointattn, command):
+    outcome = jointattn(*command.split(), "--help")
+    assert (outcome.code, outcome.err) == (0, "")
+    lines = outcome.out.splitlines()
+    assert len(lines) <= SCREENS * LINES
+    assert max(map(len, lines)) <= COLUMNS
+    assert not [line for line in lines if line != line.rstrip()]
+
+
+@pytest.mark.parametrize("command", PARTS)
+def test_everyday_help_is_part_of_all(jointattn, command):
+    everyday, everything = (jointattn(command, option).out for option in ("--help", "--help-all"))
+    short, long = (OPTION.findall(text) for text in (everyday, everything))
+    assert len(short) == len(set(short))
+    assert len(long) == len(set(long))
+    assert set(short) < set(long)
+    assert not [option for option in short if "." in option]
+    for part in PARTS[command]:
+        assert [option for option in long if option.startswith(part)]
+    assert "--help-all" in everyday and "--config FILE" in everyday
+
+
+def test_tuned_constants_come_last(jointattn):
+    before, _, after = jointattn("session", "--help-all").out.partition(ADVANCED)
+    assert "--pixels.faces.haar-neighbours" in after
+    assert "--pixels.faces.haar-neighbours" not in before
+    assert "--robot.gaze.gate " in before
+
+
+def test_help_says_what_values_may_be(jointattn):
+    said = jointattn("session", "--help").out
+    for words in ("--seed INT[0,9e18]", "--caregiver {robin,noa,", "--minutes FLOAT(0,1e9]", "--no-motion-cues"):
+        assert words in said
+    said = jointattn("session", "--help-all").out
+    for words in ("--robot.som.rate-start FLOAT[1e-9,1]", "{min,max}"):
+        assert words in said

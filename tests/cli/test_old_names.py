@@ -1,0 +1,165 @@
+"""Names of the last version on the command line and in config files: taken, with a line that names the new one."""
+
+import re
+import warnings
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar, Literal
+
+import pytest
+from shell import Shell
+
+from jointattn_mj.cli.old_names import with_names_of_today
+from jointattn_mj.options import FLAT, TOP_LEVEL, Checked, RenamedWarning, Share
+
+GONE = "; the old name goes with the next version"
+
+
+@dataclass(frozen=True)
+class Inner(Checked):
+    gain: Share = 0.5
+    steady: bool = False
+    shared: Annotated[Share, TOP_LEVEL] = 0.0
+    parts: tuple[Literal["head", "hand"], ...] = ()
+
+    RENAMED: ClassVar = {"place_gain": "gain", "still": "steady", "common": "shared"}
+    OLD_CHOICES: ClassVar = {"parts": {"skull": "head"}}
+
+
+@dataclass(frozen=True)
+class Outer(Checked):
+    agent: Inner = field(default_factory=Inner)
+    source: Literal["state", "pixels"] = "pixels"
+
+    RENAMED: ClassVar = {"mind": "agent", "perception": "source"}
+    OLD_CHOICES: ClassVar = {"source": {"truth": "state"}}
+
+
+def command(config: Annotated[Outer, FLAT]) -> None:
+    """Do nothing."""
+
+
+CASES = {
+    "--mind.gain 0.1": "--agent.gain 0.1",
+    "--agent.place-gain=0.1": "--agent.gain=0.1",
+    "--mind.place_gain 0.1": "--agent.gain 0.1",
+    "--mind.no-still": "--agent.no-steady",
+    "--common 1": "--shared 1",
+    "--source truth": "--source state",
+    "--perception=truth": "--source=state",
+    "--mind.parts skull hand skull": "--agent.parts head hand head",
+    "truth --agent.parts truth": None,
+    "--agent.gain 0.1 --source state --unknown.gain x --no-steady": None,
+}
+
+
+@pytest.mark.parametrize(("typed", "expected"), CASES.items())
+def test_words(typed, expected):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        words = with_names_of_today(typed.split(), command)
+    assert " ".join(words) == (expected or typed)
+    assert bool(caught) == (expected is not None)
+    assert all(issubclass(one.category, RenamedWarning) for one in caught)
+
+
+def test_from_python():
+    with pytest.warns(RenamedWarning) as caught:
+        made = Outer(mind=Inner(place_gain=0.1, parts=("skull",)), perception="truth")
+    assert made == Outer(Inner(gain=0.1, parts=("head",)), "state")
+    said = [str(one.message) for one in caught]
+    assert f"Outer.mind is now called agent{GONE}" in said
+    assert f"Outer.source 'truth' is now called 'state'{GONE}" in said
+    assert len(said) == 5
+    with pytest.raises(TypeError, match="given twice"):
+        Outer(mind=Inner(), agent=Inner())
+
+
+@pytest.fixture(scope="module")
+def jointattn():
+    shell = Shell()
+    yield shell
+    shell.close()
+
+
+SHORT = ("--minutes", 0.02, "--robot.familiarise.minutes", 0.02)
+
+
+def test_a_session(jointattn, tmp_path):
+    old = ("--perception", "truth", "--truth.face-noise-px", 1, "--world.behaviour.rest-place", 1.2, 0.3, 0.75)
+    outcome = jointattn("session", *SHORT, *old, "--out", tmp_path)
+    assert outcome.code == 0
+    assert outcome.err.splitlines() == [
+        f"jointattn: warning: {old} is now called {new}{GONE}"
+        for old, new in (
+            ("--perception truth", "--perception state"),
+            ("--truth.face-noise-px", "--state.face-noise-px"),
+            ("--world.behaviour.rest-place", "--world.behaviour.rest-location"),
+        )
+    ]
+    text = (tmp_path / "config.yaml").read_text()
+    assert "perception: state" in text and "face_noise_px: 1.0" in text
+
+
+@pytest.fixture(scope="module")
+def file(jointattn, tmp_path_factory):
+    out = tmp_path_factory.mktemp("first")
+    outcome = jointattn("session", *SHORT, "--perception", "state", "--seed", 3, "--no-motion-cues", "--out", out)
+    assert (outcome.code, outcome.err) == (0, "")
+    return out / "config.yaml"
+
+
+class TestConfigFile:
+    def test_the_same_again(self, jointattn, file, tmp_path):
+        for option in (("--config", file), (f"--config={file}",)):
+            out = tmp_path / str(len(option))
+            outcome = jointattn("session", *option, "--out", out)
+            assert (outcome.code, outcome.err) == (0, "")
+            assert (out / "config.yaml").read_bytes() == file.read_bytes()
+            assert (out / "frames.parquet").read_bytes() == (file.parent / "frames.parquet").read_bytes()
+
+    def test_options_override_it(self, jointattn, file, tmp_path):
+        outcome = jointattn("session", "--seed", 4, "--config", file, "--motion-cues", "--out", tmp_path)
+        assert (outcome.code, outcome.err) == (0, "")
+        expected = file.read_text().replace("seed: 3", "seed: 4").replace("motion_cues: false", "motion_cues: true")
+        assert (tmp_path / "config.yaml").read_text() == expected
+
+    def test_of_the_last_version(self, jointattn, file, tmp_path):
+        text = file.read_text().replace("perception: state", "perception: truth")
+        old = tmp_path / "old.yaml"
+        old.write_text(re.sub(r"^  state:", "  truth:", text, flags=re.M))
+        outcome = jointattn("session", "--config", old, "--out", tmp_path / "out")
+        assert outcome.code == 0
+        assert (tmp_path / "out" / "config.yaml").read_bytes() == file.read_bytes()
+        assert outcome.err.count("jointattn: warning: ") == outcome.err.count("\n") == 2
+
+    @pytest.mark.parametrize(
+        ("old", "new", "words"),
+        [
+            ("minutes:", "minuts:", ("'minuts' (perhaps you meant 'minutes')",)),
+            ("seed: 3", "seed: -3", ("seed: expected a whole number", "got -3")),
+            ("success: either", "success: landed", ("success", "perhaps you meant 'landing'")),
+            ("config:", "confi:", ("no config.yaml of a run",)),
+        ],
+    )
+    def test_what_it_may_not_say(self, jointattn, file, tmp_path, old, new, words):
+        wrong = tmp_path / "wrong.yaml"
+        wrong.write_text(file.read_text().replace(old, new, 1))
+        outcome = jointattn("session", "--config", wrong, "--out", tmp_path / "out")
+        assert outcome.code == 2
+        assert outcome.err.count("\n") == 1
+        for word in (str(wrong), *words):
+            assert word in outcome.err
+        assert not (tmp_path / "out").exists()
+
+    @pytest.mark.parametrize(
+        ("arguments", "words"),
+        [
+            (("session", "--config"), "expects a file"),
+            (("session", "--config", "nowhere.yaml"), "cannot read nowhere.yaml"),
+            (("play", "follow", "--agent", "zero", "--config", "a.yaml"), "play takes no --config"),
+        ],
+    )
+    def test_no_file(self, jointattn, arguments, words):
+        outcome = jointattn(*arguments)
+        assert outcome.code == 2
+        assert words in outcome.err

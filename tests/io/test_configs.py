@@ -1,0 +1,60 @@
+"""Configs written by a run and read back."""
+
+from dataclasses import replace
+
+import pytest
+
+from jointattn_mj.development.realtime.config import RealtimeDevelopConfig
+from jointattn_mj.development.rendered.config import RenderedDevelopConfig
+from jointattn_mj.development.run import DevelopConfig
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.footage.config import PerceiveConfig
+from jointattn_mj.gaze_following.varied_session import VariedSessionConfig
+from jointattn_mj.io.configs import config_of, read_config
+from jointattn_mj.io.provenance import write_config
+from jointattn_mj.scene.model import ObjectConfig
+from jointattn_mj.scene.people import FaceConfig
+
+SESSION = VariedSessionConfig(minutes=2, seed=7, perception="state", start_from="weights.npz", variation="lights+pace")
+SCENE = replace(SESSION.world.scene, objects=(ObjectConfig("cup", (1.0, 0.5, 0.0)),), face=FaceConfig())
+CONFIGS = [
+    SESSION,
+    replace(SESSION, world=replace(SESSION.world, scene=SCENE)),
+    PerceiveConfig("video.mp4", objects=("blue", "cup=#c03a2b"), fps=25.0),
+    *(kind.of("fast") for kind in (DevelopConfig, RenderedDevelopConfig, RealtimeDevelopConfig)),
+]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda config: type(config).__name__)
+def test_a_config_that_was_written_is_read_back(config, tmp_path):
+    write_config(tmp_path / "config.yaml", config)
+    assert read_config(tmp_path / "config.yaml", type(config)) == config
+
+
+def test_fields_that_are_missing_have_their_defaults():
+    assert config_of(VariedSessionConfig, {"seed": 3}) == VariedSessionConfig(seed=3)
+    assert config_of(VariedSessionConfig, {"world": {"scene": {}}}) == VariedSessionConfig()
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("config: {minuets: 3}", "no field 'minuets' .perhaps you meant 'minutes'"),
+        ("config: {minutes: -3}", "minutes: expected a number"),
+        ("config: {world: {scene: {caregiver: nobody}}}", "caregiver: expected one of"),
+        ("config: {robot: 3}", "robot: expected a RobotConfig"),
+        ("config: 3", "expected a mapping under config, got 3"),
+        ("minutes: 3", "expected a mapping under the key config"),
+        ("{", "expected a mapping under the key config"),
+    ],
+)
+def test_what_is_no_config_is_named(text, words, tmp_path):
+    (tmp_path / "config.yaml").write_text(text)
+    with pytest.raises(ConfigError, match=words) as error:
+        read_config(tmp_path / "config.yaml", VariedSessionConfig)
+    assert str(tmp_path) in str(error.value)
+
+
+def test_a_file_that_is_missing(tmp_path):
+    with pytest.raises(ConfigError, match="cannot read"):
+        read_config(tmp_path / "config.yaml", VariedSessionConfig)
