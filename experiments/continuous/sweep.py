@@ -123,7 +123,7 @@ def _looks(run: ContinuousRun, count: int, seed: np.random.SeedSequence) -> Iter
         action = np.array([run.spots if rng.random() < 0.5 else rng.integers(run.spots), 0])
         step(stage.table, action, stage.sensors, stage.results)
         stage.show(0, run.heads)
-        shown = run.look()
+        shown = run.body.perceive()
         hers = run.target()
         if shown.pattern is None or hers is None:
             continue

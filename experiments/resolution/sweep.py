@@ -12,7 +12,7 @@ from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.contingency.online.reactive import RandomModule
 from jointattn_mj.contingency.online.resolution import Growth, Step, contingency
 from jointattn_mj.development.meaning import FACE, GAZE, OBJECT
-from jointattn_mj.development.rendered.growing import Babbling, Body, GrowingConfig, GrowingRun, RecallingBody
+from jointattn_mj.development.rendered.growing import Babbling, FreeGazeBody, GrowingConfig, GrowingRun, RecallingBody
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.sweeps.claim import Setting
@@ -43,7 +43,7 @@ def trial(config: RunConfig, seed: int) -> dict[str, Any]:
     """The splits, what the values mean in the end, and what the preset ``fast`` found with them."""
     preset = PRESETS["fast"]
     table = replace(preset.world, spots=config.spots, objects=min(2, config.spots - 1))
-    babbling = Babbling(table, config.growing, seed, Body if config.images else RecallingBody)
+    babbling = Babbling(table, config.growing, seed, FreeGazeBody if config.images else RecallingBody)
     babbling.advance(config.turns)
     growth, given = babbling.growth, babbling.experience()
     confusion = _confusion(babbling)
@@ -96,7 +96,7 @@ def _shuffled(babbling: Babbling, rng: np.random.Generator) -> int:
     shuffled = given._replace(cells=cells)
     for turns in range(500, len(cells) + 1, 500):
         if growth.due(turns):
-            growth.look(shuffled.some(slice(turns)))
+            growth.update(shuffled.some(slice(turns)))
     return len(growth.steps)
 
 

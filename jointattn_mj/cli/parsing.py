@@ -1,7 +1,8 @@
 """From the words of a command line to a call: help, ``--config``, names of the last version, then tyro.
 
-A command is the function ``NAME`` of ``jointattn_mj.cli.NAME``. A module whose defaults depend on what is asked for has
-``command_for(arguments, file)`` besides, which gives that function with these defaults; ``file`` is that of --config.
+A command is the function ``NAME`` of ``jointattn_mj.cli.NAME``. A module with sub-commands of its own has
+``command_for(arguments, file)`` besides, which gives one of them and the words that follow it; ``file`` is that of
+--config.
 """
 
 import inspect
@@ -16,6 +17,7 @@ from typing import Any, get_type_hints
 
 import tyro
 
+from jointattn_mj.cli.given import GIVEN
 from jointattn_mj.cli.help import HELP, help_text
 from jointattn_mj.cli.old_names import with_names_of_today
 from jointattn_mj.cli.usage import complaint, without_class
@@ -44,16 +46,18 @@ def parsed(name: str, arguments: Sequence[str]) -> Callable[[], None]:
     """
     file, words = _config_file(arguments)
     module = module_of(name)
+    prog = f"jointattn {name}"
     if hasattr(module, "command_for"):
-        command = module.command_for(words, file)
+        command, words = module.command_for(words, file)
+        prog += " WORLD" if command.__name__ == name else f" {command.__name__}"
     else:
         command = getattr(module, name)
         command = command if file is None else with_defaults(command, **{CONFIG: _read(command, file, name)})
-    prog = f"jointattn {name}"
-    if any(word in HELP for word in words):
-        print(help_text(command, prog, words))
-        raise SystemExit(0)
-    return by_tyro(command, prog, with_names_of_today(words, command))
+    with GIVEN:
+        if any(word in HELP for word in words):
+            print(help_text(command, prog, words))
+            raise SystemExit(0)
+        return by_tyro(command, prog, with_names_of_today(words, command))
 
 
 def by_tyro(command: Callable[..., None], prog: str, arguments: Sequence[str]) -> Callable[[], None]:

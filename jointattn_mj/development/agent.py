@@ -4,9 +4,9 @@ It knows the names and values of its variables and nothing of the world behind t
 results, (S, R), and chooses actions, A.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -45,24 +45,26 @@ class DeveloperConfig(Checked):
     ``horizon`` transitions; ``fading``, older ones weigh less."""
     horizon: Annotated[int, Whole("[2, 1e10]")] = 20_000
     """Memory window: transitions; memory fading: after so many, a transition weighs 1/e."""
-    history: Literal["made", "ever"] = "made"
-    """Where the counts of a new module's variables start: ``made``, empty, when the module is made; ``ever``, with all
-    turns before as turns in which it was not used."""
+    history: Literal["since_creation", "full"] = "since_creation"
+    """What the counts of a new module's variables begin with. ``since_creation``: nothing. ``full``: all steps before
+    the module was made, as steps in which it was not used."""
     refresh_every: Annotated[int, Whole("[0, 1e10]")] = 0
     """Turns after which all maps are read off the counts anew; 0: a module's map stays as it was made. What a module
     does sinks in the counts while it is used, so that maps which follow them undo themselves."""
     most_modules: Annotated[int, Whole("[0, 127]")] = 20
-    """Events grow with the square of this; no further ones are made."""
+    """Largest number of modules. The number of events grows with its square."""
+
+    OLD_CHOICES: ClassVar[Mapping[str, Mapping[str, str]]] = {"history": {"made": "since_creation", "ever": "full"}}
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.memory == "fading" and (self.detector.rule == "certain" or self.detector.correction != "none"):
+        if self.memory == "fading" and (self.detector.stop_rule == "confidence" or self.detector.correction != "none"):
             raise ConfigError(
-                "with memory fading counts are weights, for which neither rule certain nor a correction is defined; "
-                "choose memory window, or rule still without correction"
+                "memory fading keeps weights, for which neither stop_rule confidence nor a correction is defined; "
+                "choose memory window, or stop_rule convergence without correction"
             )
-        if self.history == "ever" and self.memory != "whole":
-            raise ConfigError(f"history ever needs memory whole; got {self.memory}")
+        if self.history == "full" and self.memory != "whole":
+            raise ConfigError(f"history full needs memory whole; got {self.memory}")
 
 
 class RecentSteps(NamedTuple):
@@ -224,7 +226,7 @@ class Developer:
         if found == NOTHING:
             return None
         if len(self.modules) >= self.config.most_modules:
-            self.state.watch.claimed[found] = True
+            self.state.watch.modelled[found] = True
             return None
         made = self._module(self.events[found])
         self._grow(found, made)
@@ -288,7 +290,7 @@ class Developer:
             counts = empty_counts(self.variables, self.events)
         else:
             counts = joined(state.counts, empty_counts(self.variables, new))
-        if config.history == "ever":
+        if config.history == "full":
             for event in new:
                 set_joint_table(counts, self.events.index(event), self._unused(event))
         self.state = state._replace(

@@ -1,7 +1,7 @@
-"""A life as files: what happened turn by turn, contingency over time, and the learned maps, all in words."""
+"""Tables of a run, in words: what happened step by step, contingency over time, and the learned maps."""
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,28 +15,41 @@ from jointattn_mj.gaze_following.columns import described
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.parquet import write_parts
 from jointattn_mj.io.rows import spans
+from jointattn_mj.io.table import Table
 
 ROWS = 1 << 17
-"""Turns that are put into words at a time."""
+"""Steps in a part of the log."""
 PART_BYTES = 1 << 23
-"""Of the contingency that is written at a time."""
+"""Bytes in a part of the contingency table."""
+RELIABILITY = "reliability"
+"""Column of a map."""
+
+
+def steps_table(run: DevelopmentRun) -> Table:
+    """The log, a row a step."""
+    return Table(pa.concat_tables(_steps(run)))
+
+
+def contingency_table(run: DevelopmentRun) -> Table:
+    """The measure of every event over time; null before the event existed."""
+    return Table(pa.concat_tables(_contingency(run)))
 
 
 def write_steps(path: Path, run: DevelopmentRun) -> None:
-    """Write the log as Parquet, a row a turn."""
+    """Write ``steps_table`` as Parquet, a part at a time."""
     write_parts(path, _steps(run))
 
 
 def write_contingency(path: Path, run: DevelopmentRun) -> None:
-    """Write the measure of every event as Parquet, a row each time it was noted; null before the event existed."""
+    """Write ``contingency_table`` as Parquet, a part at a time."""
     write_parts(path, _contingency(run))
 
 
-def write_map(path: Path, variables: Variables, module: Module) -> None:
-    """Write a module's map as CSV, a row for each pair of observables; blank where it offers nothing."""
+def map_rows(variables: Variables, module: Module) -> list[list[str]]:
+    """A module's map as text: a header, and a row for each pair of observables; blank where it offers nothing."""
     sensor, action = variables.sensors[module.event.sensor], variables.actions[module.event.action]
     result = variables.results[module.event.result]
-    rows = [[result.name, sensor.name, action.name, "reliability", f"expected {result.name}"]]
+    rows = [[result.name, sensor.name, action.name, RELIABILITY, f"expected {result.name}"]]
     for r, before in enumerate(result.values):
         for s, sensed in enumerate(sensor.values):
             offer = ["", "", ""]
@@ -44,6 +57,11 @@ def write_map(path: Path, variables: Variables, module: Module) -> None:
                 command, expected = action.values[module.command[r, s]], result.values[module.expected[r, s]]
                 offer = [command, f"{module.reliability[r, s]:.6f}", expected]
             rows.append([before, sensed, *offer])
+    return rows
+
+
+def write_map(path: Path, rows: Iterable[Sequence[str]]) -> None:
+    """Write ``map_rows`` as CSV."""
 
     def write(temporary: Path) -> None:
         with temporary.open("w", newline="") as file:
@@ -52,40 +70,58 @@ def write_map(path: Path, variables: Variables, module: Module) -> None:
     write_whole(path, write)
 
 
+def read_map(path: Path) -> list[list[str]]:
+    """What ``write_map`` wrote."""
+    with path.open(newline="") as file:
+        return list(csv.reader(file))
+
+
+def map_table(rows: Sequence[Sequence[str]]) -> Table:
+    """``map_rows`` as a table; null where the map offers nothing."""
+    header, *body = rows
+    columns = {
+        name: pa.array([float(text) if text else None for text in values], pa.float64())
+        if name == RELIABILITY
+        else pa.array([text or None for text in values], pa.string())
+        for name, values in zip(header, zip(*body, strict=True), strict=True)
+    }
+    return Table(pa.table(columns))
+
+
 def _contingency(run: DevelopmentRun) -> Iterator[pa.Table]:
-    """What was noted in parts of some turns; at least one, which may be empty."""
+    """The contingency table in parts; at least one, which may be empty."""
     unit = f"{run.agent.config.detector.measure} in units of base {run.agent.config.detector.base:g}"
     names = [run.agent.variables.describe(event) for event in run.agent.events]
-    meanings = {"turn": "turns lived", **dict.fromkeys(names, unit)}
+    meanings = {"step": "steps done", **dict.fromkeys(names, unit)}
     for first, last in spans(len(run.noted), max(1, PART_BYTES // (8 * len(names)))):
         values = run.noted.values(first, last)
-        columns = {"turn": pa.array(run.noted.n_steps(first, last))}
+        columns = {"step": pa.array(run.noted.n_steps(first, last))}
         columns |= {name: pa.array(values[:, number], from_pandas=True) for number, name in enumerate(names)}
         yield described(pa.table(columns), meanings)
 
 
 def _steps(run: DevelopmentRun) -> Iterator[pa.Table]:
-    """The log in parts of ROWS turns; at least one, which may be empty."""
-    variables, meanings = run.agent.variables, {"turn": "counted from 1"}
+    """The log in parts of ROWS steps; at least one, which may be empty."""
+    variables, meanings = run.agent.variables, {"step": "counted from 1"}
     worlds = variables.sensors[: len(variables.sensors) - variables.modules]
     words: dict[str, tuple[str, ...]] = {}
-    for group, meaning in ((worlds, "sensed before the robot acts"), (variables.results, "result seen with it")):
+    for group, meaning in ((worlds, "sensed before the robot acts"), (variables.results, "result sensed with it")):
         for variable in group:
             words[variable.name], meanings[variable.name] = variable.values, meaning
     for joint in variables.joints:
         words[joint.name], meanings[joint.name] = joint.values, "command that the robot then gives"
     words |= run.witnessed
-    meanings |= {name: "truth, not known to the robot" for name in run.witnessed}
+    meanings |= {name: "ground truth, not known to the robot" for name in run.witnessed}
     behaviour = "what the robot does, by the names of Fig. 5.5"
     drivers = {f"driver of {joint.name}": "module that gave the command" for joint in variables.joints}
     meanings |= {**drivers, "behaviour": behaviour}
     names, codes = _drivers(run)
     done = BehaviourLog(run)
     for first, last in spans(run.steps_done, ROWS):
-        n_steps = np.arange(first, last)
-        columns = {"turn": pa.array(n_steps + 1)}
+        steps = np.arange(first, last)
+        columns = {"step": pa.array(steps + 1)}
         columns |= {name: _in_words(run.log(name, first, last), values) for name, values in words.items()}
-        made = np.searchsorted(_made(run), n_steps, side="right")
+        made = np.searchsorted(_made(run), steps, side="right")
         for name in drivers:
             columns[name] = _in_words(codes[made, run.log(name, first, last)], names)
         columns["behaviour"] = _in_words(done[first:last], SHORT)
@@ -93,6 +129,7 @@ def _steps(run: DevelopmentRun) -> Iterator[pa.Table]:
 
 
 def _made(run: DevelopmentRun) -> list[int]:
+    """Steps done when each module was made."""
     return [one.step for one in run.found if one.module is not None]
 
 

@@ -97,6 +97,9 @@ class DevelopmentRun(ABC):
         """
         self.agent.check()
 
+    def close(self) -> None:  # noqa: B027
+        """Free what the world holds; the log stays."""
+
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Restore a life.
 
@@ -107,7 +110,7 @@ class DevelopmentRun(ABC):
         variables, most = self.agent.variables, np.iinfo(np.int64).max
         if variables.without_modules() != self._sensed():
             raise ValueError("the mind's variables are others than what is sensed and done in its world")
-        for name, least in (("lived", 0), ("turns", 1), ("sample_every", 1)):
+        for name, least in (("steps_done", 0), ("n_steps", 1), ("sample_every", 1)):
             check_whole(name, getattr(self, name), least, most)
         base = variables.without_modules()
         check_array("s", self._s, (len(base.sensors),), np.int64)

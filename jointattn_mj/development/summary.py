@@ -1,6 +1,7 @@
-"""What became of a life, in words and a few numbers."""
+"""Summary of a finished run: modules, behaviour rates by phase, final ranking of events."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -8,55 +9,190 @@ import numpy as np
 from jointattn_mj.development.behaviour import BEHAVIOURS, SHORT, BehaviourPhase
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.meaning import Meaning
+from jointattn_mj.io.provenance import plain
 
 RANKED = 10
-"""Events that the summary lists by their contingency at the end."""
+"""Events in the final ranking."""
 
 
-def summarise(run: DevelopmentRun, known: Sequence[Meaning], parts: Sequence[BehaviourPhase]) -> dict[str, Any]:
-    """Modules in their order, behaviour by phases and the ranking at the end, for JSON.
+@dataclass(frozen=True, repr=False)
+class LearnedModule:
+    """A module, in words."""
 
-    Nothing in it depends on when or where the life was lived.
+    number: int
+    """Counted from 1, in the order in which modules were made."""
+    step: int
+    """Steps done when it was made."""
+    event: str
+    """Its event, such as ``caregiver's face, shift gaze -> object``."""
+    symbol: str
+    """The event in the dissertation's symbols, such as ``(S1, A1, R3)``."""
+    name: str
+    """The dissertation's name (section 5.3.2), such as ``FG-m``; else its number, such as ``module 4``."""
+    means: str
+    """What it does, such as ``gaze following``."""
+
+    def __repr__(self) -> str:
+        name = f" ({self.name})" if self.name.endswith("-m") else ""
+        return f"<module {self.number}: {self.means}{name}, step {self.step:,}>"
+
+
+@dataclass(frozen=True)
+class UnmodelledEvent:
+    """An event that was found when there were as many modules as there can be."""
+
+    step: int
+    """Steps done when it was found."""
+    event: str
+
+
+@dataclass(frozen=True, repr=False)
+class PhaseSummary:
+    """Behaviour between two modules."""
+
+    phase: str
+    """P1 before the first module, P2 after it, and so on (Fig. 5.5)."""
+    first_step: int
+    last_step: int
+    rates: Mapping[str, float]
+    """Rate of each behaviour at the end of the phase, by the names of Fig. 5.5, such as ``FG``."""
+
+    def __repr__(self) -> str:
+        rates = ", ".join(f"{name} {rate:.0%}" for name, rate in self.rates.items())
+        return f"<{self.phase}, steps {self.first_step:,} to {self.last_step:,}: {rates}>"
+
+
+@dataclass(frozen=True)
+class RankedEvent:
+    """An event and its contingency at the end."""
+
+    event: str
+    value: float
+
+
+@dataclass(frozen=True, repr=False)
+class DevelopmentSummary:
+    """What a run came to. Nothing in it depends on when or on which machine it ran."""
+
+    world: str
+    preset: str
+    seed: int
+    steps: int
+    """Steps done."""
+    modules: tuple[LearnedModule, ...]
+    found_without_a_module: tuple[UnmodelledEvent, ...]
+    phases: tuple[PhaseSummary, ...]
+    measure: str
+    """Measure of contingency that ranks the events: ``sac`` or ``tc``."""
+    highest_at_the_end: tuple[RankedEvent, ...]
+    """The most contingent events, the highest first."""
+    more: Mapping[str, Any] = field(default_factory=dict)
+    """What only one world has: who the caregiver was, how well perception did, minutes."""
+
+    def __repr__(self) -> str:
+        names = ", ".join(one.means for one in self.modules) or "none"
+        return f"<{self.world}, preset {self.preset}, seed {self.seed}, {self.steps:,} steps; modules: {names}>"
+
+    def to_json(self) -> dict[str, Any]:
+        """The same as ``summary.json`` has it."""
+        return {
+            "world": self.world,
+            "preset": self.preset,
+            "seed": self.seed,
+            "steps": self.steps,
+            "modules": [
+                {
+                    "module": one.number,
+                    "step": one.step,
+                    "event": one.event,
+                    "symbol": one.symbol,
+                    "name": one.name,
+                    "means": one.means,
+                    "map": map_name(one.number),
+                }
+                for one in self.modules
+            ],
+            "found_without_a_module": [vars(one) for one in self.found_without_a_module],
+            "behaviours": dict(zip(SHORT, BEHAVIOURS, strict=True)),
+            "phases": [vars(part) | {"rates": dict(part.rates)} for part in self.phases],
+            "measure": self.measure,
+            "highest_at_the_end": [vars(one) for one in self.highest_at_the_end],
+            **self.more,
+        }
+
+    @classmethod
+    def from_json(cls, document: Mapping[str, Any]) -> "DevelopmentSummary":
+        """What ``to_json`` gave.
+
+        Raises:
+            KeyError: Something is missing.
+            TypeError: Something is of another kind.
+        """
+        more = dict(document)
+        modules = [
+            LearnedModule(one["module"], one["step"], one["event"], one["symbol"], one["name"], one["means"])
+            for one in more.pop("modules")
+        ]
+        del more["behaviours"]
+        return cls(
+            world=more.pop("world"),
+            preset=more.pop("preset"),
+            seed=more.pop("seed"),
+            steps=more.pop("steps"),
+            modules=tuple(modules),
+            found_without_a_module=tuple(UnmodelledEvent(**one) for one in more.pop("found_without_a_module")),
+            phases=tuple(PhaseSummary(**part) for part in more.pop("phases")),
+            measure=more.pop("measure"),
+            highest_at_the_end=tuple(RankedEvent(**one) for one in more.pop("highest_at_the_end")),
+            more=more,
+        )
+
+
+def map_name(number: int) -> str:
+    """Name of the file with the map of a module, which are counted from 1."""
+    return f"module_{number}.csv"
+
+
+def summarise(
+    run: DevelopmentRun, names: Mapping[str, Any], known: Sequence[Meaning], parts: Sequence[BehaviourPhase]
+) -> DevelopmentSummary:
+    """The summary of a run that has ended.
+
+    Args:
+        run: The run.
+        names: World, preset and seed.
+        known: What each module means.
+        parts: Behaviour by phases.
     """
     agent = run.agent
-    made: list[dict[str, Any]] = []
-    beyond: list[dict[str, Any]] = []
+    made: list[LearnedModule] = []
+    beyond: list[UnmodelledEvent] = []
     for one in run.found:
         event = agent.variables.describe(one.event)
         if one.module is None:
-            beyond.append({"step": one.step, "event": event})
+            beyond.append(UnmodelledEvent(one.step, event))
             continue
-        meaning, number = known[len(made)], len(made) + 1
-        made.append(
-            {
-                "module": number,
-                "step": one.step,
-                "event": event,
-                "symbol": agent.variables.symbol(one.event),
-                "name": meaning.short,
-                "means": meaning.words,
-                "map": f"module_{number}.csv",
-            }
-        )
+        meaning, symbol = known[len(made)], agent.variables.symbol(one.event)
+        made.append(LearnedModule(len(made) + 1, one.step, event, symbol, meaning.short, meaning.words))
     contingency = agent.state.watch.values
-    order = np.argsort(-contingency, kind="stable")[:RANKED]
-    return {
-        "steps": run.steps_done,
-        "modules": made,
-        "found_without_a_module": beyond,
-        "behaviours": dict(zip(SHORT, BEHAVIOURS, strict=True)),
-        "phases": [
-            {
-                "phase": f"P{number}",
-                "first_step": part.first + 1,
-                "last_step": part.last,
-                "rates": {short: round(rate, 4) for short, rate in zip(SHORT, part.rates, strict=True)},
-            }
+    order = np.argsort(-contingency, kind="stable")[:RANKED].tolist()
+    return DevelopmentSummary(
+        **names,
+        steps=run.steps_done,
+        modules=tuple(made),
+        found_without_a_module=tuple(beyond),
+        phases=tuple(
+            PhaseSummary(
+                f"P{number}",
+                part.first + 1,
+                part.last,
+                {short: round(rate, 4) for short, rate in zip(SHORT, part.rates, strict=True)},
+            )
             for number, part in enumerate(parts, 1)
-        ],
-        "measure": agent.config.detector.measure,
-        "highest_at_the_end": [
-            {"event": agent.variables.describe(agent.events[event]), "value": float(contingency[event])}
-            for event in order.tolist()
-        ],
-    }
+        ),
+        measure=agent.config.detector.measure,
+        highest_at_the_end=tuple(
+            RankedEvent(agent.variables.describe(agent.events[event]), float(contingency[event])) for event in order
+        ),
+        more=plain(run.more()),
+    )

@@ -7,6 +7,7 @@ robot's head would turn, and as then (Fig. 6.3b) no interest changes meanwhile. 
 import numpy as np
 
 from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
+from jointattn_mj.gaze_following.fixation import attend
 from jointattn_mj.perception.percept import Percept
 from jointattn_mj.perception.pixels import PixelPerception
 
@@ -49,12 +50,11 @@ class Watcher:
         percept = self.percept
         if percept is None or fresh:
             self.percept = percept = self.perceiver.look({"camera": image, "head_angles": AHEAD}, landed=cut)
-        if self.goal is None:
-            self.attention.advance(self.attended, percept.moves)
-        elif not self._arrive(self.goal):
+        fixating = self.goal is None
+        if self.goal is not None and not self._arrive(self.goal):
             return percept
-        chosen = self.attention.consider(percept.visible)
-        if chosen is not None and chosen != self.attended:
+        chosen = attend(self.attention, self.attended, percept, fixating)
+        if chosen is not None:
             self.goal, self._left = chosen, self._shift_frames
             if self._left == 0:
                 self._arrive(chosen)

@@ -8,6 +8,7 @@ import numpy as np
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.attention import Attention, AttentionConfig, AttentionSelector
+from jointattn_mj.gaze_following.fixation import attend
 from jointattn_mj.gaze_following.gate import GazeConfig, HeadShift, gate_probability
 from jointattn_mj.gaze_following.learners import LearnerConfig, make_learner
 from jointattn_mj.options import Checked, Real, Whole
@@ -107,12 +108,10 @@ class GazeFollower:
         if shift is not None and movement is not None and (observation["head_moves"] or not movement.commanded):
             return self._turn(shift, movement, observation)
         self.percept = percept = self.perceiver.look(observation, shift is not None)
-        if shift is None:
-            self.attention.advance(self.attended, percept.moves)
-        else:
+        if shift is not None:
             self._land(shift, percept, np.degrees(observation["head_angles"]))
-        chosen = self.attention.consider(percept.visible)
-        if chosen is not None and chosen != self.attended:
+        chosen = attend(self.attention, self.attended, percept, fixating=shift is None)
+        if chosen is not None:
             self._launch(chosen, percept, np.degrees(observation["head_angles"]))
         return self._command
 

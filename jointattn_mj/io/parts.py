@@ -16,12 +16,16 @@ contingency.online.detector: DetectorConfig Rule Watch
 contingency.online.events: Event Variable Variables
 contingency.online.modules: Module ReproductionConfig
 contingency.online.reactive: AvoidingModule RandomModule
+contingency.online.resolution: Growth Resolution ResolutionConfig Split Step
 contingency.online.selector: Maps SelectorConfig
 development.agent: Developer DeveloperConfig AgentState RecentSteps
 development.contingency_log: ContingencyLog
 development.loop: Found
 development.realtime.partner: Partner PartnerConfig PartnerWorld
 development.realtime.run: RealtimeConfig RealtimeRun
+development.rendered.body: Body
+development.rendered.continuous: ContinuousConfig ContinuousModule ContinuousRun Landing Pair
+development.rendered.growing: Babbling FreeGazeBody GrowingConfig GrowingRun RecallingBody
 development.rendered.run: RenderedConfig RenderedRun
 development.rendered.senses: Senses SensesConfig
 development.rendered.stage: Stage StageConfig

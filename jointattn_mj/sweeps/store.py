@@ -34,10 +34,20 @@ TRIALS, FORMER_TRIALS = "trials", "cells"
 """Names of the folder of finished trials: now, and in version 0.1."""
 NAMES_IN_KEYS = {
     "agent": "mind", "holding_location": "holding_place", "rest_location": "rest_place", "location_gain": "place_gain",
-    "agent_steps": "mind_turns", "images": "pictures", "image_height": "picture_height",
+    "agent_steps": "mind_turns", "images": "pictures", "image_height": "picture_height", "calibration": "greeting",
+    "exploration": "watching", "modelled": "claimed", "stop_rule": "rule", "stability_of": "of",
 }  # fmt: skip
 """Renamed fields of configs: name now, name when trials were first stored. Keys and stored configs keep the first name,
 so that trials stored before are found. A new row here belongs to every renaming of such a field."""
+
+
+CHOICES_IN_KEYS = {
+    "perception": {"state": "truth"},
+    "stop_rule": {"convergence": "still", "confidence": "certain"},
+    "modelled": {"keep": "block"},
+    "history": {"since_creation": "made", "full": "ever"},
+}
+"""Choices of fields that have been renamed, by field and choice as they are called now; likewise."""
 
 
 def config_text(config: Any) -> str:
@@ -50,12 +60,15 @@ def _with_first_names(value: Any) -> Any:
         return [_with_first_names(item) for item in value]
     if not isinstance(value, dict):
         return value
-    named = {NAMES_IN_KEYS.get(name, name): _with_first_names(item) for name, item in value.items()}
-    if named.get("perception") == "state":
-        named["perception"] = "truth"
+    named = {NAMES_IN_KEYS.get(name, name): _first_choice(name, item) for name, item in value.items()}
     if isinstance(named.get("state"), dict):
         named["truth"] = named.pop("state")
     return named
+
+
+def _first_choice(name: str, value: Any) -> Any:
+    """The value of a field, by the first name of what was chosen."""
+    return CHOICES_IN_KEYS.get(name, {}).get(value, value) if isinstance(value, str) else _with_first_names(value)
 
 
 def text_of(value: Any) -> str:

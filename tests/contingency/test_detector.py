@@ -57,36 +57,36 @@ def test_values_are_the_measures(measure, correction, base):
             assert values[t - 1, number] == pytest.approx(expected, abs=1e-12)
 
 
-def slow_still(values, config, claimed=()):
-    """Rule still from measures (T, E) alone."""
+def slow_convergence(values, config, modelled=()):
+    """Stop rule convergence from measures (T, E) alone."""
     before, gap_before, first_before, held, found = np.zeros(values.shape[1]), 0.0, NOTHING, 0, []
-    ranked = [e for e in range(values.shape[1]) if not (config.claimed == "drop" and e in claimed)]
+    ranked = [e for e in range(values.shape[1]) if not (config.modelled == "drop" and e in modelled)]
     for t, now in enumerate(values, 1):
         order = sorted(ranked, key=lambda e: (-now[e], e))
         gap = now[order[0]] - now[order[1]]
-        change = abs(gap - gap_before) if config.of == "gap" else abs(now - before).max()
+        change = abs(gap - gap_before) if config.stability_of == "gap" else abs(now - before).max()
         held = held + 1 if order[0] == first_before and change < config.threshold else 0
         before, gap_before, first_before = now, gap, order[0]
-        due = t > config.warm_up and held >= config.hold and order[0] not in claimed and now[order[0]] > 0
+        due = t > config.warm_up and held >= config.hold and order[0] not in modelled and now[order[0]] > 0
         found.append(order[0] if due else NOTHING)
         held = 0 if due else held
     return found
 
 
 @pytest.mark.parametrize("of", ["all", "gap"])
-@pytest.mark.parametrize("claimed", ["block", "drop"])
+@pytest.mark.parametrize("modelled", ["keep", "drop"])
 @pytest.mark.parametrize("taken", [(), (0,), (0, 6)])
 @pytest.mark.parametrize(("warm_up", "hold", "threshold"), [(100, 30, 4e-4), (0, 1, 2e-4), (2500, 5, 1e-3)])
-def test_rule_still(of, claimed, taken, warm_up, hold, threshold):
-    config = DetectorConfig(of=of, claimed=claimed, warm_up=warm_up, hold=hold, threshold=threshold)
+def test_stop_rule_convergence(of, modelled, taken, warm_up, hold, threshold):
+    config = DetectorConfig(stability_of=of, modelled=modelled, warm_up=warm_up, hold=hold, threshold=threshold)
     lived = series(WORLD, 3000, np.random.default_rng(2))
     watch = new_watch(config, len(EVENTS))
-    watch.claimed[list(taken)] = True
+    watch.modelled[list(taken)] = True
     _, _, values, found = watched(config, lived, watch=watch)
-    expected = slow_still(values, config, taken)
+    expected = slow_convergence(values, config, taken)
     assert found.tolist() == expected
     top = values[-1].argmax()
-    assert (set(expected) != {NOTHING}) == (claimed == "drop" or top not in taken)
+    assert (set(expected) != {NOTHING}) == (modelled == "drop" or top not in taken)
 
 
 def test_of_next_to_nothing_nothing_changes():
@@ -101,8 +101,8 @@ def test_of_next_to_nothing_nothing_changes():
     assert first[1] == 150
 
 
-def slow_certain(values, config, lived, of):
-    """Rule certain, with standard errors from the pointwise values of the series so far."""
+def slow_confidence(values, config, lived, of):
+    """Stop rule confidence, with standard errors from the pointwise values of the series so far."""
     function = (
         c.pointwise_state_action_contingency if config.measure == "sac" else c.pointwise_combined_transfer_entropy
     )
@@ -132,28 +132,28 @@ def slow_certain(values, config, lived, of):
 
 @pytest.mark.parametrize("measure", ["sac", "tc"])
 @pytest.mark.parametrize("options", [{}, {"deviations": 2.0, "tolerance": 0.0}, {"precision": 0.2, "warm_up": 20}])
-def test_rule_certain(measure, options):
-    config = DetectorConfig(rule="certain", measure=measure, **options)
+def test_stop_rule_confidence(measure, options):
+    config = DetectorConfig(stop_rule="confidence", measure=measure, **options)
     lived = xor_run(3000, noise=0.2)
     _, _, values, found = watched(config, lived, XOR)
-    assert found.tolist() == slow_certain(values, config, lived, XOR)
+    assert found.tolist() == slow_confidence(values, config, lived, XOR)
     assert set(found) == {NOTHING, 0}
 
 
 @pytest.mark.parametrize(("tolerance", "found"), [(0.0, False), (0.25, False), (0.5, True)])
 def test_a_rival_that_is_nearly_as_contingent(tolerance, found):
     """It may come second within the tolerance; two that cannot be told apart otherwise leave all open."""
-    config = DetectorConfig(rule="certain", tolerance=tolerance)
+    config = DetectorConfig(stop_rule="confidence", tolerance=tolerance)
     lived = xor_run(300, noise=0.1, other=0.02)
     _, _, values, what = watched(config, lived, XOR)
-    assert what.tolist() == slow_certain(values, config, lived, XOR)
+    assert what.tolist() == slow_confidence(values, config, lived, XOR)
     assert (0 in what) == found
 
 
 def test_certainty_has_no_unit():
     lived = xor_run(2000, noise=0.3)
     in_bits, in_nats = (
-        watched(DetectorConfig(rule="certain", base=base), lived, XOR)[3].tolist() for base in (2.0, np.e)
+        watched(DetectorConfig(stop_rule="confidence", base=base), lived, XOR)[3].tolist() for base in (2.0, np.e)
     )
     assert in_bits == in_nats
 
@@ -161,20 +161,20 @@ def test_certainty_has_no_unit():
 def test_of_noise_nothing_is_certain():
     rng = np.random.default_rng(5)
     noise = rng.integers(0, 2, (20000, 2)), rng.integers(0, 2, (20000, 1)), rng.integers(0, 2, (20000, 1))
-    config = DetectorConfig(rule="certain", correction="miller_madow")
+    config = DetectorConfig(stop_rule="confidence", correction="miller_madow")
     assert set(watched(config, noise, XOR)[3]) == {NOTHING}
 
 
-def test_a_claimed_event_blocks_certainty_or_steps_aside():
+def test_a_modelled_event_blocks_certainty_or_steps_aside():
     lived = xor_run(3000, noise=0.1)
-    for claimed in ("block", "drop"):
-        config = DetectorConfig(rule="certain", claimed=claimed)
+    for modelled in ("keep", "drop"):
+        config = DetectorConfig(stop_rule="confidence", modelled=modelled)
         watch = new_watch(config, 2)
-        watch.claimed[0] = True
+        watch.modelled[0] = True
         assert 0 not in watched(config, lived, XOR, watch)[3]
-    config = DetectorConfig(claimed="drop")
+    config = DetectorConfig(modelled="drop")
     watch = new_watch(config, 2)
-    watch.claimed[:] = True
+    watch.modelled[:] = True
     assert set(watched(config, lived, XOR, watch)[3]) == {NOTHING}
 
 
@@ -183,8 +183,8 @@ def test_grown(anew):
     watch, counts, values, _ = watched(DetectorConfig(), series(WORLD, 500, np.random.default_rng(3)))
     wider = grown(watch, len(EVENTS) + 5, 3, anew)
     assert wider.values.tolist() == [*values[-1], 0, 0, 0, 0, 0]
-    assert np.flatnonzero(wider.claimed).tolist() == [3]
-    assert not watch.claimed.any()
+    assert np.flatnonzero(wider.modelled).tolist() == [3]
+    assert not watch.modelled.any()
     assert wider.first.tolist() == [watch.first[0], 0]
     assert wider.time.tolist() == ([0, 100] if anew else watch.time.tolist())
     assert counts.contexts["n"].max() == 499
@@ -193,9 +193,9 @@ def test_grown(anew):
 BAD = [
     {"measure": "te"},
     {"correction": "shuffle"},
-    {"rule": "moving"},
-    {"of": "some"},
-    {"claimed": "keep"},
+    {"stop_rule": "moving"},
+    {"stability_of": "some"},
+    {"modelled": "block it"},
     {"base": 1.0},
     {"base": float("inf")},
     {"threshold": 0.0},

@@ -8,6 +8,8 @@ import pytest
 
 from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.contingency.online.modules import ReproductionConfig, make_module
+from jointattn_mj.development.config import DevelopmentOptions
+from jointattn_mj.development.rendered.config import RenderedDevelopmentConfig
 from jointattn_mj.development.rendered.continuous import (
     BACKWARD,
     FORWARD,
@@ -17,9 +19,11 @@ from jointattn_mj.development.rendered.continuous import (
     ContinuousRun,
     Pair,
 )
+from jointattn_mj.development.run import run_development
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.io import checkpoint
 
 FOLLOWS = Event(0, 0, 2)
 """(S1, A1, R3)"""
@@ -61,7 +65,7 @@ def test_wrong_options():
 @pytest.fixture(scope="module")
 def runs():
     """A life in which gaze following is found early, for it is given; and what it was before, pickled."""
-    config = replace(SCATTERED, watching=240)
+    config = replace(SCATTERED, exploration=240)
     run = ContinuousRun(TableConfig(), config, PRESETS["fast"].agent, 3, 1300, ContinuousConfig(enough=15))
     run.advance(600)
     run.take_in(run.agent.events.index(FOLLOWS))
@@ -95,3 +99,43 @@ def test_interrupted_it_goes_on_the_same(runs):
         assert np.array_equal(run.log(column), other.log(column)), column
     assert run.landings == other.landings
     assert np.array_equal(run.following.learner.weights(), other.following.learner.weights())
+
+
+def test_the_command_stops_and_goes_on_the_same(tmp_path):
+    """Its options, its checkpoints and its summary."""
+    config = RenderedDevelopmentConfig.of(
+        maps="continuous", seed=3, steps=60, rendered={"exploration": 240}, continuous={"enough": 15}
+    )
+    assert config.rendered == replace(SCATTERED, exploration=240)
+    whole = run_development(config, DevelopmentOptions(tmp_path / "whole"))
+    assert whole.summary.more["landings"]["map"]["gaze_shifts"] == 0
+    stopped = DevelopmentOptions(tmp_path / "stopped", checkpoint_every=20)
+
+    def stop(run, found):
+        if run.steps_done == 40:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_development(config, stopped, stop)
+    assert run_development(config, replace(stopped, resume=True)) == whole
+
+
+def test_a_checkpoint_holds_the_map(runs, tmp_path):
+    run, _ = runs
+    config = RenderedDevelopmentConfig.of(
+        maps="continuous", seed=3, steps=1300, rendered={"exploration": 240}, continuous={"enough": 15}
+    )
+    checkpoint.save(tmp_path / "c", run, config)
+    other = checkpoint.load(tmp_path / "c", config, kind=config.kind)
+    assert np.array_equal(run.following.learner.weights(), other.following.learner.weights())
+    for mine, its in zip(run.pairs, other.pairs, strict=True):
+        assert (mine.step, mine.order, mine.informative) == (its.step, its.order, its.informative)
+        assert np.array_equal(mine.activations, its.activations) and np.array_equal(mine.direction, its.direction)
+    assert run.landings == other.landings
+    assert run.more()["pairs_learned_from"] == run.following.pairs
+    other.close()
+
+
+def test_maps_and_resolution_do_not_go_together():
+    with pytest.raises(ConfigError, match="maps discrete"):
+        RenderedDevelopmentConfig.of(maps="continuous", resolution="growing")

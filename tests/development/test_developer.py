@@ -19,7 +19,7 @@ from jointattn_mj.development.agent import FADED, Developer, DeveloperConfig
 from jointattn_mj.errors import ConfigError, SeriesError
 
 HASTY = DeveloperConfig(
-    detector=DetectorConfig(warm_up=100, hold=3, threshold=5e-3, claimed="drop"), horizon=150, most_modules=3
+    detector=DetectorConfig(warm_up=100, hold=3, threshold=5e-3, modelled="drop"), horizon=150, most_modules=3
 )
 
 
@@ -77,22 +77,22 @@ class Diary:
                 assert self.agent.state.watch.values[number] == pytest.approx(base * single / n, abs=1e-12)
 
 
-@pytest.mark.parametrize(("turns", "modules"), [(90, 0), (900, 3)])
+@pytest.mark.parametrize(("n_steps", "modules"), [(90, 0), (900, 3)])
 def test_memory_whole(n_steps, modules):
     diary = Diary(HASTY, n_steps)
     diary.check(lambda t, born: (t >= born).astype(float))
     assert len(diary.agent.modules) == modules
 
 
-@pytest.mark.parametrize("turns", [400, 900])
-def test_history_ever(n_steps):
+@pytest.mark.parametrize("n_steps", [400, 900])
+def test_history_full(n_steps):
     """As in a life in which the variables of all modules had existed from the beginning."""
-    diary = Diary(replace(HASTY, history="ever"), n_steps)
+    diary = Diary(replace(HASTY, history="full"), n_steps)
     diary.check(lambda t, born: np.ones(len(t)))
     assert diary.agent.modules
 
 
-@pytest.mark.parametrize("turns", [400, 900])
+@pytest.mark.parametrize("n_steps", [400, 900])
 def test_memory_reset(n_steps):
     diary = Diary(replace(HASTY, memory="reset"), n_steps)
     last = max(diary.born.values())
@@ -100,14 +100,14 @@ def test_memory_reset(n_steps):
     diary.check(lambda t, born: (t >= last).astype(float))
 
 
-@pytest.mark.parametrize("turns", [140, 151, 152, 400, 900])
+@pytest.mark.parametrize("n_steps", [140, 151, 152, 400, 900])
 def test_memory_window(n_steps):
     diary = Diary(replace(HASTY, memory="window"), n_steps)
     diary.check(lambda t, born: (t >= max(born, len(t) - 150)).astype(float))
     assert n_steps < 900 or diary.agent.modules
 
 
-@pytest.mark.parametrize("turns", [150, 1000])
+@pytest.mark.parametrize("n_steps", [150, 1000])
 def test_memory_fading(n_steps):
     patient = replace(HASTY.detector, threshold=0.05)
     diary = Diary(replace(HASTY, memory="fading", horizon=40, detector=patient), n_steps)
@@ -117,10 +117,10 @@ def test_memory_fading(n_steps):
 
 
 @pytest.mark.parametrize("options", [{}, *({"memory": kind} for kind in ("reset", "window", "fading"))], ids=str)
-def test_all_minds_are_of_one_type(options):
+def test_all_agents_are_of_one_type(options):
     """Else compiled code would take what it is given for something else."""
     diary = Diary(replace(HASTY, refresh_every=50, **options), 300)
-    other = Developer(variables([2], [2], [2]), DeveloperConfig(detector=DetectorConfig(rule="certain")), 0)
+    other = Developer(variables([2], [2], [2]), DeveloperConfig(detector=DetectorConfig(stop_rule="confidence")), 0)
     stored = pickle.loads(pickle.dumps(diary.agent))
     known = typeof(other.state)
     for agent in (diary.agent.state, other.state, stored.state):
@@ -130,7 +130,7 @@ def test_all_minds_are_of_one_type(options):
 def test_xor_is_found():
     """What no single variable says anything about."""
     world = Doors(doors=2, result=lambda light, door: light ^ door)
-    config = DeveloperConfig(detector=DetectorConfig(rule="certain", correction="miller_madow"), most_modules=1)
+    config = DeveloperConfig(detector=DetectorConfig(stop_rule="confidence", correction="miller_madow"), most_modules=1)
     agent, a = Developer(world.variables, config, 0), (0, 0)
     for _ in range(300):
         a = agent.act(*world.step(*a))
@@ -140,7 +140,7 @@ def test_xor_is_found():
 def test_what_is_found_is_used():
     """It goes through the door with the light more often than by chance, and tries others in between."""
     world = Doors(noise=0.1)
-    config = DeveloperConfig(detector=DetectorConfig(rule="certain", correction="miller_madow"), most_modules=1)
+    config = DeveloperConfig(detector=DetectorConfig(stop_rule="confidence", correction="miller_madow"), most_modules=1)
     agent, a, opened = Developer(world.variables, config, 0), (0, 0), []
     for _ in range(1500):
         s, r = world.step(*a)
@@ -255,9 +255,9 @@ BAD = [
     ({"horizon": 1}, ("horizon", "1")),
     ({"refresh_every": -1}, ("refresh_every", "-1")),
     ({"most_modules": -1}, ("most_modules", "-1")),
-    ({"memory": "fading", "detector": DetectorConfig(rule="certain")}, ("fading", "certain")),
+    ({"memory": "fading", "detector": DetectorConfig(stop_rule="confidence")}, ("fading", "confidence")),
     ({"memory": "fading", "detector": DetectorConfig(correction="miller_madow")}, ("fading", "correction")),
-    ({"memory": "window", "history": "ever"}, ("ever", "window")),
+    ({"memory": "window", "history": "full"}, ("full", "window")),
 ]
 
 

@@ -80,7 +80,7 @@ class TestContingency:
         assert axes.get_xlim() == (0, 3000)
         assert "first of 6,000" in axes.get_xlabel()
 
-    @pytest.mark.parametrize("turns", [0, 1, 2])
+    @pytest.mark.parametrize("n_steps", [0, 1, 2])
     def test_short_lives(self, tmp_path, n_steps):
         draw(tmp_path / "sac.png", [], n_steps)
         assert cv2.imread(str(tmp_path / "sac.png")) is not None
@@ -109,7 +109,7 @@ class TestBehaviour:
         dashed = [line.get_xdata()[0] for line in axes.get_lines() if line.get_linestyle() == "--"]
         assert dashed == [1500, 4000]
 
-    @pytest.mark.parametrize("turns", [1, 3, 999])
+    @pytest.mark.parametrize("n_steps", [1, 3, 999])
     def test_short_lives(self, tmp_path, n_steps):
         self.draw(tmp_path / "behaviour.png", self.found[:n_steps], [])
         assert cv2.imread(str(tmp_path / "behaviour.png")) is not None

@@ -8,7 +8,7 @@ import pytest
 
 from jointattn_mj.development import logbook
 from jointattn_mj.development.behaviour import SHORT, behaviours
-from jointattn_mj.development.logbook import write_contingency, write_map, write_steps
+from jointattn_mj.development.logbook import map_rows, write_contingency, write_map, write_steps
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.run import TableRun
 
@@ -29,11 +29,11 @@ def found(run):
     return behaviours(run.log("caregiver's face"), run.log("shift gaze"), 3)
 
 
-def test_turns(run, found, tmp_path):
-    write_steps(tmp_path / "turns.parquet", run)
-    table = pq.read_table(tmp_path / "turns.parquet")
+def test_steps(run, found, tmp_path):
+    write_steps(tmp_path / "steps.parquet", run)
+    table = pq.read_table(tmp_path / "steps.parquet")
     assert table.num_rows == STEPS
-    assert table.column("turn").to_pylist()[::5999] == [1, 6000, 11999]
+    assert table.column("step").to_pylist()[::5999] == [1, 6000, 11999]
     variables = run.agent.variables
     for one in (*variables.sensors[:2], *variables.results, *variables.joints):
         expected = np.array(one.values)[run.log(one.name)]
@@ -47,8 +47,8 @@ def test_turns(run, found, tmp_path):
 
 def test_drivers(run, tmp_path):
     """Numbers below that of the modules made by then are modules; those made later make no difference."""
-    write_steps(tmp_path / "turns.parquet", run)
-    drivers = pq.read_table(tmp_path / "turns.parquet").column("driver of shift gaze").to_pylist()
+    write_steps(tmp_path / "steps.parquet", run)
+    drivers = pq.read_table(tmp_path / "steps.parquet").column("driver of shift gaze").to_pylist()
     numbers = run.log("driver of shift gaze").tolist()
     for step, (name, number) in enumerate(zip(drivers, numbers, strict=True)):
         made = sum(one.step <= step for one in run.found)
@@ -57,8 +57,8 @@ def test_drivers(run, tmp_path):
 
 
 def test_what_drives_is_what_the_map_says(run, tmp_path):
-    write_steps(tmp_path / "turns.parquet", run)
-    drivers = pq.read_table(tmp_path / "turns.parquet").column("driver of shift gaze")
+    write_steps(tmp_path / "steps.parquet", run)
+    drivers = pq.read_table(tmp_path / "steps.parquet").column("driver of shift gaze")
     drives = np.flatnonzero(np.array(drivers.to_pylist()) == "module 1")
     module, face, before = run.agent.modules[0], run.log("caregiver's face"), run.log("object")
     assert (module.command[before[drives], face[drives]] == run.log("shift gaze")[drives]).all()
@@ -77,7 +77,7 @@ def test_contingency(run, tmp_path, monkeypatch):
     write_contingency(tmp_path / "contingency.parquet", run)
     table = pq.read_table(tmp_path / "contingency.parquet")
     n_steps, values = run.contingency()
-    assert table.column("turn").to_pylist() == n_steps.tolist()
+    assert table.column("step").to_pylist() == n_steps.tolist()
     assert table.num_columns == 1 + len(run.agent.events)
     monkeypatch.setattr(logbook, "PART_BYTES", 20_000)
     write_contingency(tmp_path / "parts.parquet", run)
@@ -90,7 +90,7 @@ def test_contingency(run, tmp_path, monkeypatch):
 
 
 def test_map(run, tmp_path):
-    write_map(tmp_path / "map.csv", run.agent.variables, run.agent.modules[0])
+    write_map(tmp_path / "map.csv", map_rows(run.agent.variables, run.agent.modules[0]))
     rows = list(csv.DictReader((tmp_path / "map.csv").open()))
     assert list(rows[0]) == ["object", "caregiver's face", "shift gaze", "reliability", "expected object"]
     assert len(rows) == 10

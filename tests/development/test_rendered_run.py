@@ -9,11 +9,13 @@ import pytest
 from jointattn_mj.contingency.online.detector import DetectorConfig
 from jointattn_mj.development import run as development
 from jointattn_mj.development.agent import DeveloperConfig
-from jointattn_mj.development.rendered.config import RenderedDevelopConfig
+from jointattn_mj.development.config import DevelopmentOptions
+from jointattn_mj.development.rendered.config import RenderedDevelopmentConfig
 from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
 from jointattn_mj.development.rendered.senses import PARTS, SensesConfig, named_by_majority
 from jointattn_mj.development.rendered.stage import StageConfig
-from jointattn_mj.development.run import DevelopOptions, run_development
+from jointattn_mj.development.run import run_development
+from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.development.table.world import TableConfig, table_variables
 from jointattn_mj.errors import ConfigError
@@ -21,7 +23,8 @@ from jointattn_mj.io import rows
 from jointattn_mj.perception.percept import Percept
 
 HASTY = DeveloperConfig(detector=DetectorConfig(threshold=5e-3), most_modules=2)
-SHORT = RenderedConfig(watching=240)
+SHORT = RenderedConfig(exploration=240)
+PLAIN = replace(SHORT, stage=StageConfig(variation="none"))
 TRUE = replace(SHORT, senses=SensesConfig(truth=PARTS))
 TABLE = TableConfig()
 
@@ -87,7 +90,7 @@ def test_frontal_is_what_greeted_it(run):
 
 
 def test_a_turn_is_a_picture(run):
-    assert run.stage.world.rendered_frames == run.steps_done + SHORT.watching + SHORT.greeting
+    assert run.stage.world.rendered_frames == run.steps_done + SHORT.exploration + SHORT.calibration
 
 
 def test_the_same_seed_lives_the_same_life_however_it_is_interrupted(run):
@@ -111,14 +114,14 @@ def test_who_sees_nothing_senses_nothing():
     run = RenderedRun(TABLE, SHORT, HASTY, 2, 40)
     count = len(run.stage.objects) + 1
     nothing = Percept(np.zeros(count, bool), np.full((count, 2), np.nan), np.zeros(count, bool))
-    run.perception.look = lambda observation, landed: nothing
+    run.body.perception.look = lambda observation, landed: nothing
     run.advance(40)
     assert (run.log("caregiver's face") == len(run.agent.variables.sensors[0].values) - 1).all()
     for name in ("frontal face", "profile", "object"):
         assert not run.log(name).any()
 
 
-@pytest.mark.parametrize("wrong", [{"greeting": 0}, {"watching": 0}])
+@pytest.mark.parametrize("wrong", [{"calibration": 0}, {"exploration": 0}])
 def test_options_that_cannot_work(wrong):
     with pytest.raises(ConfigError):
         RenderedConfig(**wrong)
@@ -131,42 +134,44 @@ def test_parts_of_perception_have_names():
 
 def test_the_command_leaves_results_and_a_film_and_resumes_to_the_same(tmp_path, monkeypatch):
     monkeypatch.setattr(rows, "BUFFER_BYTES", 24)  # two turns
-    config = RenderedDevelopConfig(steps=6, agent=HASTY, rendered=replace(SHORT, stage=StageConfig(variation="none")))
-    summary = run_development(config, DevelopOptions(tmp_path / "whole", video=True))
+    config = RenderedDevelopmentConfig(
+        steps=6, agent=HASTY, rendered=replace(SHORT, stage=StageConfig(variation="none"))
+    )
+    whole = run_development(config, DevelopmentOptions(tmp_path / "whole", video=True))
     assert (tmp_path / "whole" / "video.mp4").stat().st_size > 10_000
     assert not list((tmp_path / "whole").glob("moment*"))
-    assert summary["caregiver"] == "robin" and summary["steps"] == 6
+    assert whole.summary.more["caregiver"] == "robin" and whole.summary.steps == 6
 
     def stop(run, found):
         if run.steps_done == 2:
             raise KeyboardInterrupt
 
-    options = DevelopOptions(tmp_path / "stopped", checkpoint_every=2)
+    options = DevelopmentOptions(tmp_path / "stopped", checkpoint_every=2)
     with pytest.raises(KeyboardInterrupt):
         run_development(config, options, stop)
-    assert run_development(config, replace(options, resume=True)) == summary
+    assert run_development(config, replace(options, resume=True)) == whole
 
 
 def test_killed_between_film_and_results(tmp_path, monkeypatch):
     """The film is made again, not left empty."""
-    config = RenderedDevelopConfig(steps=3, agent=HASTY, rendered=replace(SHORT, stage=StageConfig(variation="none")))
-    leave, options = development._leave_results, DevelopOptions(tmp_path, video=True)
+    config = RenderedDevelopmentConfig(
+        steps=3, agent=HASTY, rendered=replace(SHORT, stage=StageConfig(variation="none"))
+    )
+    leave, options = development.Finished.save, DevelopmentOptions(tmp_path, video=True)
 
     def killed(*_):
         raise SystemExit(9)
 
-    monkeypatch.setattr(development, "_leave_results", killed)
+    monkeypatch.setattr(development.Finished, "save", killed)
     with pytest.raises(SystemExit):
         run_development(config, options)
     film = (tmp_path / "video.mp4").read_bytes()
-    monkeypatch.setattr(development, "_leave_results", leave)
+    monkeypatch.setattr(development.Finished, "save", leave)
     run_development(config, replace(options, resume=True))
     assert (tmp_path / "video.mp4").read_bytes() == film
     assert not list(tmp_path.glob("moment*"))
 
 
-def test_a_symbolic_life_is_not_filmed(tmp_path):
-    from jointattn_mj.development.run import DevelopConfig
-
-    with pytest.raises(ConfigError, match="--world rendered"):
-        run_development(DevelopConfig(steps=10), DevelopOptions(tmp_path, video=True))
+def test_a_run_at_the_symbolic_table_is_not_filmed(tmp_path):
+    with pytest.raises(ConfigError, match="world rendered"):
+        run_development(TableDevelopmentConfig(steps=10), DevelopmentOptions(tmp_path, video=True))

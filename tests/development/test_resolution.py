@@ -1,6 +1,7 @@
 """Values that split where contingency rises: partitions stay partitions, gains are what they claim."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,8 +21,11 @@ from jointattn_mj.contingency.online.resolution import (
     splits,
     transitions,
 )
+from jointattn_mj.development.config import DevelopmentOptions
 from jointattn_mj.development.meaning import FACE, OBJECT
+from jointattn_mj.development.rendered.config import RenderedDevelopmentConfig
 from jointattn_mj.development.rendered.growing import Babbling, GrowingConfig, GrowingRun, RecallingBody
+from jointattn_mj.development.run import run_development
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError, SeriesError
@@ -103,7 +107,7 @@ def test_contingency_is_that_of_the_measures(seed):
 def test_both_split_together_where_neither_says_anything_alone():
     given_ = transitions(*two_sides(3000, 1))
     growth = Growth(ordered(), SPACE)
-    steps = growth.look(given_)
+    steps = growth.update(given_)
     assert steps[0].split.kind == "S and A"
     assert steps[0].split.axis == 0 and abs(steps[0].split.at) < 4
     assert len(growth.resolution.sensed) == 2
@@ -114,15 +118,15 @@ def test_both_split_together_where_neither_says_anything_alone():
 @pytest.mark.parametrize("seed", range(3))
 def test_noise_splits_nothing(seed):
     growth = Growth(points(), SPACE)
-    assert growth.look(transitions(*noise(6000, seed))) == []
+    assert growth.update(transitions(*noise(6000, seed))) == []
     assert len(growth.resolution.sensed) == len(growth.resolution.boxes) == 1
 
 
 def test_it_looks_again_only_when_there_is_enough_that_is_new():
     growth = Growth(ordered(), SPACE, ResolutionConfig(warm_up=100, look_again=0.5))
     given_ = transitions(*two_sides(3001, 2))
-    assert growth.look(given_.some(slice(99))) == [] and growth.due(100)
-    growth.look(given_.some(slice(1000)))
+    assert growth.update(given_.some(slice(99))) == [] and growth.due(100)
+    growth.update(given_.some(slice(1000)))
     assert not growth.due(1500) and growth.due(1501)
 
 
@@ -142,7 +146,7 @@ def test_series_of_unequal_length():
 
 def test_babbling_goes_on_the_same_after_a_pickle_and_a_mind_lives_with_what_was_found(monkeypatch):
     monkeypatch.setattr(RecallingBody, "pages", 6)
-    config = GrowingConfig(greeting=3, watching=80, resolution=ResolutionConfig(warm_up=1000))
+    config = GrowingConfig(calibration=3, exploration=80, resolution=ResolutionConfig(warm_up=1000))
     one = Babbling(TableConfig(spots=2, objects=1), config, 5, RecallingBody)
     one.advance(1500)
     other = pickle.loads(pickle.dumps(one))
@@ -162,3 +166,27 @@ def test_babbling_goes_on_the_same_after_a_pickle_and_a_mind_lives_with_what_was
     assert runs[0].log(OBJECT).any()
     for each in (one, other):
         each.body.stage.world.close()
+
+
+def test_the_command_babbles_stops_and_goes_on_the_same(tmp_path, monkeypatch):
+    """Its options, its checkpoints, its film and its summary."""
+    monkeypatch.setattr(RecallingBody, "pages", 6)
+    config = RenderedDevelopmentConfig.of(
+        resolution="growing", seed=5, steps=60, table={"spots": 2, "objects": 1},
+        rendered={"calibration": 3, "exploration": 80},
+        babbling={"steps": 5000, "images": False, "resolution": {"warm_up": 1000}},
+    )  # fmt: skip
+    assert config.rendered.senses == GrowingConfig().senses
+    whole = run_development(config, DevelopmentOptions(tmp_path / "whole", video=True))
+    assert (tmp_path / "whole" / "video.mp4").stat().st_size > 10_000
+    more = whole.summary.more
+    assert more["faces_told_apart"] > 1 and len(more["regions_of_gaze_deg"]) > 1 and more["splits"]
+    stopped = DevelopmentOptions(tmp_path / "stopped", checkpoint_every=20)
+
+    def stop(run, found):
+        if run.steps_done == 40:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_development(config, stopped, stop)
+    assert run_development(config, replace(stopped, resume=True)) == whole

@@ -27,7 +27,7 @@ AGENTS = {
     "reset": replace(HASTY, memory="reset"),
     "window": replace(HASTY, memory="window", horizon=500),
     "fading": replace(HASTY, memory="fading", horizon=500),
-    "ever": replace(HASTY, history="ever"),
+    "full": replace(HASTY, history="full"),
     "refresh": replace(HASTY, refresh_every=150),
 }
 STEPS = 1200

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from jointattn_mj.development.run import DevelopConfig, DevelopOptions, run_development
+from jointattn_mj.development.config import DevelopmentOptions
+from jointattn_mj.development.run import run_development
+from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.errors import NotFiniteError, ObservationError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
 from jointattn_mj.gaze_following.run import SessionOptions, run_session
@@ -64,13 +66,13 @@ def test_a_session_that_never_had_any_leaves_no_checkpoint(tmp_path):
 
 
 def test_a_developing_robot_stops(tmp_path):
-    config = DevelopConfig(steps=40_000)
+    config = TableDevelopmentConfig(steps=40_000)
 
     def progress(run, found):
         if run.steps_done == 20_000:
             run.agent.state.maps.odds[0] = np.nan
 
     with pytest.raises(NotFiniteError, match="odds"):
-        run_development(config, DevelopOptions(tmp_path), progress)
+        run_development(config, DevelopmentOptions(tmp_path), progress)
     assert not (tmp_path / "summary.json").exists()
     assert (tmp_path / "checkpoint.bin").exists()

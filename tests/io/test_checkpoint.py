@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 
 from jointattn_mj.contingency.online.counts import CONTEXT
 from jointattn_mj.contingency.online.events import Event
-from jointattn_mj.development.run import DevelopConfig
+from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.errors import CheckpointError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
 from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
@@ -575,14 +575,14 @@ class TestAttacks:
         from jointattn_mj.cli.main import main
 
         entry = ["object", "jointattn_mj.video.stream.VideoEncoder", "height", "16 -f data -i data:, -y victim.txt"]
-        forge(tmp_path / "checkpoint.bin", [entry], config=DevelopConfig.of("thesis"))
+        forge(tmp_path / "checkpoint.bin", [entry], config=TableDevelopmentConfig.of(preset="thesis"))
         with pytest.raises(SystemExit) as stop:
             main(["develop", "--out", str(tmp_path), "--resume"])
         assert stop.value.code == 2
         said = capfd.readouterr().err
         assert said.count("\n") == 1 and "Encoder does not belong into a checkpoint" in said
         learner = LinearLearner(LearnerConfig(), 3)
-        save(tmp_path / "checkpoint.bin", learner, DevelopConfig.of("thesis"))
+        save(tmp_path / "checkpoint.bin", learner, TableDevelopmentConfig.of(preset="thesis"))
         with pytest.raises(SystemExit):
             main(["develop", "--out", str(tmp_path), "--resume"])
         assert "it holds LinearLearner" in capfd.readouterr().err
@@ -595,7 +595,7 @@ def test_listed_classes_are_there_and_do_nothing_by_themselves():
         assert not any(method in vars(base) for base in kind.__mro__ for method in ("__del__", "__call__", "__enter__"))
 
 
-GROWING = replace(DevelopConfig.of("fast"), steps=20_000)
+GROWING = replace(TableDevelopmentConfig.of(preset="fast"), steps=20_000)
 
 
 @pytest.fixture(scope="module")

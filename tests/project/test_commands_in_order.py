@@ -50,7 +50,7 @@ def shortened(command: Command) -> list[str]:
             words += ["--realtime.familiarise-minutes", "0.1"]
         case "develop" if "rendered" in words:
             at_most("--steps", 20)
-            words += ["--rendered.watching", "100"]
+            words += ["--rendered.exploration", "100"]
         case "develop":
             at_most("--steps", 40_000)
             at_most("--checkpoint-every", 5_000, always=False)

@@ -65,7 +65,7 @@ def test_what_needs_torch_asks_for_it_and_nothing_else_does():
 def test_commands(tmp_path):
     video = encode(tmp_path / "grey.mkv", np.full((30, 48, 64, 3), 128, np.uint8))
     brief = ("--perception", "state", "--minutes", "0.02", "--robot.familiarise.minutes", "0.02")
-    turns = tmp_path / "develop" / "turns.parquet"
+    turns = tmp_path / "develop" / "steps.parquet"
     variables = ("--source", "caregiver's face", "--condition", "shift gaze", "--target", "object", "--surrogates", 20)
     for command in (
         ("session", *brief, "--out", tmp_path / "session"),

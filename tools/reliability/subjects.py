@@ -54,7 +54,7 @@ SUBJECTS = (
     Subject("develop, table", "develop --preset fast --steps 300000 --checkpoint-every 20000"),
     Subject(
         "develop, rendered",
-        "develop --world rendered --steps 800 --rendered.watching 240 --checkpoint-every 100",
+        "develop --world rendered --steps 800 --rendered.exploration 240 --checkpoint-every 100",
     ),
     Subject(
         "develop, realtime",

@@ -1,7 +1,8 @@
-"""The contingency detector: which event is the most contingent, and since when that can be said (section 5.2.1)."""
+"""The contingency detector (section 5.2.1, Fig. 5.1): ranks all events, and says when the first of them is found."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -16,56 +17,67 @@ NOTHING = -1
 
 @dataclass(frozen=True)
 class DetectorConfig(Checked):
-    """Which measure ranks the events, and when the first of them has been found.
+    """Which measure ranks the events, and when the first of them counts as found.
 
-    Rule ``still`` is the dissertation's: the estimates hardly move any more. How much an estimate moves in a step goes
-    with 1/n, so that this rule is a waiting time in disguise, whatever the world is like.
+    Stop rule ``convergence`` is the dissertation's: the estimates hardly change any more. A step changes an estimate by
+    an amount proportional to 1/n. The rule is therefore a waiting time, whatever the world is like.
 
-    Rule ``certain`` asks what the estimates are worth. The plug-in estimate of the measure is a mean over transitions;
-    the variance of its terms, divided by n, is the square of its standard error. An event is found when the highest
+    Stop rule ``confidence`` uses standard errors. The plug-in estimate of the measure is a mean over transitions; the
+    variance of its terms, divided by n, is the square of its standard error. An event is found when the highest
     estimate is known to ``precision`` of itself, and no other can be higher by more than ``tolerance`` of it, both
-    within ``deviations`` standard errors. All three have no unit: nothing in the rule depends on how large contingency
-    is in some world, or on how many values its variables have.
+    within ``deviations`` standard errors. All three have no unit: nothing in the rule depends on the size of the
+    contingency in a world, or on the number of values of its variables.
     """
 
     measure: Literal["sac", "tc"] = "sac"
-    """``sac`` (eq. 5.2) or ``tc`` (eq. 4.3)."""
+    """Measure that ranks the events: ``sac`` (eq. 5.2) or ``tc`` (eq. 4.3)."""
     correction: Literal["none", "miller_madow"] = "none"
-    """``none``, or ``miller_madow`` against the bias of estimates from few transitions."""
+    """Correction of the bias of estimates from few transitions: ``none`` or ``miller_madow``."""
     base: Annotated[float, Real("(1, 1e6]")] = 2.0
-    """Of the logarithm; the text does not say. With 2, theta of rule ``still`` gives the dissertation's times."""
-    rule: Literal["still", "certain"] = "still"
-    """``still`` or ``certain``, see above."""
-    claimed: Literal["block", "drop"] = "block"
-    """What becomes of an event that has its module: it stays in the ranking and can ``block`` others, or they ``drop``
-    out, and the mind then makes modules of whatever is left, one after the other."""
+    """Base of the logarithm; the text does not say. With 2, theta of stop rule ``convergence`` gives the
+    dissertation's times."""
+    stop_rule: Literal["convergence", "confidence"] = "convergence"
+    """When an event is found. ``convergence``: the estimates change by less than ``threshold`` for ``hold`` steps.
+    ``confidence``: the standard errors say that the first event is the first."""
+    modelled: Literal["keep", "drop"] = "keep"
+    """What happens to an event that has a module. ``keep``: it stays in the ranking and can keep others from being
+    found. ``drop``: it leaves the ranking; the agent then makes modules of all other events, one after the other."""
     warm_up: Annotated[int, Whole("[0, 1e10]")] = 100
-    """Transitions before anything can be found: of next to nothing, nothing changes either."""
+    """Transitions before anything can be found; estimates from next to nothing do not change either."""
     threshold: Annotated[float, Real("(0, 1e9]")] = 5e-5
-    """Rule still: theta, section 5.3.1."""
+    """Stop rule convergence: theta (section 5.3.1), the largest change of an estimate in a step, in units of the
+    measure."""
     hold: Count = 30
-    """Rule still: T^C, section 5.3.1, steps on end for which the same event is the first, and all is still."""
-    of: Literal["all", "gap"] = "all"
-    """Rule still: what changes by less than theta in a step; ``all`` measures, as in chapter 4, or the ``gap`` between
-    the two highest, which the words of chapter 5 may mean."""
+    """Stop rule convergence: T^C (section 5.3.1), steps in a row with the same first event and no larger change."""
+    stability_of: Literal["all", "gap"] = "all"
+    """Stop rule convergence: what must change by less than theta in a step. ``all``: every event's measure, as in
+    chapter 4. ``gap``: the difference of the two highest, which the words of chapter 5 may mean."""
     deviations: Positive = 3.0
-    """Rule certain: standard errors to either side, one in a thousand for one look at one pair of estimates."""
+    """Stop rule confidence: standard errors to either side; 3 is one error in a thousand for one comparison."""
     precision: Positive = 0.5
-    """Rule certain: the map that is read off the event splits it among many cells; each must be more than noise."""
+    """Stop rule confidence: largest relative error of the first estimate. The module's map splits the estimate among
+    many entries, each of which must be more than noise."""
     tolerance: NotNegative = 0.25
-    """Rule certain: an event that is nearly as contingent may come second; telling such apart takes for ever."""
+    """Stop rule confidence: share of the first estimate by which another event may be higher. Telling nearly equal
+    events apart takes for ever."""
     look_again: Positive = 0.1
-    """Rule certain: it looks when there are more transitions by this share than at the last look, so that the number of
-    looks, and with it that of chances to be wrong, grows only with the logarithm of time."""
+    """Stop rule confidence: share of further transitions after which the rule is tested again. The number of tests,
+    and with it the chance of an error, then grows with the logarithm of time."""
+
+    RENAMED: ClassVar[Mapping[str, str]] = {"rule": "stop_rule", "claimed": "modelled", "of": "stability_of"}
+    OLD_CHOICES: ClassVar[Mapping[str, Mapping[str, str]]] = {
+        "stop_rule": {"still": "convergence", "certain": "confidence"},
+        "modelled": {"block": "keep"},
+    }
 
 
 class Rule(NamedTuple):
-    """A ``DetectorConfig`` for compiled code."""
+    """A ``DetectorConfig`` as numbers, for compiled code."""
 
     single: int
     corrected: int
     per_nat: float
-    certain: bool
+    confidence: bool
     warm_up: int
     threshold: float
     hold: int
@@ -78,55 +90,68 @@ class Rule(NamedTuple):
 
 
 class Watch(NamedTuple):
-    """What the detector remembers from step to step."""
+    """State of the detector of E events."""
 
     rule: Rule
     values: np.ndarray
-    """(E,) the measure of each event now, in the config's base."""
-    claimed: np.ndarray
+    """(E,) current estimate of each event's measure, in the config's base."""
+    modelled: np.ndarray
     """(E,) whether an event has its module."""
     first: np.ndarray
-    """(2,) the event with the highest value, and for how many steps on end all has been still with it as the first."""
+    """(2,) the event with the highest estimate, and for how many steps in a row it has been the first without a change
+    of ``threshold`` or more."""
     gap: np.ndarray
-    """(1,) between the two highest values."""
+    """(1,) difference of the two highest estimates."""
     time: np.ndarray
-    """(2,) transitions seen, and with how many to look next."""
+    """(2,) transitions so far, and at how many stop rule confidence is tested next."""
 
 
 def new_watch(config: DetectorConfig, events: int) -> Watch:
-    """A detector that has seen nothing."""
+    """The state of a detector before the first transition.
+
+    Args:
+        config: Measure and stop rule.
+        events: E, how many events are ranked.
+    """
     return Watch(
         rule=Rule(
             single=int(config.measure == "sac"),
             corrected=int(config.correction == "miller_madow"),
             per_nat=float(1 / np.log(config.base)),
-            certain=config.rule == "certain",
+            confidence=config.stop_rule == "confidence",
             warm_up=int(config.warm_up),
             threshold=float(config.threshold),
             hold=int(config.hold),
-            gap=config.of == "gap",
+            gap=config.stability_of == "gap",
             deviations=float(config.deviations),
             precision=float(config.precision),
             tolerance=float(config.tolerance),
             look_again=float(config.look_again),
-            drops=config.claimed == "drop",
+            drops=config.modelled == "drop",
         ),
         values=np.zeros(events),
-        claimed=np.zeros(events, np.bool_),
+        modelled=np.zeros(events, np.bool_),
         first=np.array([NOTHING, 0], np.int64),
         gap=np.zeros(1),
         time=np.array([0, config.warm_up], np.int64),
     )
 
 
-def grown(watch: Watch, events: int, claimed: int, anew: bool) -> Watch:
-    """The detector with further events, one of the old ones claimed; ``anew`` where its time starts again."""
+def grown(watch: Watch, events: int, event: int, anew: bool) -> Watch:
+    """The state after a module was made: more events, one of them modelled.
+
+    Args:
+        watch: The state before.
+        events: How many events there are now; the new ones come last.
+        event: Number of the event that has just got its module.
+        anew: Whether the counts begin anew, so that transitions are counted from 0 again.
+    """
     more = events - len(watch.values)
-    claims = np.append(watch.claimed, np.zeros(more, np.bool_))
-    claims[claimed] = True
+    modelled = np.append(watch.modelled, np.zeros(more, np.bool_))
+    modelled[event] = True
     return watch._replace(
         values=np.append(watch.values, np.zeros(more)),
-        claimed=claims,
+        modelled=modelled,
         first=np.array([watch.first[0], 0]),
         time=np.array([0, watch.rule.warm_up]) if anew else watch.time.copy(),
     )
@@ -140,8 +165,8 @@ def _squared_error(counts, event, single):
 
 
 @njit(cache=True)
-def _is_certain(watch, counts):
-    """Whether the first event's estimate is good enough, and no other's can be much higher (rule ``certain``)."""
+def _is_confident(watch, counts):
+    """Stop rule confidence: whether the first estimate is precise enough and no other can be much higher."""
     rule, values, first = watch.rule, watch.values, watch.first[0]
     scale = rule.deviations * rule.per_nat
     spread = _squared_error(counts, first, rule.single)
@@ -149,14 +174,14 @@ def _is_certain(watch, counts):
         return False
     for e in range(len(values)):
         ahead = values[first] * (1.0 + rule.tolerance) - values[e]
-        rival = e != first and not (rule.drops and watch.claimed[e])
+        rival = e != first and not (rule.drops and watch.modelled[e])
         if rival and ahead < scale * np.sqrt(spread + _squared_error(counts, e, rule.single)):
             return False
     return True
 
 
 def _check_look(watch, counts):
-    if not len(watch.values) == len(watch.claimed) == len(counts.of_event):
+    if not len(watch.values) == len(watch.modelled) == len(counts.of_event):
         raise ObservationError(f"a detector of {len(watch.values)} events looks at counts of {len(counts.of_event)}")
 
 
@@ -182,7 +207,7 @@ def look(watch: Watch, counts: Counts) -> int:
         if moved > change:
             change = moved
         values[e] = value
-        if rule.drops and watch.claimed[e]:
+        if rule.drops and watch.modelled[e]:
             continue
         if value > highest:
             first, highest, second = e, value, highest
@@ -196,13 +221,15 @@ def look(watch: Watch, counts: Counts) -> int:
     watch.first[0] = first
     watch.time[0] += 1
     waiting = (
-        watch.time[0] <= watch.time[1] if rule.certain else watch.time[0] <= rule.warm_up or watch.first[1] < rule.hold
+        watch.time[0] <= watch.time[1]
+        if rule.confidence
+        else watch.time[0] <= rule.warm_up or watch.first[1] < rule.hold
     )
     if waiting:
         return NOTHING
-    if rule.certain:
+    if rule.confidence:
         watch.time[1] = np.int64(watch.time[0] * (1.0 + rule.look_again))
-    if watch.claimed[first] or highest <= 0.0 or (rule.certain and not _is_certain(watch, counts)):
+    if watch.modelled[first] or highest <= 0.0 or (rule.confidence and not _is_confident(watch, counts)):
         return NOTHING
     watch.first[1] = 0
     return first

@@ -179,7 +179,7 @@ class Growth:
         """Whether so many transitions are enough to look again."""
         return turns >= self._next
 
-    def look(self, given: Transitions) -> list[Step]:
+    def update(self, given: Transitions) -> list[Step]:
         """Split where all that was ``given`` so far says so, if enough of it is new; returns what was done."""
         turns, known = len(given.cells), len(self.steps)
         if not self.due(turns):

@@ -1,44 +1,43 @@
-"""``jointattn develop --world rendered --mode realtime``: what differs from a life in turns."""
+"""``jointattn develop realtime``: options of a run in which the caregiver does not wait for the robot."""
 
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
-from jointattn_mj.development.loop import DevelopmentRun
+from jointattn_mj.development.config import DevelopmentConfig
 from jointattn_mj.development.realtime.run import RealtimeConfig, RealtimeRun
-from jointattn_mj.development.run import DevelopConfig
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.options import Choice, Real, Whole
 
 
 @dataclass(frozen=True)
-class RealtimeDevelopConfig(DevelopConfig):
-    """An hour at the same table, in which nobody waits for anybody."""
+class RealtimeDevelopmentConfig(DevelopmentConfig):
+    """Options of a run at 30 frames a second at the same table, which the robot sees; a step is a fixation."""
 
-    world: Literal["table", "rendered"] = "rendered"
-    """Where the robot lives: at a table that it sees in images."""
-    mode: Literal["turns", "realtime"] = "realtime"
-    """How time goes on: 30 frames a second, whatever the robot does."""
+    world: Literal["realtime"] = "realtime"
     preset: Annotated[str, Choice(PRESETS)] = "fast"
-    """As at the symbolic table. An hour has some thousand steps: the preset that needs fewest is the default."""
+    """Reading of the text that gives --table.* and --agent.* their defaults, as at the table. An hour has some thousand
+    steps, so the preset that needs the fewest is the default."""
     minutes: Annotated[float, Real("(0, 1e6]")] = 60.0
-    """Simulated minutes to live."""
+    """Length of the run in simulated minutes."""
     steps: Annotated[int, Whole("[1, 1e10]")] = 20_000
-    """Fixations that it can have at most."""
+    """Largest number of steps; a step is a fixation."""
     realtime: RealtimeConfig = field(default_factory=RealtimeConfig)
 
-    kind: ClassVar[type[DevelopmentRun]] = RealtimeRun
-    at_a_time: ClassVar[int] = 1
+    steps_at_a_time: ClassVar[int] = 1
     checkpoint_every: ClassVar[int] = 500
     unit: ClassVar[str] = "min"
 
     @property
+    def kind(self) -> type[RealtimeRun]:
+        """See ``DevelopmentConfig``."""
+        return RealtimeRun
+
+    @property
     def length(self) -> float:
-        """See ``DevelopConfig``."""
+        """Length of the run, in ``unit``."""
         return self.minutes
 
     def new_run(self) -> RealtimeRun:
-        """A life before its first fixation; the robot knows the caregiver's face."""
-        initial_modules = self.initial_modules()
-        return RealtimeRun(
-            self.table, self.realtime, self.agent, self.seed, self.steps, initial_modules, self.sample_every
-        )
+        """A run before its first fixation; the robot knows the caregiver's face."""
+        initial = self.initial_modules()
+        return RealtimeRun(self.table, self.realtime, self.agent, self.seed, self.steps, initial, self.sample_every)

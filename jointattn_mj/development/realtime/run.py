@@ -11,18 +11,18 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.reactive import ReactiveModule
 from jointattn_mj.development.agent import Developer, DeveloperConfig
 from jointattn_mj.development.contingency_log import ContingencyLog
 from jointattn_mj.development.realtime.partner import PACE, PartnerConfig, PartnerWorld
-from jointattn_mj.development.realtime.step import think_once
+from jointattn_mj.development.rendered.body import Witnessed
 from jointattn_mj.development.rendered.observer import ObservedRun
-from jointattn_mj.development.rendered.senses import Gazed, Senses, SensesConfig
+from jointattn_mj.development.rendered.senses import CentralView, Senses, SensesConfig
 from jointattn_mj.development.table.caregiver import NOWHERE
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
+from jointattn_mj.gaze_following.fixation import attend
 from jointattn_mj.gaze_following.gate import HeadShift
 from jointattn_mj.io.rows import RowStore
 from jointattn_mj.options import Checked, Real, Whole
@@ -173,30 +173,19 @@ class RealtimeRun(ObservedRun):
         """Free the world's model and images."""
         self.world.close()
 
-    def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
-        agent, first = self.agent.state, self.steps_done
-        for t in range(first, last):
-            there = self.see(int(agent.a[0]) if t else self.spots)
-            found, location = think_once(agent, self._s, self._r, t, first, log, samples, self.sample_every)
-            partner = self.world.caregiver
-            log[t - first, location:] = partner.looks_at, partner.option, there
-            self._ended.append(self.frame)
-            if found != NOTHING:
-                return t + 1, found
-        return last, NOTHING
-
-    def see(self, location: int) -> bool:
-        """Look at a place, or her face, until attention has had enough; whether there truly was an object at the end.
-        Sensations and results are written down."""
+    def sense(self, number: int) -> Witnessed:
+        """See ``ObservedRun``: shift the gaze if it was commanded, and fixate until attention would shift it again."""
+        location = int(self.agent.state.a[0]) if number else self.spots
         if location != self._gazes_at:
             self._shift(location)
-        gazed = self._fixate()
+        view = self._fixate()
         partner, at_face = self.world.caregiver, location == self.spots
         there = not at_face and partner.full(location)
         sensors = np.array([partner.looks_at if at_face else self.spots + 1, not there])
         results = np.array([at_face and partner.looks_at == self.spots, at_face, there])
-        self.senses.read(gazed, sensors, results, self._s, self._r)
-        return there
+        self.senses.read(view, sensors, results, self._s, self._r)
+        self._ended.append(self.frame)
+        return Witnessed(partner.looks_at, partner.option, there)
 
     def _shift(self, location: int) -> None:
         """Turn the head; she sees it turn, and where it comes to rest."""
@@ -208,7 +197,7 @@ class RealtimeRun(ObservedRun):
         self._gazes_at = location
         self.world.caregiver.watch(location)
 
-    def _fixate(self) -> Gazed:
+    def _fixate(self) -> CentralView:
         """Live until the attention selector would look at something else; what is then at the centre of view."""
         self.attention.settle()
         longest = round(self.config.longest_s / FRAME_S)
@@ -216,12 +205,11 @@ class RealtimeRun(ObservedRun):
             if frame % self.config.looks_every == 0:
                 percept = self._perceiver.look(self._observation, frame == 0)
                 attended = self._at_centre(percept)
-            self.attention.advance(attended, percept.moves)
-            chosen = self.attention.consider(percept.visible)
+            chosen = attend(self.attention, attended, percept)
             self._step()
-            if chosen is not None and chosen != attended:
+            if chosen is not None:
                 break
-        return self._gazed(percept, attended)
+        return self._central_view(percept, attended)
 
     def _step(self) -> None:
         self.world.step(np.radians(self._held))
@@ -236,11 +224,11 @@ class RealtimeRun(ObservedRun):
         nearest = int(off.argmin())
         return nearest if off[nearest] <= np.radians(self.config.senses.centre_radius_deg) * FOCAL_PX else None
 
-    def _gazed(self, percept: Percept, attended: int | None) -> Gazed:
+    def _central_view(self, percept: Percept, attended: int | None) -> CentralView:
         face = attended == self.table.objects
         pattern = self._perceiver.face_pattern() if face else None
         is_object = attended is not None and not face
-        return Gazed(face, is_object, percept.px[-1].copy(), percept.px[attended or 0].copy(), pattern)
+        return CentralView(face, is_object, percept.px[-1].copy(), percept.px[attended or 0].copy(), pattern)
 
     def _new_perceiver(self, rng: np.random.Generator) -> Perceiver:
         if self.config.perception == "state":

@@ -1,49 +1,90 @@
-"""What lives at a table that is seen have in common: an onlooker who knows what there was to be seen."""
+"""Runs whose first sensor is a category of faces, and what an observer who knows the ground truth adds to their log.
 
+Three worlds derive from ``ObservedRun``: images with known gaze targets (``run``), images with growing resolution
+(``growing``) and real time (``realtime.run``). Each says what is sensed in a step; the loop over steps is here.
+"""
+
+from abc import abstractmethod
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.development.agent import Developer
-from jointattn_mj.development.loop import DevelopmentRun
+from jointattn_mj.development.loop import DevelopmentRun, think_and_note
 from jointattn_mj.development.meaning import FACE, GAZE, LOOKED_AT
+from jointattn_mj.development.rendered.body import Witnessed
 from jointattn_mj.development.rendered.senses import named_by_majority
 from jointattn_mj.development.table.world import LOOKS_AT, TableConfig, table_variables, table_witnessed
 from jointattn_mj.io.rows import spans
 
 OBJECT_THERE = "object at the centre"
-"""Column of the log that the robot does not know; the last one."""
-PART_TURNS = 1 << 16
-"""Turns that are counted at a time."""
+"""Last column of the log: whether there was an object in truth."""
+PART_STEPS = 1 << 16
+"""Steps that are counted at a time."""
 
 
 class ObservedRun(DevelopmentRun):
-    """A life whose first sensor is a category of faces; the last value of its gaze command is the caregiver's face.
+    """A run whose first sensor is a category of faces; the last gaze command is the caregiver's face.
 
     Attributes:
-        table: What the table is like, and what she does there.
+        table: Rules of the table and of the caregiver.
     """
 
     def __init__(self, agent: Developer, table: TableConfig, n_steps: int, sample_every: int):
-        """See ``DevelopmentRun``; a row of the log ends with where she looks, by which rule, and OBJECT_THERE."""
+        """Make the log, whose rows end with the three values of ``Witnessed``.
+
+        Args:
+            agent: Agent of chapter 5 before its first step.
+            table: Rules of the table and of the caregiver.
+            n_steps: Longest possible run.
+            sample_every: Steps from one note of every event's contingency to the next.
+        """
         super().__init__(agent, n_steps, sample_every, {**table_witnessed(table), OBJECT_THERE: ("no", "yes")})
         self.table, self.spots = table, table.spots
-        self._truths = table_variables(table).sensors[0].values
+        self._true_faces = table_variables(table).sensors[0].values
+
+    @abstractmethod
+    def sense(self, number: int) -> Witnessed:
+        """Carry out the agent's last action, and write what is sensed then into ``_s`` and ``_r``.
+
+        Args:
+            number: Of the step; in step 0 the agent has not acted yet, and the robot looks at the caregiver's face.
+
+        Returns:
+            Ground truth at that moment.
+        """
+
+    def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
+        """See ``DevelopmentRun``."""
+        first = self.steps_done
+        for t in range(first, last):
+            witnessed = self.sense(t)
+            event, column = think_and_note(
+                self.agent.state, self._s, self._r, t, first, log, samples, self.sample_every
+            )
+            log[t - first, column:] = witnessed
+            if event != NOTHING:
+                return t + 1, event
+        return last, NOTHING
 
     def faces(self, first: int = 0, last: int | None = None) -> np.ndarray:
         """See ``DevelopmentRun``."""
-        return faces_looked_at(self, len(self.agent.variables.joints[0].values) - 1, first, last)
+        to_face, last = len(self.agent.variables.joints[0].values) - 1, self.steps_done if last is None else last
+        before = self.log(GAZE, max(first - 1, 0), max(last - 1, 0))
+        gaze = np.concatenate([[to_face], before])[:last] if first == 0 else before
+        return np.where(gaze == to_face, self.log(LOOKS_AT, first, last), self.spots + 1)
 
     def named_variables(self) -> Variables:
-        """See ``DevelopmentRun``: categories of faces by what she mostly looked at."""
-        return named_by_majority(self.agent.variables, self.confusion(), self._truths)
+        """See ``DevelopmentRun``: categories of faces bear the name of the caregiver's usual gaze target."""
+        return named_by_majority(self.agent.variables, self.confusion(), self._true_faces)
 
     def more(self) -> dict[str, Any]:
-        """See ``DevelopmentRun``: how well perception did."""
+        """See ``DevelopmentRun``: how often perception was right."""
         values = self.agent.variables.sensors[0].values
-        faces = [dict(zip(self._truths, row, strict=True)) for row in self.confusion().tolist()]
+        faces = [dict(zip(self._true_faces, row, strict=True)) for row in self.confusion().tolist()]
         objects = self.object_confusion().tolist()
         return {
             "sensed_face_by_truth": dict(zip(values, faces, strict=True)),
@@ -51,27 +92,22 @@ class ObservedRun(DevelopmentRun):
         }
 
     def confusion(self) -> np.ndarray:
-        """(values of S1, spots + 2) how often each value was sensed under each truth; see ``faces``."""
-        return confusion(self, FACE, self.faces, (len(self.agent.variables.sensors[0].values), self.spots + 2))
+        """(values of S1, spots + 2) steps by the category that was sensed and by the true face; see ``faces``."""
+        return self._confusion(FACE, self.faces, (len(self.agent.variables.sensors[0].values), self.spots + 2))
 
     def object_confusion(self) -> np.ndarray:
-        """(2, 2) how often an object, or none, was sensed (rows) when there was one, or none (columns)."""
-        return confusion(self, LOOKED_AT, lambda first, last: 1 - self.log(OBJECT_THERE, first, last), (2, 2))
+        """(2, 2) steps by what was sensed (object, none) and by what was there (object, none)."""
+        return self._confusion(LOOKED_AT, lambda first, last: 1 - self.log(OBJECT_THERE, first, last), (2, 2))
 
+    def _confusion(self, sensed: str, truth: Callable[[int, int], np.ndarray], shape: tuple[int, int]) -> np.ndarray:
+        """Count steps by what was sensed and by what was true.
 
-def faces_looked_at(run: DevelopmentRun, to_face: int, first: int, last: int | None) -> np.ndarray:
-    """``DevelopmentRun.faces`` where the gaze command ``to_face`` turns to the caregiver's face, as at first."""
-    last = run.steps_done if last is None else last
-    before = run.log(GAZE, max(first - 1, 0), max(last - 1, 0))
-    gaze = np.concatenate([[to_face], before])[:last] if first == 0 else before
-    return np.where(gaze == to_face, run.log(LOOKS_AT, first, last), run.spots + 1)
-
-
-def confusion(
-    run: DevelopmentRun, sensed: str, truth: Callable[[int, int], np.ndarray], shape: tuple[int, int]
-) -> np.ndarray:
-    """Counts (``shape``) of turns by what was sensed, a column of the log, and by ``truth`` of some turns."""
-    counts = np.zeros(shape, np.int64)
-    for first, last in spans(run.steps_done, PART_TURNS):
-        np.add.at(counts, (run.log(sensed, first, last), truth(first, last)), 1)
-    return counts
+        Args:
+            sensed: Column of the log.
+            truth: Gives the true values (last - first,) of the steps from ``first`` to before ``last``.
+            shape: Of the result: number of sensed and of true values.
+        """
+        counts = np.zeros(shape, np.int64)
+        for first, last in spans(self.steps_done, PART_STEPS):
+            np.add.at(counts, (self.log(sensed, first, last), truth(first, last)), 1)
+        return counts

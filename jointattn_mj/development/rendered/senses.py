@@ -1,11 +1,11 @@
-"""Sensations and results of chapter 5 (Table 5.1) from images.
+"""Sensors and results of chapter 5 (Table 5.1) from images.
 
-The robot gazes at what is at the centre of its image: a face, an object, or nothing. Which face it is, is said by
-categories of its own (``perception.categories``). A frontal face is one like those that greeted it; any other is a
-profile. Each part can be replaced by the truth, to see what its errors cost.
+The robot gazes at what is at the centre of its image: a face, an object, or nothing. The face's value is a category
+that the robot learned itself (``perception.categories``). A frontal face is one whose category the calibration showed;
+any other is a profile. Each part of perception can be replaced by ground truth, which shows what its errors cost.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal, NamedTuple
 
@@ -22,57 +22,67 @@ from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.som import SOM, SOMConfig
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX
 
+OBJECT, NO_OBJECT = 0, 1
+"""Values of S2 at a table with one kind of objects."""
 PARTS = ("face", "category", "object")
-"""What perception consists of: whether there is a face at the centre, of which category, and whether an object is."""
+"""Parts of perception: whether a face is at the centre of view, its category, and whether an object is there."""
 
 ABRUPT = PixelConfig(FaceDetectorConfig(confirm_above=0.2))
-"""For faces that have turned at once, without the views between by which the detector of chapter 6 gets to know a
-turned face: under some lights they fit the frontal view by no more than 0.2 to 0.4, and with the detector's own
-threshold three of twenty robots never found one."""
+"""Perception of faces that turn at once. The detector of chapter 6 learns a turned face from the views in between; they
+are missing here, and under some lights a turned face fits the frontal view by no more than 0.2 to 0.4. With the
+detector's own threshold three of twenty robots never found one."""
 
 
 @dataclass(frozen=True)
 class SensesConfig(Checked):
-    """How images become values of variables."""
+    """From images to values of sensors."""
 
     pixels: PixelConfig = field(default_factory=PixelConfig)
-    """Faces and colour areas, as in chapter 6."""
+    """Detection of faces and colour areas, as in chapter 6."""
     som: SOMConfig = field(default_factory=SOMConfig)
     """The map of face patterns."""
     grouping: GroupingConfig = field(default_factory=GroupingConfig)
-    """How its cells become the values of S1."""
+    """Grouping of the map's units into the values of S1."""
     centre_radius_deg: Annotated[float, Real("(0, 180]")] = 3.5
-    """What is so near to the centre of view is gazed at, as in chapter 6."""
+    """What is within this distance of the centre of view is gazed at, degrees; as in chapter 6."""
     frontal_share: Annotated[float, Real("[0, 1)")] = 0.05
-    """A category is frontal if it had more than this share of the faces that greeted the robot: frontal faces may fall
-    into two categories, and a robot that took one of them for a profile found nothing after gaze following."""
+    """A category is frontal if it got more than this share of the calibration's faces. Frontal faces may fall into two
+    categories; a robot that took one of them for a profile found nothing after gaze following."""
     truth: tuple[Literal["face", "category", "object"], ...] = ()
-    """Parts of perception that are replaced by the truth: face, category, object."""
+    """Parts of perception that are replaced by ground truth: face, category, object."""
 
 
-class Gazed(NamedTuple):
-    """What an image shows, and whether that is at its centre; pixels as in ``Percept``, NaN for what was not found."""
+class CentralView(NamedTuple):
+    """What an image shows at its centre; pixels as in ``Percept``, NaN for what was not detected."""
 
     face: bool
+    """Whether a face is at the centre."""
     object: bool
+    """Whether an object is at the centre."""
     face_px: np.ndarray
-    """(2,) centre of the face, wherever it is."""
+    """(2,) centre of the face, wherever it is in the image."""
     object_px: np.ndarray
     """(2,) centre of the object that is nearest to the centre of view."""
     pattern: np.ndarray | None
     """Grey patch (1024,) of the face at the centre; None if there is none."""
 
 
-NOWHERE = np.full(2, np.nan)
-NOTHING_LOOKED_AT = Gazed(False, False, NOWHERE, NOWHERE, None)
+UNDETECTED = np.full(2, np.nan)
+EMPTY_VIEW = CentralView(False, False, UNDETECTED, UNDETECTED, None)
 
 
-def gazed(perception: PixelPerception, image: np.ndarray, head: np.ndarray, radius_deg: float) -> Gazed:
-    """Look at an image (h, w, 3) that was taken with the head at ``head`` (2,), rad."""
-    percept = perception.look({"camera": image, "head_angles": head}, True)
+def central_view(perception: PixelPerception, observation: Mapping[str, np.ndarray], radius_deg: float) -> CentralView:
+    """Perceive an image.
+
+    Args:
+        perception: Detectors of faces and colour areas.
+        observation: Image and head angles, as in ``Perceiver``.
+        radius_deg: What is so near to the centre of view counts as being there.
+    """
+    percept = perception.look(observation, True)
     face, nearest, near = _centre(percept.visible, percept.px, np.radians(radius_deg) * FOCAL_PX)
-    return Gazed(
-        face, near, percept.px[-1].copy(), NOWHERE if nearest < 0 else percept.px[nearest].copy(),
+    return CentralView(
+        face, near, percept.px[-1].copy(), UNDETECTED if nearest < 0 else percept.px[nearest].copy(),
         perception.face_pattern() if face else None,
     )  # fmt: skip
 
@@ -90,13 +100,13 @@ def _centre(visible, px, radius):
 
 
 class Senses:
-    """Turns what is gazed at into (S, R); made when the robot has seen enough faces to have categories of them.
+    """Turns what is at the centre of view into values of S and R.
 
     Attributes:
-        looks: Whether images are needed at all.
-        variables: Those of the mind: S1 has a value for each category.
+        looks: Whether images are needed; not if all parts of perception are replaced by ground truth.
+        variables: The agent's: S1 has a value for each category of faces.
         categories: Of faces.
-        frontal: (values of S1,) bool: the categories of the faces that greeted the robot; one, or a few.
+        frontal: (values of S1,) bool: the categories of the calibration's faces.
     """
 
     def __init__(
@@ -104,25 +114,33 @@ class Senses:
         config: SensesConfig,
         table: TableConfig,
         patterns: np.ndarray,
-        greetings: int,
+        calibration: int,
         rng: np.random.Generator,
     ):
-        """``patterns`` (n, d): faces that were seen, of which the first ``greetings`` looked at the robot."""
+        """Make categories of the faces that were seen.
+
+        Args:
+            config: Perception, and how faces are grouped.
+            table: Rules of the table.
+            patterns: (n, d) faces that were seen.
+            calibration: How many of them, at the beginning, are the calibration's.
+            rng: For the map of faces.
+        """
         self._truth = {part: part in config.truth for part in PARTS}
         self.looks = not all(self._truth.values())
         som = SOM(patterns.shape[1], config.som, rng)
         som.train(patterns, rng)
         self.categories = FaceCategories(som, patterns, config.grouping)
-        self._of_table = table_variables(table)
-        self.variables = self._of_table if self._truth["category"] else _visible(self._of_table, self.categories.count)
-        self._faces = len(self.variables.sensors[0].values) - 1
+        of_table = table_variables(table)
+        self._not_visible = len(of_table.sensors[0].values) - 1
+        self.variables = of_table if self._truth["category"] else with_faces(of_table, self.categories.count)
+        self._no_face = len(self.variables.sensors[0].values) - 1
         if self._truth["category"]:
-            votes = np.array([table.spots])
+            shown = np.array([table.spots])
         else:
-            votes = np.array([self.categories.of(pattern) for pattern in patterns[:greetings]])
-        greeted = np.bincount(votes, minlength=self._faces + 1)
-        self.frontal = greeted > config.frontal_share * len(votes)
-        self._likeliest = int(greeted.argmax())
+            shown = np.array([self.categories.of(pattern) for pattern in patterns[:calibration]])
+        self.frontal = frontal_categories(shown, self._no_face, config.frontal_share)
+        self._likeliest = int(np.bincount(shown).argmax())
 
     def check(self) -> None:
         """Go on only with finite numbers.
@@ -132,50 +150,75 @@ class Senses:
         """
         check_finite({"map of faces": self.categories.som.weights})
 
-    def read(self, gazed: Gazed, sensors: np.ndarray, results: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
-        """Write the values of this turn.
+    def read(self, view: CentralView, sensors: np.ndarray, results: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
+        """Write the values of this step.
 
         Args:
-            gazed: What the image shows.
-            sensors: True values (2,), for the parts that are replaced by the truth.
-            results: True values (results,).
+            view: What the image shows.
+            sensors: (2,) true values, for the parts that are replaced by ground truth.
+            results: (results,) true values.
             s: (2,) is written.
             r: (results,) is written.
         """
         truth = self._truth
-        not_visible, none = len(self._of_table.sensors[0].values) - 1, 1
-        face = sensors[0] != not_visible if truth["face"] else gazed.face
-        if not face:
-            s[0] = self._faces
+        visible = sensors[0] != self._not_visible if truth["face"] else view.face
+        if not visible:
+            face = self._no_face
         elif truth["category"]:
-            s[0] = sensors[0] if sensors[0] != not_visible else self._likeliest
-        elif gazed.pattern is not None:
-            s[0] = self.categories.of(gazed.pattern)
+            face = sensors[0] if sensors[0] != self._not_visible else self._likeliest
+        elif view.pattern is not None:
+            face = self.categories.of(view.pattern)
         else:
-            s[0] = self._likeliest
-        there = sensors[1] != none if truth["object"] else gazed.object and not face
-        s[1] = 0 if there else none
-        r[0] = self.frontal[s[0]]
-        if len(r) == 3:
-            r[1] = face and not r[0]
-        r[len(r) - 1] = there
+            face = self._likeliest
+        there = sensors[1] == OBJECT if truth["object"] else view.object and not visible
+        write_values(face, there, self.frontal, s, r)
 
 
-def _visible(variables: Variables, categories: int) -> Variables:
-    """The variables with categories of faces for what the caregiver looks at."""
-    names = tuple(f"face {number}" for number in range(1, categories + 1))
-    face = variables.sensors[0]
+def frontal_categories(shown: np.ndarray, count: int, share: float) -> np.ndarray:
+    """Which categories of faces are frontal.
+
+    Args:
+        shown: (n,) categories of the calibration's faces.
+        count: How many categories there are.
+        share: A category with more than this share of the faces is frontal.
+
+    Returns:
+        (count + 1,) bool; the last stands for no face, and is False.
+    """
+    return np.bincount(shown, minlength=count + 1) > share * len(shown)
+
+
+def write_values(face: int, object_there: bool, frontal: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
+    """Write sensors and results of chapter 5 (Table 5.1).
+
+    Args:
+        face: Category of the face at the centre of view; the last for no face.
+        object_there: Whether an object is at the centre of view.
+        frontal: (values of S1,) whether a category is frontal.
+        s: (2,) is written: face, object.
+        r: (results,) is written: frontal face, profile if the table has that result, object.
+    """
+    s[0], s[1] = face, OBJECT if object_there else NO_OBJECT
+    r[0] = frontal[face]
+    if len(r) == 3:
+        r[1] = face < len(frontal) - 1 and not r[0]
+    r[-1] = object_there
+
+
+def with_faces(variables: Variables, categories: int) -> Variables:
+    """``variables`` whose first sensor has so many categories of faces as values, and "not seen"."""
+    face, names = variables.sensors[0], tuple(f"face {number}" for number in range(1, categories + 1))
     return replace(variables, sensors=(Variable(face.name, (*names, face.values[-1])), *variables.sensors[1:]))
 
 
 def named_by_majority(variables: Variables, counts: np.ndarray, truth: Sequence[str]) -> Variables:
-    """Variables whose categories of faces bear the name of what she mostly looked at when they were seen.
+    """Variables whose categories of faces bear the name of the caregiver's most frequent gaze target.
 
-    Only for people who read results: the robot does not know these names.
+    For people who read results only: the robot does not know these names.
 
     Args:
-        variables: The mind's.
-        counts: (categories + 1, truths) how often each value of S1 came with each truth.
+        variables: The agent's.
+        counts: (categories + 1, true values) steps by the value of S1 and by the true value.
         truth: Names of the true values.
     """
     face, names = variables.sensors[0], list[str]()

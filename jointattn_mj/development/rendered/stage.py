@@ -1,7 +1,7 @@
-"""The table of chapter 5 with bodies, and as imprecise as bodies are: nobody looks or puts things exactly anywhere.
+"""The table of chapter 5 with bodies, whose movements are imprecise: nobody looks or puts things exactly anywhere.
 
-The symbolic table (``symbolic.table``) decides what happens in a turn, by its own random streams; here it is acted out
-by the caregiver's head and eyes, objects, and the robot's head and hand.
+The table without bodies (``development.table``) decides what happens in a step, by its own random streams. Here the
+caregiver's head and eyes, the objects, and the robot's head and hand are moved accordingly.
 """
 
 from dataclasses import dataclass, field, replace
@@ -21,44 +21,54 @@ from jointattn_mj.scene.world import WorldConfig
 
 @dataclass(frozen=True)
 class StageConfig(Checked):
-    """What the symbolic table leaves open about bodies."""
+    """Looks and imprecision of bodies, which the table without bodies leaves open."""
 
     world: WorldConfig = field(default_factory=WorldConfig)
-    """What things look like; its objects are replaced by as many as lie on the table, each of its own colour."""
+    """Looks of the scene. Its objects are replaced by as many as lie on the table, each of its own colour."""
     variation: Variation = "people+lights"
-    """How each seed's world differs, by names of ``scene.variation``: she is one of six people, in her own light."""
+    """What differs between seeds, by names of ``scene.variation``; by default the caregiver and the light."""
     object_jitter_m: Annotated[float, Real("[0, 0.1]")] = 0.02
-    """Objects lie up to so far beside their place, either way; a third of their size, as a hand puts them."""
+    """Largest distance of an object from its spot along x and y, m; a third of its size, as a hand puts it."""
     head_jitter_deg: Annotated[float, Real("[0, 15]")] = 2.0
-    """Standard deviation, yaw and pitch, of where the caregiver's head comes to rest; her eyes make up for it. Heads
-    turn most of the way to what is looked at, but never the same part of it."""
+    """Standard deviation, yaw and pitch, of where the caregiver's head comes to rest, degrees; the eyes make up for it.
+    Heads turn most of the way to what is looked at, but never the same part of it."""
     motor_noise_deg: Annotated[float, Real("[0, 15]")] = 0.5
-    """Standard deviation, pan and tilt, of where the robot's head comes to rest."""
+    """Standard deviation, pan and tilt, of where the robot's head comes to rest, degrees."""
     looks_at: Literal["place", "object"] = "place"
-    """What her eyes rest on when an object lies at the place she looks at: the middle of the ``location``, so that the
-    jitter of objects is one more imprecision, or the ``object``, wherever it lies: so where jitter is large."""
+    """What the caregiver's eyes rest on when an object lies at the spot. ``place``: the middle of the spot, so that the
+    jitter of objects is one more imprecision. ``object``: the object, wherever it lies; for large jitter."""
 
 
 class Stage:
-    """Robot and caregiver at the table, an image a turn.
+    """Robot and caregiver at the table, an image a step.
 
     Attributes:
-        table: The symbolic table, which decides; there from ``begin`` on.
+        table: The table without bodies, which decides; there from ``begin`` on.
         world: The bodies.
         objects: What the robot expects to see on the table; lights and variation may make it look otherwise.
-        places: (spots, 2) head angles that bring each place to the centre of view, rad.
-        sensors: (2,) what the robot of the symbolic table senses in a turn: the truth, for ``table.step`` to write.
-        results: (results,) likewise.
+        locations: (spots, 2) head angles that bring each spot to the centre of view, rad.
+        sensors: (2,) true values of the sensors, written by ``table.world.step``.
+        results: (results,) true values of the results, likewise.
     """
 
     table: Table
 
     def __init__(self, table: TableConfig, config: StageConfig, seed: np.random.SeedSequence):
+        """Build the scene.
+
+        Args:
+            table: Rules of the table.
+            config: Looks and imprecision.
+            seed: Of both.
+
+        Raises:
+            ConfigError: The table cannot be rendered.
+        """
         if table.objects > len(OBJECTS):
             raise ConfigError(f"the scene knows {len(OBJECTS)} objects; the table has {table.objects}")
         if table.kinds > 1 or table.order != "caregiver_first":
             raise ConfigError(
-                "images are taken once a turn, and objects are of one kind: the rendered world needs kinds 1 and "
+                "the rendered table takes one image a step and has objects of one kind: it needs kinds 1 and "
                 f"order caregiver_first; got {table.kinds}, {table.order}"
             )
         self.config = config
@@ -75,29 +85,29 @@ class Stage:
         self.sensors = np.zeros(2, np.int64)
         self.results = np.zeros(3 if table.profile else 2, np.int64)
 
-    def greet(self, head: np.ndarray) -> None:
-        """Before the first turn: she looks at the robot, whose head is told to be at ``head`` (2,), rad."""
+    def face_to_face(self, head: np.ndarray) -> None:
+        """Let the caregiver look at the robot, whose head points to ``head`` (2,), rad; for the calibration."""
         self._pose(None, head)
 
     def begin(self, seed: np.random.SeedSequence) -> None:
-        """Sit down at a table before its first turn; ``seed`` is that of ``symbolic.table.new_table``."""
+        """Begin at a table before its first step; ``seed`` is that of ``table.world.new_table``."""
         self.table = new_table(self._table_config, seed)
         self._full, self._gesture = self.table.full.copy(), -1
         self._lie = self._spots.copy()
 
     def looked_at(self) -> np.ndarray | None:
-        """The point (3,) that she looks at, world frame, metres; None where she looks at the robot."""
+        """The point (3,) at which the caregiver looks, world frame, m; None for the robot."""
         location = self.table.state[CAREGIVER]
         if location == len(self._spots):
             return None
         return self._lie[location] if self.config.looks_at == "object" else self._spots[location]
 
     def show(self, gesture: int, heads: np.ndarray) -> None:
-        """Let bodies stand as the table's last turn has left them.
+        """Move all bodies to where the table's last step has put them.
 
         Args:
             gesture: The robot's.
-            heads: (spots + 1, 2) angles to which it turns its head to look at each place, and at her face, rad.
+            heads: (spots + 1, 2) head angles for each spot and for the caregiver's face, rad.
         """
         if (self.table.full != self._full).any():
             self._lay()
@@ -107,7 +117,7 @@ class Stage:
         self._pose(self.looked_at(), heads[self.table.state[ROBOT]])
 
     def _lay(self) -> None:
-        """Put the objects where the table has them, whichever where, and none exactly."""
+        """Put the objects on the table's occupied spots, in random order and imprecisely."""
         full = np.flatnonzero(self.table.full)
         off = self._random.uniform(-self.config.object_jitter_m, self.config.object_jitter_m, (len(full), 2))
         which = self._random.permutation(len(full))

@@ -32,7 +32,7 @@ PRESETS = {
     ),
     "fast": Preset(
         CHAPTER_5,
-        DeveloperConfig(detector=DetectorConfig(rule="certain", correction="miller_madow"), memory="reset"),
+        DeveloperConfig(detector=DetectorConfig(stop_rule="confidence", correction="miller_madow"), memory="reset"),
         "Counts begin anew with each module, because with it the robot behaves differently; an event is found when its "
         "estimate's standard error says so.",
     ),

@@ -55,16 +55,16 @@ CONFIGS = {
         "robot",
         "world",
     ),
-    "jointattn_mj.development.run.DevelopConfig": (
+    "jointattn_mj.development.table.config.TableDevelopmentConfig": (
         "world",
         "preset",
         "steps",
         "seed",
         "reactive",
         "sample_every",
-        "mind",
+        "agent",
     ),
-    "jointattn_mj.development.rendered.run.RenderedConfig": ("greeting", "watching", "senses"),
+    "jointattn_mj.development.rendered.run.RenderedConfig": ("calibration", "exploration", "senses"),
     "jointattn_mj.development.realtime.run.RealtimeConfig": (
         "looks_every",
         "shift_frames",

@@ -36,7 +36,7 @@ BASES = (
     Base("session --perception state --minutes 0.02"),
     Base("session --minutes 0.02 --robot.familiarise.minutes 0.02", asked="--pixels"),
     Base("develop --preset fast --steps 2000"),
-    Base("develop --world rendered --steps 20 --rendered.watching 60 --rendered.greeting 5"),
+    Base("develop --world rendered --steps 20 --rendered.exploration 60 --rendered.calibration 5"),
     Base(
         "develop --world rendered --mode realtime --minutes 0.02 --realtime.perception state "
         "--realtime.familiarise-minutes 0.1"

@@ -1,0 +1,142 @@
+"""Options that a run has in every world, and options that follow from a preset unless they are given."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
+
+from jointattn_mj.contingency.online.reactive import AvoidingModule, RandomModule, ReactiveModule
+from jointattn_mj.development.agent import DeveloperConfig
+from jointattn_mj.development.loop import DevelopmentRun
+from jointattn_mj.development.meaning import CAREGIVER, GAZE
+from jointattn_mj.development.table.presets import PRESETS
+from jointattn_mj.development.table.world import TableConfig
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import Checked, Choice, Seed, Whole, meant, with_new_names
+
+Config = TypeVar("Config", bound=Checked)
+
+
+@dataclass(frozen=True)
+class DevelopmentConfig(Checked):
+    """Options of a run; the same options give the same run. Each world has a class of its own."""
+
+    world: Literal["table", "rendered", "realtime"]
+    """Where the robot develops."""
+    preset: Annotated[str, Choice(PRESETS)] = "thesis"
+    """Reading of the text that gives --table.* and --agent.* their defaults; each option can still be set by itself.
+    thesis: chapter 5 as it is written. thesis_robot_first: the robot acts first in a step. fast: makes the same modules
+    in a fraction of the steps, by standard errors. chapter4: finds events and makes no modules."""
+    steps: Annotated[int, Whole("[1, 1e10]")] = 100_000
+    """Length of the run in steps: the caregiver shifts her gaze, the robot observes, the robot acts."""
+    seed: Seed = 0
+    """Random seed of table, caregiver and robot."""
+    reactive: Literal["random", "face_avoiding"] = "random"
+    """Initial module of the gaze: random shifts, or shifts that mostly avoid the caregiver (a model of autism, section
+    5.4)."""
+    sample_every: Annotated[int, Whole("[1, 1e10]")] = 100
+    """Log the contingency of every event every N steps."""
+    table: TableConfig = field(default_factory=TableConfig)
+    agent: DeveloperConfig = field(default_factory=DeveloperConfig)
+
+    RENAMED: ClassVar[Mapping[str, str]] = {"mind": "agent"}
+    CHOOSES: ClassVar[tuple[tuple[str, str], ...]] = ()
+    """Options besides the preset, and their values, from which the defaults of others follow."""
+    steps_at_a_time: ClassVar[int]
+    """Steps from one call of ``progress`` to the next."""
+    checkpoint_every: ClassVar[int]
+    """Steps between checkpoints, where the options do not say."""
+    films: ClassVar[bool] = False
+    """Whether a run can be filmed."""
+    unit: ClassVar[str] = "steps"
+    """Unit of ``length`` and of ``DevelopmentRun.spent``."""
+
+    @classmethod
+    def of(cls, **given: Any) -> Self:
+        """A config in which the options that are not given follow from those that are, such as the preset.
+
+        Args:
+            given: Options by name; a group as a mapping of its options, such as ``table={"spots": 4}``, or whole.
+
+        Raises:
+            ConfigError: No such option, or a value that is not allowed.
+        """
+        return changed(cls.defaults(with_new_names(cls, given)), given)
+
+    @classmethod
+    def defaults(cls, given: Mapping[str, Any]) -> Self:
+        """The config before the options that are ``given`` replace its own.
+
+        Raises:
+            ConfigError: There is no such preset.
+        """
+        start = cls(preset=given["preset"]) if "preset" in given else cls()  # type: ignore[call-arg]
+        preset = PRESETS[start.preset]
+        return replace(start, table=preset.world, agent=preset.agent)
+
+    @property
+    def kind(self) -> type[DevelopmentRun]:
+        """Class of the run, as a checkpoint holds it."""
+        raise self._of_no_world()
+
+    @property
+    def length(self) -> float:
+        """Length of the run, in ``unit``."""
+        return self.steps
+
+    def initial_modules(self) -> tuple[ReactiveModule, ...]:
+        """The reactive module of the gaze; the gesture always moves at random."""
+        return (RandomModule(GAZE) if self.reactive == "random" else AvoidingModule(GAZE, CAREGIVER),)
+
+    def new_run(self) -> DevelopmentRun:
+        """A run before its first step."""
+        raise self._of_no_world()
+
+    def film(self, path: Path, moments: Iterable[DevelopmentRun]) -> None:
+        """Film some steps from each of a run's ``moments`` on, which may be used up."""
+        raise ConfigError(f"a run in world {self.world} cannot be filmed; choose world rendered, or no video")
+
+    def _of_no_world(self) -> NotImplementedError:
+        return NotImplementedError(f"{type(self).__name__} is of no world; choose that of the table, say")
+
+
+@dataclass(frozen=True)
+class DevelopmentOptions(Checked):
+    """Where a run leaves its results."""
+
+    out: Path
+    """Folder for the results. It is made when missing, and refused when it holds another run."""
+    resume: bool = False
+    """Go on from the checkpoint in the folder, to the same final result."""
+    checkpoint_every: Annotated[int, Whole("[1, 1e10]")] | None = None
+    """Steps between checkpoints; a kill loses no more than these. None: 2,000,000 at the table, 10,000 in the rendered
+    world, 500 in real time."""
+    video: bool = False
+    """Film some steps at the start and after each module, and leave a video (world rendered only)."""
+
+
+def changed(config: Config, given: Mapping[str, Any], location: str = "") -> Config:
+    """A config with other values for the options that are given.
+
+    Args:
+        config: The config that stays as it is.
+        given: New values by the names of fields; a mapping changes the fields of a config within.
+        location: Dotted name of ``config`` with a dot at its end, for messages.
+
+    Raises:
+        ConfigError: No such field, or a value that is not allowed.
+    """
+    known = [one.name for one in fields(config)]  # type: ignore[arg-type]
+    given = with_new_names(type(config), given)
+    for name in given:
+        if name not in known:
+            raise ConfigError(f"no option {location}{name}{meant(name, known)}; there are {', '.join(known)}")
+    values = {}
+    for name, value in given.items():
+        before = getattr(config, name)
+        inner = isinstance(value, Mapping) and isinstance(before, Checked)
+        values[name] = changed(before, value, f"{location}{name}.") if inner else value
+    try:
+        return replace(config, **values)  # type: ignore[type-var]  # every config is a dataclass
+    except ConfigError as error:
+        raise ConfigError(str(error).replace(f"{type(config).__name__}.", location, 1)) from error
