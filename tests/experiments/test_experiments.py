@@ -74,7 +74,9 @@ def test_sessions_are_held_against_the_published_means():
     assert found["successes, without motion cues, from the state"].verdict is Verdict.NOT
     difference = found["successes, with motion cues less without, from the state"]
     assert (difference.ours.mean, difference.verdict) == (115, Verdict.REPRODUCED)
-    apart = found["minutes by which half of the gain in tilt comes after half of that in pan, from the state, with motion cues"]
+    apart = found[
+        "minutes by which half of the gain in tilt comes after half of that in pan, from the state, with motion cues"
+    ]
     assert apart.ours.mean == pytest.approx(4, abs=1)
     assert found["successes, from the state, with motion cues, linear"].ours.n == 1
     assert set(claim.draw(trials)) == {"sessions", "pan_and_tilt"}
