@@ -41,10 +41,10 @@ def with_values(page: str, findings: Sequence[Mapping[str, Any]]) -> str:
 
 def index() -> str:
     """Table of all claims with their verdicts, from their pages."""
-    lines = ["| claim | | verdict |", "|---|---|---|"]
+    lines = ["| | claim | verdict |", "|---|---|---|"]
     for claim_id, entry in REGISTRY.entries.items():
         verdict = Verdict.of_all(verdicts(page_of(claim_id).read_text("utf-8")))
-        lines.append(f"| [{claim_id}]({entry.folder}/README.md) | {entry.title} | {verdict} |")
+        lines.append(f"| {claim_id} | [{entry.title}]({entry.folder}/README.md) | {verdict} |")
     return "\n".join(lines) + "\n"
 
 
