@@ -1,7 +1,7 @@
 """Write the values of a report into the claims' pages: ``python -m experiments.pages out/claims``.
 
-Each claim's ``README.md`` has a table of all values, and the ``README.md`` of this folder a table of verdicts. Both come
-from ``claims.json``, which ``jointattn experiment report`` writes. Claims without trials there keep their values.
+Each claim's ``README.md`` has a table of all values, and the ``README.md`` of this folder a table of verdicts. Both
+come from ``claims.json``, which ``jointattn experiment report`` writes. Claims without trials there keep their values.
 """
 
 import json
