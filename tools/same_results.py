@@ -137,7 +137,8 @@ def record(to: Path, only: str) -> None:
             setting, folder = next(iter(REGISTRY[claim].settings)), Path(scratch) / f"claim_{claim}"
             words = ["experiment", "run", claim, "--setting", setting, "--runs", "1", "--jobs", "1"]
             ended = jointattn([*words, "--out", str(folder)], capture_output=True)
-            results = [json.loads(path.read_text())["result"] for path in sorted(folder.rglob("cells/**/*.json"))]
+            stored = sorted(path for kept in ("cells", "trials") for path in folder.glob(f"{kept}/*/*.json"))
+            results = [json.loads(path.read_text())["result"] for path in stored]
             found = {named(key): digest(json.dumps(value).encode()) for key, value in leaves(results, setting)}
             _keep(records, to, f"claim/{claim}", found, ended.stderr)
 

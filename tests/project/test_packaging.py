@@ -52,8 +52,8 @@ def test_versions_agree():
     import jointattn_mj
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    assert jointattn_mj.__version__ == project["version"]
-    assert f"version: {project['version']}\n" in (ROOT / "CITATION.cff").read_text()
+    assert project["dynamic"] == ["version"]
+    assert f"version: {jointattn_mj.__version__}\n" in (ROOT / "CITATION.cff").read_text()
     assert f"license: {project['license']}\n" in (ROOT / "CITATION.cff").read_text()
 
 
