@@ -1,4 +1,4 @@
-# make demo: set up, run a short session from pictures, leave a video, a figure and a summary.
+# make demo: set up, run a short session from images, leave a video, a figure and a summary.
 # make test: set up, run the tests.
 PYTHON ?= python3
 BIN := .venv/bin
@@ -6,15 +6,15 @@ OUT ?= out/demo
 SETUP := command -v $(PYTHON) >/dev/null || { echo "setup: there is no $(PYTHON); Python 3.11 or later is needed"; exit 1; }; \
   $(PYTHON) tools/setup.py
 
-.PHONY: demo from-pictures from-state test setup ready-to-test trained check docs
+.PHONY: demo from-images from-state test setup ready-to-test trained check docs
 .DEFAULT_GOAL := demo
 
 demo: setup
 	@rm -rf $(OUT)
-	@if $(PYTHON) tools/setup.py renders; then $(MAKE) --no-print-directory from-pictures; \
+	@if $(PYTHON) tools/setup.py renders; then $(MAKE) --no-print-directory from-images; \
 	  else $(MAKE) --no-print-directory from-state; fi
 
-from-pictures:
+from-images:
 	$(BIN)/jointattn session --minutes 3 --seed 0 --video --video-every 2 --out $(OUT)
 	$(BIN)/jointattn session --minutes 0.5 --seed 1 --start-from assets/trained/robin.npz --video --video-every 2 --out $(OUT)/trained
 	@echo
@@ -24,7 +24,7 @@ from-pictures:
 
 # Where nothing can be rendered.
 from-state:
-	@echo "No pictures can be rendered here: this demo runs from the simulator's state, and leaves no video."
+	@echo "No images can be rendered here: this demo runs from the simulator's state, and leaves no video."
 	$(BIN)/jointattn session --minutes 26 --seed 0 --perception state --out $(OUT)
 	@echo
 	@echo "26 minutes of a robot that learns:              $(OUT)/success.png  $(OUT)/som.png  $(OUT)/summary.json"
@@ -34,6 +34,7 @@ test: ready-to-test
 
 check: ready-to-test
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check --quiet .
 	$(BIN)/mypy
 
 # The site, in out/site; a warning is an error.

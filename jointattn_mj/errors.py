@@ -58,7 +58,7 @@ class SeriesError(JointAttnError, ValueError):
 
 
 class TrialError(JointAttnError, ValueError):
-    """A cell of an experiment has a config or a result that cannot be stored."""
+    """A trial of an experiment has a config or a result that cannot be stored."""
 
 
 class SweepError(JointAttnError, RuntimeError):

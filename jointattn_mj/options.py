@@ -95,11 +95,15 @@ class Whole(Interval):
 class Choice(PrimitiveConstructorSpec[str]):
     """Marks a ``str`` field that is one of the names in a registry. Where they can be written out, use ``Literal``.
 
-    With ``joined`` it is one or several of them, with that between two: ``Choice(names, "+")``.
+    Args:
+        names: The choices.
+        joined: What stands between two, where several may be chosen: ``Choice(names, "+")``.
+        other_names: Further names by what they stand for; accepted in any case, and kept as the choice.
     """
 
-    def __init__(self, names: Iterable[str], joined: str = ""):
-        self.names = tuple(names)
+    def __init__(self, names: Iterable[str], joined: str = "", other_names: Mapping[str, str] | None = None):
+        self.names, self.joined = tuple(names), joined
+        self.other_names = {other.lower(): name for other, name in (other_names or {}).items()}
         self.words = f"some of {', '.join(self.names)}, joined by {joined}" if joined else _one_of(self.names)
         super().__init__(
             nargs=1,
@@ -107,17 +111,19 @@ class Choice(PrimitiveConstructorSpec[str]):
             instance_from_str=lambda texts: texts[0],
             is_instance=lambda value: self.fit(value) is not UNFIT,
             str_from_instance=lambda value: [value],
-            choices=None if joined else self.names,
+            choices=None if joined or other_names else self.names,
         )
-        self._joined = joined
-        self._parts: Callable[[str], list[str]] = lambda text: text.split(joined) if joined else [text]
 
     def __repr__(self) -> str:
-        return f"Choice({self.names!r}{f', {self._joined!r}' if self._joined else ''})"
+        return f"Choice({self.names!r}{f', {self.joined!r}' if self.joined else ''})"
 
     def fit(self, value: Any) -> Any:
-        """The text, or UNFIT."""
-        return value if isinstance(value, str) and set(self._parts(value)) <= set(self.names) else UNFIT
+        """The text as a config keeps it, or UNFIT."""
+        if not isinstance(value, str):
+            return UNFIT
+        if self.joined:
+            return value if set(value.split(self.joined)) <= set(self.names) else UNFIT
+        return value if value in self.names else self.other_names.get(value.lower(), UNFIT)
 
 
 Share = Annotated[float, Real("[0, 1]")]

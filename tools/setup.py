@@ -2,7 +2,7 @@
 
 python3 tools/setup.py demo      what the demo needs
 python3 tools/setup.py test      everything, for tests, checks and documentation
-python3 tools/setup.py renders   exit with 0 where pictures can be rendered
+python3 tools/setup.py renders   exit with 0 where images can be rendered
 """
 
 import sys
@@ -129,7 +129,7 @@ def repair() -> None:
 
 
 def renders(**environment: str) -> bool:
-    """Whether the package itself would render pictures; asked in another process, for a driver may crash."""
+    """Whether the package itself would render images; asked in another process, for a driver may crash."""
     code = "import sys; from jointattn_mj.scene import gl; gl.choose_backend(); sys.exit(gl.rendering_disabled())"
     return succeeds([sys.executable, "-c", code], **environment)
 
@@ -164,18 +164,18 @@ def bring_system_packages(kind: str) -> None:
     if missing[0] not in OPENGL:
         fail(f"{sys.executable} makes no virtual environments with pip; {help}")
     if kind == "test":
-        fail(f"the tests render pictures, and there is no OpenGL that works; {help}")
-    say(f"there is no OpenGL that works, and everything but pictures works without; {help}")
+        fail(f"the tests render images, and there is no OpenGL that works; {help}")
+    say(f"there is no OpenGL that works, and everything but images works without; {help}")
 
 
 def missing_system_packages() -> list[str]:
     """By Debian's names."""
-    pip, pictures = [f"python{sys.version_info[0]}.{sys.version_info[1]}-venv"], list(OPENGL)
+    pip, images = [f"python{sys.version_info[0]}.{sys.version_info[1]}-venv"], list(OPENGL)
     if VENV.exists() or succeeds([sys.executable, "-c", "import ensurepip, venv"]):
         pip = []
     if sys.platform != "linux" or renders(MUJOCO_GL=""):
-        pictures = []
-    return pip + pictures
+        images = []
+    return pip + images
 
 
 def apt(packages: list[str]) -> bool:

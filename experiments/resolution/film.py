@@ -51,7 +51,9 @@ def main() -> None:
             run.advance(1)
             for number, step in enumerate(run.growth.steps[known:], known + 1):
                 what = {"S": "Faces split", "A": "Gaze splits"}.get(step.split.kind, "Faces and gaze split together")
-                film.scene(run, step.resolution, f"{what}: split {number}, after {step.turns:,} steps", _babbling, 2)
+                film.scene(
+                    run, step.resolution, f"{what}: split {number}, after {step.n_transitions:,} steps", _babbling, 2
+                )
         agent = GrowingRun(run, preset.agent, SEED, MOST, (RandomModule(GAZE),))
         agent.advance(1)
         film.scene(agent, agent.resolution, "An agent with these values, before gaze following", _driven, 4)

@@ -72,7 +72,7 @@ def trial(config: RunConfig, seed: int) -> dict[str, Any]:
 def _step(step: Step) -> dict[str, Any]:
     split = step.split
     return {
-        "turns": step.turns, "kind": split.kind, "axis": split.axis, "at": split.at, "gain": split.gain,
+        "turns": step.n_transitions, "kind": split.kind, "axis": split.axis, "at": split.at, "gain": split.gain,
         "error": split.error, "contingency": step.contingency, "faces": len(step.resolution.sensed),
         "regions": [box.tolist() for box in step.resolution.boxes],
     }  # fmt: skip
@@ -81,7 +81,7 @@ def _step(step: Step) -> dict[str, Any]:
 def _confusion(babbling: Babbling) -> np.ndarray:
     """(faces, spots + 1) how often each value of S, but the last, came with each target of the caregiver."""
     given = babbling.experience()
-    value = babbling.growth.resolution.sensor(given.cells)
+    value = babbling.growth.resolution.sensor(given.units)
     counts = np.zeros((len(babbling.growth.resolution.sensed) + 1, babbling.body.spots + 1), np.int64)
     np.add.at(counts, (value, np.array(babbling.looked_at)[:-1]), 1)
     return counts[:-1]
@@ -90,11 +90,11 @@ def _confusion(babbling: Babbling) -> np.ndarray:
 def _shuffled(babbling: Babbling, rng: np.random.Generator) -> int:
     """Number of splits made of the same experience with its faces shuffled."""
     given = babbling.experience()
-    sensed, cells = given.cells >= 0, given.cells.copy()
-    cells[sensed] = rng.permutation(cells[sensed])
+    sensed, units = given.units >= 0, given.units.copy()
+    units[sensed] = rng.permutation(units[sensed])
     growth = Growth(babbling.body.som.weights, babbling.body.space, babbling.body.config.resolution)
-    shuffled = given._replace(cells=cells)
-    for turns in range(500, len(cells) + 1, 500):
+    shuffled = given._replace(units=units)
+    for turns in range(500, len(units) + 1, 500):
         if growth.due(turns):
             growth.update(shuffled.some(slice(turns)))
     return len(growth.steps)

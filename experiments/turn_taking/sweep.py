@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 
 from jointattn_mj.baselines.turn_taking.agent import TurnTaker, TurnTakerConfig
-from jointattn_mj.baselines.turn_taking.attempts import Outcomes, Situations, live
+from jointattn_mj.baselines.turn_taking.attempts import Outcomes, Situations, run_attempts
 from jointattn_mj.baselines.turn_taking.faces import FaceBank, FaceBankConfig, FaceInputs, render_faces
 from jointattn_mj.baselines.turn_taking.layouts import ObjectTableConfig, draw_tables
 from jointattn_mj.options import Checked, Whole
@@ -91,11 +91,11 @@ def live_one(run: AttemptsConfig, faces: FaceBank, strange: FaceBank, seed: int)
     new = strange.inputs(run.robot.face_length, known.mean, known.scale)
     robot = TurnTaker(run.robot, known.patterns.shape[1], weights)
     situations = _situations(run, run.tables, known, tables)
-    results = counts(live(robot, situations, known, run.attempts, attempts), BINS)
+    results = counts(run_attempts(robot, situations, known, run.attempts, attempts), BINS)
     robot.config = replace(run.robot, gate="open")
     for name, inputs in (("known", known), ("new", new)):
         situations = _situations(run, run.tests, inputs, after)
-        test = live(robot, situations, inputs, run.tests, after, learning=False)
+        test = run_attempts(robot, situations, inputs, run.tests, after, learning=False)
         results |= {f"test_{name}_{key}": value for key, value in counts(test, 1).items()}
     return results
 

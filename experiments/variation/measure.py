@@ -18,7 +18,7 @@ from jointattn_mj.options import Checked, Seed, Whole
 from jointattn_mj.perception.faces import FaceDetectorConfig, haar_faces
 from jointattn_mj.perception.objects import ColourAreas
 from jointattn_mj.scene.camera import in_image, pixels_of_points
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.variation import PRESETS
 from jointattn_mj.scene.world import World
 from jointattn_mj.tasks import load

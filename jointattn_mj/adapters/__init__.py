@@ -1,1 +1,1 @@
-"""The suite behind the interfaces of other packages; none is imported before it is used."""
+"""The suite behind the interfaces of other packages, none of which is imported before it is used."""

@@ -1,4 +1,4 @@
-"""Every task of the suite as a Gymnasium environment: ``gymnasium.make("jointattn_mj:Follow-v0", truth=True)``."""
+"""The suite's tasks as Gymnasium environments: ``gymnasium.make("jointattn_mj:Follow-v0", truth=True)``."""
 
 from typing import Any
 
@@ -22,10 +22,11 @@ DOMAIN = "joint_attention"
 
 
 class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
-    """A task with Gymnasium's interface.
+    """A task of the suite with Gymnasium's interface.
 
-    Actions that are angles reach from -1 to 1, the bounds of the task's own; choices are ``MultiDiscrete``. Time limits
-    truncate. ``render`` shows the scene from the side.
+    Observations are a ``Dict`` with the task's keys. Angles, as actions, are scaled: -1 and 1 stand for the task's
+    bounds; choices are ``MultiDiscrete``. Episodes end by truncation at the time limit. ``render`` shows the scene from
+    the side.
 
     Attributes:
         environment: The dm_control environment behind it; its ``physics`` answers who looks where.
@@ -34,7 +35,12 @@ class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 30}  # noqa: RUF012
 
     def __init__(self, task: str, render_mode: str | None = None, **task_kwargs: Any):
-        """``task_kwargs``: those of the task, such as ``camera``, ``truth``, ``people``, ``time_limit``, ``random``.
+        """Make an environment.
+
+        Args:
+            task: Name of a task: "object_transfer", "follow", "turn_taking", or one of these with "_hard".
+            render_mode: "rgb_array", or None not to render.
+            task_kwargs: Arguments of the task, such as ``camera``, ``truth``, ``people``, ``time_limit``, ``random``.
 
         Raises:
             ConfigError: There is no such task, render mode or argument.
@@ -56,10 +62,17 @@ class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
         )
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict]:
-        """Begin an episode; with a ``seed``, the first of that seed.
+        """Start an episode.
+
+        Args:
+            seed: Start with the first episode of this seed; None: the next episode.
+            options: None, since there are none.
+
+        Returns:
+            The observation, and an empty dictionary.
 
         Raises:
-            ConfigError: ``seed`` is no whole number of 0 or more, or ``options`` are given: there are none.
+            ConfigError: ``seed`` is no whole number of 0 or more, or there are ``options``.
         """
         if options:
             raise ConfigError(f"reset takes no options; got {options!r}")
@@ -71,12 +84,16 @@ class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
         return self._observed(self.environment.reset()), {}
 
     def step(self, action: np.ndarray) -> tuple[dict[str, Any], float, bool, bool, dict]:
-        """Observation, reward, whether a terminal state was reached (never), whether time is up, nothing else.
+        """Take a step.
 
-        Actions beyond the bounds are clipped to them; choices that are not whole numbers are rounded.
+        Args:
+            action: (2,); angles beyond the bounds are clipped to them, choices are rounded to whole numbers.
+
+        Returns:
+            Observation, reward, terminated (never), truncated (when time is up), and an empty dictionary.
 
         Raises:
-            ActionError: Not finite, of another shape, or no numbers; nothing has changed then.
+            ActionError: The action is not finite, has another shape, or is no numbers; nothing has changed then.
             EpisodeError: Before ``reset``, or after the end of an episode.
         """
         if self.environment.over:
@@ -89,19 +106,22 @@ class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
         return self._observed(timestep), float(timestep.reward), terminated, timestep.last() and not terminated, {}
 
     def render(self) -> np.ndarray | None:
-        """The scene from the side, robot and caregiver, uint8 (240, 320, 3); None without ``render_mode``."""
+        """Render robot and caregiver from the side: uint8 (240, 320, 3) RGB, or None without ``render_mode``."""
         if self.render_mode is None:
             return None
         option = MjvOption()
         option.geomgroup[ROBOT_GROUP] = 1
-        return self.environment.physics.render(IMAGE_HEIGHT, IMAGE_WIDTH, camera_id="third_person", scene_option=option)
+        image: np.ndarray = self.environment.physics.render(
+            IMAGE_HEIGHT, IMAGE_WIDTH, camera_id="third_person", scene_option=option
+        )
+        return image
 
     def get_state(self) -> EnvironmentState:
-        """See ``jointattn_mj.tasks.environment.Environment``; with wrappers it is ``env.unwrapped.get_state()``."""
+        """Save the environment, as its dm_control form does; with wrappers, call ``env.unwrapped.get_state()``."""
         return self.environment.get_state()
 
     def set_state(self, state: EnvironmentState) -> None:
-        """Go back to ``state``; what wrappers keep for themselves stays as it is."""
+        """Go back to a saved state; what wrappers keep for themselves stays as it is."""
         self.environment.set_state(state)
 
     def close(self) -> None:
@@ -109,7 +129,7 @@ class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
         self.environment.close()
 
     def _observed(self, timestep: TimeStep) -> dict[str, Any]:
-        """The observation; what is no array in the task, yes or no, becomes one of one 0 or 1."""
+        """The observation, in which booleans become arrays (1,) of 0 or 1."""
         return {
             name: value if value.ndim else np.atleast_1d(value).astype(np.int8)
             for name, value in timestep.observation.items()
@@ -117,7 +137,7 @@ class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
 
 
 def _whole(seed: Any) -> int:
-    """A seed as Gymnasium wants it; numpy's whole numbers are welcome too."""
+    """A seed as ``int``; numpy's whole numbers are accepted too."""
     if isinstance(seed, (int, np.integer)) and not isinstance(seed, bool) and seed >= 0:
         return int(seed)
     raise ConfigError(f"seed: expected a whole number of 0 or more, or None; got {seed!r}")

@@ -1,4 +1,4 @@
-"""The browser's viewer: mjviser draws the scene, which can be turned about; beside it the robot's view."""
+"""A show in the browser: the scene in 3D, drawn by mjviser, and the robot's view beside it."""
 
 import copy
 from collections.abc import Callable, Iterator
@@ -19,26 +19,26 @@ viser = extra("view", "viser")
 mjviser = extra("view", "mjviser")
 
 CAMERA, LOOKS_AT = (0.3, -1.9, 1.6), (0.75, 0.0, 0.85)
-"""Where one looks from at first and at what; world frame, m: from the robot's right, so that both are seen."""
+"""Position of the camera at first, and the point it looks at; world frame, metres. Robot and caregiver are in view."""
 WALLS = ("room/wall", "room/side_walls")
 _SHOWN_GROUP, _HIDDEN_GROUP = 0, 5
 _LINE_M = 0.008
 
 
-class _Server(viser.ViserServer):  # type: ignore[name-defined]
-    """Never gives out an address that the whole world reaches, whoever asks for it: its pages can, and other sites'."""
+class _Server(viser.ViserServer):  # type: ignore[misc, name-defined]
+    """A server that no page can ask for a public address, as viser's own pages and those of other sites could."""
 
     def request_share_url(self, verbose: bool = True) -> str | None:
-        """Nothing is shared."""
+        """Share nothing."""
         return None
 
 
 @contextmanager
 def _guarded(host: str) -> Iterator[None]:
-    """A server of viser's that is started in the block answers its own pages only: viser itself has no option for it.
+    """Let a viser server that is started in the block answer its own pages only; viser has no option for that.
 
     Raises:
-        ExtraError: This version of viser starts its server in some other way.
+        ExtraError: This version of viser starts its server in another way.
     """
     from websockets.asyncio import server
 
@@ -54,20 +54,33 @@ def _guarded(host: str) -> Iterator[None]:
         guarded.append(process)
         return serve(*arguments, process_request=process, **options)
 
-    server.serve = guarded_serve  # type: ignore[assignment, misc]
+    server.serve = guarded_serve
     try:
         yield
     finally:
-        server.serve = serve  # type: ignore[misc]
+        server.serve = serve
     if not guarded:
         raise ExtraError("this version of viser cannot be kept from other pages; pip install 'jointattn-mj[view]'")
 
 
 class Browser:
-    """Serves a show at ``address``, to whoever can reach the interface ``host``."""
+    """Serves a show to browsers.
+
+    Attributes:
+        address: URL of the page.
+    """
 
     def __init__(self, show: Show, host: str, port: int):
-        """``port``: the first one to try; the next free one is taken."""
+        """Start the server.
+
+        Args:
+            show: What is shown.
+            host: Interface to listen on; whoever reaches it can watch, and pause or restart the show.
+            port: The first port to try; the next free one is taken.
+
+        Raises:
+            ExtraError: This version of viser cannot be kept from answering other pages.
+        """
         self._show = show
         with _guarded(host), redirect_stdout(StringIO()):  # it draws a box around the address
             self._server: Any = _Server(host=host, port=port, label="jointattn view")
@@ -78,15 +91,15 @@ class Browser:
         camera.position, camera.look_at, camera.up = CAMERA, LOOKS_AT, (0.0, 0.0, 1.0)
         self._eye = gui.add_image(show.eye(), label="What the robot sees", jpeg_quality=85)
         self._words = gui.add_markdown(show.words())
-        self._paused = gui.add_checkbox("Pause", initial_value=False)
-        self._restart = gui.add_button("Another episode")
+        self._paused = gui.add_checkbox("Pause", initial_value=False, hint="Stop the simulation")
+        self._restart = gui.add_button("Next episode", hint="End this episode and start the next one")
         self._asked = False
         self._restart.on_click(lambda event: setattr(self, "_asked", True))
         self._model: Any = None
         self.draw()
 
     def run(self, goes_on: Callable[[], bool]) -> None:
-        """Go on until ``goes_on`` says no; nothing moves while nobody watches."""
+        """Advance and draw until ``goes_on`` says no; nothing advances while no browser is connected."""
         try:
             in_real_time(self._show, self.draw, goes_on, self._waits)
         finally:
@@ -96,7 +109,7 @@ class Browser:
         return not self._server.get_clients() or (self._paused.value and not self._asked)
 
     def draw(self) -> None:
-        """Send how things stand to everybody who watches."""
+        """Send the present frame to all browsers."""
         if self._asked:
             self._asked = False
             self._show.restart()
@@ -112,7 +125,7 @@ class Browser:
         self._words.content = self._show.words()
 
     def _rebuild(self) -> None:
-        """Another person, another scene, with the robot in it; walls would be in the way of who looks on."""
+        """Draw another caregiver's scene, with the robot's body and without walls, which would block the view."""
         model = copy.copy(self._model)
         model.geom_group[model.geom_group == ROBOT_GROUP] = _SHOWN_GROUP
         for wall in WALLS:

@@ -1,4 +1,4 @@
-"""Names of the suite's tasks in Gymnasium's registry, from whichever of the two packages is imported last."""
+"""Registers the suite's tasks with Gymnasium, once both packages are imported, in either order."""
 
 import importlib
 import importlib.util
@@ -16,12 +16,12 @@ IDS = {
     "TurnTaking-v0": "turn_taking",
     "TurnTakingHard-v0": "turn_taking_hard",
 }
-"""Gymnasium's name of each task: ``gymnasium.make("jointattn_mj:Follow-v0")``."""
+"""Gymnasium's id of each task: ``gymnasium.make("jointattn_mj:Follow-v0")``."""
 ENTRY_POINT = "jointattn_mj.adapters.gymnasium:JointAttention"
 
 
 def register_when_needed() -> None:
-    """Register now if gymnasium is there, else when it has been imported: it takes longer than all of this package."""
+    """Register now if gymnasium is imported, else once it is: to import it takes longer than all of this package."""
     if sys.modules.get("gymnasium") is not None:
         _register()
     else:
@@ -35,7 +35,7 @@ def _register() -> None:
 
 
 class _GymnasiumFinder(MetaPathFinder):
-    """Finds gymnasium where it would be found anyway, and lets it be followed by registration."""
+    """An import hook that lets the import of gymnasium be followed by registration."""
 
     def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
         if name != "gymnasium":

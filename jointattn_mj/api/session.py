@@ -24,8 +24,7 @@ class LoggedSessionOptions(SessionOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.rerun is not None and self.rerun.suffix != ".rrd":
-            raise ConfigError(f"rerun must be a file that ends in .rrd, as its viewer expects; got {self.rerun}")
+        _check_suffix(self.rerun)
 
 
 @dataclass(frozen=True)
@@ -52,7 +51,7 @@ class Session(VariedSessionConfig):
         >>> result = Session(minutes=2, perception="state", seed=0).run()
         >>> result.summary.frames
         3600
-        >>> result.shifts["landing_s"].max() < 120
+        >>> bool(result.shifts["landing_s"].max() < 120)
         True
     """
 
@@ -99,6 +98,7 @@ class Session(VariedSessionConfig):
             NotFiniteError: What is learned or simulated has become NaN.
 
         Example:
+            >>> from jointattn_mj import Session
             >>> result = Session(minutes=0.5, perception="state").run(out="out/in_a_folder")
             >>> sorted(path.name for path in result.folder.glob("*.parquet"))
             ['frames.parquet', 'gaze_shifts.parquet']
@@ -136,6 +136,7 @@ def _rerun_log(path: Path | None, resume: bool) -> tuple[Watcher, ...]:
     """What writes a log into a file that is not there yet; a resumed session's next part gets a name of its own."""
     if path is None:
         return ()
+    _check_suffix(path)
     extra("rerun", "rerun")
     from jointattn_mj.adapters.rerun import SessionLog
 
@@ -146,3 +147,8 @@ def _rerun_log(path: Path | None, resume: bool) -> tuple[Watcher, ...]:
     except OSError as error:
         raise OutputError(f"cannot make the folder {path.parent}: {error.strerror}; choose another --rerun") from error
     return (lambda session: SessionLog(free_name(path), session),)
+
+
+def _check_suffix(path: Path | None) -> None:
+    if path is not None and path.suffix != ".rrd":
+        raise ConfigError(f"rerun must be a file that ends in .rrd, as its viewer expects; got {path}")

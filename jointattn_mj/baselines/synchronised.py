@@ -1,15 +1,16 @@
-"""The preliminary run from which the dissertation set its gate (section 6.4.1, Fig. 6.7): everybody in step.
+"""The preliminary run from which the dissertation set its gate (section 6.4.1, Fig. 6.7): synchronised gaze shifts.
 
 "We performed preliminary experiments to determine the parameters of the gate in an environment where the robot could
 learn most easily, that is, the timing of gaze shift between the human and the robot is synchronized completely."
 
-World, robot, map of faces and learner are those of a session; only when to shift is given from outside. The robot
-waits at the face; when the caregiver's gaze comes to rest on an object, it shifts to an object that visual feedback
-chooses by eq. 6.7 (the gate is shut), and back to the face while her gaze still rests. So both directions of shift give
-pairs in which the face and what it looks at belong together; whether the object reached is the right one is left to
-chance and interest, as ever.
+World, robot, map of faces and learner are those of a session; only the times of gaze shifts are given. The robot waits
+at the face. When the caregiver's gaze comes to rest on an object, the robot shifts to an object that visual feedback
+chooses by eq. 6.7 (the gate is shut), and back to the face while the caregiver's gaze still rests. Both directions of
+shift give pairs in which the face and its gaze target belong together. Whether the object reached is the right one is
+left to chance and interest, as in a session.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -25,16 +26,16 @@ from jointattn_mj.scene.movement import gaze_angles
 from jointattn_mj.scene.world import WorldConfig
 
 RESTS = (Phase.OBSERVE, Phase.GAZE)
-"""When her gaze rests: on the object before her face, and on the one she has put down; about two seconds each."""
+"""When the caregiver's gaze rests: on the object in the hand, and on the one just put down; two seconds each."""
 DWELL_FRAMES = 3
-"""Looks at the object before the shift back; two shifts of 27 frames then fit into her two seconds."""
+"""Frames of fixation before the shift back; two shifts of 27 frames then fit into two seconds."""
 
 
 class ToldSelector(AttentionSelector):
-    """Shifts when it is told to; draws the object by eq. 6.7.
+    """Attention selector that shifts when it is told to; draws the object by eq. 6.7.
 
     Attributes:
-        told: Whether the caregiver's gaze has come to rest, and the robot not yet shifted for it.
+        told: Whether the caregiver's gaze has come to rest and the robot has not shifted since.
     """
 
     def __init__(self, config: AttentionConfig, objects: int, rng: np.random.Generator):
@@ -44,13 +45,13 @@ class ToldSelector(AttentionSelector):
         self._dwell = 0
 
     def advance(self, attended: int | None, moves: np.ndarray) -> None:
-        """As ever, and remember where the robot looks."""
+        """See ``AttentionSelector``; and remember where the robot looks."""
         self._dwell = self._dwell + 1 if attended == self._attended else 1
         self._attended = attended
         super().advance(attended, moves)
 
     def draw(self, visible: np.ndarray) -> int | None:
-        """From the face: an object, once, when told. From anywhere else: the face, after a moment."""
+        """From the face: an object, once, when told. From elsewhere: the face, after ``DWELL_FRAMES``."""
         if self._attended != self.face:
             return self.face if self._dwell >= DWELL_FRAMES else None
         objects = visible & (np.arange(len(visible)) != self.face)
@@ -61,7 +62,7 @@ class ToldSelector(AttentionSelector):
 
 
 class SynchronisedSession(SessionRun):
-    """A session in which robot and caregiver keep time. ``synchronised`` makes a fitting config."""
+    """A session with synchronised gaze shifts; ``synchronised`` makes a fitting config."""
 
     def __init__(self, config: SessionConfig):
         super().__init__(config)
@@ -70,11 +71,11 @@ class SynchronisedSession(SessionRun):
         self._phase = self.world.caregiver.phase
 
     def begin(self) -> None:
-        """As ever; the first telling comes when her gaze comes to rest the next time."""
+        """See ``SessionRun``; the first shift comes when the caregiver's gaze comes to rest the next time."""
         super().begin()
         self._phase = self.world.caregiver.phase
 
-    def step(self, watch=None) -> None:
+    def step(self, watch: Callable[[SessionRun], object] | None = None) -> None:
         """One frame; afterwards the robot may be told."""
         super().step(watch)
         phase = self.world.caregiver.phase
@@ -84,7 +85,7 @@ class SynchronisedSession(SessionRun):
 
 
 def synchronised(config: SessionConfig) -> SessionConfig:
-    """``config`` with the gate shut, a caregiver who keeps time, and a robot that may shift in every frame."""
+    """``config`` with the gate shut, a caregiver without jitter of durations, and possible shifts in every frame."""
     return replace(
         config,
         world=replace(config.world, behaviour=replace(config.world.behaviour, duration_jitter=0.0)),
@@ -97,13 +98,20 @@ def synchronised(config: SessionConfig) -> SessionConfig:
 
 
 class Gazes:
-    """Test gazes: tables as the caregiver lays them, and her head turned to one of the objects.
+    """Test gazes: layouts of objects, and the caregiver's head turned to one of the objects.
 
-    Only objects that lie on the table are asked for; the one she holds before her is always in the same place.
+    Only objects on the table are gaze targets; an object in the hand is always at the same place.
     """
 
     def __init__(self, config: WorldConfig, count: int, pattern_noise_deg: float, rng: np.random.Generator):
-        """``pattern_noise_deg``: noise of the face pattern that stands for an image (``StateConfig``)."""
+        """Draw test gazes.
+
+        Args:
+            config: Scene, layout and behaviour.
+            count: How many gazes.
+            pattern_noise_deg: Noise of the face pattern (``StateConfig``), degrees.
+            rng: For all of them.
+        """
         objects = len(config.scene.objects)
         layout = Layout(config.layout, rng)
         points = np.array([
@@ -116,7 +124,7 @@ class Gazes:
         self.patterns += pattern_noise_deg * rng.standard_normal(self.patterns.shape)
 
     def test(self, robot: GazeFollower) -> tuple[float, float]:
-        """Share of gazes whose nearest object to the suggestion is hers, and its median error (deg)."""
+        """Share of gazes whose target is nearest to the learner's suggestion, and the median error, deg."""
         start = directions_to(np.array([HEAD_POSITION]))[0]
         right, error = [], []
         for pattern, directions, target in zip(self.patterns, self.directions, self.targets, strict=True):

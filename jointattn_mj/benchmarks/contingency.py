@@ -1,6 +1,6 @@
-"""How fast contingency is found: incremental counts beside full recomputation, and whole lives, in one run.
+"""Speed of finding contingency: incremental counts beside full recomputation, and whole runs at the table.
 
-Times are of the processor, not of the clock, where a machine that others use too would make a difference.
+Times are of the processor, not of the clock, where other programs on the machine would make a difference.
 """
 
 import json
@@ -18,7 +18,7 @@ import numpy as np
 
 from jointattn_mj.contingency.measures import transfer_entropy
 from jointattn_mj.contingency.online.counts import add, empty_counts
-from jointattn_mj.contingency.online.detector import DetectorConfig, look, new_watch
+from jointattn_mj.contingency.online.detector import DetectorConfig, new_watch, update
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.development.table.presets import PRESETS, Preset
 from jointattn_mj.development.table.run import TableRun
@@ -26,41 +26,41 @@ from jointattn_mj.development.table.world import CHAPTER_5, table_variables
 from jointattn_mj.io.compiled import njit
 
 TRANSITIONS = 20_000
-"""Transitions of a block for the detector."""
+"""Transitions that the detector counts in a block."""
 RECOMPUTED = 300
-"""Transitions of a block for full recomputation."""
+"""Transitions that are recomputed in full in a block."""
 RUN_STEPS = 100_000
-"""Of a run, as in section 5.3.2."""
+"""Steps of a run, as in section 5.3.2."""
 SAMPLES = 1_000_000
-"""Of series for transfer entropy."""
+"""Samples in the series for transfer entropy."""
 MODULES = {12: 0, 48: 2, 108: 4, 300: 8}
-"""How many modules make so many triples of the variables of chapter 5."""
+"""Number of modules for each number of triples (sensor, action, result) of the variables of chapter 5."""
 
 
 @dataclass(frozen=True)
 class ContingencyBenchmark:
-    """Medians over the blocks; None where pyinform, which is for development only, is not installed."""
+    """Speed of finding contingency: medians over the blocks; None where pyinform is not installed."""
 
     detector_steps_per_s_12: float
-    """A step: count a transition, work out the contingency of all triples, and look for the highest."""
+    """Steps a second with 12 triples. A step counts a transition, updates all contingencies and finds the highest."""
     detector_steps_per_s_300: float
     detector_to_numpy_12: float
-    """How many times faster that is than recomputing all from the tables in numpy."""
+    """How many times faster this is than recomputing all contingencies from the tables in numpy."""
     detector_to_numpy_300: float
     ns_per_triple_12: float
     ns_per_triple_48: float
     ns_per_triple_108: float
     ns_per_triple_300: float
     thesis_100k_s: float
-    """A life of 100,000 turns at the table of chapter 5, compiled."""
+    """Seconds of a run of 100,000 steps at the table of chapter 5, preset thesis, compiled."""
     thesis_100k_wall_s: float
     fast_100k_s: float
     fast_100k_wall_s: float
     compile_s: float
-    """What the first turn of all takes where nothing was compiled before."""
+    """Seconds of the first step where nothing was compiled before."""
     compile_wall_s: float
     transfer_entropy_ms: float
-    """Of a million samples of 4 and 2 values, int32 as pyinform wants them, with all checks."""
+    """Milliseconds for a million samples of 4 and 2 values, int32 as pyinform expects, with all checks."""
     pyinform_ms: float | None
     transfer_entropy_to_pyinform: float | None
 
@@ -70,7 +70,11 @@ class ContingencyBenchmark:
 
 
 def run_contingency_benchmark(blocks: int) -> ContingencyBenchmark:
-    """Measure everything ``blocks`` times, in turns; compiling, which takes a new process, once."""
+    """Measure everything in each block; compiling, which takes a new process, once.
+
+    Args:
+        blocks: Their number; one more, in which functions are compiled, is not counted.
+    """
     detecting = {triples: _Detecting(modules) for triples, modules in MODULES.items()}
     works: dict[str, Callable[[], object]] = {f"detector {triples}": one.run for triples, one in detecting.items()}
     for triples in (12, 300):
@@ -120,7 +124,7 @@ def run_contingency_benchmark(blocks: int) -> ContingencyBenchmark:
 
 
 class _Detecting:
-    """The detector at work on random series of the variables of chapter 5 and of some modules."""
+    """The detector on random series of the variables of chapter 5 and of some modules."""
 
     def __init__(self, modules: int):
         self.variables = table_variables(CHAPTER_5)
@@ -141,14 +145,18 @@ class _Detecting:
 def _detect(watch, counts, s, a, r):
     for t in range(len(s) - 1):
         add(counts, s[t], a[t], r[t], r[t + 1], 1, len(counts.contexts))
-        look(watch, counts)
+        update(watch, counts)
 
 
 class Recomputing:
-    """SAC of all triples from their tables, anew at every step, as well as numpy can; c ln c is looked up in a list."""
+    """Recomputes SAC of all triples from their tables at every step, in numpy; c ln c is looked up in a list.
+
+    Args:
+        variables: Sensors, actions and results.
+        padded: All triples in one array instead of one for each shape: more entries, but fewer calls.
+    """
 
     def __init__(self, variables: Variables, padded: bool):
-        """``padded``: all triples in one array, in place of one for each shape: more cells, but fewer calls."""
         events = list(variables.events())
         sizes: list[tuple[int, ...]] = [
             (len(variables.results[k].values), len(variables.sensors[i].values), len(variables.actions[j].values))
@@ -166,7 +174,13 @@ class Recomputing:
         self._n = 0
 
     def run(self, s: np.ndarray, a: np.ndarray, r: np.ndarray) -> None:
-        """Count the transitions of a series, and recompute after each; SAC in nats is left in ``values``."""
+        """Count the transitions of a series, and recompute after each; SAC in nats is left in ``values``.
+
+        Args:
+            s: Codes of the sensors, (T, sensors).
+            a: Codes of the actions, (T, actions).
+            r: Codes of the results, (T, results).
+        """
         counts = np.arange(1, self._n + len(s))
         self._c_ln_c = np.concatenate([[0.0], counts * np.log(counts)])
         for t in range(len(s) - 1):
@@ -181,19 +195,20 @@ class Recomputing:
     def _summed(self, table: np.ndarray) -> np.ndarray:
         """Sum (E,) of c ln c over a table, less that over the table without R'."""
         both, before = self._c_ln_c.take(table), self._c_ln_c.take(table.sum(1))
-        return both.reshape(len(table), -1).sum(1) - before.reshape(len(table), -1).sum(1)
+        difference: np.ndarray = both.reshape(len(table), -1).sum(1) - before.reshape(len(table), -1).sum(1)
+        return difference
 
 
 def compile_seconds() -> tuple[float, float]:
-    """Seconds of processor and clock that the first turn takes, where nothing was compiled before."""
+    """Seconds of processor and clock that the first step takes, where nothing was compiled before."""
     code = (
         "import json, time\n"
-        "from jointattn_mj.development.table.run import TableLife\n"
-        "from jointattn_mj.development.table.presets import PRESETS, Preset\n"
+        "from jointattn_mj.development.table.run import TableRun\n"
+        "from jointattn_mj.development.table.presets import PRESETS\n"
         "preset = PRESETS['thesis']\n"
-        "life = TableLife(preset.world, preset.mind, 0, 1)\n"
+        "run = TableRun(preset.world, preset.agent, 0, 1)\n"
         "cpu, wall = time.process_time(), time.perf_counter()\n"
-        "life.live(1)\n"
+        "run.advance(1)\n"
         "print(json.dumps([time.process_time() - cpu, time.perf_counter() - wall]))\n"
     )
     with tempfile.TemporaryDirectory() as cache:
@@ -205,9 +220,10 @@ def compile_seconds() -> tuple[float, float]:
 
 def _pyinform() -> Callable[..., float] | None:
     try:
-        from pyinform import transfer_entropy as theirs
+        import pyinform
     except ImportError:
         return None
+    theirs: Callable[..., float] = pyinform.transfer_entropy
     return theirs
 
 

@@ -1,4 +1,4 @@
-"""How fast everything is, as ratios measured in one run: absolute times of shared machines mean little."""
+"""Speed of a session, as ratios measured in one run: absolute times on shared machines mean little."""
 
 import time
 from collections.abc import Callable
@@ -15,12 +15,12 @@ from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.world import World
 
 CARTPOLE_STEPS = 50
-"""Steps of cartpole in a block; with software GL each takes tens of milliseconds."""
+"""Steps of cartpole in a block; with software rendering each takes tens of milliseconds."""
 
 
 @dataclass(frozen=True)
 class BenchmarkOptions(Checked):
-    """How long to measure."""
+    """What is measured, and for how long."""
 
     what: Literal["scene", "steps", "contingency", "all"] = "scene"
     """What to measure. scene: a session from images, rendering alone, a session from the state, cartpole. steps: steps
@@ -38,23 +38,26 @@ class BenchmarkOptions(Checked):
 
 @dataclass(frozen=True)
 class Benchmark:
-    """Medians over the blocks."""
+    """Speed of a session: medians over the blocks."""
 
     renderer: str
+    """OpenGL renderer that made the images."""
     render_ms: float
-    """Rendering alone, an image: the same ones that the loop rendered."""
+    """Milliseconds to render an image, alone; the same images that the session rendered."""
     loop_ms_per_image: float
-    """Closed loop from pixels: everything in it, divided by the images that were rendered for it."""
+    """Milliseconds of a session from images, with everything, for each image that it rendered."""
     loop_to_render: float
-    """The ratio of the two, block by block."""
+    """Ratio of the two, block by block."""
     loop_times_real_time: float
+    """Simulated seconds of a session from images in a second."""
     session_26_min_s: float
-    """What 26 simulated minutes take at this pace."""
-    truth_times_real_time: float
+    """Seconds that 26 simulated minutes take at this pace."""
+    state_times_real_time: float
+    """Simulated seconds of a session from the state in a second."""
     cartpole_ms: float
-    """dm_control's own cartpole swingup, a step with pixels at 320x240."""
+    """Milliseconds of a step of dm_control's cartpole swingup, with pixels at 320x240."""
     loop_to_cartpole: float
-    """Closed loop per rendered image, in cartpole steps."""
+    """Session from images for each rendered image, in steps of cartpole."""
 
     def rows(self) -> dict[str, float | str]:
         """The figures by name."""
@@ -62,7 +65,11 @@ class Benchmark:
 
 
 def as_text(rows: dict[str, Any]) -> str:
-    """A table of figures to read."""
+    """Figures as a table to read.
+
+    Args:
+        rows: Figures by name; None stands for what could not be measured.
+    """
     return "\n".join(
         f"{name:32}{'not installed' if value is None else format(value, '' if isinstance(value, str) else '.3g')}"
         for name, value in rows.items()
@@ -70,34 +77,39 @@ def as_text(rows: dict[str, Any]) -> str:
 
 
 def run_benchmark(options: BenchmarkOptions) -> Benchmark:
-    """Measure in turns, so that a machine that changes its pace changes it for all.
+    """Measure sessions from images and from the state, rendering alone, and cartpole, interleaved in blocks.
+
+    Interleaved, a machine that changes its pace changes it for all of them.
+
+    Args:
+        options: Number and length of the blocks.
 
     Raises:
         GLError: No image can be rendered here.
     """
     minutes = options.blocks * options.seconds / 60
     loop = SessionRun(SessionConfig(minutes=minutes))
-    truth = SessionRun(SessionConfig(minutes=minutes, perception="state"))
+    state = SessionRun(SessionConfig(minutes=minutes, perception="state"))
     scene = World.build(loop.config.world, np.random.SeedSequence(1))
     cartpole = _cartpole()
     loop.begin()
-    truth.begin()
-    _live(truth, 30)  # compiles
+    state.begin()
+    _advance(state, 30)  # compiles
     block, times = round(options.seconds / FRAME_S), []
     try:
         for _ in range(options.blocks):
-            visible = Poses()
-            in_loop = _live(loop, block, visible.note)
-            alone, in_truth = _render(scene, visible), _live(truth, block)
-            times.append((in_loop, len(visible.poses), alone, in_truth, _steps(cartpole, CARTPOLE_STEPS)))
+            taken = Poses()
+            in_loop = _advance(loop, block, taken.note)
+            alone, in_state = _render(scene, taken), _advance(state, block)
+            times.append((in_loop, len(taken.poses), alone, in_state, _steps(cartpole, CARTPOLE_STEPS)))
         with loop.world.physics.contexts.gl.make_current() as context:
             renderer = context.call(_renderer_name)
     finally:
         loop.close()
-        truth.close()
+        state.close()
         scene.close()
         cartpole.close()
-    in_loop, images, rendering, in_truth, steps = np.array(times, float).T
+    in_loop, images, rendering, in_state, steps = np.array(times, float).T
     per_image = in_loop / images
     return Benchmark(
         renderer=renderer,
@@ -106,48 +118,48 @@ def run_benchmark(options: BenchmarkOptions) -> Benchmark:
         loop_to_render=float(np.median(in_loop / rendering)),
         loop_times_real_time=float(np.median(options.seconds / in_loop)),
         session_26_min_s=float(np.median(in_loop)) * 26 * 60 / options.seconds,
-        truth_times_real_time=float(np.median(options.seconds / in_truth)),
+        state_times_real_time=float(np.median(options.seconds / in_state)),
         cartpole_ms=1000 * float(np.median(steps)) / CARTPOLE_STEPS,
         loop_to_cartpole=float(np.median(per_image / (steps / CARTPOLE_STEPS))),
     )
 
 
 class Poses:
-    """How everything stood whenever the robot looked, so that the very same images can be rendered again."""
+    """Poses of all bodies at each image that the robot took, so that the same images can be rendered again."""
 
     def __init__(self) -> None:
         self.poses: list[tuple[np.ndarray, np.ndarray]] = []
         self._rendered: int | None = None
 
     def note(self, session: SessionRun) -> None:
-        """Called at every frame of a session, before anything moves."""
+        """Keep the pose if an image was rendered; to be called at every frame of a session, before anything moves."""
         world = session.world
         if self._rendered is not None and world.rendered_frames > self._rendered:
             self.poses.append((world.data.qpos.copy(), world.data.mocap_pos.copy()))
         self._rendered = world.rendered_frames
 
 
-def _live(session: SessionRun, frames: int, watch: Callable[[SessionRun], None] | None = None) -> float:
-    """Seconds for so many frames of a session (fewer at its end)."""
+def _advance(session: SessionRun, frames: int, watch: Callable[[SessionRun], None] | None = None) -> float:
+    """Seconds that so many frames of a session take (fewer at its end)."""
     start = time.perf_counter()
     for _ in range(min(frames, session.total - session.frame)):
         session.step(watch)
     return time.perf_counter() - start
 
 
-def _render(world: World, visible: Poses) -> float:
-    """Seconds for rendering alone; things are put into their places before each image, untimed."""
+def _render(world: World, images: Poses) -> float:
+    """Seconds that rendering alone takes; bodies are posed before each image, untimed."""
     spent = 0.0
-    for qpos, locations in visible.poses:
-        world.data.qpos[:], world.data.mocap_pos[:] = qpos, locations
+    for qpos, positions in images.poses:
+        world.data.qpos[:], world.data.mocap_pos[:] = qpos, positions
         mujoco.mj_fwdPosition(world.model, world.data)
         start = time.perf_counter()
-        world.eye.look()
+        world.eye.render()
         spent += time.perf_counter() - start
     return spent
 
 
-def _cartpole():
+def _cartpole() -> Any:
     from dm_control import suite
     from dm_control.suite.wrappers import pixels
 
@@ -155,7 +167,7 @@ def _cartpole():
     return pixels.Wrapper(environment, render_kwargs={"height": 240, "width": 320})
 
 
-def _steps(environment, count: int) -> float:
+def _steps(environment: Any, count: int) -> float:
     action = np.zeros(environment.action_spec().shape)
     start = time.perf_counter()
     for _ in range(count):

@@ -1,4 +1,4 @@
-"""How much longer a turn of a life from images takes than its image, and than a turn at the symbolic table."""
+"""Speed of development from images: a step beside rendering its image, and beside a step at the symbolic table."""
 
 import time
 from dataclasses import asdict, dataclass
@@ -6,27 +6,28 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from jointattn_mj.development.loop import DevelopmentRun
+from jointattn_mj.development.rendered.body import Witnessed
 from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.run import TableRun
-from jointattn_mj.scene.looker import Pose, TurnWorld
+from jointattn_mj.scene.looker import Pose, TableWorld
 
 STEPS = 1000
-"""In a block."""
+"""Steps in a block."""
 
 
 @dataclass(frozen=True)
 class StepsBenchmark:
-    """Medians over the blocks."""
+    """Speed of development from images: medians over the blocks."""
 
-    turn_image_ms: float
-    """Rendering alone, an image: the same ones that the life rendered."""
-    turn_ms: float
-    """A turn of a life from images, with everything."""
-    turn_to_image: float
-    """The ratio of the two, block by block."""
-    symbolic_turn_us: float
-    """A turn of the same mind at the symbolic table."""
+    step_image_ms: float
+    """Milliseconds to render an image, alone; the same images that the run rendered."""
+    step_ms: float
+    """Milliseconds of a step from images, with everything."""
+    step_to_image: float
+    """Ratio of the two, block by block."""
+    table_step_us: float
+    """Microseconds of a step of the same agent at the symbolic table."""
 
     def rows(self) -> dict[str, float | str]:
         """The figures by name."""
@@ -34,18 +35,22 @@ class StepsBenchmark:
 
 
 class _Noted(RenderedRun):
-    """Notes how bodies stood in each image."""
+    """A run that keeps the poses of all bodies at each image."""
 
     poses: list[Pose]
 
-    def see(self) -> None:
-        """See ``RenderedRun``."""
-        super().see()
+    def sense(self, number: int) -> Witnessed:
+        """See ``ObservedRun``."""
+        witnessed = super().sense(number)
         self.poses.append(self.stage.world.pose())
+        return witnessed
 
 
 def run_steps_benchmark(blocks: int) -> StepsBenchmark:
-    """Measure lives and images in turns.
+    """Measure runs from images, rendering alone, and runs at the symbolic table, interleaved in blocks.
+
+    Args:
+        blocks: Their number; one more, in which functions are compiled, is not counted.
 
     Raises:
         GLError: No image can be rendered here.
@@ -65,10 +70,10 @@ def run_steps_benchmark(blocks: int) -> StepsBenchmark:
         run.close()
     in_run, images, at_table = np.array(times).T
     return StepsBenchmark(
-        turn_image_ms=1000 * float(np.median(images)) / STEPS,
-        turn_ms=1000 * float(np.median(in_run)) / STEPS,
-        turn_to_image=float(np.median(in_run / images)),
-        symbolic_turn_us=1e6 * float(np.median(at_table)) / STEPS,
+        step_image_ms=1000 * float(np.median(images)) / STEPS,
+        step_ms=1000 * float(np.median(in_run)) / STEPS,
+        step_to_image=float(np.median(in_run / images)),
+        table_step_us=1e6 * float(np.median(at_table)) / STEPS,
     )
 
 
@@ -78,12 +83,12 @@ def _seconds(run: DevelopmentRun) -> float:
     return time.perf_counter() - start
 
 
-def _render(world: TurnWorld, poses: list[Pose]) -> float:
-    """Seconds for rendering alone; bodies are put into their places before each image, untimed."""
+def _render(world: TableWorld, poses: list[Pose]) -> float:
+    """Seconds that rendering alone takes; bodies are posed before each image, untimed."""
     spent = 0.0
     for pose in poses:
         world.stand(pose)
         start = time.perf_counter()
-        world.eye.look()
+        world.eye.render()
         spent += time.perf_counter() - start
     return spent

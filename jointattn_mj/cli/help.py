@@ -4,6 +4,7 @@ What people set are the options without a dot: those of the command's own config
 nested ones. Every option is accepted, whatever help shows.
 """
 
+import inspect
 import io
 import re
 import shutil
@@ -91,10 +92,18 @@ def _text(command: Callable[..., Any], prog: str, arguments: Sequence[str], choo
 
     short = (tyro.conf.DisallowNone, tyro.conf.FlagCreatePairsOff)
     with redirect_stdout(said), suppress(SystemExit):
-        tyro.cli(command, prog=prog, args=list(arguments), registry=registry, config=short)
+        tyro.cli(command, prog=prog, description=_about(command), args=list(arguments), registry=registry, config=short)
     lines = [line.rstrip() for line in said.getvalue().splitlines() if not re.fullmatch(r" *-{9,} *", line)]
     width = shutil.get_terminal_size().columns
-    return "\n".join(textwrap.fill(line, width) if len(line) > width else line for line in lines).strip()
+    return "\n".join(
+        textwrap.fill(line, width, break_on_hyphens=False) if len(line) > width else line for line in lines
+    ).strip()
+
+
+def _about(command: Callable[..., Any]) -> str:
+    """The docstring of a command, each paragraph on one line; lists stay as they are."""
+    paragraphs = (inspect.getdoc(command) or "").split("\n\n")
+    return "\n\n".join(part if part.startswith("* ") else " ".join(part.split()) for part in paragraphs)
 
 
 def _on_one_line(field: StructFieldSpec) -> StructFieldSpec:

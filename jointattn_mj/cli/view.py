@@ -49,7 +49,6 @@ def view(options: Annotated[ViewOptions, FLAT]) -> None:
     The browser's address is printed; only this machine reaches it unless --host says otherwise. Closing the window or
     Ctrl-C ends the view.
     """
-    one_thread()
     print(f"jointattn: the view of {options.task} is starting", file=sys.stderr, flush=True)
     if options.browser or options.host != HERE or not _has_display():
         _serve(options)
@@ -79,6 +78,7 @@ def _show(options: ViewOptions) -> "Show":
     from jointattn_mj.tasks.agents import AGENTS
     from jointattn_mj.viewing.show import Show
 
+    one_thread()
     images = options.agent in (None, "gaze_follower")
     environment = load(DOMAIN, options.task, task_kwargs={"random": options.seed, "camera": images})
     sees = "head_moves" in environment.observation_spec()

@@ -28,7 +28,7 @@ def chosen(steps: Steps, resample: Resample) -> Literal["blocks", "recordings"]:
 
 def default_block(transitions: int) -> int:
     """Transitions in a block: the cube root, at least 1."""
-    return max(1, round(transitions ** (1 / 3)))
+    return max(1, round(float(transitions ** (1 / 3))))
 
 
 def resampled(
@@ -41,18 +41,18 @@ def resampled(
     progress: Callable[[int], object] = lambda done: None,
 ) -> np.ndarray:
     """Plug-in values (count,), in nats, of so many resamples; ``block`` transitions at a time."""
-    cells, which = steps.cells_by_step()
+    entries, which = steps.entries_by_step()
     ids, signs = [], []
     for given, sign in [(measure.given, 1), (measure.less, -1)]:
         if given is not None:
-            ids += [np.unique(cells.ids(given + axes)[0], return_inverse=True)[1] for axes in ("sn", "", "s", "n")]
+            ids += [np.unique(entries.ids(given + axes)[0], return_inverse=True)[1] for axes in ("sn", "", "s", "n")]
             signs += [sign, sign, -sign, -sign]
     spans = steps.spans(whole=resample == "recordings")
     length = 0 if resample == "recordings" else block or default_block(steps.transitions)
     values = np.empty(count)
     for start in range(0, count, BATCH):
         batch = values[start : start + BATCH]
-        _resample(batch, rng, which, spans, length, np.array(ids), np.array(signs), len(cells.counts))
+        _resample(batch, rng, which, spans, length, np.array(ids), np.array(signs), len(entries.counts))
         progress(len(batch))
     return values
 
@@ -70,10 +70,13 @@ def interval(value: float, values: np.ndarray, bias: float, level: float) -> tup
 
 
 @njit(cache=True)
-def _resample(values, rng, which, spans, length, ids, signs, cells):
+def _resample(
+    values: np.ndarray, rng: np.random.Generator, which: np.ndarray, spans: np.ndarray, length: int,
+    ids: np.ndarray, signs: np.ndarray, entries: int,
+) -> None:  # fmt: skip
     """Fill ``values``; ``length`` 0 draws whole recordings."""
     n, recordings = len(which), len(spans) - 1
-    counts, sums = np.empty(cells, np.int64), np.zeros(cells, np.int64)
+    counts, sums = np.empty(entries, np.int64), np.zeros(entries, np.int64)
     home = np.empty(n, np.int64)
     for recording in range(recordings):
         home[spans[recording] : spans[recording + 1]] = recording
@@ -98,10 +101,10 @@ def _resample(values, rng, which, spans, length, ids, signs, cells):
                         t = start
         total = 0.0
         for term in range(len(signs)):
-            for cell in range(cells):
-                sums[ids[term, cell]] += counts[cell]
-            for cell in range(cells):
-                if sums[cell] > 0:
-                    total += signs[term] * sums[cell] * np.log(sums[cell])
-                    sums[cell] = 0
+            for entry in range(entries):
+                sums[ids[term, entry]] += counts[entry]
+            for entry in range(entries):
+                if sums[entry] > 0:
+                    total += signs[term] * sums[entry] * np.log(sums[entry])
+                    sums[entry] = 0
         values[i] = total / drawn

@@ -8,6 +8,7 @@ import numpy as np
 
 from jointattn_mj.contingency.information import Measure
 from jointattn_mj.contingency.local import LocalContingency, carriers, local_of_steps
+from jointattn_mj.contingency.names import OF_EVENTS, full_name
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.significance import (
     MEASURES,
@@ -59,18 +60,43 @@ def discover(
     groups: Sequence[int] | None = None,
     progress: Callable[[int], object] = lambda done: None,
 ) -> tuple[Finding, ...]:
-    """All events, the highest effective value first; ``data`` holds a series for every name.
+    """Test every event (sensor, action) -> result, and rank them by their effective value (section 5.2.1).
 
-    ``measure`` is ``state_action_contingency`` or ``combined_transfer_entropy``. p-values come from permutations within
-    (r, a), corrected for the number of events by ``how``. The ``explain`` highest events with p up to ``alpha`` also
-    tell by which values. Each event has a random stream of its own: its p does not depend on the others. ``groups`` is
-    that of ``assess``.
+    p-values come from permutations of the sensor within (r, a). Each event has a random stream of its own: its p does
+    not depend on the others.
+
+    Args:
+        data: A series for every name: (T,) integer codes, or a list of such arrays, one a recording.
+        sensors: Names of what is sensed, S.
+        actions: Names of what is done, A.
+        results: Names of what may come of it, R.
+        measure: ``sac`` or ``tc``, by any of their names (``names.NAMES``).
+        options: Number and kind of surrogates and resamples; None: the defaults of ``TestOptions``.
+        how: Correction of p for the number of events.
+        alpha: Level of significance, after the correction.
+        base: Base of the logarithm: 2 for bits.
+        seed: Seed of surrogates and resamples.
+        explain: So many of the first events, if significant, also tell which values carry them.
+        groups: Numbers of the recordings (see ``assess``).
+        progress: Called with the number of surrogates or resamples drawn since the last call.
+
+    Returns:
+        The events, the highest effective value first.
 
     Raises:
         SeriesError: Unknown names, names that play two parts of one event, series that cannot be measured, or bad
             options.
+
+    Example:
+        >>> rng = np.random.default_rng(0)
+        >>> face, gaze = rng.integers(0, 3, (2, 400))  # where somebody looks, and where one looks oneself
+        >>> found_object = np.append(0, face == gaze)[:-1].astype(int)  # a step later
+        >>> data = {"face": face, "gaze": gaze, "object": found_object}
+        >>> first = discover(data, ["face"], ["gaze"], ["object"], options=TestOptions(surrogates=99, resamples=0))[0]
+        >>> first.event, first.p_adjusted
+        ('(face, gaze) -> object', 0.01)
     """
-    chosen = _measure(measure)
+    chosen = MEASURES[full_name(measure, OF_EVENTS)]
     _check(data, sensors, actions, results, alpha)
     given, unit, tested = options or TestOptions(), check_base(base), []
     events = list(product(sensors, actions, results))
@@ -81,8 +107,8 @@ def discover(
     ranked = sorted(tested, key=lambda one: -one.significance.corrected)
     for i, one in enumerate(ranked[:explain]):
         if one.p_adjusted <= alpha:
-            cells = local_of_steps(acted(data[one.sensor], data[one.action], data[one.result]), chosen, unit)
-            ranked[i] = replace(one, values=carriers(cells, alpha))
+            entries = local_of_steps(acted(data[one.sensor], data[one.action], data[one.result]), chosen, unit)
+            ranked[i] = replace(one, values=carriers(entries, alpha))
     return tuple(ranked)
 
 
@@ -107,16 +133,9 @@ def _tested(
         significance = assess_steps(given, measure, options, unit, rng, progress)
     except SeriesError as error:
         raise SeriesError(f"({sensor}, {action}) -> {result}: {error}") from error
-    bound = measure.bound(given.cells(), "smallest") / unit
+    bound = measure.bound(given.entries(), "smallest") / unit
     normalised = significance.corrected / bound if bound > 1e-12 else 0.0
     return Finding(sensor, action, result, significance, 1.0, normalised)
-
-
-def _measure(name: str) -> Measure:
-    measure = MEASURES.get(name)
-    if measure is None or measure.given != "ra":
-        raise SeriesError(f"events are ranked by state_action_contingency or combined_transfer_entropy; got {name!r}")
-    return measure
 
 
 def _check(

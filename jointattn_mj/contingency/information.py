@@ -9,10 +9,10 @@ from typing import Literal
 
 import numpy as np
 
-from jointattn_mj.contingency.table import Cells, dense_information
+from jointattn_mj.contingency.table import Entries, dense_information
 
 Correction = Literal["none", "miller_madow", "degrees_of_freedom", "shuffle"]
-"""What is taken off the plug-in value. ``miller_madow``: each entropy gains (observed cells - 1) / 2n.
+"""What is taken off the plug-in value. ``miller_madow``: each entropy gains (observed entries - 1) / 2n.
 ``degrees_of_freedom``: df / 2n, what the plug-in expects of independent n and s, where df adds up (values of n - 1)
 (values of s - 1) as observed within each context. ``shuffle``: the mean of surrogates (see ``surrogates``)."""
 
@@ -31,14 +31,14 @@ class Measure:
     given: str
     less: str | None = None
 
-    def local(self, cells: Cells) -> np.ndarray:
-        """Contribution (m,) of one transition in each cell, nats; its mean over transitions is the measure."""
-        inner = cells.information(self.given)
-        return inner if self.less is None else inner - cells.information(self.less)
+    def local(self, entries: Entries) -> np.ndarray:
+        """Contribution (m,) of one transition in each entry, nats; its mean over transitions is the measure."""
+        inner = entries.information(self.given)
+        return inner if self.less is None else inner - entries.information(self.less)
 
-    def value(self, cells: Cells) -> float:
+    def value(self, entries: Entries) -> float:
         """Plug-in value in nats."""
-        return float(cells.counts @ self.local(cells)) / cells.transitions
+        return float(entries.counts @ self.local(entries)) / entries.transitions
 
     def dense_value(self, table: np.ndarray) -> float:
         """The same of a table over (r, a, s, n)."""
@@ -47,17 +47,17 @@ class Measure:
             total -= dense_information(table, self.less)
         return total / int(table.sum())
 
-    def bias(self, cells: Cells, correction: Literal["miller_madow", "degrees_of_freedom"]) -> float:
+    def bias(self, entries: Entries, correction: Literal["miller_madow", "degrees_of_freedom"]) -> float:
         """What ``correction`` takes off, nats; of either sign for SAC."""
         excess = _occupied if correction == "miller_madow" else _degrees
-        twice = excess(cells, self.given) - (0 if self.less is None else excess(cells, self.less))
-        return twice / (2 * cells.transitions)
+        twice = excess(entries, self.given) - (0 if self.less is None else excess(entries, self.less))
+        return twice / (2 * entries.transitions)
 
-    def bound(self, cells: Cells, normalise: Literal["result", "smallest"]) -> float:
+    def bound(self, entries: Entries, normalise: Literal["result", "smallest"]) -> float:
         """What ``normalise`` divides by, nats."""
         context = self.given if self.less is None else self.less
         others = "n" if normalise == "result" else "ns" if self.less is None else "nsa"
-        return min(cells.entropy(axis, context) for axis in others)
+        return min(entries.entropy(axis, context) for axis in others)
 
 
 TRANSFER = Measure("TE(s -> r)", "r")
@@ -72,17 +72,17 @@ CONDITIONAL_MUTUAL = Measure("I(s; r' | a)", "a")
 """The same given another variable."""
 
 
-def _occupied(cells: Cells, given: str) -> int:
-    """Occupied cells of the four marginals of I(n; s | given), with the signs that their entropies do not have."""
-    count = {axes: len(cells.distribution(given + axes)) for axes in ("", "n", "s", "sn")}
+def _occupied(entries: Entries, given: str) -> int:
+    """Occupied entries of the four marginals of I(n; s | given), with the signs that their entropies do not have."""
+    count = {axes: len(entries.distribution(given + axes)) for axes in ("", "n", "s", "sn")}
     return count[""] + count["sn"] - count["n"] - count["s"]
 
 
-def _degrees(cells: Cells, given: str) -> int:
+def _degrees(entries: Entries, given: str) -> int:
     """Degrees of freedom of independence of n and s, added up over the contexts."""
-    contexts, bound = cells.ids(given)
+    contexts, bound = entries.ids(given)
     values = []
     for axis in "ns":
-        first = np.unique(cells.ids(given + axis)[0], return_index=True)[1]
+        first = np.unique(entries.ids(given + axis)[0], return_index=True)[1]
         values.append(np.bincount(contexts[first], minlength=bound))
     return int(np.sum((values[0] - 1) * (values[1] - 1) * (values[0] > 0)))

@@ -2,8 +2,8 @@
 
 That contingency is worth evaluating locally, for single values instead of whole variables, because few values carry
 it and evidence for them comes sooner, is the idea of Mahzoon, Yoshikawa and Ishiguro (2016, doi
-10.3389/frobt.2016.00010), who look for values that contribute in synergy. The estimates here are not theirs: a cell's
-share of T^C or SAC, and an exact test of its count, corrected for the number of cells.
+10.3389/frobt.2016.00010), who look for values that contribute in synergy. The estimates here are not theirs: an entry's
+share of T^C or SAC, and an exact test of its count, corrected for the number of entries.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointattn_mj.contingency.information import CONTINGENCY, Measure
+from jointattn_mj.contingency.names import OF_EVENTS, full_name
 from jointattn_mj.contingency.series import Coded, Series, check_base
 from jointattn_mj.contingency.significance import MEASURES, Adjust, adjust
-from jointattn_mj.contingency.table import Cells, Steps, acted
-from jointattn_mj.errors import SeriesError
+from jointattn_mj.contingency.table import Entries, Steps, acted
 
 
 @dataclass(frozen=True)
@@ -81,40 +81,60 @@ def local_contingency(
     base: float = 2,
     how: Adjust = "holm",
 ) -> tuple[LocalContingency, ...]:
-    """All observed combinations (r, s, a, r'), those first that add most to SAC, or to ``combined_transfer_entropy``.
+    """Find the values that carry a contingency: every observed combination (r, s, a, r') and what it adds.
+
+    Args:
+        s: What is sensed, (T,) integer codes, or a list of such arrays, one a recording.
+        a: What is done, of the same lengths.
+        r: What comes of it, likewise.
+        measure: ``sac`` or ``tc``, by any of their names (``names.NAMES``).
+        base: Base of the logarithm: 2 for bits.
+        how: Correction of p for the number of combinations.
+
+    Returns:
+        The combinations, those first that add most to the measure.
 
     Raises:
         SeriesError: Series that cannot be measured, or a measure without an action.
+
+    Example:
+        >>> s, a, r = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0], [0, 0, 1, 0, 1, 1, 1, 0]
+        >>> first = local_contingency(s, a, r)[0]
+        >>> first.sensor, first.action, first.result, first.count
+        (0, 0, 0, 1)
     """
-    chosen = MEASURES.get(measure)
-    if chosen is None or chosen.given != "ra":
-        raise SeriesError(
-            f"local contingency needs state_action_contingency or combined_transfer_entropy; got {measure!r}"
-        )
+    chosen = MEASURES[full_name(measure, OF_EVENTS)]
     return local_of_steps(acted(s, a, r), chosen, check_base(base), how)
 
 
 def local_of_steps(
     given: Steps, measure: Measure = CONTINGENCY, unit: float = 1.0, how: Adjust = "holm"
 ) -> tuple[LocalContingency, ...]:
-    """``local_contingency`` for series that are checked; ``unit`` is the base's natural logarithm."""
-    cells = given.cells()
-    contribution = cells.counts * measure.local(cells) / cells.transitions / unit
-    expected, z, p = _tested(cells)
+    """Find the values that carry a contingency in series that are checked (see ``local_contingency``).
+
+    Args:
+        given: The transitions.
+        measure: Of SAC or T^C.
+        unit: Natural logarithm of the base.
+        how: Correction of p for the number of combinations.
+    """
+    entries = given.entries()
+    contribution = entries.counts * measure.local(entries) / entries.transitions / unit
+    expected, z, p = _tested(entries)
     before, action, source, after = (
         _named(column, coded)
         for column, coded in zip(
-            cells.columns, (given.target, given.condition, given.source, given.target), strict=True
+            entries.columns, (given.target, given.condition, given.source, given.target), strict=True
         )
     )
-    occasions, adjusted = cells.marginal("ras"), adjust(p, how)
+    occasions, adjusted = entries.marginal("ras"), adjust(p, how)
     found = [
         LocalContingency(
             before=int(before[i]),
             sensor=int(source[i]),
             action=int(action[i]),
             result=int(after[i]),
-            count=int(cells.counts[i]),
+            count=int(entries.counts[i]),
             occasions=int(occasions[i]),
             expected=float(expected[i]),
             contribution=float(contribution[i]),
@@ -128,20 +148,26 @@ def local_of_steps(
 
 
 def carriers(found: Sequence[LocalContingency], alpha: float = 0.05, most: int = 3) -> tuple[LocalContingency, ...]:
-    """The first that add to the measure and are significant."""
+    """Pick the combinations that carry the measure.
+
+    Args:
+        found: All combinations, those that add most first.
+        alpha: Level of significance, after the correction.
+        most: So many at most.
+    """
     return tuple(one for one in found if one.contribution > 0 and one.p_adjusted <= alpha)[:most]
 
 
-def _tested(cells: Cells) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Expected count, z and one-sided p of each cell, (m,) each."""
+def _tested(entries: Entries) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Expected count, z and one-sided p of each entry, (m,) each."""
     from scipy.stats import hypergeom  # takes longer to import than most tables to test
 
-    context, with_source, with_result = (cells.marginal(axes) for axes in ("ra", "ras", "ran"))
+    context, with_source, with_result = (entries.marginal(axes) for axes in ("ra", "ras", "ran"))
     expected = with_source * with_result / context
     others = np.maximum(context - 1, 1)
     variance = expected * (context - with_source) * (context - with_result) / context / others
-    z = np.where(variance > 0, (cells.counts - expected) / np.sqrt(np.where(variance > 0, variance, 1)), 0.0)
-    p = hypergeom.sf(cells.counts - 1, context, with_result, with_source)
+    z = np.where(variance > 0, (entries.counts - expected) / np.sqrt(np.where(variance > 0, variance, 1)), 0.0)
+    p = hypergeom.sf(entries.counts - 1, context, with_result, with_source)
     return expected, z, np.clip(p, 0, 1)
 
 

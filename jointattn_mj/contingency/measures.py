@@ -19,7 +19,7 @@ from jointattn_mj.contingency.table import Steps, acted, steps
 from jointattn_mj.errors import SeriesError
 
 LARGEST_SALIENCY = 2**26
-"""Most cells of an array of contingent saliency."""
+"""Most entries of an array of contingent saliency."""
 
 
 def transfer_entropy(
@@ -33,9 +33,31 @@ def transfer_entropy(
     surrogates: int = 100,
     seed: int = 0,
 ) -> float:
-    """T_{s -> r} = sum p(r', r, s) log p(r' | r, s) / p(r' | r) (eq. 4.1, 5.1), given the condition if there is one.
+    """Transfer entropy: how much the source says about the target's next value.
 
-    Plug-in values are 0 or more.
+    T_{s -> r} = sum p(r', r, s) log p(r' | r, s) / p(r' | r) (eq. 4.1, 5.1), given the condition if there is one.
+
+    Args:
+        source: What may have an influence, (T,) integer codes, or a list of such arrays, one a recording.
+        target: What may be influenced, of the same lengths.
+        condition: What is known anyway, likewise; None: nothing but the target's present value.
+        base: Base of the logarithm: 2 for bits.
+        correction: What is taken off the plug-in value (see ``information.Correction``).
+        normalise: What the value is divided by (see ``information.Normalise``).
+        surrogates: Permutations whose mean ``correction="shuffle"`` takes off.
+        seed: Seed of these permutations.
+
+    Returns:
+        The value, in units of the base; the plug-in value is 0 or more.
+
+    Raises:
+        SeriesError: The series cannot be measured, or an option is none of its choices.
+
+    Example:
+        >>> source = [0, 1, 1, 0, 1, 0, 0, 1]
+        >>> target = [0, 0, 1, 1, 0, 1, 0, 0]  # what the source was a step before
+        >>> round(transfer_entropy(source, target), 3)
+        0.965
     """
     measure = information.TRANSFER if condition is None else information.COMBINED
     return _measured(steps(source, target, condition), measure, base, correction, normalise, surrogates, seed)
@@ -52,7 +74,32 @@ def combined_transfer_entropy(
     surrogates: int = 100,
     seed: int = 0,
 ) -> float:
-    """T^C = T_{s, a -> r} - T_{a -> r} = sum p(r', r, s, a) log p(r' | r, s, a) / p(r' | r, a) (eq. 4.3); 0 or more."""
+    """Combined transfer entropy T^C: what the sensor adds to the action in telling the next result.
+
+    T^C = T_{s, a -> r} - T_{a -> r} = sum p(r', r, s, a) log p(r' | r, s, a) / p(r' | r, a) (eq. 4.3).
+
+    Args:
+        s: What is sensed, (T,) integer codes, or a list of such arrays, one a recording.
+        a: What is done, of the same lengths.
+        r: What comes of it, likewise.
+        base: Base of the logarithm: 2 for bits.
+        correction: What is taken off the plug-in value (see ``information.Correction``).
+        normalise: What the value is divided by (see ``information.Normalise``).
+        surrogates: Permutations whose mean ``correction="shuffle"`` takes off.
+        seed: Seed of these permutations.
+
+    Returns:
+        The value, in units of the base; the plug-in value is 0 or more.
+
+    Raises:
+        SeriesError: The series cannot be measured, or an option is none of its choices.
+
+    Example:
+        >>> s, a = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0]
+        >>> r = [0, 0, 1, 0, 1, 1, 1, 0]  # whether s and a differed a step before
+        >>> round(combined_transfer_entropy(s, a, r), 3)
+        0.857
+    """
     return _measured(acted(s, a, r), information.COMBINED, base, correction, normalise, surrogates, seed)
 
 
@@ -67,9 +114,31 @@ def state_action_contingency(
     surrogates: int = 100,
     seed: int = 0,
 ) -> float:
-    """SAC = T_{s, a -> r} - T_{s -> r} - T_{a -> r} (eq. 5.2): what s and a say together beyond what each says alone.
+    """State-action contingency SAC: what sensor and action say together beyond what each says alone.
 
-    Negative where they say the same.
+    SAC = T_{s, a -> r} - T_{s -> r} - T_{a -> r} (eq. 5.2).
+
+    Args:
+        s: What is sensed, (T,) integer codes, or a list of such arrays, one a recording.
+        a: What is done, of the same lengths.
+        r: What comes of it, likewise.
+        base: Base of the logarithm: 2 for bits.
+        correction: What is taken off the plug-in value (see ``information.Correction``).
+        normalise: What the value is divided by (see ``information.Normalise``).
+        surrogates: Permutations whose mean ``correction="shuffle"`` takes off.
+        seed: Seed of these permutations.
+
+    Returns:
+        The value, in units of the base; negative where sensor and action say the same.
+
+    Raises:
+        SeriesError: The series cannot be measured, or an option is none of its choices.
+
+    Example:
+        >>> s, a = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0]
+        >>> r = [0, 0, 1, 0, 1, 1, 1, 0]  # whether s and a differed a step before
+        >>> round(state_action_contingency(s, a, r), 3)
+        0.749
     """
     return _measured(acted(s, a, r), information.CONTINGENCY, base, correction, normalise, surrogates, seed)
 
@@ -84,7 +153,27 @@ def mutual_information(
     surrogates: int = 100,
     seed: int = 0,
 ) -> float:
-    """I(s[t]; r[t + 1]), whatever r[t]; for comparison."""
+    """Mutual information I(s[t]; r[t + 1]), whatever r[t]; for comparison.
+
+    Args:
+        s: The source, (T,) integer codes, or a list of such arrays, one a recording.
+        r: The target, of the same lengths.
+        base: Base of the logarithm: 2 for bits.
+        correction: What is taken off the plug-in value (see ``information.Correction``).
+        normalise: What the value is divided by (see ``information.Normalise``).
+        surrogates: Permutations whose mean ``correction="shuffle"`` takes off.
+        seed: Seed of these permutations.
+
+    Returns:
+        The value, in units of the base; the plug-in value is 0 or more.
+
+    Raises:
+        SeriesError: The series cannot be measured, or an option is none of its choices.
+
+    Example:
+        >>> round(mutual_information([0, 1, 0, 1, 0], [1, 0, 1, 0, 1]), 3)
+        1.0
+    """
     return _measured(steps(s, r), information.MUTUAL, base, correction, normalise, surrogates, seed)
 
 
@@ -99,7 +188,28 @@ def conditional_mutual_information(
     surrogates: int = 100,
     seed: int = 0,
 ) -> float:
-    """I(s[t]; r[t + 1] | condition[t]), whatever r[t]; for comparison."""
+    """Conditional mutual information I(s[t]; r[t + 1] | condition[t]), whatever r[t]; for comparison.
+
+    Args:
+        s: The source, (T,) integer codes, or a list of such arrays, one a recording.
+        r: The target, of the same lengths.
+        condition: What is known anyway, likewise.
+        base: Base of the logarithm: 2 for bits.
+        correction: What is taken off the plug-in value (see ``information.Correction``).
+        normalise: What the value is divided by (see ``information.Normalise``).
+        surrogates: Permutations whose mean ``correction="shuffle"`` takes off.
+        seed: Seed of these permutations.
+
+    Returns:
+        The value, in units of the base; the plug-in value is 0 or more.
+
+    Raises:
+        SeriesError: The series cannot be measured, or an option is none of its choices.
+
+    Example:
+        >>> round(conditional_mutual_information([0, 1, 0, 1, 0], [1, 0, 1, 0, 1], [0, 0, 0, 0, 0]), 3)
+        1.0
+    """
     given = acted(s, condition, r)
     return _measured(given, information.CONDITIONAL_MUTUAL, base, correction, normalise, surrogates, seed)
 
@@ -107,9 +217,25 @@ def conditional_mutual_information(
 def pointwise_transfer_entropy(
     source: Series, target: Series, condition: Series | None = None, base: float = 2
 ) -> np.ndarray | list[np.ndarray]:
-    """Local values (T - 1,), transition by transition; a list of such arrays for several recordings.
+    """Transfer entropy transition by transition.
 
-    Their mean over all transitions is ``transfer_entropy``; single ones may be negative.
+    Args:
+        source: What may have an influence, (T,) integer codes, or a list of such arrays, one a recording.
+        target: What may be influenced, of the same lengths.
+        condition: What is known anyway, likewise, or None.
+        base: Base of the logarithm: 2 for bits.
+
+    Returns:
+        Local values (T - 1,), or a list of such arrays. Their mean over all transitions is ``transfer_entropy``;
+        single ones may be negative.
+
+    Raises:
+        SeriesError: The series cannot be measured.
+
+    Example:
+        >>> local = pointwise_transfer_entropy([0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0])
+        >>> local.shape, float(local.mean().round(3))
+        ((7,), 0.965)
     """
     measure = information.TRANSFER if condition is None else information.COMBINED
     return _pointwise(steps(source, target, condition), measure, base)
@@ -118,37 +244,122 @@ def pointwise_transfer_entropy(
 def pointwise_combined_transfer_entropy(
     s: Series, a: Series, r: Series, base: float = 2
 ) -> np.ndarray | list[np.ndarray]:
-    """Local values of ``combined_transfer_entropy``, in the shape of ``pointwise_transfer_entropy``."""
+    """Combined transfer entropy T^C transition by transition.
+
+    Args:
+        s: What is sensed, (T,) integer codes, or a list of such arrays, one a recording.
+        a: What is done, of the same lengths.
+        r: What comes of it, likewise.
+        base: Base of the logarithm: 2 for bits.
+
+    Returns:
+        Local values (T - 1,), or a list of such arrays; their mean is ``combined_transfer_entropy``.
+
+    Raises:
+        SeriesError: The series cannot be measured.
+
+    Example:
+        >>> s, a, r = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0], [0, 0, 1, 0, 1, 1, 1, 0]
+        >>> float(pointwise_combined_transfer_entropy(s, a, r).mean().round(3))
+        0.857
+    """
     return _pointwise(acted(s, a, r), information.COMBINED, base)
 
 
 def pointwise_state_action_contingency(
     s: Series, a: Series, r: Series, base: float = 2
 ) -> np.ndarray | list[np.ndarray]:
-    """Local values of ``state_action_contingency``, in the shape of ``pointwise_transfer_entropy``."""
+    """State-action contingency SAC transition by transition.
+
+    Args:
+        s: What is sensed, (T,) integer codes, or a list of such arrays, one a recording.
+        a: What is done, of the same lengths.
+        r: What comes of it, likewise.
+        base: Base of the logarithm: 2 for bits.
+
+    Returns:
+        Local values (T - 1,), or a list of such arrays; their mean is ``state_action_contingency``.
+
+    Raises:
+        SeriesError: The series cannot be measured.
+
+    Example:
+        >>> s, a, r = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0], [0, 0, 1, 0, 1, 1, 1, 0]
+        >>> float(pointwise_state_action_contingency(s, a, r).mean().round(3))
+        0.749
+    """
     return _pointwise(acted(s, a, r), information.CONTINGENCY, base)
 
 
 def pointwise_mutual_information(s: Series, r: Series, base: float = 2) -> np.ndarray | list[np.ndarray]:
-    """Local values of ``mutual_information``, in the shape of ``pointwise_transfer_entropy``."""
+    """Mutual information I(s[t]; r[t + 1]) transition by transition.
+
+    Args:
+        s: The source, (T,) integer codes, or a list of such arrays, one a recording.
+        r: The target, of the same lengths.
+        base: Base of the logarithm: 2 for bits.
+
+    Returns:
+        Local values (T - 1,), or a list of such arrays; their mean is ``mutual_information``.
+
+    Raises:
+        SeriesError: The series cannot be measured.
+
+    Example:
+        >>> pointwise_mutual_information([0, 1, 0, 1, 0], [1, 0, 1, 0, 1]).round(3).tolist()
+        [1.0, 1.0, 1.0, 1.0]
+    """
     return _pointwise(steps(s, r), information.MUTUAL, base)
 
 
 def pointwise_conditional_mutual_information(
     s: Series, r: Series, condition: Series, base: float = 2
 ) -> np.ndarray | list[np.ndarray]:
-    """Local values of ``conditional_mutual_information``, in the shape of ``pointwise_transfer_entropy``."""
+    """Conditional mutual information I(s[t]; r[t + 1] | condition[t]) transition by transition.
+
+    Args:
+        s: The source, (T,) integer codes, or a list of such arrays, one a recording.
+        r: The target, of the same lengths.
+        condition: What is known anyway, likewise.
+        base: Base of the logarithm: 2 for bits.
+
+    Returns:
+        Local values (T - 1,), or a list of such arrays; their mean is ``conditional_mutual_information``.
+
+    Raises:
+        SeriesError: The series cannot be measured.
+
+    Example:
+        >>> pointwise_conditional_mutual_information([0, 1, 0, 1], [1, 0, 1, 0], [0, 0, 0, 0]).shape
+        (3,)
+    """
     return _pointwise(acted(s, condition, r), information.CONDITIONAL_MUTUAL, base)
 
 
 def contingent_saliency(s: Series, a: Series, r: Series, base: float = 2) -> np.ndarray:
-    """e(r', a; r, s) of eq. 5.3 as an array [r, s, r', a], indexed by the codes themselves.
+    """Contingent saliency e(r', a; r, s): which next result and action carry SAC, given result and sensor (eq. 5.3).
 
-    NaN for pairs (r, s) that were never observed. Under an observed pair, a cell (r', a) that did not occur there has a
-    first term of 0 and keeps its second. The sum over r', a, weighted with p(r, s), is ``state_action_contingency``.
+    NaN for pairs (r, s) that were never observed. Under an observed pair, an entry (r', a) that did not occur there
+    has a first term of 0 and keeps its second. The sum over r', a, weighted with p(r, s), is
+    ``state_action_contingency``.
+
+    Args:
+        s: What is sensed, (T,) integer codes, or a list of such arrays, one a recording.
+        a: What is done, of the same lengths.
+        r: What comes of it, likewise.
+        base: Base of the logarithm: 2 for bits.
+
+    Returns:
+        An array [r, s, r', a], indexed by the codes themselves.
 
     Raises:
-        SeriesError: Also where the array would be huge, or codes are: number them anew with ``recode`` first.
+        SeriesError: The series cannot be measured, or their codes are so large that the array would be huge: number
+            them anew with ``recode`` first.
+
+    Example:
+        >>> s, a, r = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0], [0, 0, 1, 0, 1, 1, 1, 0]
+        >>> contingent_saliency(s, a, r).shape
+        (2, 2, 2, 2)
     """
     given, unit = acted(s, a, r), check_base(base)
     results, actions, sources, _ = given.sizes
@@ -157,14 +368,14 @@ def contingent_saliency(s: Series, a: Series, r: Series, base: float = 2) -> np.
     )
     if renumbered or results * results * actions * sources > LARGEST_SALIENCY:
         raise SeriesError("codes are too large to index an array of saliencies; number them anew with recode() first")
-    cells = given.cells()
-    before, action, source, after = cells.columns
-    counts = cells.counts
-    pairs = cells.marginal("rs")
-    joint = counts / pairs * np.log(counts * pairs / (cells.marginal("ras") * cells.marginal("rsn")))
+    entries = given.entries()
+    before, action, source, after = entries.columns
+    counts = entries.counts
+    pairs = entries.marginal("rs")
+    joint = counts / pairs * np.log(counts * pairs / (entries.marginal("ras") * entries.marginal("rsn")))
     saliency = np.zeros((results, sources, results, actions))
     saliency[before, source, after, action] = joint
-    ran, ra, rn, r_only = (cells.marginal(axes) for axes in ("ran", "ra", "rn", "r"))
+    ran, ra, rn, r_only = (entries.marginal(axes) for axes in ("ran", "ra", "rn", "r"))
     alone = np.zeros((results, results, actions))
     alone[before, after, action] = ran / r_only * np.log(ran * r_only / (ra * rn))
     saliency -= alone[:, None]
@@ -190,23 +401,23 @@ def _measured(
     table = given.dense()
     if table is not None and correction == normalise == "none":
         return measure.dense_value(table) / unit
-    cells = given.cells(table)
-    value = measure.value(cells)
+    entries = given.entries(table)
+    value = measure.value(entries)
     if correction == "shuffle":
         if not isinstance(surrogates, (int, np.integer)) or surrogates < 1:
             raise SeriesError(f"surrogates must be a whole number of 1 or more; got {surrogates!r}")
         value -= float(plan(given, measure).draw(surrogates, generator(seed)).mean())
     elif correction != "none":
-        value -= measure.bias(cells, correction)
+        value -= measure.bias(entries, correction)
     if normalise == "none":
         return value / unit
-    bound = measure.bound(cells, normalise)
+    bound = measure.bound(entries, normalise)
     return value / bound if bound > 1e-12 else 0.0
 
 
 def _pointwise(given: Steps, measure: Measure, base: float) -> np.ndarray | list[np.ndarray]:
     unit = check_base(base)
-    cells, which = given.cells_by_step()
-    local = measure.local(cells)[which] / unit
+    entries, which = given.entries_by_step()
+    local = measure.local(entries)[which] / unit
     bounds = given.target.bounds
     return local if len(bounds) == 2 else np.split(local, bounds[1:-1] - np.arange(1, len(bounds) - 1))

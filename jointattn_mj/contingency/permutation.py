@@ -1,7 +1,7 @@
 """Permutations of a source, drawn and measured, as compiled functions.
 
 A permutation within a context draws a table of (s, r') with the margins that were observed. Where a context holds many
-transitions and few values, the table is drawn cell by cell from hypergeometric distributions, which costs little more
+transitions and few values, the table is drawn entry by entry from hypergeometric distributions, which costs little more
 for a million transitions than for a thousand; elsewhere the source is shuffled.
 """
 
@@ -13,6 +13,9 @@ from jointattn_mj.io.compiled import njit
 
 SHUFFLE = 6
 """Strata with fewer transitions than so many for each hypergeometric draw are shuffled: that is faster there."""
+
+Room = tuple[np.ndarray, np.ndarray]
+"""A table, flat, and a list of its entries in use."""
 
 
 def tables(n: int) -> np.ndarray:
@@ -74,18 +77,20 @@ def _shuffle(values: np.ndarray, rng: np.random.Generator) -> None:
 
 
 @njit(cache=True)
-def _add(table, touched, used, cell, count):
-    """Add to a cell; returns how many cells are in use."""
-    if table[cell] == 0 and count > 0:
-        touched[used] = cell
+def _add(table: np.ndarray, touched: np.ndarray, used: int, entry: int, count: int) -> int:
+    """Add to an entry; returns how many entries are in use."""
+    if table[entry] == 0 and count > 0:
+        touched[used] = entry
         used += 1
-    table[cell] += count
+    table[entry] += count
     return used
 
 
 @njit(cache=True)
-def _settle(table, touched, used, rows, afters, xlogx):
-    """Sum of c ln c over the cells less that over their rows."""
+def _settle(
+    table: np.ndarray, touched: np.ndarray, used: int, rows: np.ndarray, afters: int, xlogx: np.ndarray
+) -> float:
+    """Sum of c ln c over the entries less that over their rows."""
     total = 0.0
     for i in range(used):
         count = table[touched[i]]
@@ -99,18 +104,21 @@ def _settle(table, touched, used, rows, afters, xlogx):
 
 
 @njit(cache=True)
-def _close(fine, coarse, used, contexts, stratum, with_less, rows, afters, xlogx):
-    """After a stratum: settle the contexts that end with it. Returns what they add, and cells in use."""
+def _close(
+    fine: Room, coarse: Room, used: np.ndarray, contexts: np.ndarray, stratum: int, with_less: bool,
+    rows: np.ndarray, afters: int, xlogx: np.ndarray,
+) -> float:  # fmt: skip
+    """After a stratum: settle the contexts that end with it. Returns what they add, and entries in use."""
     total = 0.0
     last = stratum + 1 == len(contexts)
     if last or contexts[stratum + 1, 0] != contexts[stratum, 0]:
         table, touched = fine
         total += _settle(table, touched, used[0], rows, afters, xlogx)
         for i in range(used[0]):
-            cell = touched[i]
+            entry = touched[i]
             if with_less:
-                used[1] = _add(coarse[0], coarse[1], used[1], cell, table[cell])
-            table[cell] = 0
+                used[1] = _add(coarse[0], coarse[1], used[1], entry, table[entry])
+            table[entry] = 0
         used[0] = 0
         if with_less and (last or contexts[stratum + 1, 1] != contexts[stratum, 1]):
             table, touched = coarse
@@ -122,17 +130,19 @@ def _close(fine, coarse, used, contexts, stratum, with_less, rows, afters, xlogx
 
 
 @njit(cache=True)
-def _room(n, sources, afters):
-    """An empty table and a list of its cells in use."""
-    cells = sources * afters
-    return np.zeros(cells, np.int64), np.empty(min(n, cells) + 1, np.int64)
+def _room(n: int, sources: int, afters: int) -> Room:
+    """An empty table and a list of its entries in use."""
+    entries = sources * afters
+    return np.zeros(entries, np.int64), np.empty(min(n, entries) + 1, np.int64)
 
 
 @njit(cache=True)
 def within(
-    values, rng, source, after, sources, afters, bounds, contexts, fixed, with_less, tables,
-    source_values, source_counts, source_bounds, after_values, after_counts, after_bounds,
-):  # fmt: skip
+    values: np.ndarray, rng: np.random.Generator, source: np.ndarray, after: np.ndarray, sources: int, afters: int,
+    bounds: np.ndarray, contexts: np.ndarray, fixed: float, with_less: bool, tables: np.ndarray,
+    source_values: np.ndarray, source_counts: np.ndarray, source_bounds: np.ndarray,
+    after_values: np.ndarray, after_counts: np.ndarray, after_bounds: np.ndarray,
+) -> None:  # fmt: skip
     """Fill ``values`` with surrogates permuted within the strata."""
     n = len(source)
     fine, coarse = _room(n, sources, afters), _room(n, sources, afters)
@@ -157,8 +167,8 @@ def within(
                         count = left[j]
                         if s + 1 < s1:
                             count = hypergeometric(left[j], others, drawn, tables[1], rng.random())
-                        cell = source_values[s] * afters + after_values[n0 + j]
-                        used[0] = _add(fine[0], fine[1], used[0], cell, count)
+                        entry = source_values[s] * afters + after_values[n0 + j]
+                        used[0] = _add(fine[0], fine[1], used[0], entry, count)
                         left[j] -= count
                         drawn -= count
                         if drawn == 0:
@@ -170,8 +180,10 @@ def within(
 
 @njit(cache=True)
 def plain(
-    values, rng, source, after, sources, afters, bounds, contexts, fixed, with_less, tables, groups, group_bounds
-):
+    values: np.ndarray, rng: np.random.Generator, source: np.ndarray, after: np.ndarray, sources: int, afters: int,
+    bounds: np.ndarray, contexts: np.ndarray, fixed: float, with_less: bool, tables: np.ndarray,
+    groups: np.ndarray, group_bounds: np.ndarray,
+) -> None:  # fmt: skip
     """Fill ``values`` with surrogates permuted within the groups, whatever their contexts."""
     n = len(source)
     fine, coarse = _room(n, sources, afters), _room(n, sources, afters)

@@ -90,12 +90,20 @@ def aligned(**series: Series | None) -> list[Coded | None]:
 
 
 def joint(*series: Series) -> np.ndarray | list[np.ndarray]:
-    """Several variables taken as one: a code for every combination that occurs, in lexicographic order.
+    """Take several variables as one.
 
-    Returns an array (T,), or a list of them where several recordings were given.
+    Args:
+        series: Variables of equal lengths, each (T,) integer codes, or a list of such arrays, one a recording.
+
+    Returns:
+        A code for every combination that occurs, in lexicographic order: (T,), or a list of such arrays.
 
     Raises:
-        SeriesError: As ``code``, different lengths, or no series at all.
+        SeriesError: Series that cannot be measured, different lengths, or no series at all.
+
+    Example:
+        >>> joint([0, 0, 1, 1], [0, 5, 0, 5]).tolist()
+        [0, 1, 2, 3]
     """
     if not series or any(one is None for one in series):
         raise SeriesError("joint needs at least one series, and no None among them")
@@ -106,10 +114,21 @@ def joint(*series: Series) -> np.ndarray | list[np.ndarray]:
 
 
 def recode(series: Series) -> tuple[np.ndarray | list[np.ndarray], np.ndarray]:
-    """The series with codes 0..k-1 without gaps, and the k codes that they stand for, ascending.
+    """Number the codes of a series anew, without gaps.
+
+    Args:
+        series: (T,) integer codes, or a list of such arrays, one a recording.
+
+    Returns:
+        The series with codes 0..k-1, and the k codes that they stand for, ascending.
 
     Raises:
-        SeriesError: As ``code``.
+        SeriesError: The series cannot be measured.
+
+    Example:
+        >>> codes, values = recode([7, 3, 7])
+        >>> codes.tolist(), values.tolist()
+        ([1, 0, 1], [3, 7])
     """
     coded = code(series).compact()
     values = np.arange(coded.size) if coded.values is None else coded.values
@@ -124,11 +143,11 @@ def combined(columns: Sequence[np.ndarray], sizes: Sequence[int]) -> tuple[np.nd
     keys, bound = columns[0].astype(np.int64, copy=False), int(sizes[0])
     for column, size in zip(columns[1:], sizes[1:], strict=True):
         if bound * int(size) >= 2**62:
-            visible, keys = np.unique(keys, return_inverse=True)
-            bound = len(visible)
+            occupied, keys = np.unique(keys, return_inverse=True)
+            bound = len(occupied)
         if bound * int(size) >= 2**62:
-            visible, column = np.unique(column, return_inverse=True)
-            size = len(visible)
+            occupied, column = np.unique(column, return_inverse=True)
+            size = len(occupied)
         keys, bound = keys * size + column, bound * int(size)
     return keys, bound
 

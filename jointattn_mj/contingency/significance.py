@@ -9,6 +9,7 @@ import numpy as np
 from jointattn_mj.contingency import bootstrap, information
 from jointattn_mj.contingency.bootstrap import Resample
 from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.names import full_name
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.surrogates import Permute, plan
 from jointattn_mj.contingency.table import Steps, steps
@@ -92,20 +93,38 @@ def assess(
     groups: Sequence[int] | None = None,
     progress: Callable[[int], object] = lambda done: None,
 ) -> Significance:
-    """Test a measure, one of the keys of ``MEASURES``; the null is that s says nothing about r' beyond its context.
-
-    ``groups`` (k,) numbers the k recordings given: those with the same number are pieces of one, cut at gaps, and
-    follow each other; the source is permuted among them, and they are resampled together.
+    """Test a measure: does the source say more about the target's next value than chance would?
 
     A permutation test takes the transitions of one context as exchangeable. A source that stays the same for long,
     while the result has a longer memory than one step, is not, and p is then too small.
 
+    Args:
+        measure: One of the names of a measure (``names.NAMES``).
+        source: What may have an influence, (T,) integer codes, or a list of such arrays, one a recording.
+        target: What may be influenced, of the same lengths.
+        condition: The action, or what is known anyway; for the measures that have one.
+        options: Number and kind of surrogates and resamples; None: the defaults of ``TestOptions``.
+        base: Base of the logarithm: 2 for bits.
+        seed: Seed of surrogates and resamples, or a generator.
+        groups: (k,) numbers of the k recordings given. Those with the same number are pieces of one that was cut at
+            gaps: the source is permuted among them, and they are resampled together. None: each is its own.
+        progress: Called with the number of surrogates or resamples drawn since the last call.
+
+    Returns:
+        The value with its null distribution, p and interval, in units of the base.
+
     Raises:
         SeriesError: Series that cannot be measured, an unknown measure, or a condition missing or superfluous.
+
+    Example:
+        >>> rng = np.random.default_rng(0)
+        >>> source = rng.integers(0, 2, 200)
+        >>> target = np.roll(source, 1)  # what the source was a step before
+        >>> found = assess("transfer_entropy", source, target, options=TestOptions(surrogates=99, resamples=0))
+        >>> round(found.value, 2), found.p
+        (0.99, 0.01)
     """
-    if measure not in MEASURES:
-        raise SeriesError(f"measure must be one of {', '.join(MEASURES)}; got {measure!r}")
-    chosen = MEASURES[measure]
+    chosen = MEASURES[full_name(measure)]
     if ("a" in chosen.given) != (condition is not None):
         verb = "needs" if condition is None else "takes no"
         raise SeriesError(f"{measure} {verb} condition")
@@ -121,16 +140,25 @@ def assess_steps(
     rng: np.random.Generator,
     progress: Callable[[int], object] = lambda done: None,
 ) -> Significance:
-    """``assess`` for series that are checked; ``unit`` is the base's natural logarithm."""
-    cells = given.cells()
-    value = measure.value(cells)
+    """Test a measure on series that are checked (see ``assess``).
+
+    Args:
+        given: The transitions.
+        measure: What is tested.
+        options: Number and kind of surrogates and resamples.
+        unit: Natural logarithm of the base.
+        rng: Draws surrogates, then resamples.
+        progress: Called with the number of surrogates or resamples drawn since the last call.
+    """
+    entries = given.entries()
+    value = measure.value(entries)
     surrogates = plan(given, measure, options.permute, options.across_recordings)
     null = surrogates.draw(options.surrogates, rng, progress)
     resampled = bootstrap.chosen(given, options.resample)
     low = high = float("nan")
     if options.resamples:
         values = bootstrap.resampled(given, measure, options.resamples, rng, resampled, options.block, progress)
-        bias = measure.bias(cells, "degrees_of_freedom")
+        bias = measure.bias(entries, "degrees_of_freedom")
         low, high = bootstrap.interval(value, values, bias, options.level)
     mean, sd = float(null.mean()), float(null.std())
     rounding = 1e-12 * max(1.0, abs(value))
@@ -151,10 +179,21 @@ def assess_steps(
 
 
 def adjust(p: Sequence[float] | np.ndarray, how: Adjust = "holm") -> np.ndarray:
-    """p-values (k,) corrected for their number.
+    """Correct p-values for their number.
+
+    Args:
+        p: (k,) p-values.
+        how: ``holm``, ``benjamini_hochberg`` or ``none`` (see ``Adjust``).
+
+    Returns:
+        Adjusted p-values (k,), in the same order.
 
     Raises:
         SeriesError: ``how`` is unknown.
+
+    Example:
+        >>> adjust([0.01, 0.04, 0.03]).tolist()
+        [0.03, 0.06, 0.06]
     """
     if how not in get_args(Adjust):
         raise SeriesError(f"adjust must be one of {', '.join(get_args(Adjust))}; got {how!r}")
@@ -164,7 +203,12 @@ def adjust(p: Sequence[float] | np.ndarray, how: Adjust = "holm") -> np.ndarray:
 
 
 def holm(p: Sequence[float] | np.ndarray) -> np.ndarray:
-    """Adjusted p-values (k,) by Holm's step-down method."""
+    """Adjust p-values (k,) by Holm's step-down method, which keeps the chance of any false alarm below alpha.
+
+    Example:
+        >>> holm([0.01, 0.04, 0.03]).tolist()
+        [0.03, 0.06, 0.06]
+    """
     given = np.asarray(p, float)
     order = np.argsort(given, kind="stable")
     steps_down = np.maximum.accumulate(given[order] * np.arange(len(given), 0, -1))
@@ -172,7 +216,12 @@ def holm(p: Sequence[float] | np.ndarray) -> np.ndarray:
 
 
 def benjamini_hochberg(p: Sequence[float] | np.ndarray) -> np.ndarray:
-    """Adjusted p-values (k,) by Benjamini and Hochberg's step-up method, for the rate of false discoveries."""
+    """Adjust p-values (k,) by Benjamini and Hochberg's step-up method, which keeps the rate of false discoveries.
+
+    Example:
+        >>> benjamini_hochberg([0.01, 0.04, 0.03]).round(3).tolist()
+        [0.03, 0.04, 0.04]
+    """
     given = np.asarray(p, float)
     order = np.argsort(given, kind="stable")
     scaled = given[order] * len(given) / np.arange(1, len(given) + 1)

@@ -1,4 +1,4 @@
-"""The table of counts behind every measure: how often (r', r, s, a) came together, as a list of its observed cells."""
+"""The table of counts behind every measure: how often (r', r, s, a) came together, as a list of observed entries."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ AXES = "rasn"
 """r: result before, a: action or other condition, s: source, n: result next. Marginals are named by these letters."""
 
 DENSE = 2**16
-"""A table of so many cells, or of two for every transition, is counted in place; a larger one by sorting."""
+"""A table of so many entries, or of two for every transition, is counted in place; a larger one by sorting."""
 
 
 @dataclass(frozen=True)
-class Cells:
-    """The m observed cells of the table."""
+class Entries:
+    """The m observed entries of the table."""
 
     columns: np.ndarray
     """int64 (4, m): codes of r, a, s, n."""
@@ -34,23 +34,24 @@ class Cells:
         return int(self.counts.sum())
 
     def ids(self, axes: str) -> tuple[np.ndarray, int]:
-        """Marginal cell of each cell (m,), numbered from 0, and a bound for these numbers. Not all need to occur."""
+        """Marginal entry of each entry (m,), numbered from 0, and a bound for these numbers. Not all need to occur."""
         if not axes:
             return np.zeros(len(self.counts), np.int64), 1
         chosen = [AXES.index(axis) for axis in axes]
         keys, bound = combined([self.columns[i] for i in chosen], [self.sizes[i] for i in chosen])
         if bound <= max(DENSE, 4 * len(keys)):
             return keys, bound
-        visible, keys = np.unique(keys, return_inverse=True)
-        return keys, len(visible)
+        occupied, keys = np.unique(keys, return_inverse=True)
+        return keys, len(occupied)
 
     def marginal(self, axes: str) -> np.ndarray:
-        """Count (m,) of the marginal over ``axes`` to which each cell belongs; over no axes: all transitions."""
+        """Count (m,) of the marginal over ``axes`` to which each entry belongs; over no axes: all transitions."""
         keys, bound = self.ids(axes)
-        return np.bincount(keys, self.counts, bound)[keys]
+        counts: np.ndarray = np.bincount(keys, self.counts, bound)
+        return np.take(counts, keys)
 
     def distribution(self, axes: str) -> np.ndarray:
-        """Counts (k,) of the k observed cells of the marginal."""
+        """Counts (k,) of the k observed entries of the marginal."""
         keys, bound = self.ids(axes)
         counts = np.bincount(keys, self.counts, bound)
         return counts[counts > 0]
@@ -61,9 +62,10 @@ class Cells:
         return float(self.counts @ np.log(outer / inner)) / self.transitions
 
     def information(self, given: str) -> np.ndarray:
-        """Local information (m,) in nats that s gives on n in each cell: log p(n | s, given) / p(n | given)."""
+        """Local information (m,) in nats that s gives on n in each entry: log p(n | s, given) / p(n | given)."""
         both, alone = self.marginal(given + "sn"), self.marginal(given)
-        return np.log(both * alone / (self.marginal(given + "s") * self.marginal(given + "n")))
+        local: np.ndarray = np.log(both * alone / (self.marginal(given + "s") * self.marginal(given + "n")))
+        return local
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,7 @@ class Steps:
         if not whole or self.groups is None:
             return starts
         first = np.concatenate([[True], np.diff(self.groups) != 0, [True]])
-        return starts[first]
+        return np.compress(first, starts)
 
     def recordings(self) -> np.ndarray:
         """Number of the whole recording of each transition (n,), from 0."""
@@ -126,21 +128,23 @@ class Steps:
             )  # fmt: skip
         return table.reshape(self.sizes)
 
-    def cells(self, dense: np.ndarray | None = None) -> Cells:
+    def entries(self, dense: np.ndarray | None = None) -> Entries:
         """Count everything; ``dense`` is what that function gave, if it was called already."""
         dense = self.dense() if dense is None else dense
         if dense is None:
             return _sorted(self.columns(), self.sizes)
-        visible = np.flatnonzero(dense)
-        return Cells(np.array(np.unravel_index(visible, self.sizes)), dense.ravel()[visible].astype(float), self.sizes)
+        occupied = np.flatnonzero(dense)
+        return Entries(
+            np.array(np.unravel_index(occupied, self.sizes)), dense.ravel()[occupied].astype(float), self.sizes
+        )
 
-    def cells_by_step(self) -> tuple[Cells, np.ndarray]:
-        """The cells, and for each transition the number of its cell (n,)."""
+    def entries_by_step(self) -> tuple[Entries, np.ndarray]:
+        """The entries, and for each transition the number of its entry (n,)."""
         columns = self.columns()
         keys = combined(columns, self.sizes)[0]
         _, first, which, counts = np.unique(keys, return_index=True, return_inverse=True, return_counts=True)
-        cells = Cells(np.array([column[first] for column in columns]), counts.astype(float), self.sizes)
-        return cells, which
+        entries = Entries(np.array([column[first] for column in columns]), counts.astype(float), self.sizes)
+        return entries, which
 
 
 def steps(
@@ -179,9 +183,9 @@ def acted(source: Series, condition: Series, target: Series, groups: Sequence[in
     return steps(source, target, condition, groups)
 
 
-def _sorted(columns: list[np.ndarray], sizes: tuple[int, int, int, int]) -> Cells:
+def _sorted(columns: list[np.ndarray], sizes: tuple[int, int, int, int]) -> Entries:
     _, first, counts = np.unique(combined(columns, sizes)[0], return_index=True, return_counts=True)
-    return Cells(np.array([column[first] for column in columns]), counts.astype(float), sizes)
+    return Entries(np.array([column[first] for column in columns]), counts.astype(float), sizes)
 
 
 def dense_information(table: np.ndarray, given: str) -> float:
@@ -198,13 +202,14 @@ def _logarithms() -> np.ndarray:
 
 
 @njit(cache=True)
-def _logarithm(count, logarithms):
-    return logarithms[count] if count < len(logarithms) else np.log(count)
+def _logarithm(count: int, logarithms: np.ndarray) -> float:
+    logarithm: float = logarithms[count] if count < len(logarithms) else np.log(count)
+    return logarithm
 
 
 @njit(cache=True)
-def _information(blocks, logarithms):
-    """Sum of c ln(c n / (row column)) over the cells of all blocks (k, rows, columns); n is a block's sum."""
+def _information(blocks: np.ndarray, logarithms: np.ndarray) -> float:
+    """Sum of c ln(c n / (row column)) over the entries of all blocks (k, rows, columns); n is a block's sum."""
     total = 0.0
     rows, columns = np.empty(blocks.shape[1], np.int64), np.empty(blocks.shape[2], np.int64)
     for block in blocks:
@@ -231,7 +236,9 @@ def _information(blocks, logarithms):
 
 
 @njit(cache=True)
-def _count(table, target, source, bounds, targets, sources):
+def _count(
+    table: np.ndarray, target: np.ndarray, source: np.ndarray, bounds: np.ndarray, targets: int, sources: int
+) -> None:
     """Add every transition to ``table``, flat over (r, s, n)."""
     for recording in range(len(bounds) - 1):
         before = target[bounds[recording]]
@@ -242,7 +249,10 @@ def _count(table, target, source, bounds, targets, sources):
 
 
 @njit(cache=True)
-def _count_conditioned(table, target, condition, source, bounds, targets, conditions, sources):
+def _count_conditioned(
+    table: np.ndarray, target: np.ndarray, condition: np.ndarray, source: np.ndarray, bounds: np.ndarray,
+    targets: int, conditions: int, sources: int,
+) -> None:  # fmt: skip
     """Add every transition to ``table``, flat over (r, a, s, n)."""
     for recording in range(len(bounds) - 1):
         before = target[bounds[recording]]

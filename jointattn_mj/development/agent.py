@@ -1,7 +1,9 @@
-"""The mind of chapter 5 (Fig. 5.1): finds what is contingent, makes a module that reproduces it, and goes on.
+"""The agent of chapter 5 (Fig. 5.1): finds a contingent event, makes a module that reproduces it, and goes on.
 
-It knows the names and values of its variables and nothing of the world behind them: each turn it observes sensors and
-results, (S, R), and chooses actions, A.
+Its parts are in ``contingency.online``: counts of all events (``counts``), contingency detector (``detector``),
+contingency reproduction modules and their maps (``modules``), reactive modules (``reactive``) and module selector
+(``selector``). In each step the agent observes sensors and results, (S, R), and chooses actions, A. It knows the names
+and values of its variables, and nothing of the world behind them.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,7 +21,7 @@ from jointattn_mj.contingency.online.counts import (
     joint_table,
     set_joint_table,
 )
-from jointattn_mj.contingency.online.detector import NOTHING, DetectorConfig, Watch, grown, look, new_watch
+from jointattn_mj.contingency.online.detector import NOTHING, DetectorConfig, Watch, grown, new_watch, update
 from jointattn_mj.contingency.online.events import Event, Variable, Variables
 from jointattn_mj.contingency.online.modules import Module, ReproductionConfig, make_module
 from jointattn_mj.contingency.online.reactive import RandomModule, ReactiveModule
@@ -34,23 +36,22 @@ from jointattn_mj.options import Checked, Whole
 
 @dataclass(frozen=True)
 class DeveloperConfig(Checked):
-    """Everything that the mind of chapter 5 leaves open."""
+    """Settings of the agent of chapter 5."""
 
     detector: DetectorConfig = field(default_factory=DetectorConfig)
     reproduction: ReproductionConfig = field(default_factory=ReproductionConfig)
     selector: SelectorConfig = field(default_factory=SelectorConfig)
     memory: Literal["whole", "reset", "window", "fading"] = "whole"
-    """What the counts hold: ``whole``, everything; ``reset``, what has come since the last module was made, because
-    with it the robot behaves differently, and old counts tell of a robot that is no more; ``window``, the last
-    ``horizon`` transitions; ``fading``, older ones weigh less."""
+    """Which transitions the counts hold. ``whole``: all. ``reset``: those since the last module was made, which changed
+    the robot's behaviour. ``window``: the last ``horizon``. ``fading``: all, older ones with less weight."""
     horizon: Annotated[int, Whole("[2, 1e10]")] = 20_000
-    """Memory window: transitions; memory fading: after so many, a transition weighs 1/e."""
+    """Memory window: how many transitions; memory fading: transitions after which the weight is 1/e."""
     history: Literal["since_creation", "full"] = "since_creation"
     """What the counts of a new module's variables begin with. ``since_creation``: nothing. ``full``: all steps before
     the module was made, as steps in which it was not used."""
     refresh_every: Annotated[int, Whole("[0, 1e10]")] = 0
-    """Turns after which all maps are read off the counts anew; 0: a module's map stays as it was made. What a module
-    does sinks in the counts while it is used, so that maps which follow them undo themselves."""
+    """Steps after which all maps are made anew from the counts; 0: a module's map stays as it was made. While a module
+    is used, its behaviour lowers its event's saliency, so that maps which follow the counts undo themselves."""
     most_modules: Annotated[int, Whole("[0, 127]")] = 20
     """Largest number of modules. The number of events grows with its square."""
 
@@ -68,56 +69,57 @@ class DeveloperConfig(Checked):
 
 
 class RecentSteps(NamedTuple):
-    """Transitions that will have to be forgotten, in a ring."""
+    """Ring buffer of transitions that will be taken out of the counts again."""
 
     s: np.ndarray
     a: np.ndarray
     r: np.ndarray
     r_next: np.ndarray
     contexts: np.ndarray
-    """(horizon,) in how many contexts they were counted."""
+    """(horizon,) number of contexts in which each was counted."""
     weight: np.ndarray
-    """(2,) of the next transition, and by how much that grows each time; 1 where nothing fades."""
+    """(2,) weight of the next transition, and its growth factor; 1 where nothing fades."""
 
 
 @one_type
 class AgentState(NamedTuple):
-    """What a turn needs, for compiled code."""
+    """State of the agent, for compiled code."""
 
     counts: Counts
     watch: Watch
     maps: Maps
     past: RecentSteps
     forgets: bool
-    """Whether ``past`` is needed."""
+    """Whether old transitions lose their weight (memory window or fading)."""
     s: np.ndarray
-    """(sensors,) values now, S_Pi included."""
+    """(sensors,) values in this step, S_Pi of the modules included."""
     r: np.ndarray
+    """(results,) values in this step."""
     a: np.ndarray
-    """(actions,) A_Pi included."""
+    """(actions,) commands of the joints, then A_Pi of the modules."""
     driver: np.ndarray
-    """(joints,) which module drives each."""
+    """(joints,) module that drives each joint."""
     strength: np.ndarray
-    """Working space (modules,)."""
+    """(modules,) working space of the selector."""
     n_steps: np.ndarray
-    """(1,) turns so far."""
+    """(1,) steps so far."""
     random: np.random.Generator
 
 
 FADED = 1e9
-"""A weight that has grown so large is made 1 again, and all counts with it."""
+"""Memory fading: when the weight exceeds this, it becomes 1 again and all counts are divided by it."""
 
 
 @njit(cache=True, forceinline=True)
 def _copy(values, to):
-    """As slices, numba would compile them together with messages about every shape that does not fit."""
-    for location in range(len(values)):
-        to[location] = values[location]
+    """Copy into the first elements of ``to``."""
+    for i in range(len(values)):
+        to[i] = values[i]
 
 
 @njit(cache=True)
 def _remember_for_a_while(state, r_next):
-    """Count the transition from the turn before to this one, and let older ones fade or take the oldest out."""
+    """Count the last transition, and let older ones fade or take the oldest out."""
     counts, past = state.counts, state.past
     contexts = len(counts.contexts)
     if past.weight[1] != 1.0:
@@ -127,54 +129,54 @@ def _remember_for_a_while(state, r_next):
             divide(counts, past.weight[0])
             past.weight[0] = 1.0
         return
-    location = (state.n_steps[0] - 1) % len(past.contexts)
-    if past.contexts[location] > 0:
-        add(
-            counts,
-            past.s[location],
-            past.a[location],
-            past.r[location],
-            past.r_next[location],
-            -1,
-            past.contexts[location],
-        )
+    slot = (state.n_steps[0] - 1) % len(past.contexts)
+    if past.contexts[slot] > 0:
+        add(counts, past.s[slot], past.a[slot], past.r[slot], past.r_next[slot], -1, past.contexts[slot])
     add(counts, state.s, state.a, state.r, r_next, 1, contexts)
-    _copy(state.s, past.s[location])
-    _copy(state.a, past.a[location])
-    _copy(state.r, past.r[location])
-    _copy(r_next, past.r_next[location])
-    past.contexts[location] = contexts
+    _copy(state.s, past.s[slot])
+    _copy(state.a, past.a[slot])
+    _copy(state.r, past.r[slot])
+    _copy(r_next, past.r_next[slot])
+    past.contexts[slot] = contexts
 
 
 @njit(cache=True, forceinline=True)
 def think(state, s, r):
-    """A turn: learn from what has come of the last one, then choose ``state.a``.
+    """A step: count the last transition, look for a contingent event, then choose ``state.a``.
 
     Args:
-        mind: Changed in place.
-        s: Observed values of the world's sensors, without S_Pi.
-        r: Observed values (results,).
+        state: Changed in place.
+        s: (sensors,) observed values of the world's sensors, without S_Pi.
+        r: (results,) observed values.
 
     Returns:
         Number of the event that was just found to be contingent, or NOTHING.
     """
-    found = NOTHING
+    event = NOTHING
     if state.n_steps[0] > 0:
         if state.forgets:
             _remember_for_a_while(state, r)
         else:
             add(state.counts, state.s, state.a, state.r, r, 1, len(state.counts.contexts))
-        found = look(state.watch, state.counts)
+        event = update(state.watch, state.counts)
     state.n_steps[0] += 1
     _copy(s, state.s)
     _copy(state.a[len(state.driver) :], state.s[len(s) :])
     _copy(r, state.r)
     select(state.maps, state.s, state.r, state.random, state.strength, state.a, state.driver)
-    return found
+    return event
 
 
 class Developer:
-    """A mind and its modules; grows by a module whenever the detector finds something."""
+    """The agent: its variables, its modules, and the state that compiled code changes in every step.
+
+    Attributes:
+        variables: What it senses and does, variables of its modules included.
+        events: All (S, A, R) that the detector ranks.
+        modules: Contingency reproduction modules, in the order in which they were made.
+        reactive: Reactive modules, one or more for each joint.
+        state: Counts, detector, maps and current values.
+    """
 
     def __init__(
         self,
@@ -183,7 +185,14 @@ class Developer:
         seed: np.random.SeedSequence | int = 0,
         reactive: Sequence[ReactiveModule] = (),
     ):
-        """``reactive``: what the robot is born with, for one joint or more; a joint without any moves at random."""
+        """An agent before its first step.
+
+        Args:
+            variables: What it senses and does.
+            config: Settings of detector, modules and selector.
+            seed: Of the selector.
+            reactive: Initial modules; a joint without any moves at random.
+        """
         self.config, self.variables = config, variables
         self.events = list(variables.events())
         self.modules: list[Module] = []
@@ -208,7 +217,14 @@ class Developer:
         )
 
     def act(self, s: np.ndarray, r: np.ndarray) -> np.ndarray:
-        """Observe ``s`` (sensors,) and ``r`` (results,), and choose commands (joints,).
+        """A step: observe, learn, and choose.
+
+        Args:
+            s: (sensors,) values of the world's sensors, as positions among their values.
+            r: (results,) values of the results.
+
+        Returns:
+            (joints,) commands.
 
         Raises:
             SeriesError: An observation is no position among the values of its variable, or one is missing.
@@ -218,22 +234,26 @@ class Developer:
         self.take_in(think(self.state, _observed(s, sensors), _observed(r, variables.results)))
         return self.state.a[: len(self.state.driver)].copy()
 
-    def take_in(self, found: int) -> Module | None:
-        """What follows a turn: a module for the event of number ``found``, unless that is NOTHING; maps made anew."""
+    def take_in(self, event: int) -> Module | None:
+        """Make maps anew where that is due, and a module of the event of number ``event``, unless it is NOTHING.
+
+        Returns:
+            The new module; None where there is none.
+        """
         every = self.config.refresh_every
         if every and self.modules and self.state.n_steps[0] % every == 0:
             self._set_modules([self._module(module.event) for module in self.modules])
-        if found == NOTHING:
+        if event == NOTHING:
             return None
         if len(self.modules) >= self.config.most_modules:
-            self.state.watch.modelled[found] = True
+            self.state.watch.modelled[event] = True
             return None
-        made = self._module(self.events[found])
-        self._grow(found, made)
+        made = self._module(self.events[event])
+        self._grow(event, made)
         return made
 
     def check(self) -> None:
-        """Go on only with finite numbers.
+        """Check that all numbers are finite.
 
         Raises:
             NotFiniteError: Counts, measures or maps hold NaN or infinity.
@@ -241,7 +261,7 @@ class Developer:
         counts, maps = self.state.counts, self.state.maps
         check_finite(
             {
-                "counts": counts.cells,
+                "counts": counts.entries,
                 "sums of counts": counts.contexts["sum"],
                 "contingency": self.state.watch.values,
                 "reliability": maps.reliability,
@@ -251,26 +271,26 @@ class Developer:
         )
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Restore a mind.
+        """Restore an agent.
 
         Raises:
-            ValueError: It is none that compiled code can live with.
+            ValueError: Compiled code cannot use it.
         """
         self.__dict__.update(state)
-        check_agent(self.state, self._unlived().state, self.variables)
+        check_agent(self.state, self._untrained().state, self.variables)
 
-    def _unlived(self) -> "Developer":
-        """A mind of the same variables and modules that has lived nothing."""
+    def _untrained(self) -> "Developer":
+        """A new agent with the same variables and modules."""
         other = Developer(self.variables.without_modules(), self.config, 0, self.reactive)
         for module in self.modules:
             check_module(module, other.variables)
             other._grow(other.events.index(module.event), module)
         if (other.variables, other.events) != (self.variables, self.events):
-            raise ValueError("the mind's events are others than those of its modules")
+            raise ValueError("the agent's events are others than those of its modules")
         return other
 
     def drivers(self) -> list[str]:
-        """Names of all modules, in the order that ``state.driver`` counts them in."""
+        """Names of all modules, in the order in which ``state.driver`` numbers them."""
         made = [f"module {number}" for number in range(1, len(self.modules) + 1)]
         return made + [type(module).__name__ for module in self.reactive]
 
@@ -278,12 +298,12 @@ class Developer:
         table = joint_table(self.state.counts, self.events.index(event))
         return make_module(event, table, self.config.reproduction)
 
-    def _grow(self, found: int, made: Module) -> None:
-        """Add a module, its two variables, and all events with them."""
+    def _grow(self, event: int, made: Module) -> None:
+        """Add the module of an event (by its number), its two variables, and all events with them."""
         state, config = self.state, self.config
         self.variables = self.variables.with_module(f"module {len(self.modules) + 1}")
         known = set(self.events)
-        new = [event for event in self.variables.events() if event not in known]
+        new = [one for one in self.variables.events() if one not in known]
         self.events += new
         anew = config.memory == "reset"
         if anew:
@@ -291,11 +311,11 @@ class Developer:
         else:
             counts = joined(state.counts, empty_counts(self.variables, new))
         if config.history == "full":
-            for event in new:
-                set_joint_table(counts, self.events.index(event), self._unused(event))
+            for one in new:
+                set_joint_table(counts, self.events.index(one), self._unused(one))
         self.state = state._replace(
             counts=counts,
-            watch=grown(state.watch, len(self.events), found, anew),
+            watch=grown(state.watch, len(self.events), event, anew),
             past=self._wider(state.past),
             s=np.append(state.s, 0),
             a=np.append(state.a, 0),
@@ -304,7 +324,7 @@ class Developer:
         self._set_modules([*self.modules, made])
 
     def _set_modules(self, modules: list[Module]) -> None:
-        """Let the selector choose among these; those that it knew keep their habituation."""
+        """Let the selector choose among these modules; those that it had keep their habituation."""
         old, known = self.state.maps, len(self.modules)
         maps = flat_maps(self.variables, modules, self.reactive, self.config.selector)
         maps.repeats[:known], maps.under[:known] = old.repeats[:known], old.under[:known]
@@ -312,7 +332,7 @@ class Developer:
         self.state = self.state._replace(maps=maps, strength=np.zeros(len(maps.joint)))
 
     def _unused(self, event: Event) -> np.ndarray:
-        """Counts (R, S, A, R') of a new event, had its module's variables been there, and 0, from the beginning."""
+        """Counts (R, S, A, R') of a new event, as if its module had existed from the beginning and never been used."""
         sensors, actions = len(self.variables.sensors) - 1, len(self.variables.actions) - 1
         alike = Event(
             event.sensor if event.sensor < sensors else 0, event.action if event.action < actions else 0, event.result
@@ -333,13 +353,13 @@ class Developer:
         return RecentSteps(s, a, r, r_next, contexts=np.zeros(horizon, np.int64), weight=np.array([1.0, grows]))
 
     def _wider(self, past: RecentSteps) -> RecentSteps:
-        """The ring with room for one more sensor and one more action."""
+        """The ring buffer with room for one more sensor and one more action."""
         blank = np.zeros((len(past.contexts), 1), np.int64)
         return past._replace(s=np.hstack([past.s, blank]), a=np.hstack([past.a, blank]))
 
 
 def _observed(values: np.ndarray, variables: Sequence[Variable]) -> np.ndarray:
-    """The observations for compiled code, which would look them up anywhere."""
+    """Observations for compiled code, which looks up positions without a check."""
     try:
         codes = np.asarray(values)
     except ValueError:  # lists of unequal lengths
@@ -347,5 +367,5 @@ def _observed(values: np.ndarray, variables: Sequence[Variable]) -> np.ndarray:
     sizes = np.array([len(variable.values) for variable in variables])
     if codes.shape != sizes.shape or codes.dtype.kind not in "biu" or (codes < 0).any() or (codes >= sizes).any():
         wanted = ", ".join(f"{variable.name} 0 to {len(variable.values) - 1}" for variable in variables)
-        raise SeriesError(f"a turn needs whole numbers for {wanted}; got {codes.tolist()}")
+        raise SeriesError(f"a step needs whole numbers for {wanted}; got {codes.tolist()}")
     return codes.astype(np.int64)

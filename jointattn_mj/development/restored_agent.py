@@ -1,4 +1,4 @@
-"""Whether the mind of a checkpoint is one that compiled code can live with."""
+"""Checks of an agent from a checkpoint, before compiled code uses it."""
 
 from typing import TYPE_CHECKING
 
@@ -14,11 +14,15 @@ if TYPE_CHECKING:
     from jointattn_mj.development.agent import AgentState
 
 LAYOUT = ("sensor", "action", "result", "per_sensor", "per_action", "per_result", "width", "offset")
-"""Fields of ``counts.CONTEXT`` that say where counts are."""
+"""Fields of ``counts.CONTEXT`` that say where counts lie."""
 
 
 def check_module(module: Module, variables: Variables) -> None:
     """Refuse a module whose maps do not fit the variables that there were when it was made.
+
+    Args:
+        module: The module.
+        variables: Those before it was made.
 
     Raises:
         ValueError: They do not fit.
@@ -34,7 +38,12 @@ def check_module(module: Module, variables: Variables) -> None:
 
 
 def check_agent(state: "AgentState", model: "AgentState", variables: Variables) -> None:
-    """Refuse a mind that is not laid out as ``model``, one of the same variables and modules that has lived nothing.
+    """Refuse an agent whose state is not laid out as that of a new one.
+
+    Args:
+        state: State of the agent.
+        model: State of a new agent with the same variables and modules.
+        variables: The agent's.
 
     Raises:
         ValueError: Something differs, or a value is none of its variable.
@@ -58,19 +67,19 @@ def check_agent(state: "AgentState", model: "AgentState", variables: Variables) 
         check_array("past", values, values.shape, np.int64, 0, size - 1)
     check_array("past", past.contexts, past.contexts.shape, np.int64, 0, len(counts.contexts))
     check_array("driver", state.driver, state.driver.shape, np.int64, -1, len(maps.joint) - 1)
-    check_array("turns", state.n_steps, (1,), np.int64, 0)
+    check_array("n_steps", state.n_steps, (1,), np.int64, 0)
     check_array("first", state.watch.first[:1], (1,), np.int64, -1, len(state.watch.values) - 1)
-    check_array("counts", counts.cells, counts.cells.shape, float, 0)
+    check_array("counts", counts.entries, counts.entries.shape, float, 0)
     if len(past.contexts):  # what is forgotten is taken out of the counts again
-        remembered = counts._replace(cells=np.zeros_like(counts.cells), contexts=model.counts.contexts.copy())
+        remembered = counts._replace(entries=np.zeros_like(counts.entries), contexts=model.counts.contexts.copy())
         _remember(remembered, past)
-        if not np.array_equal(remembered.cells, counts.cells):
+        if not np.array_equal(remembered.entries, counts.entries):
             raise ValueError("counts are others than those of what is remembered")
 
 
 @njit(cache=True)
 def _remember(counts, past):
-    """Count all transitions of a ring."""
+    """Count all transitions of a ring buffer."""
     for location in range(len(past.contexts)):
         if past.contexts[location] > 0:
             add(

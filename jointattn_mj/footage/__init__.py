@@ -1,1 +1,1 @@
-"""A still camera's video instead of the simulator: perception, attention and the map of faces on real footage."""
+"""Perception, attention and the map of faces on the video of a still camera, in place of the simulator."""

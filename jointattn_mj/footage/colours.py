@@ -1,20 +1,23 @@
-"""Which things are looked for in a video, and what colour they have."""
+"""Objects that are searched for in a video, by colour."""
 
 import re
 
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.objects import OBJECTS
 
 KNOWN = {item.name: item.rgb for item in OBJECTS}
 
 
 def object_colours(objects: tuple[str, ...]) -> tuple[tuple[str, ...], np.ndarray]:
-    """Names and nominal colours (n, 3), 0..1, of ``objects``: names of known colours, or ``cup=#c03a2b``.
+    """Names and nominal colours (n, 3), 0..1, of objects.
+
+    Args:
+        objects: Names of known colours, or names of your own with a colour, ``cup=#c03a2b``.
 
     Raises:
-        ConfigError: One cannot be understood, or two have the same name.
+        ConfigError: One is neither, or two have the same name.
     """
     names, colours = [], []
     for item in objects:

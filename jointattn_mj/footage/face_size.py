@@ -1,7 +1,7 @@
-"""How large the face is in a video, measured before the robot looks at it.
+"""Size of the face in a video, measured before perception begins.
 
-The robot's templates are as large as a face at a caregiver's distance. OpenCV's frontal cascade, the innate idea of a
-face that the robot starts with anyway, says how large one is here; a much larger one is made smaller.
+The robot's templates are as large as a face at the caregiver's distance. OpenCV's frontal cascade, with which the
+robot's own detection of faces starts, measures the face here; a video with a much larger one is made smaller.
 """
 
 from itertools import islice
@@ -14,20 +14,26 @@ from jointattn_mj.footage.reader import RATE, Footage
 from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetectorConfig, haar_faces
 
 CASCADE_PX = 35.0
-"""Side of the cascade's box around a face for which a template of 32 pixels was chosen: four rendered people had
-medians of 33 to 37."""
+"""Side of the cascade's box around a face that fits a template of 32 pixels; four rendered people had medians of 33 to
+37."""
 TOLERATED = 1.25
-"""A face larger than that by this factor is left as it is: templates have room, and every pixel counts."""
+"""A face larger by up to this factor is left as it is: templates have room, and every pixel counts."""
 EVERY = 10
-"""Frames from one try to the next."""
+"""Search for a face every N frames."""
 ENOUGH = 9
-"""Faces that are measured; the cascade's occasional false face does not move their median."""
+"""Number of faces measured; an occasional false one does not move their median."""
 LOOK_S = 30.0
-"""Seconds of video that are searched for them."""
+"""Seconds of video that are searched."""
 
 
 def face_side(footage: Footage, fit: Fit, config: FaceDetectorConfig) -> float | None:
-    """Height of the cascade's box around the face, pixels of the video; None where no frontal face is found."""
+    """Height of the cascade's box around the face, pixels of the video; None where no frontal face is found.
+
+    Args:
+        footage: The video.
+        fit: How it comes into the robot's image.
+        config: Settings of the face detector.
+    """
     sides = []
     for still in islice(footage, 0, round(LOOK_S * RATE), EVERY):
         height, width = still.image.shape[:2]
@@ -42,7 +48,13 @@ def face_side(footage: Footage, fit: Fit, config: FaceDetectorConfig) -> float |
 
 
 def largest_scale(side: float | None, fitted: float, config: FaceDetectorConfig) -> float:
-    """Most that a video may be scaled by, so that a face of ``side`` pixels fits the templates; or ``fitted``."""
+    """Largest scale of a video with which the face fits the templates.
+
+    Args:
+        side: Height of the face, pixels of the video; None if unknown.
+        fitted: Scale with which the video fits into the robot's image, returned where it does.
+        config: Settings of the face detector.
+    """
     if side is None:
         return fitted
     wanted = CASCADE_PX * config.side_px / PATCH_SIDE / side

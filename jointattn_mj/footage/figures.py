@@ -1,4 +1,4 @@
-"""The figure of a video's fixations: where in the image, when, and out of what interest."""
+"""The figure of a video's fixations: where in the image, when, and the interest behind them."""
 
 from pathlib import Path
 
@@ -10,27 +10,28 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from jointattn_mj.footage.fixations import Fixation
 from jointattn_mj.footage.reader import RATE
-from jointattn_mj.gaze_following.figures import save
+from jointattn_mj.io.figures import save
 
 POINTS = 600
 """Most points of a curve."""
 FACE = "#8a5a3c"
+Ink = str | tuple[float, ...]
 
 
 def draw_fixations(
     path: Path, image: np.ndarray, fixations: list[Fixation], percepts: Path, names: tuple[str, ...], rgb: np.ndarray
 ) -> None:
-    """Draw them.
+    """Draw all fixations of a video.
 
     Args:
         path: Where to write the PNG.
-        image: What the robot saw, (240, 320, 3) uint8 RGB.
+        image: An image of the video as the robot gets it, (240, 320, 3) uint8 RGB.
         fixations: All of them.
-        percepts: The file of percepts, for what interested it meanwhile.
-        names: Of the candidates.
+        percepts: The file percepts.parquet, for the interest in each candidate.
+        names: Of the candidates, the face last.
         rgb: (n, 3) colours of the objects, 0..1.
     """
-    inks = [*(tuple(0.85 * np.asarray(colour)) for colour in rgb), FACE]
+    inks: list[Ink] = [*(tuple(0.85 * np.asarray(colour)) for colour in rgb), FACE]
     figure = Figure(figsize=(11, 5.2), layout="constrained")
     parts = figure.subplot_mosaic([["where", "when"], ["where", "why"]], width_ratios=[1.25, 1], height_ratios=[1, 1.3])
     _where(parts["where"], image, fixations, inks)
@@ -42,30 +43,34 @@ def draw_fixations(
 
 
 def _seconds(percepts: Path) -> float:
-    return pq.ParquetFile(percepts).metadata.num_rows / RATE
+    return int(pq.ParquetFile(percepts).metadata.num_rows) / RATE
 
 
-def _where(axes: Axes, image: np.ndarray, fixations: list[Fixation], inks: list) -> None:
+def _where(axes: Axes, image: np.ndarray, fixations: list[Fixation], inks: list[Ink]) -> None:
     axes.imshow(image // 2 + 127)
-    visible = [one for one in fixations if one.visible]
-    locations = np.array([one.location / one.visible for one in visible]).reshape(-1, 2)
+    visible = [one for one in fixations if one.frames_visible]
+    locations = np.array([one.px_sum / one.frames_visible for one in visible]).reshape(-1, 2)
     axes.plot(*locations.T, color="#34495e", lw=0.6, alpha=0.5)
     sizes, colours = [160 * one.seconds for one in visible], [inks[one.candidate] for one in visible]
     axes.scatter(locations[:, 0], locations[:, 1], sizes, colours, alpha=0.55, edgecolors="white", linewidths=0.8)
-    axes.set(title=f"{len(fixations)} fixations; area: how long", xticks=[], yticks=[])
+    axes.set(xticks=[], yticks=[])
+    axes.set_title(
+        f"Where the robot would look ({len(fixations)} fixations; area: how long)", loc="left", weight="bold"
+    )
     axes.set(xlim=(-0.5, image.shape[1] - 0.5), ylim=(image.shape[0] - 0.5, -0.5))
 
 
-def _when(axes: Axes, fixations: list[Fixation], names: tuple[str, ...], inks: list) -> None:
+def _when(axes: Axes, fixations: list[Fixation], names: tuple[str, ...], inks: list[Ink]) -> None:
     for number in range(len(names)):
         bars = [(one.start / RATE, one.seconds) for one in fixations if one.candidate == number]
         axes.broken_barh(bars, (len(names) - 1 - number - 0.4, 0.8), facecolors=inks[number])
-    axes.set(yticks=range(len(names)), yticklabels=names[::-1], ylim=(-0.6, len(names) - 0.4), title="what it looks at")
+    axes.set(yticks=range(len(names)), yticklabels=names[::-1], ylim=(-0.6, len(names) - 0.4))
+    axes.set_title("What it would look at, and when", loc="left", weight="bold")
     axes.tick_params(labelbottom=False)
     axes.grid(axis="x", alpha=0.3)
 
 
-def _why(axes: Axes, percepts: Path, names: tuple[str, ...], inks: list) -> None:
+def _why(axes: Axes, percepts: Path, names: tuple[str, ...], inks: list[Ink]) -> None:
     columns = [f"{name}_interest" for name in names]
     file = pq.ParquetFile(percepts)
     every = max(1, file.metadata.num_rows // POINTS)
@@ -78,7 +83,8 @@ def _why(axes: Axes, percepts: Path, names: tuple[str, ...], inks: list) -> None
     table = np.concatenate(kept)
     for number, ink in enumerate(inks):
         axes.plot(table[:, 0], table[:, 1 + number], color=ink, lw=1.2, label=names[number])
-    axes.set(xlabel="time (s)", ylabel="interest (eq. 6.1)", yscale="log")
+    axes.set_title("How interesting each thing was", loc="left", weight="bold")
+    axes.set(xlabel="time (s)", ylabel="interest I (eq. 6.1)", yscale="log")
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
     axes.yaxis.set_minor_formatter(NullFormatter())

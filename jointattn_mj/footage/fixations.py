@@ -1,4 +1,4 @@
-"""What the attention model looked at, and for how long: one row a fixation."""
+"""Fixations of the attention model in a video, fixations.parquet: one row a fixation."""
 
 from dataclasses import dataclass
 
@@ -11,45 +11,55 @@ from jointattn_mj.footage.watcher import Watcher
 from jointattn_mj.gaze_following.columns import described
 
 MEANINGS = {
-    "start_s": "time at which attention arrived",
-    "end_s": "time at which it was drawn elsewhere, or the video ended",
-    "candidate": "what was looked at",
-    "x_px": "mean place while it was seen, pixels of the robot's image",
-    "y_px": "mean place while it was seen, pixels of the robot's image",
+    "start_s": "time in the video at which the fixation began",
+    "end_s": "time at which attention shifted, or the video ended",
+    "candidate": "candidate that was fixated",
+    "x_px": "its mean location while visible, pixels of the robot's image",
+    "y_px": "its mean location while visible, pixels of the robot's image",
     "video_x_px": "the same in pixels of the video",
     "video_y_px": "the same in pixels of the video",
-    "seen": "share of the frames in which it was seen",
-    "moving": "share of the frames in which it was seen to move",
+    "visible": "share of the frames in which it was detected",
+    "moving": "share of the frames in which it was detected to move",
 }
 
 
 @dataclass
 class Fixation:
-    """One fixation, in frames of 1/30 s; places are pixels."""
+    """One fixation; times are frames of 1/30 s."""
 
     candidate: int
     start: int
     end: int  # exclusive
-    location: np.ndarray  # (2,) sum over the frames in which it was seen, robot's image
-    video_location: np.ndarray  # (2,) the same in the video
-    visible: int = 0
-    moving: int = 0
+    px_sum: np.ndarray  # (2,) sum of its pixels in the robot's image, over frames in which it was visible
+    video_px_sum: np.ndarray  # (2,) the same in the video's image
+    frames_visible: int = 0
+    frames_moving: int = 0
 
     @property
     def seconds(self) -> float:
-        """How long it lasted."""
+        """Its duration."""
         return (self.end - self.start) / RATE
 
 
 class Fixations:
-    """Collects the fixations of a watcher, frame by frame."""
+    """Collects the fixations of a watcher, frame by frame.
+
+    Attributes:
+        all: Fixations so far.
+    """
 
     def __init__(self) -> None:
         self.all: list[Fixation] = []
         self._open = False
 
     def note(self, watcher: Watcher, frame: int, mapped: FrameMap) -> None:
-        """What ``watcher`` did in this frame; ``mapped``: how its image comes from the video's."""
+        """Add a frame.
+
+        Args:
+            watcher: Has perceived the frame.
+            frame: Its number, from 0.
+            mapped: From pixels of the video to those of the robot's image.
+        """
         attended, percept = watcher.attended, watcher.percept
         if attended is None or percept is None or watcher.goal is not None:
             self._open = False
@@ -59,14 +69,14 @@ class Fixations:
             self._open = True
         fixation = self.all[-1]
         fixation.end = frame + 1
-        fixation.moving += bool(percept.moves[attended])
+        fixation.frames_moving += bool(percept.moves[attended])
         if percept.visible[attended]:
-            fixation.visible += 1
-            fixation.location += percept.px[attended]
-            fixation.video_location += mapped.to_video(percept.px[attended])
+            fixation.frames_visible += 1
+            fixation.px_sum += percept.px[attended]
+            fixation.video_px_sum += mapped.to_video(percept.px[attended])
 
     def table(self, names: tuple[str, ...]) -> pa.Table:
-        """A row a fixation; it has its columns even without a row."""
+        """Table of all fixations; ``names``: of the candidates."""
         schema = pa.schema(
             [(name, pa.string() if name == "candidate" else pa.float64()) for name in MEANINGS],
         )
@@ -76,19 +86,19 @@ class Fixations:
         """Number of fixations, and their time in seconds, by candidate."""
         chosen = {name: [one for one in self.all if names[one.candidate] == name] for name in names}
         return {
-            name: {"fixations": len(found), "seconds": round(sum(one.seconds for one in found), 3)}
-            for name, found in chosen.items()
+            name: {"fixations": len(fixations), "seconds": round(sum(one.seconds for one in fixations), 3)}
+            for name, fixations in chosen.items()
         }
 
 
 def _row(one: Fixation, names: tuple[str, ...]) -> dict[str, float | str | None]:
     frames = one.end - one.start
-    location, video = (
-        [float(value) for value in total / one.visible] if one.visible else [None, None]
-        for total in (one.location, one.video_location)
+    px, video_px = (
+        [float(value) for value in total / one.frames_visible] if one.frames_visible else [None, None]
+        for total in (one.px_sum, one.video_px_sum)
     )
     values = (
-        one.start / RATE, one.end / RATE, names[one.candidate], *location, *video,
-        one.visible / frames, one.moving / frames,
+        one.start / RATE, one.end / RATE, names[one.candidate], *px, *video_px,
+        one.frames_visible / frames, one.frames_moving / frames,
     )  # fmt: skip
     return dict(zip(MEANINGS, values, strict=True))

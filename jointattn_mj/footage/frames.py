@@ -127,7 +127,7 @@ def frames_of(percepts: Table, names: tuple[str, ...]) -> Iterator[PerceivedFram
 
 
 def _candidate(row: dict[str, Any], name: str) -> PerceivedCandidate:
-    columns = ("seen", "x_px", "y_px", "moves", "saliency", "motion", "interest")
+    columns = ("visible", "x_px", "y_px", "moves", "saliency", "motion", "interest")
     return PerceivedCandidate(*(row[f"{name}_{column}"] for column in columns))
 
 

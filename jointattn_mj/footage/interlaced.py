@@ -1,7 +1,7 @@
-"""Interlaced images, which OpenCV cannot convert: are there any in a file, and the file without them.
+"""Interlaced images, which OpenCV cannot convert: detection of them, and a file without them.
 
 A camcorder takes the even and the odd lines of an image one after the other. For such an image OpenCV's ``retrieve``
-leaves its buffer as it was, and says that all is well. The program ffmpeg knows them, and fills in each other line.
+leaves its buffer as it was and reports success. The program ffmpeg detects them, and fills in every other line.
 """
 
 import os
@@ -15,11 +15,16 @@ import imageio_ffmpeg
 from jointattn_mj.errors import FootageError
 
 FILTER = "yadif=deint=interlaced"
-"""One image for each; those that are not interlaced stay as they are."""
+"""Filter of ffmpeg: one image for each; images that are not interlaced stay as they are."""
 
 
 def interlaced_images(path: Path, start_s: float, seconds: float) -> bool:
-    """Whether any image in ``seconds`` from ``start_s`` on is interlaced.
+    """Whether any image in a part of a video is interlaced.
+
+    Args:
+        path: The file.
+        start_s: Begin of the part, s.
+        seconds: Its length.
 
     Raises:
         FootageError: There is no ffmpeg program to ask.
@@ -34,7 +39,7 @@ def interlaced_images(path: Path, start_s: float, seconds: float) -> bool:
 
 @contextmanager
 def deinterlaced(path: Path) -> Iterator[str]:
-    """The video of a file without interlaced images, as a name that ffmpeg opens while the block runs.
+    """Within the block, a name that ffmpeg opens as the video of the file without interlaced images.
 
     Raises:
         FootageError: There is no ffmpeg program.
@@ -47,7 +52,7 @@ def deinterlaced(path: Path) -> Iterator[str]:
 
 @contextmanager
 def _running(command: list[str]) -> Iterator[subprocess.Popen[bytes]]:
-    """A program that ends with the block, and hears no Ctrl-C."""
+    """Run a program that ends with the block; Ctrl-C does not reach it."""
     try:
         program = subprocess.Popen(
             command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
@@ -62,7 +67,14 @@ def _running(command: list[str]) -> Iterator[subprocess.Popen[bytes]]:
 
 
 def _command(before: list[str], path: Path, filters: str, *after: str) -> list[str]:
-    """The command line of ffmpeg that sends the images of a file through a filter."""
+    """Command line of ffmpeg that applies a filter to the images of a file.
+
+    Args:
+        before: Arguments before the input.
+        path: The input.
+        filters: Filter, in ffmpeg's words.
+        after: Arguments that say what is written where.
+    """
     try:
         program = imageio_ffmpeg.get_ffmpeg_exe()
     except RuntimeError as error:

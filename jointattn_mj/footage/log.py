@@ -1,6 +1,7 @@
-"""A row for every frame of a video; however long the video, memory holds some seconds of it.
+"""The table of percepts of a video, percepts.parquet: one row a frame.
 
-Rows are kept as a run's log (see ``recording.rows``) and become a Parquet file when the run ends or is stopped.
+Memory holds some seconds of it. Rows are kept in the log of the run (see ``io.rows``), and become a Parquet file when
+the run ends or is stopped.
 """
 
 from collections.abc import Iterator
@@ -16,41 +17,46 @@ from jointattn_mj.io.parquet import write_parts
 from jointattn_mj.io.rows import RowStore, log_folder
 
 RECENT = 10 * RATE
-"""Rows that can always be looked back at."""
+"""Least number of recent rows in memory, if there are so many."""
 BLOCK = 60 * RATE
-"""Rows of a row group of the file; the first one has ``RECENT`` more."""
+"""Rows of a row group of the file; the first group has ``RECENT`` more."""
 FRAME = {
     "time_s": "time in the video; frames are a thirtieth of a second apart",
-    "image": "image of the video that the frame shows, counted from 0",
-    "fresh": "another one than in the frame before; what is perceived holds while an image is shown",
-    "attended": "candidate that is fixated, or was last while attention shifts",
-    "head_moves": "attention shifts: as long as the robot's head would turn, interest does not change",
-    "face_fit": "normalised cross-correlation of the face's best view, -1..1",
+    "image": "number of the video's image that the frame shows, from 0",
+    "fresh": "the image is another one than in the frame before; if not, the percept is that of the frame before",
+    "attended": "candidate that is fixated; while attention shifts, the last one fixated",
+    "head_moves": "attention shifts; for as long as the robot's head would turn, interest does not change",
+    "face_fit": "normalised cross-correlation of the image with the best view of the face, -1..1",
 }
-PER_CANDIDATE = ("saliency", "motion", "interest", "seen", "moves", "x_px", "y_px")
+PER_CANDIDATE = ("saliency", "motion", "interest", "visible", "moves", "x_px", "y_px")
 _KINDS = {
     "image": pa.int32(),
     "fresh": pa.bool_(),
     "head_moves": pa.bool_(),
-    "seen": pa.bool_(),
+    "visible": pa.bool_(),
     "moves": pa.bool_(),
 }
 
 
 class PerceptLog:
-    """The table of percepts, growing; places are pixels of the robot's image.
+    """The table of percepts so far; locations are pixels of the robot's image.
 
     Attributes:
         candidates: Names of the objects and, last, the face.
-        rows: What has been written down, for a checkpoint.
+        rows: All rows, for a checkpoint.
     """
 
     def __init__(self, out: Path, candidates: tuple[str, ...], rows: RowStore | None = None):
-        """``out``: the run's folder; ``rows``: those of a checkpoint, to go on with.
+        """Make an empty table, or go on with the rows of a checkpoint.
+
+        Args:
+            out: Folder of the run.
+            candidates: Names of the objects and, last, the face.
+            rows: Rows of a checkpoint.
 
         Raises:
             OutputError: The log cannot be written.
-            CheckpointError: It has not got the rows of the checkpoint.
+            CheckpointError: The log lacks rows of the checkpoint.
         """
         self.candidates = candidates
         names: list[tuple[str, int | None]] = [(name, None) for name in FRAME if name != "time_s"]
@@ -69,14 +75,19 @@ class PerceptLog:
         return len(self.rows)
 
     def add(self, watcher: Watcher, image: int, fresh: bool) -> None:
-        """Write down what the watcher made of this frame.
+        """Add the row of a frame.
+
+        Args:
+            watcher: Has perceived the frame.
+            image: Number of the video's image.
+            fresh: Whether that is another one than in the frame before.
 
         Raises:
             OutputError: The log cannot be written.
         """
         attention, percept, fix = watcher.attention, watcher.percept, watcher.perceiver.fix
         if percept is None:
-            raise ValueError("a watcher that has seen nothing has nothing to write down")
+            raise ValueError("the watcher has perceived no frame yet")
         attended = np.nan if watcher.attended is None else watcher.attended
         frame = (image, fresh, attended, watcher.goal is not None, fix.score)
         interest = (attention.saliency, attention.motion, attention.interest)
@@ -89,7 +100,7 @@ class PerceptLog:
         self._filled += 1
 
     def column(self, name: str, candidate: int | None = None) -> np.ndarray:
-        """Values of a column in the last frames, at least ``RECENT`` where there were so many."""
+        """Values (frames,) of a column in the last frames, at least ``RECENT`` where there were so many."""
         return self._recent[: self._filled, self._index[name, candidate]]
 
     def write(self, path: Path) -> None:

@@ -1,4 +1,4 @@
-"""One image of the overlay video: what the robot makes of the video, what it attends to, and why."""
+"""One image of the overlay video: the video with the percept drawn on it, the attended candidate, and all interest."""
 
 import numpy as np
 
@@ -8,47 +8,54 @@ from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.watcher import Watcher
 from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.gaze_following.film.interest import InterestPanel
+from jointattn_mj.gaze_following.film.overlay import BAR, STATUS
 from jointattn_mj.video.paint import GREY, GROUND, PERSON, WHITE, Box, Colour, disc, ink_of, lines, shade, write
 from jointattn_mj.video.percepts import SCALE, PerceptInk, location
 
 WIDTH, HEIGHT = 672, 688
 _EYE = Box(16, 44, IMAGE_WIDTH * SCALE, IMAGE_HEIGHT * SCALE)
 _INTEREST = Box(16, 532, 640, 148)
-_BAR = 34  # height of the line of text below the image's contents
 
 
 class FootageOverlay:
     """Draws images, uint8 (688, 672, 3)."""
 
     def __init__(self, names: tuple[str, ...], rgb: np.ndarray, attention: AttentionConfig):
-        """``names`` of the objects and, last, the face; ``rgb`` (n, 3), 0..1, of the objects."""
+        """Draw what stays the same.
+
+        Args:
+            names: Of the objects and, last, the face.
+            rgb: (n, 3) colours of the objects, 0..1.
+            attention: Settings that bound the interest.
+        """
         self._names = names
         self._inks: list[Colour] = [*map(ink_of, rgb), PERSON]
         self._percept = PerceptInk(self._inks)
         self._blank = blank = np.full((HEIGHT, WIDTH, 3), GROUND, np.uint8)
-        write(blank, _EYE.x, 14, "What the robot would look at", WHITE, 18, True)
+        write(blank, _EYE.x, 10, "What the robot would look at", WHITE, 22, True)
         self._interest = InterestPanel(blank, _INTEREST, names, self._inks, attention, person=False)
         self._canvas = blank.copy()
 
     def compose(self, video: np.ndarray, mapped: FrameMap, watcher: Watcher, log: PerceptLog) -> np.ndarray:
-        """The image of this frame; it holds until the next one.
+        """The image of this frame, uint8 (688, 672, 3); it is overwritten by the next one.
 
         Args:
             video: The video's image, (h, w, 3) uint8 BGR.
-            mapped: How the robot's comes from it.
-            watcher: Who has just seen it.
-            log: Where that is written down.
+            mapped: From pixels of the video to those of the robot's image.
+            watcher: Has just perceived the frame.
+            log: Holds the frames so far.
         """
         canvas = self._canvas
         np.copyto(canvas, self._blank)
         seconds = max(0, log.frames - 1) / RATE
-        write(canvas, WIDTH - 16, 17, f"{int(seconds // 60):02d}:{seconds % 60:04.1f}", WHITE, 15, align="right")
+        write(canvas, WIDTH - 16, 12, f"{int(seconds // 60):02d}:{seconds % 60:04.1f}", WHITE, 20, align="right")
         area = _EYE.of(canvas)
         area[:] = mapped.image(video, SCALE)
+        above = area[:-BAR]
         if watcher.percept is not None:
-            self._percept.draw(area, watcher.percept, self._fixated(watcher), watcher.perceiver.motion)
+            self._percept.draw(above, watcher.percept, self._fixated(watcher), watcher.perceiver.motion)
         if watcher.goal is not None:
-            self._draw_shift(area, watcher, watcher.goal)
+            self._draw_shift(above, watcher, watcher.goal)
         self._draw_status(area, watcher)
         self._interest.draw(canvas, log)
         return canvas
@@ -58,7 +65,7 @@ class FootageOverlay:
         return watcher.attended if watcher.goal is None else None
 
     def _draw_shift(self, area: np.ndarray, watcher: Watcher, goal: int) -> None:
-        """A line from what was attended to what will be."""
+        """Draw a line from the candidate that was attended to the next one, ``goal``."""
         percept = watcher.percept
         if percept is None or not percept.visible[goal]:
             return
@@ -68,16 +75,16 @@ class FootageOverlay:
             lines(area, [np.stack([location(percept.px[watcher.attended]), end])], self._inks[goal], 2)
 
     def _draw_status(self, area: np.ndarray, watcher: Watcher) -> None:
-        """One line in plain words."""
-        bar = area[-_BAR:]
-        shade(bar, GROUND, 0.78)
+        """Write one line on what is attended to."""
+        bar = area[-BAR:]
+        shade(bar, GROUND, 0.88)
         if watcher.goal is not None:
-            x = write(bar, 12, 8, "shifts its attention to", WHITE, 15) + 6
-            write(bar, x, 8, self._names[watcher.goal], self._inks[watcher.goal], 15, True)
+            x = write(bar, 12, 7, "shifts its attention to", WHITE, STATUS) + 7
+            write(bar, x, 7, self._names[watcher.goal], self._inks[watcher.goal], STATUS, True)
         elif watcher.attended is None:
-            write(bar, 12, 8, "looks at nothing in particular yet", GREY, 15)
+            write(bar, 12, 7, "looks at nothing in particular yet", GREY, STATUS)
         else:
-            x = write(bar, 12, 8, "looks at", WHITE, 15, True) + 6
-            x = write(bar, x, 8, self._names[watcher.attended], self._inks[watcher.attended], 15, True) + 6
+            x = write(bar, 12, 7, "looks at", WHITE, STATUS, True) + 7
+            x = write(bar, x, 7, self._names[watcher.attended], self._inks[watcher.attended], STATUS, True) + 7
             if watcher.percept is not None and not watcher.percept.visible[watcher.attended]:
-                write(bar, x, 8, "(not seen now)", GREY, 15)
+                write(bar, x, 7, "(not visible now)", GREY, STATUS)

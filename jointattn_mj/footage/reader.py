@@ -1,7 +1,7 @@
-"""A video file as images 30 times a second, whatever it holds: by its timestamps, and by its rate where it has none.
+"""A video file of any rate as images 30 times a second, by its timestamps or, where it has none, by its rate.
 
-Each thirtieth of a second shows the newest image taken by then. Faster videos lose images, slower ones show some
-for longer; repetitions are marked, since whoever looks for motion must not take them for stillness.
+A frame shows the newest image taken by then. Faster videos lose images, slower ones repeat some; repetitions are
+marked, for they are no evidence of stillness.
 """
 
 import math
@@ -20,28 +20,28 @@ from jointattn_mj.footage.interlaced import deinterlaced, interlaced_images
 RATE = 30
 """Frames a second, section 6.4.1."""
 EARLY_S = 1 / (3 * RATE)
-"""So much before its image a frame may already show it: containers round timestamps."""
+"""Time by which a frame may come before the image that it shows: containers round timestamps."""
 LONGEST_HOLD_S = 10.0
-"""Longest time between two images that is believed; a longer one is a jump of the timestamps, and left out."""
+"""Longest time between two images; a longer one is a jump of the timestamps, and is left out."""
 DECODERS = 2
-"""Threads that decode. Each holds images of its own, and one of the largest has 100 MB."""
-TEXT = int.from_bytes(b"ansi", "little")  # ffmpeg plays text files, as an old terminal would show them
+"""Number of threads that decode. Each holds images of its own, and one of the largest has 100 MB."""
+TEXT = int.from_bytes(b"ansi", "little")  # codec with which ffmpeg shows a text file
 PROBED_S = 2.0
-"""Seconds in which interlaced images are looked for."""
+"""Seconds in which interlaced images are searched for."""
 AHEAD_S = 10.0
-"""Seconds that are looked through after an image that was perhaps not read."""
+"""Seconds that are searched after an image that was perhaps not read."""
 FASTEST = 1000.0
-"""Declared rates above this (images a second) are units of a container's clock."""
+"""Greatest declared rate, images a second; a greater one is the unit of a container's clock."""
 
 
 @dataclass(frozen=True)
 class Still:
-    """What a frame shows."""
+    """One frame."""
 
-    image: np.ndarray  # (h, w, 3) uint8, BGR, the video's own pixels
-    number: int  # of the image in the video, from 0
-    fresh: bool  # another one than in the frame before
-    cut: bool  # no motion can be seen from the frame before to this one: the first, or first after a jump
+    image: np.ndarray  # (h, w, 3) uint8 BGR, pixels of the video
+    number: int  # of the video's image, from 0
+    fresh: bool  # whether it is another image than in the frame before
+    cut: bool  # whether it is the first frame, or the first after a jump: motion since the frame before is unknown
 
 
 class Footage:
@@ -51,16 +51,20 @@ class Footage:
         path: The file.
         fps: Images a second, as given or declared; 0 if neither.
         aspect: Width of a pixel over its height.
-        declared_s: How long the file says that it is, or None.
-        images: How many the last iteration has read so far.
-        seconds: When the last of them was taken.
-        jumps: Jumps in the timestamps that it met.
-        timed: Whether it went by timestamps.
-        interlaced: Whether it is interlaced, so that each other line is filled in.
+        declared_s: Length that the file declares, s, or None.
+        images: Number of images that the last iteration has read so far.
+        seconds: Time of the last of them, s.
+        jumps: Number of jumps in the timestamps so far.
+        timed: Whether the iteration goes by timestamps.
+        interlaced: Whether the video is interlaced, so that every other line is filled in.
     """
 
     def __init__(self, path: Path, fps: float | None = None):
-        """``fps``: a rate to go by in place of timestamps.
+        """Open a file.
+
+        Args:
+            path: The file.
+            fps: Images a second, in place of timestamps.
 
         Raises:
             FootageError: There is no such file, or it is no video.
@@ -76,8 +80,14 @@ class Footage:
         self.interlaced = interlaced_images(path, 0.0, PROBED_S)
         self.images, self.seconds, self.jumps, self.timed = 0, 0.0, 0, fps is None
 
+    def __repr__(self) -> str:
+        """In one line: file, rate and length."""
+        rate = f"{self.fps:g} images a second" if self.fps else "unknown rate"
+        length = f"{self.declared_s:.1f} s" if self.declared_s is not None else "unknown length"
+        return f"Footage({self.path}: {rate}, {length})"
+
     def __iter__(self) -> Iterator[Still]:
-        """What there is to see at 0 s, 1/30 s, 2/30 s and so on.
+        """The frames at 0 s, 1/30 s, 2/30 s and so on.
 
         Raises:
             FootageError: No image can be decoded, or there are neither timestamps nor a rate.
@@ -105,7 +115,7 @@ class Footage:
             frame, shown, cut = frame + 1, last, False
 
     def _images(self, capture: cv2.VideoCapture) -> Iterator[tuple[np.ndarray, bool]]:
-        """Every image, and whether the timestamps jumped before it; keeps the attributes up to date."""
+        """Every image, and whether the timestamps jumped before it; updates the attributes."""
         self.images, self.seconds, self.jumps, self.timed = 0, 0.0, 0, self._given is None
         start = last = 0.0
         before, sure_s = None, -math.inf
@@ -134,9 +144,16 @@ class Footage:
             yield image, jumped
 
     def _check_read(self, stamp: float, lost: bool) -> float:
-        """Make sure that an image that is the same as the one before was read at all; until when others were too.
+        """Time until which repeated images are known to have been read, s; called for an image equal to the last one.
 
-        OpenCV leaves out interlaced images in silence. All of the file is looked through where it is ``lost``.
+        OpenCV leaves out interlaced images without a word.
+
+        Args:
+            stamp: Timestamp of the image, s.
+            lost: Whether timestamps do not say where in the file it is, so that all of the file is searched.
+
+        Raises:
+            FootageError: Images near it are interlaced.
         """
         part = (0.0, 1e6) if lost else (max(0.0, stamp - PROBED_S), PROBED_S + AHEAD_S)
         if interlaced_images(self.path, *part):
@@ -181,7 +198,7 @@ def _capture(name: str) -> cv2.VideoCapture:
 
 
 def _same(image: np.ndarray, before: np.ndarray | None) -> bool:
-    """Whether two images are the same to the last bit; most are told apart by a few of their rows."""
+    """Whether two images are equal; most are told apart by a few of their rows."""
     if before is None or image.shape != before.shape:
         return False
     return np.array_equal(image[::16], before[::16]) and np.array_equal(image, before)
@@ -189,7 +206,7 @@ def _same(image: np.ndarray, before: np.ndarray | None) -> bool:
 
 @contextmanager
 def _quiet_and_local() -> Iterator[None]:
-    """Lets OpenCV and its ffmpeg say nothing on stderr, and open files and pipes alone (a playlist can name others)."""
+    """Keep OpenCV and its ffmpeg from writing to stderr, and from opening anything but files and pipes."""
     kept = {name: os.environ.get(name) for name in ("OPENCV_FFMPEG_LOGLEVEL", "OPENCV_FFMPEG_CAPTURE_OPTIONS")}
     level = cv2.utils.logging.getLogLevel()
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")

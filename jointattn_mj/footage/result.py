@@ -10,6 +10,7 @@ from jointattn_mj.footage.colours import object_colours
 from jointattn_mj.footage.config import PerceiveConfig
 from jointattn_mj.footage.frames import PerceivedFrame, frames_of
 from jointattn_mj.footage.run import read_summary
+from jointattn_mj.gaze_following.columns import present_name
 from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.table import Table
 
@@ -64,12 +65,12 @@ class PerceptionResult:
     @cached_property
     def percepts(self) -> Table:
         """A row a frame: where face and objects were, what moved, and the interest of each."""
-        return Table.read(self.folder / "percepts.parquet")
+        return Table.read(self.folder / "percepts.parquet", present_name)
 
     @cached_property
     def fixations(self) -> Table:
         """A row a fixation: what was looked at, from when to when, and where it was."""
-        return Table.read(self.folder / "fixations.parquet")
+        return Table.read(self.folder / "fixations.parquet", present_name)
 
     @cached_property
     def faces(self) -> Table | None:

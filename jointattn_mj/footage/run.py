@@ -177,7 +177,7 @@ def _leave_results(viewing: Viewing, out: Path, stopped: bool, wall_seconds: flo
         viewing.rgb,
     )
     error = None
-    if viewing.album.visible:
+    if viewing.album.offered:
         som = viewing.album.learn(viewing.config.som)
         error = round(som.quantisation_error(viewing.album.patterns), 4)
         draw_som(out / "som.png", som)

@@ -1,4 +1,4 @@
-"""A viewing in numbers, and what somebody should know who wonders about them: ``summary.json``."""
+"""Summary of a viewing: numbers, and notes that explain unusual ones (summary.json)."""
 
 from dataclasses import asdict
 from typing import Any
@@ -9,13 +9,23 @@ from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.viewing import Viewing
 
 FEWEST_FPS = 15
-"""Images a second below which motion and its end are seen late."""
+"""Images a second below which motion and its end are detected late."""
 MISSING_S = 1.0
-"""Seconds of its declared length that may be missing from a file: headers round."""
+"""Seconds of its declared length that a file may lack, for headers round."""
 
 
 def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: float | None) -> dict[str, Any]:
-    """The viewing in numbers: what ``summary.json`` holds."""
+    """Summary of a viewing, as ``summary.json`` holds it.
+
+    Args:
+        viewing: The viewing, after its last frame.
+        stopped: Whether it was stopped before the end of the video.
+        wall_seconds: Time that it took.
+        som_error: Quantisation error of the map of faces; None without a face.
+
+    Raises:
+        FootageError: The video has no image.
+    """
     footage, mapped, frames = viewing.footage, viewing.mapped, viewing.frames
     if mapped is None:
         raise FootageError(f"{footage.path} has no image")
@@ -27,7 +37,7 @@ def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: f
             "pixel_aspect": footage.aspect,
             "fps": footage.fps or None,
             "declared_seconds": footage.declared_s,
-            "pictures_read": footage.images,
+            "images_read": footage.images,
             "went_by_timestamps": footage.timed,
             "timestamp_jumps": footage.jumps,
         },
@@ -43,7 +53,7 @@ def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: f
         "moving": dict(zip(viewing.names, (viewing.moves / frames).round(4), strict=True)),
         "fixations": len(viewing.fixations.all),
         "by_candidate": viewing.fixations.shares(viewing.names),
-        "face_patterns": min(viewing.album.visible, KEPT),
+        "face_patterns": min(viewing.album.offered, KEPT),
         "som_quantisation_error": som_error,
         "notes": notes(viewing, stopped),
         "wall_seconds": round(wall_seconds, 2),
@@ -51,7 +61,7 @@ def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: f
 
 
 def notes(viewing: Viewing, stopped: bool) -> list[str]:
-    """What somebody should know who wonders about the results."""
+    """Sentences that explain unusual results."""
     footage, frames = viewing.footage, viewing.frames
     said = []
     if stopped:
@@ -59,16 +69,16 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
     elif frames < viewing.total and footage.declared_s is not None and frames / RATE < footage.declared_s - MISSING_S:
         said.append(
             f"the file says that it has {footage.declared_s:.1f} s, and {frames / RATE:.1f} s could be read: it is cut "
-            "off or damaged, or says so wrongly"
+            "off or damaged, or its header is wrong"
         )
     if not footage.timed and viewing.config.fps is None:
-        said.append(f"no timestamps in the file: {footage.fps:g} images a second were assumed; --fps says otherwise")
+        said.append(f"no timestamps in the file: {footage.fps:g} images a second were assumed; set them by --fps")
     if footage.interlaced:
-        said.append("the video is interlaced: each other line was filled in from those around it, in space and time")
+        said.append("the video is interlaced: every other line was filled in from those around it, in space and time")
     if footage.jumps:
         said.append(f"the timestamps jumped {footage.jumps} times; the time between is left out")
     if frames > RATE and footage.images / (frames / RATE) < FEWEST_FPS:
-        said.append(f"fewer than {FEWEST_FPS} images a second: motion is seen late and in leaps")
+        said.append(f"fewer than {FEWEST_FPS} images a second: motion is detected late and in leaps")
     if len(viewing.sizes) > 1:
         said.append(f"the image's size changes ({sorted(viewing.sizes)}): the mapping is that of the last")
     if not viewing.coloured:
@@ -76,5 +86,7 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
     elif not viewing.visible[:-1].any():
         said.append("no object was found; --objects cup=#c03a2b takes a colour as picked from the image")
     if not viewing.visible[-1]:
-        said.append("no face was found: it must look at the camera once, and be 24 pixels wide in the robot's image")
+        said.append(
+            "no face was found: a face must look at the camera once, and be 24 pixels wide in the robot's image"
+        )
     return said

@@ -1,4 +1,4 @@
-"""One viewing of a video: everything that goes on in a frame, but for files."""
+"""One viewing of a video, frame by frame, without files."""
 
 import math
 from collections import deque
@@ -19,12 +19,12 @@ from jointattn_mj.footage.watcher import Watcher
 from jointattn_mj.perception.pixels import PixelPerception
 
 STATE = (
-    "watcher", "mapped", "fixations", "album", "frames", "face_side", "seen", "moves", "sample", "coloured", "sizes",
+    "watcher", "mapped", "fixations", "album", "frames", "face_side", "visible", "moves", "sample", "coloured", "sizes",
     "_faces",
 )  # fmt: skip
 """Attributes that change from frame to frame; the rest follows from the config."""
 GREY_SPREAD = 16
-"""Grey values between the channels of a pixel, below which it has no colour; compression makes some."""
+"""Difference between the channels of a pixel up to which it has no colour; compression makes small ones."""
 
 
 class Viewing:
@@ -32,16 +32,19 @@ class Viewing:
 
     Attributes:
         footage: The video.
-        watcher: Who watches.
-        mapped: How its image comes from the video's; None before the first.
-        frames: Frames seen.
-        fixations: What it looked at.
-        album: Faces that it saw.
-        names: Of the candidates.
+        watcher: Perception and attention.
+        mapped: From pixels of the video to those of the robot's image; None before the first frame.
+        frames: Number of frames so far.
+        total: Number of frames to watch; infinite without ``config.max_minutes``.
+        fixations: Fixations so far.
+        album: Face patterns so far.
+        face_side: Height of the face, pixels of the video; None if unknown.
+        names: Of the candidates, the face last.
         rgb: (n, 3) colours of the objects, 0..1.
-        seen: (n + 1,) frames in which each was found; ``moves``: in which it was seen to move.
-        sample: One of the robot's images, for the figure: the first with a face.
-        coloured: Whether any colour was met.
+        visible: (n + 1,) number of frames in which each candidate was detected.
+        moves: (n + 1,) number of frames in which it was detected to move.
+        sample: One of the robot's images for the figure, (240, 320, 3) uint8 RGB: the first with a face.
+        coloured: Whether any image had colours.
         sizes: Widths and heights of the video's images.
     """
 
@@ -71,8 +74,12 @@ class Viewing:
         self.sample = np.zeros((1, 1, 3), np.uint8)
         self._faces = 0
 
+    def __repr__(self) -> str:
+        """In one line: video, progress and fixations."""
+        return f"Viewing({self.footage.path}: {self.frames} frames, {len(self.fixations.all)} fixations)"
+
     def measure_face(self) -> None:
-        """See how large the face is, unless a scale is given; and whether the video can be read at all.
+        """Measure the face, unless a scale is given, and check that the video can be read.
 
         Raises:
             FootageError: The video has no image, or neither timestamps nor a rate.
@@ -83,7 +90,7 @@ class Viewing:
             deque(islice(self.footage, 2), maxlen=0)
 
     def see(self, still: Still) -> FrameMap:
-        """One frame; how the robot's image comes from the video's."""
+        """Perceive and attend for one frame; returns the map from the video's image to the robot's."""
         self.mapped = mapped = self._map(still)
         first_face = self.visible[-1] == 0
         image = mapped.image(still.image) if still.fresh or self.frames == 0 else self.sample
@@ -104,14 +111,14 @@ class Viewing:
         return mapped
 
     def state(self) -> dict[str, Any]:
-        """What a viewing of the same config needs to go on from here (see ``restore``)."""
+        """State from which a viewing of the same config can go on (see ``restore``)."""
         return {"bytes": self._bytes(), **{name: getattr(self, name) for name in STATE}}
 
     def restore(self, state: dict[str, Any]) -> None:
         """Take over what ``state`` gave.
 
         Raises:
-            CheckpointError: It is no such state, or the video is another one by now.
+            CheckpointError: It is no such state, or the video has changed.
         """
         for name in ("bytes", *STATE):
             now = self._bytes() if name == "bytes" else getattr(self, name)

@@ -1,14 +1,14 @@
-"""Who watches a video: the robot's perception and attention (boxes of Fig. 6.2), before a camera that never turns.
+"""The robot's perception and attention (boxes of Fig. 6.2) on a video from a camera that never turns.
 
-A fixation is attention to a place of the image, and a gaze shift moves attention alone. It takes as long as the
-robot's head would turn, and as then (Fig. 6.3b) no interest changes meanwhile. Perception goes on: the camera is still.
+A gaze shift moves attention within the image. It takes as long as the robot's head would turn, and no interest changes
+meanwhile (Fig. 6.3b). Perception goes on, for the camera is still.
 """
 
 import numpy as np
 
 from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
 from jointattn_mj.gaze_following.fixation import attend
-from jointattn_mj.perception.percept import Percept
+from jointattn_mj.perception.percept import Percept, StillObservation
 from jointattn_mj.perception.pixels import PixelPerception
 
 AHEAD = np.zeros(2)
@@ -18,9 +18,10 @@ class Watcher:
     """Attends to one candidate after another; candidates are numbered as in ``Percept``.
 
     Attributes:
-        percept: The last percept.
-        attended: Candidate that is fixated, or was last while a shift is under way; None at first.
-        goal: Candidate that a shift under way leads to, else None.
+        percept: The last percept; None before the first frame.
+        attended: Candidate that is fixated; during a shift, the last one fixated; None at first.
+        goal: Candidate to which a shift under way leads, else None.
+        face: Number of the candidate that is the face.
         attention: The attention selector.
         perceiver: The robot's perception.
     """
@@ -29,7 +30,15 @@ class Watcher:
         self, perceiver: PixelPerception, config: AttentionConfig, objects: int, shift_frames: int,
         rng: np.random.Generator,
     ):  # fmt: skip
-        """``shift_frames``: how long a shift takes; 0 for at once."""
+        """Make a watcher that has perceived nothing.
+
+        Args:
+            perceiver: The robot's perception.
+            config: Settings of the attention selector.
+            objects: Number of objects, n; the face is candidate n.
+            shift_frames: Frames that a shift takes; 0 for at once.
+            rng: Draws the targets of attention.
+        """
         self.perceiver = perceiver
         self.attention = AttentionSelector(config, objects, rng)
         self.face = objects
@@ -40,16 +49,16 @@ class Watcher:
         self._left = 0
 
     def see(self, image: np.ndarray, fresh: bool, cut: bool) -> Percept:
-        """One frame of life.
+        """Perceive one frame, and attend; returns the percept.
 
         Args:
             image: (240, 320, 3) uint8 RGB, contiguous.
-            fresh: Whether it is another image than in the frame before; a repetition is not looked at again.
-            cut: Whether no motion can be seen from the image before to this one.
+            fresh: Whether it is another image than in the frame before; a repetition is not perceived again.
+            cut: Whether motion since the frame before is unknown.
         """
         percept = self.percept
         if percept is None or fresh:
-            self.percept = percept = self.perceiver.look({"camera": image, "head_angles": AHEAD}, landed=cut)
+            self.percept = percept = self.perceiver.perceive(StillObservation(image, AHEAD), landed=cut)
         fixating = self.goal is None
         if self.goal is not None and not self._arrive(self.goal):
             return percept
@@ -61,7 +70,7 @@ class Watcher:
         return percept
 
     def _arrive(self, goal: int) -> bool:
-        """One frame of a shift; whether it was the last."""
+        """Advance one frame of a shift; whether it was the last."""
         self._left -= 1
         if self._left > 0:
             return False

@@ -1,4 +1,4 @@
-"""The robot of chapter 6: attention selector, visual feedback, gate and online contingency learning (Fig. 6.2)."""
+"""The agent of chapter 6: attention selector, visual feedback, gate and online contingency learning (Fig. 6.2)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,27 +12,27 @@ from jointattn_mj.gaze_following.fixation import attend
 from jointattn_mj.gaze_following.gate import GazeConfig, HeadShift, gate_probability
 from jointattn_mj.gaze_following.learners import LearnerConfig, make_learner
 from jointattn_mj.options import Checked, Real, Whole
-from jointattn_mj.perception.percept import Perceiver, Percept
+from jointattn_mj.perception.percept import Observation, Perceiver, Percept
 from jointattn_mj.perception.som import SOM, SOMConfig, whole_number
 from jointattn_mj.scene.camera import direction_of, off_centre
 
 
 @dataclass(frozen=True)
 class FamiliariseConfig(Checked):
-    """How the robot gets to know the caregiver's face before the session (section 6.4.1, "within three minutes")."""
+    """Familiarisation with the caregiver's face before the session (section 6.4.1, "within three minutes")."""
 
     minutes: Annotated[float, Real("(0, 1e6]")] = 3.0
-    """Simulated minutes of looking at the face."""
+    """Simulated minutes for which the robot looks at the face and learns its patterns."""
     every: Annotated[int, Whole("[1, 1e6]")] = 3
-    """Frames from one look to the next; ten looks a second show all that thirty would."""
+    """Learn a face pattern every N frames; ten patterns a second show all that thirty would."""
 
 
 @dataclass(frozen=True)
 class RobotConfig(Checked):
-    """The robot's mind."""
+    """Settings of the agent: attention, gaze shifts, learning."""
 
     attention: AttentionConfig = field(default_factory=AttentionConfig)
-    """Where and when to look (6.3.2)."""
+    """Attention selector: where and when to look (6.3.2)."""
     gaze: GazeConfig = field(default_factory=GazeConfig)
     """Gate and head movement (6.3.1, 6.4.1)."""
     learner: LearnerConfig = field(default_factory=LearnerConfig)
@@ -40,40 +40,55 @@ class RobotConfig(Checked):
     som: SOMConfig = field(default_factory=SOMConfig)
     """The self-organising map of face patterns (6.3.3, 6.4.1)."""
     familiarise: FamiliariseConfig = field(default_factory=FamiliariseConfig)
-    """The three minutes in which the map is learned (6.4.1)."""
+    """The minutes before the session in which the map is learned (6.4.1)."""
 
 
 @dataclass
 class GazeShift:
-    """One shift of gaze, as the robot knows it. Candidates are numbered as in ``Percept``; directions in degrees."""
+    """One gaze shift, as the robot knows it.
 
-    source: int | None
-    chosen: int
-    by_learner: bool
+    Candidates are numbered as in ``Percept``; directions are (pan, tilt) in degrees.
+    """
+
+    source: int | None  # candidate attended before
+    chosen: int  # candidate that attention chose
+    by_learner: bool  # whether the learner's suggestion was commanded
     start: np.ndarray  # (2,) head at launch
     command: np.ndarray  # (2,) direction commanded
     suggestion: np.ndarray | None  # (2,) direction that the learner would command; only from the face
-    activations: np.ndarray | None  # face_input() of the last look before the shift; only from the face
-    source_direction: np.ndarray | None  # (2,) where the source was last seen
+    activations: np.ndarray | None  # of the map for the face at launch; only from the face
+    source_direction: np.ndarray | None  # (2,) of the source at launch, if it was visible
     reached: int | None = None  # candidate at the centre of view after landing
-    learned: bool = False
+    learned: bool = False  # whether the shift gave the learner a pair
 
 
 class GazeFollower:
-    """Learns to look where the caregiver looks; maps observations to desired head angles.
+    """Agent that learns to look where the caregiver looks; maps observations to desired head angles.
 
-    Observations are a mapping with ``camera`` (uint8 image, read only when the robot looks), ``head_angles`` (pan,
-    tilt; rad) and ``head_moves`` (bool); the action is the desired pan and tilt, rad.
+    An observation has an ``image`` (uint8, read only when the robot perceives), ``head_angles`` (pan
+    and tilt, rad) and ``head_moves`` (bool). The action is the desired pan and tilt, rad.
 
     Attributes:
+        face: Number of the candidate that is the face; objects come before it.
+        attention: Attention selector.
+        som: Self-organising map of face patterns.
+        learner: Maps a face to the motor command that leads from it to the object.
         attended: Candidate that is fixated, or None.
-        percept: The last percept; None while the head turns.
-        shift: The gaze shift under way, or None.
-        landed: The gaze shift that ended in this frame, or None.
-        iterations: l of eq. 6.8.
+        percept: Percept of this frame; None while the head turns.
+        shift: Gaze shift under way, or None.
+        landed: Gaze shift that ended in this frame, or None.
+        iterations: Learning iterations so far, l of eq. 6.8.
     """
 
     def __init__(self, config: RobotConfig, perceiver: Perceiver, objects: int, seed: np.random.SeedSequence):
+        """Make an agent that has learned nothing.
+
+        Args:
+            config: Its settings.
+            perceiver: Makes percepts of observations.
+            objects: Number of objects, n; the face is candidate n.
+            seed: Of the agent's random draws.
+        """
         attention, gate, som, learner = (np.random.default_rng(child) for child in seed.spawn(4))
         self.config, self.perceiver = config, perceiver
         self.face = objects
@@ -90,41 +105,57 @@ class GazeFollower:
         self._held = np.zeros(2)  # reference of the head's servos, deg
         self._command = np.zeros(2)  # the same in rad
 
-    def familiarise(self, observation: Mapping[str, np.ndarray], frame: int) -> np.ndarray:
-        """One frame of the minutes before the session: keep the face at the centre of view and learn its patterns."""
-        head = np.degrees(observation["head_angles"])
+    def __repr__(self) -> str:
+        """In one line: what is attended, and how much was learned."""
+        attended = {None: "nothing", self.face: "the face"}.get(self.attended, f"object {self.attended}")
+        return f"GazeFollower(attends to {attended}, {self.iterations} learning iterations)"
+
+    def familiarise(self, observation: Observation, frame: int) -> np.ndarray:
+        """Action (2,) for one frame before the session: look at the face, and learn its patterns.
+
+        Args:
+            observation: See the class.
+            frame: Number of the frame, from 0; one in ``config.familiarise.every`` is perceived.
+        """
+        head = np.degrees(observation.head_angles)
         if frame % self.config.familiarise.every == 0:
-            percept = self.perceiver.look(observation, landed=True)
+            percept = self.perceiver.perceive(observation, landed=True)
             if percept.visible[self.face]:
                 self._hold(direction_of(percept.px[self.face], head))
                 self.som.update(self.perceiver.face_pattern())
         self.attended = self.face
         return self._command
 
-    def act(self, observation: Mapping[str, np.ndarray]) -> np.ndarray:
-        """One frame of life: percept, attention, and a motor command."""
+    def act(self, observation: Observation) -> np.ndarray:
+        """Action (2,), rad, for one frame of the session: perceive, attend, and shift gaze."""
         self.landed = self.percept = None
         shift, movement = self.shift, self._movement
-        if shift is not None and movement is not None and (observation["head_moves"] or not movement.commanded):
+        if shift is not None and movement is not None and (observation.head_moves or not movement.commanded):
             return self._turn(shift, movement, observation)
-        self.percept = percept = self.perceiver.look(observation, shift is not None)
+        self.percept = percept = self.perceiver.perceive(observation, shift is not None)
         if shift is not None:
-            self._land(shift, percept, np.degrees(observation["head_angles"]))
+            self._land(shift, percept, np.degrees(observation.head_angles))
         chosen = attend(self.attention, self.attended, percept, fixating=shift is None)
         if chosen is not None:
-            self._launch(chosen, percept, np.degrees(observation["head_angles"]))
+            self._launch(chosen, percept, np.degrees(observation.head_angles))
         return self._command
 
     def face_input(self) -> np.ndarray:
-        """What the learner is given of the face of the last look: the SOM's activations (k,) for its pattern."""
+        """Activations (k,) of the map for the face in the last percept: the learner's input."""
         return self.som.activations(self.perceiver.face_pattern())
 
     def _hold(self, direction: np.ndarray) -> None:
-        """Let the head's servos follow ``direction`` (2,), deg, from now on."""
+        """Make ``direction`` (2,), deg, the reference of the head's servos."""
         self._held, self._command = direction, np.radians(direction)
 
     def _launch(self, chosen: int, percept: Percept, head: np.ndarray) -> None:
-        """Turn towards ``chosen``; from the face to an object, the gate decides who says where that is."""
+        """Begin a gaze shift; from the face to an object, the gate decides who commands it (eq. 6.8).
+
+        Args:
+            chosen: Candidate that attention chose.
+            percept: Of this frame.
+            head: Direction of the head (2,), deg.
+        """
         source = self.attended
         command = direction_of(percept.px[chosen], head)
         suggestion = activations = None
@@ -149,20 +180,32 @@ class GazeFollower:
         self._movement = HeadShift(self._held, command, self.config.gaze.shift_frames)
         self._hold(self._movement.next_reference())
 
-    def _turn(self, shift: GazeShift, movement: HeadShift, observation: Mapping[str, np.ndarray]) -> np.ndarray:
-        """One frame of a gaze shift; visual feedback looks where its target has gone."""
-        looks = movement.frame in self.config.gaze.feedback_frames and not movement.commanded
-        if looks and not shift.by_learner and shift.chosen != self.face:
-            percept = self.perceiver.look(observation, landed=True)
+    def _turn(self, shift: GazeShift, movement: HeadShift, observation: Observation) -> np.ndarray:
+        """Action (2,), rad, for one frame of a gaze shift; visual feedback corrects its aim on the way.
+
+        Args:
+            shift: The gaze shift.
+            movement: The head's movement.
+            observation: See the class.
+        """
+        perceives = movement.frame in self.config.gaze.feedback_frames and not movement.commanded
+        if perceives and not shift.by_learner and shift.chosen != self.face:
+            percept = self.perceiver.perceive(observation, landed=True)
             if percept.visible[shift.chosen]:
-                head = np.degrees(observation["head_angles"])
+                head = np.degrees(observation.head_angles)
                 shift.command = direction_of(percept.px[shift.chosen], head)
                 movement.aim(shift.command)
         self._hold(movement.next_reference())
         return self._command
 
     def _land(self, shift: GazeShift, percept: Percept, head: np.ndarray) -> None:
-        """See what is at the centre of view now, and learn from the shift."""
+        """End a gaze shift: attend to the candidate nearest to the centre of view, and learn from the shift.
+
+        Args:
+            shift: The gaze shift.
+            percept: Of this frame.
+            head: Direction of the head (2,), deg.
+        """
         nearest, distance = self._nearest(percept, head)
         centred = distance <= self.config.gaze.centre_radius_deg
         shift.reached = nearest if centred else None
@@ -173,7 +216,7 @@ class GazeFollower:
 
     @staticmethod
     def _nearest(percept: Percept, head: np.ndarray) -> tuple[int | None, float]:
-        """The candidate in view that is nearest to its centre, and how far off (deg) that is."""
+        """The visible candidate nearest to the centre of view, and its distance (deg); None and inf without one."""
         if not percept.visible.any():
             return None, np.inf
         distances = [
@@ -184,7 +227,13 @@ class GazeFollower:
         return nearest, distances[nearest]
 
     def _learn(self, shift: GazeShift, percept: Percept, head: np.ndarray) -> None:
-        """Contingency learning from either direction of a shift between the face and an object (section 6.3.1)."""
+        """Learn from a shift between the face and an object, in either direction (section 6.3.1).
+
+        Args:
+            shift: The gaze shift, which has reached its end.
+            percept: Of this frame.
+            head: Direction of the head (2,), deg.
+        """
         config = self.config.learner
         if shift.activations is not None and shift.reached not in (None, self.face):
             centred = config.reference == "object"
@@ -203,12 +252,18 @@ class GazeFollower:
             self.iterations += config.counts == "both"
 
     def _pair(self, shift: GazeShift, activations: np.ndarray, command: np.ndarray) -> None:
-        """Strengthen the connection between a face and the command that leads from it to the object."""
+        """Strengthen the connection between a face and the command that leads from it to the object.
+
+        Args:
+            shift: The gaze shift that gives the pair.
+            activations: Of the map for the face, (k,).
+            command: Turn of the head (2,) from the face to the object, deg.
+        """
         self.learner.learn(activations, command)
         shift.learned = True
 
     def weights(self) -> dict[str, np.ndarray]:
-        """All that was learned: the map of faces, the map from faces to commands, and l of eq. 6.8."""
+        """All that was learned, by name: the map of faces, the learner's weights, and l of eq. 6.8."""
         return {
             **{f"som_{name}": array for name, array in self.som.arrays().items()},
             "learner": self.learner.weights(),
@@ -216,7 +271,7 @@ class GazeFollower:
         }
 
     def load(self, weights: Mapping[str, np.ndarray]) -> None:
-        """Take over what another robot's ``weights`` gave; the opposite of beginning with ``familiarise``.
+        """Take over what another agent's ``weights`` gave, in place of familiarisation.
 
         Raises:
             ConfigError: The arrays do not fit this robot's config.

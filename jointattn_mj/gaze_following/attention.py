@@ -1,7 +1,7 @@
 """Where and when to look: the attention selector of section 6.3.2 (eq. 6.1 to 6.7, Table 6.1).
 
-Each candidate has an interest measure, the product of a saliency that habituates while it is attended and of a motion
-saliency that grows while it moves. Candidates are the n objects and, last, the face.
+The interest measure of a candidate is its saliency times its motion saliency. Saliency habituates while the candidate
+is attended; motion saliency grows while it moves. Candidates are the n objects and, last, the face.
 """
 
 from dataclasses import dataclass
@@ -17,40 +17,48 @@ from jointattn_mj.options import TOP_LEVEL, Checked, Positive, Real, Whole
 
 @dataclass(frozen=True)
 class AttentionConfig(Checked):
-    """Table 6.1, the constants of section 6.4.1, and what the text leaves open."""
+    """Settings of the attention selector: Table 6.1, constants of section 6.4.1, and what the text leaves open."""
 
     motion_cues: Annotated[bool, TOP_LEVEL] = True
-    """Without them the motion saliency is 1 for every candidate (the comparison of section 6.4.3)."""
+    """Use motion saliency; without it, that of every candidate is 1 (the comparison of section 6.4.3)."""
     face_preference: Positive = 1500.0
-    """C of the face, Table 6.1."""
+    """Preference C of the face: its saliency at first (Table 6.1)."""
     object_preference: Positive = 800.0
-    """C of each object, Table 6.1."""
+    """Preference C of each object (Table 6.1)."""
     face_decay: Annotated[float, Real("[0, 100]")] = 2.0e-2
-    """alpha of the face is exp(-this) per frame, Table 6.1."""
+    """Habituation of the attended face, per frame: alpha is exp(-face_decay) (Table 6.1)."""
     object_decay: Annotated[float, Real("[0, 100]")] = 1.0e-2
-    """alpha of an object is exp(-this) per frame, Table 6.1."""
+    """Habituation of an attended object, per frame: alpha is exp(-object_decay) (Table 6.1)."""
     face_growth: Annotated[float, Real("[0, 1]")] = 1.2e-2
-    """beta of the face is exp(this) per frame, Table 6.1."""
+    """Recovery of the face, per frame: beta is exp(face_growth) (Table 6.1)."""
     object_growth: Annotated[float, Real("[0, 1]")] = 2.0e-3
-    """beta of an object is exp(this) per frame, Table 6.1."""
+    """Recovery of an object, per frame: beta is exp(object_growth) (Table 6.1)."""
     recovery: Literal["min", "max"] = "min"
-    """How an unattended candidate's saliency is bounded by C in eq. 6.6. The text prints max, under which nothing
-    recovers towards C and interest grows without the bound that Fig. 6.3b draws; min says "recovers"."""
+    """Bound an unattended candidate's saliency in eq. 6.6 by min or max of C and beta S. The text prints max, with
+    which interest grows without the bound that Fig. 6.3b draws; with min it recovers to C."""
     motion_gain: Annotated[float, Real("[0, 1e6]")] = 4.5
-    """a of eq. 6.4."""
+    """Gain a of the motion saliency (eq. 6.4)."""
     motion_delay: Annotated[float, Real("[0, 1e6]")] = 20.0
-    """d of eq. 6.4, frames."""
+    """Degree of motion d at which half of the gain is reached, frames (eq. 6.4)."""
     motion_width: Positive = 1.4
-    """T of eq. 6.4, frames."""
+    """Width T of the rise of the motion saliency, frames (eq. 6.4)."""
     selection_period: Annotated[int, Whole("[1, 1e6]")] = 18
-    """Frames of dwell from one draw by eq. 6.7 to the next. The text gives none; 0.6 s with shifts of about a second
-    gives its number of shifts, a draw at every frame gives half as many again and destroys the effect of cues."""
+    """Draw the next target (eq. 6.7) every N frames of fixation. The text gives no number; 0.6 s gives its number of
+    shifts. A draw at every frame gives half as many again, and destroys the effect of cues."""
 
 
 @njit(cache=True)
 def motion_saliency(motion: float, gain: float, delay: float, width: float) -> float:
-    """M_i = g(m_i), eq. 6.2 and 6.4, from the degree of motion m_i in frames."""
-    return 1 + gain / (1 + np.exp((delay - motion) / width))
+    """Motion saliency M_i = g(m_i), eq. 6.2 and 6.4.
+
+    Args:
+        motion: Degree of motion m_i, frames.
+        gain: a of eq. 6.4.
+        delay: d of eq. 6.4, frames.
+        width: T of eq. 6.4, frames.
+    """
+    saliency: float = 1 + gain / (1 + np.exp((delay - motion) / width))
+    return saliency
 
 
 @njit(cache=True)
@@ -71,27 +79,32 @@ def _advance(
 
 
 class Attention(Protocol):
-    """What any attention model must offer; candidates are the n objects and, last, the face."""
+    """Interface of attention models; candidates are the n objects and, last, the face."""
 
     saliency: np.ndarray
-    """(n + 1,) for the log, as are the next two."""
+    """(n + 1,), logged, as are motion and interest."""
     motion: np.ndarray
     interest: np.ndarray
 
     def advance(self, attended: int | None, moves: np.ndarray) -> None:
-        """One frame of fixation: ``attended`` is fixated, and of the candidates some move, (n + 1,) bool."""
+        """Advance one frame of fixation.
+
+        Args:
+            attended: Candidate that is fixated, or None.
+            moves: (n + 1,) bool, which candidates move.
+        """
 
     def settle(self) -> None:
-        """A gaze shift has ended."""
+        """Begin a fixation: a gaze shift has ended."""
 
     def consider(self, visible: np.ndarray) -> int | None:
-        """After each frame: which candidate to look at next among those ``visible``, (n + 1,) bool; None to stay."""
+        """After a frame of fixation: the next candidate to look at of the ``visible``, (n + 1,) bool; None to stay."""
 
 
 class AttentionSelector:
-    """Interest measures of the objects (0 to n-1) and of the face (n), one ``advance`` per frame of fixation.
+    """Draws the next gaze target by the interest measures of the objects (0 to n-1) and of the face (n).
 
-    Nothing changes while the robot turns its head, for then no frame is advanced (Fig. 6.3b).
+    ``advance`` is called in every frame of fixation. During a gaze shift it is not, so interest stays (Fig. 6.3b).
 
     Attributes:
         saliency: S_i, eq. 6.5 and 6.6, (n + 1,).
@@ -100,6 +113,13 @@ class AttentionSelector:
     """
 
     def __init__(self, config: AttentionConfig, objects: int, rng: np.random.Generator):
+        """Make a selector whose saliencies are the preferences C.
+
+        Args:
+            config: Its settings.
+            objects: Number of objects, n.
+            rng: Draws the targets.
+        """
         self.config, self._rng = config, rng
         self.face = objects
         face = np.arange(objects + 1) == objects
@@ -109,7 +129,7 @@ class AttentionSelector:
         self.saliency = self._preference.copy()  # S_i, eq. 6.5
         self.motion = np.zeros(objects + 1)  # m_i
         self.interest = self._preference.copy()  # I_i
-        self._dwelt = 0  # frames since the last shift
+        self._dwelt = 0  # frames of this fixation
         self._gain = config.motion_gain if config.motion_cues else 0.0
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -119,7 +139,11 @@ class AttentionSelector:
             check_array(name, getattr(self, name), (self.face + 1,), float)
 
     def advance(self, attended: int | None, moves: np.ndarray) -> None:
-        """One frame: habituate to ``attended``, recover for the rest, count motion (eq. 6.1, 6.3, 6.6).
+        """Advance one frame: habituation, recovery and motion (eq. 6.1, 6.3, 6.6).
+
+        Args:
+            attended: Candidate that is fixated, or None.
+            moves: (n + 1,) bool, which candidates move.
 
         Raises:
             ObservationError: ``moves`` is no bool array (n + 1,).
@@ -134,16 +158,16 @@ class AttentionSelector:
         )  # fmt: skip
 
     def settle(self) -> None:
-        """A shift has ended: the time to the next draw begins."""
+        """Begin a fixation: count frames to the next draw from now on."""
         self._dwelt = 0
 
     def consider(self, visible: np.ndarray) -> int | None:
-        """One more frame of dwell; every ``selection_period`` of them a draw among the ``visible``, else None."""
+        """Draw among the ``visible``, (n + 1,) bool, after every ``selection_period`` frames of fixation; else None."""
         self._dwelt += 1
         return self.draw(visible) if self._dwelt % self.config.selection_period == 0 else None
 
     def draw(self, visible: np.ndarray) -> int | None:
-        """The next candidate to look at, drawn by eq. 6.7 among those in view; None when none is of any interest."""
+        """Draw a candidate among the ``visible``, (n + 1,) bool, by eq. 6.7; None when none is of any interest."""
         bound = np.cumsum(np.where(visible, self.interest, 0.0))
         if not bound[-1] > 0:
             return None

@@ -1,7 +1,7 @@
-"""What every column of the two tables means; it goes into the Parquet files themselves, as each field's description.
+"""Meanings of the columns of frames.parquet and gaze_shifts.parquet, written into the files as fields' descriptions.
 
-Directions are degrees in the robot's frame (pan to its left, tilt upwards), places metres in the world's frame, pixels
-x right and y down.
+Directions are degrees in the robot's frame (pan to its left, tilt upwards). Locations are metres in the world's frame.
+Pixels are x right and y down.
 """
 
 from collections.abc import Mapping
@@ -12,33 +12,33 @@ FRAME = {
     "time_s": "time in the session",
     "phase": "what the caregiver is doing",
     "target": "object that the caregiver is occupied with and looks at",
-    "held": "object in her hand",
-    "attended": "candidate that the robot fixates, or fixated last while its head turns",
+    "held": "object in the caregiver's hand",
+    "attended": "candidate that the robot fixates; while its head turns, the last one fixated",
     "head_moves": "a gaze shift is under way, from its first command to the frame before landing",
     "rendered": "an image was rendered for this frame",
-    "looked": "the robot perceived this frame while fixating; the percept's columns are empty where not",
+    "perceived": "the robot perceived this frame during a fixation; if not, the columns of the percept are empty",
     "landed": "a gaze shift ended in this frame",
-    "iterations": "l of eq. 6.8",
+    "iterations": "learning iterations so far, l of eq. 6.8",
     "pan_deg": "robot's head, pan",
     "tilt_deg": "robot's head, tilt",
-    "face_yaw_deg": "caregiver's head, yaw to her left",
+    "face_yaw_deg": "caregiver's head, yaw to the caregiver's left",
     "face_pitch_deg": "caregiver's head, pitch, nose down",
-    "face_error_px": "distance of the face as seen from where it really was",
+    "face_error_px": "distance of the face in the percept from its true pixel",
 }
 CANDIDATE = {
     "x_m": "object's centre, away from the robot",
     "y_m": "object's centre, to the robot's left",
     "z_m": "object's centre, upwards",
-    "saliency": "S_i, eq. 6.5 and 6.6",
-    "motion": "m_i, eq. 6.3, frames",
-    "interest": "I_i, eq. 6.1",
-    "seen": "found in the image",
-    "moves": "seen to move, eq. 6.3",
-    "x_px": "where it was seen",
-    "y_px": "where it was seen",
-    "really_moves": "really moved since the frame before, faster than state.*_moves_above_*",
+    "saliency": "saliency S_i, eq. 6.5 and 6.6",
+    "motion": "degree of motion m_i, eq. 6.3, frames",
+    "interest": "interest measure I_i, eq. 6.1",
+    "visible": "detected in the image",
+    "moves": "detected to move, eq. 6.3",
+    "x_px": "pixel at which it was detected",
+    "y_px": "pixel at which it was detected",
+    "really_moves": "ground truth: moved since the frame before, faster than state.*_moves_above_*",
 }
-"""Of the columns whose names begin with a candidate's: an object's name, or face."""
+"""Columns of each candidate; their names begin with the object's name or face, as in ``red_x_m``."""
 SHIFT = {
     "launch_s": "time at which the shift was decided",
     "landing_s": "time at which the head was still again",
@@ -58,21 +58,37 @@ SHIFT = {
     "landing_tilt_deg": "robot's head at landing",
     "learned": "the shift gave the learner a pair",
     "iterations": "l of eq. 6.8 after landing",
-    "face_to_object": "the shift left the face; all columns below apply to such shifts only",
-    "nearest": "object nearest to the centre of view after landing, in truth",
-    "nearest_off_deg": "how far from the centre it was",
-    "on_nothing": "it was farther off than gaze.centre_radius_deg",
-    "success_at_launch": "by the places at launch, the object nearest to the landing was the target at launch",
-    "success_at_landing": "the nearest object at landing was the target at landing",
-    "success": "joint attention, by the moment that the option success names",
+    "face_to_object": "the shift left the face; the columns after this one apply to such shifts only",
+    "nearest": "ground truth: object nearest to the centre of view after landing",
+    "nearest_off_deg": "its angle from the centre of view",
+    "on_nothing": "that angle is greater than gaze.centre_radius_deg",
+    "success_at_launch": "by locations at launch, the object nearest to the centre of view is the target at launch",
+    "success_at_landing": "the object nearest to the centre of view after landing is the target at landing",
+    "success": "joint attention, by the target at launch, at landing or at either, as the option success says",
     "pan_error_deg": "landing minus direction of the target at launch (infants follow horizontal displacement first)",
     "tilt_error_deg": "landing minus direction of the target at launch",
     "map_error_deg": "angle between the learner's suggestion at launch and the target then, whoever commanded",
 }
 
 
+OLD_COLUMNS = {"looked": "perceived", "seen": "visible"}
+"""Names of columns, or of a candidate's after its own, that earlier versions wrote, and what they are called now."""
+
+
+def present_name(column: str) -> str:
+    """The present name of a column of an earlier version: ``red_visible`` for ``red_seen``."""
+    candidate, joint, name = column.rpartition("_")
+    return candidate + joint + OLD_COLUMNS.get(name, name)
+
+
 def described(table: pa.Table, meanings: Mapping[str, str], candidates: tuple[str, ...] = ()) -> pa.Table:
-    """``table`` with each column's meaning in its field's metadata; ``candidates`` begin names as ``red_x_m`` does."""
+    """The table with each column's meaning as its field's description.
+
+    Args:
+        table: Any table.
+        meanings: Of its columns.
+        candidates: Whose columns, named as in ``red_x_m``, have the meanings of CANDIDATE.
+    """
     meanings = {
         **{f"{candidate}_{name}": meaning for candidate in candidates for name, meaning in CANDIDATE.items()},
         **meanings,

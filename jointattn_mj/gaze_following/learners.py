@@ -1,7 +1,8 @@
-"""From the caregiver's face to a motor command, learned online (section 6.3.3, Fig. 6.4).
+"""Learners of the map from the caregiver's face to a motor command, online (section 6.3.3, Fig. 6.4).
 
-A two-layered perceptron on the activations of the SOM, trained after every shift that ends at an object with the
-robot's own motor command as reference. "Two-layered" leaves the output's code open; both readings are here.
+The dissertation has a two-layered perceptron on the activations of the self-organising map. It is trained after every
+shift that ends at an object, with the robot's own motor command as reference. "Two-layered" leaves the output code
+open; both readings are here.
 """
 
 from dataclasses import dataclass
@@ -16,37 +17,37 @@ from jointattn_mj.options import Angle, Checked, Real, Whole
 
 @dataclass(frozen=True)
 class LearnerConfig(Checked):
-    """The online contingency learning module."""
+    """Settings of the online contingency learning module."""
 
     code: Literal["population", "linear", "network"] = "population"
-    """Output code. With two linear outputs right and wrong pairs average to the middle of the table; a population of
-    output units tuned to directions keeps them apart and lets the more frequent, the right one, win. "network" puts a
-    hidden layer before the population, in torch (see ``network_learner``, also for networks of your own)."""
+    """Output code: units tuned to directions, two linear outputs, or a torch network before such units. With linear
+    outputs right and wrong pairs average to the middle of the table. A population keeps them apart, and the right one
+    wins for it is more frequent. ``network_learner`` also takes networks of your own."""
     rate: Annotated[float, Real("(0, 1]")] = 0.02
     """Learning rate of the delta rule, normalised by the squared length of the input."""
     context: Annotated[float, Real("[0, 1000]")] = 0.5
-    """Activity of one more input that is always on and takes no part in prediction (the context of Rescorla and
-    Wagner's rule; the bias of a perceptron). What comes often whatever the face, such as an object that lies still for
-    long, is put down to it, and a face keeps what it tells beyond that. 0 is without; the difference over a session is
-    smaller than 8 sessions can show (``experiments/README.md``)."""
+    """Activity of one more input, which is always on and takes no part in prediction (the context of Rescorla and
+    Wagner's rule; the bias of a perceptron). It absorbs what is frequent whatever the face, such as an object that lies
+    still for long. 0 is without; the difference is smaller than 8 sessions can show (``experiments/README.md``)."""
     hidden: Annotated[int, Whole("[1, 10000]")] = 60
-    """Hidden units of the "network" code."""
+    """Hidden units of the code network."""
     network_rate: Annotated[float, Real("(0, 10]")] = 0.02
-    """Learning rate of its gradient descent."""
+    """Learning rate of the gradient descent of the code network."""
     directions: Literal["both", "face_to_object"] = "both"
-    """Which shifts are learned from: section 6.3.1 learns from object-to-face shifts too "to have double chances"."""
+    """Learn from shifts in both directions, or only from the face to an object; section 6.3.1 learns from both "to have
+    double chances"."""
     counts: Literal["face_to_object", "both"] = "face_to_object"
-    """Which learned pairs advance l of the gate, eq. 6.8."""
+    """Count learned pairs of these directions as learning iterations l of the gate (eq. 6.8)."""
     reference: Literal["object", "executed"] = "object"
-    """Reference signal: the command that would have centred the object, or the head's turn as carried out."""
+    """Take as reference the command that would have centred the object, or the head's turn as executed."""
     pan_range_deg: tuple[Angle, Angle] = (-25.0, 25.0)
-    """Preferred directions of the output units, pan; covers the table as seen from the face."""
+    """Least and greatest preferred pan of the output units, deg from the face; covers the table."""
     tilt_range_deg: tuple[Angle, Angle] = (-30.0, 0.0)
-    """The same for tilt."""
+    """Least and greatest preferred tilt of the output units, deg from the face."""
     units: tuple[Annotated[int, Whole("[3, 128]")], Annotated[int, Whole("[3, 128]")]] = (21, 11)
-    """Output units along pan and tilt."""
+    """Number of output units along pan and along tilt."""
     tuning_deg: Annotated[float, Real("[0.01, 180]")] = 1.5
-    """Standard deviation of the reference pattern about the reference command."""
+    """Standard deviation of the reference pattern about the reference command, deg."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -57,39 +58,40 @@ class LearnerConfig(Checked):
 
 
 class Learner(Protocol):
-    """What any learner of the map must offer; directions are motor commands (pan, tilt) in degrees."""
+    """Interface of learners; motor commands are turns of the head (pan, tilt) in degrees."""
 
     def predict(self, activations: np.ndarray) -> np.ndarray:
         """Motor command (2,) for SOM activations (k,)."""
 
     def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
-        """Strengthen the connection between the two."""
+        """Strengthen the connection between SOM activations (k,) and a motor command (2,)."""
 
     def weights(self) -> np.ndarray:
-        """All that was learned, as one array."""
+        """All learned weights, as one array."""
 
     def load(self, weights: np.ndarray) -> None:
         """Take over what ``weights`` gave."""
 
 
 class PopulationCode:
-    """Directions as bumps of activity on a grid of units, each with a preferred direction."""
+    """Code of directions by bumps of activity on a grid of units, each with a preferred direction."""
 
     def __init__(self, config: LearnerConfig):
+        """Lay out the units by ranges, numbers and tuning of ``config``."""
         self.shape = config.units
         self._pans = np.linspace(*config.pan_range_deg, config.units[0])
         self._tilts = np.linspace(*config.tilt_range_deg, config.units[1])
         self._width = config.tuning_deg
 
     def encode(self, command: np.ndarray) -> np.ndarray:
-        """Activity (pan units, tilt units) for a command (2,)."""
+        """Activity (pan units, tilt units) for a command (2,), deg."""
         return np.outer(
             np.exp(-0.5 * ((self._pans - command[0]) / self._width) ** 2),
             np.exp(-0.5 * ((self._tilts - command[1]) / self._width) ** 2),
         )
 
     def decode(self, activity: np.ndarray) -> np.ndarray:
-        """Centre of mass (2,) of the most active unit and its neighbours."""
+        """Command (2,), deg, for an activity (pan units, tilt units): the centre of mass about the most active unit."""
         pan, tilt = np.unravel_index(np.argmax(activity), activity.shape)
         pans = slice(max(pan - 1, 0), pan + 2)
         tilts = slice(max(tilt - 1, 0), tilt + 2)
@@ -99,22 +101,23 @@ class PopulationCode:
 
 
 class PopulationLearner:
-    """Outputs are units with preferred directions; the delta rule moves them towards a bump at the reference.
+    """Perceptron with a population of output units; the delta rule moves them towards a bump at the reference.
 
     The last input is the context (see ``LearnerConfig.context``).
     """
 
     def __init__(self, config: LearnerConfig, inputs: int):
+        """Make a learner of ``inputs`` SOM units whose weights are 0."""
         self._rate, self._context, self._code = config.rate, config.context, PopulationCode(config)
         self._weights = np.zeros((inputs + 1, *config.units))
 
     def predict(self, activations: np.ndarray) -> np.ndarray:
-        """The direction whose units this face makes most active."""
+        """The command (2,), deg, whose units the activations (k,) make most active."""
         given = numbers("activations", activations, (len(self._weights) - 1,))
         return self._code.decode(np.tensordot(given, self._weights[:-1], 1))
 
     def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
-        """One step of the normalised delta rule."""
+        """Make one step of the normalised delta rule towards ``command`` (2,), deg."""
         command = numbers("command", command, (2,))
         inputs = np.append(numbers("activations", activations, (len(self._weights) - 1,)), self._context)
         error = self._code.encode(command) - np.tensordot(inputs, self._weights, 1)
@@ -122,42 +125,52 @@ class PopulationLearner:
         self._weights += np.multiply.outer(gain * inputs, error)
 
     def weights(self) -> np.ndarray:
-        """(k + 1, pan units, tilt units)."""
+        """Weights (k + 1, pan units, tilt units); the last input is the context."""
         return self._weights.copy()
 
     def load(self, weights: np.ndarray) -> None:
-        """The inverse of ``weights``."""
+        """Take over what ``weights`` gave; raises ConfigError where it does not fit."""
         self._weights = same_shape(weights, self._weights)
 
 
 class LinearLearner:
-    """Two linear outputs, pan and tilt: the nearest reading of "two-layered perceptron", kept as a baseline."""
+    """Perceptron with two linear outputs, pan and tilt: the plainest reading of "two-layered", kept as a baseline."""
 
     def __init__(self, config: LearnerConfig, inputs: int):
+        """Make a learner of ``inputs`` SOM units whose weights are 0."""
         self._config = config
         self._weights = np.zeros((inputs, 2))
 
     def predict(self, activations: np.ndarray) -> np.ndarray:
-        """Weighted sum."""
+        """The command (2,), deg: the weighted sum of the activations (k,)."""
         return numbers("activations", activations, (len(self._weights),)) @ self._weights
 
     def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
-        """One step of the normalised delta rule."""
+        """Make one step of the normalised delta rule towards ``command`` (2,), deg."""
         off = numbers("command", command, (2,)) - self.predict(activations)
         gain = self._config.rate / (activations @ activations)
         self._weights += np.outer(gain * activations, off)
 
     def weights(self) -> np.ndarray:
-        """(k, 2)."""
+        """Weights (k, 2)."""
         return self._weights.copy()
 
     def load(self, weights: np.ndarray) -> None:
-        """The inverse of ``weights``."""
+        """Take over what ``weights`` gave; raises ConfigError where it does not fit."""
         self._weights = same_shape(weights, self._weights)
 
 
 def make_learner(config: LearnerConfig, inputs: int, rng: np.random.Generator) -> Learner:
-    """The learner that ``config.code`` names, for ``inputs`` SOM cells; ``rng`` draws first weights where needed."""
+    """The learner that ``config.code`` names.
+
+    Args:
+        config: Its settings.
+        inputs: Number of SOM units, k.
+        rng: Draws the first weights of a network.
+
+    Raises:
+        ExtraError: The code is "network", and torch is not installed.
+    """
     if config.code == "network":
         from jointattn_mj.gaze_following.network_learner import (  # torch takes seconds to import
             NetworkLearner,
@@ -169,7 +182,7 @@ def make_learner(config: LearnerConfig, inputs: int, rng: np.random.Generator) -
 
 
 def same_shape(given: np.ndarray, own: np.ndarray) -> np.ndarray:
-    """A copy of ``given`` if it can replace the weights ``own``.
+    """A copy of the array ``given``, if it fits in place of the weights ``own``.
 
     Raises:
         ConfigError: It has another shape, or numbers that are not finite.

@@ -1,6 +1,7 @@
-"""A learner with any torch network between the face and the population of directions.
+"""Learner with any torch network between the face and the population of output units.
 
-Give ``NetworkLearner`` a module of your own that maps a face's description (k,) to the units' activities, flat.
+Give ``NetworkLearner`` a module of your own that maps the activations (k,) of a face to those of the output
+units, flat.
 """
 
 from typing import Any
@@ -16,11 +17,17 @@ import torch  # noqa: E402
 
 
 class HiddenLayer(torch.nn.Sequential):
-    """The default network, which a checkpoint knows how to build."""
+    """Default network; a checkpoint builds it anew from its config."""
 
 
 def hidden_layer(config: LearnerConfig, inputs: int, rng: np.random.Generator) -> HiddenLayer:
-    """The three-layered default: one hidden layer of tanh units, as in the earlier work (reference [19])."""
+    """The default network: one hidden layer of tanh units, as in the earlier work (reference [19]).
+
+    Args:
+        config: Numbers of hidden and output units.
+        inputs: Number of SOM units, k.
+        rng: Draws the weights.
+    """
     outputs = config.units[0] * config.units[1]
     first, second = torch.nn.Linear(inputs, config.hidden), torch.nn.Linear(config.hidden, outputs)
     with torch.no_grad():
@@ -34,12 +41,13 @@ class NetworkLearner:
     """Online gradient descent on the squared error of the population's activity, with any network."""
 
     def __init__(self, config: LearnerConfig, network: torch.nn.Module):
+        """Make a learner of ``network``, which maps (k,) to (pan units * tilt units,)."""
         self.config, self._code = config, PopulationCode(config)
         self._network = network
         self._descent = torch.optim.SGD(network.parameters(), lr=config.network_rate)
 
     def predict(self, activations: np.ndarray) -> np.ndarray:
-        """The direction whose units are most active.
+        """The command (2,), deg, whose units the activations (k,) make most active.
 
         Raises:
             ConfigError: The network has diverged.
@@ -51,18 +59,18 @@ class NetworkLearner:
         return self._code.decode(activity.double().numpy().reshape(self._code.shape))
 
     def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
-        """One step of backpropagation."""
+        """Make one step of backpropagation towards ``command`` (2,), deg."""
         wanted = torch.from_numpy(self._code.encode(command).ravel()).float()
         self._descent.zero_grad()
         (0.5 * (self._network(torch.from_numpy(activations).float()) - wanted).square().sum()).backward()
         self._descent.step()
 
     def weights(self) -> np.ndarray:
-        """All parameters as one array."""
+        """All parameters, as one array."""
         return torch.nn.utils.parameters_to_vector(self._network.parameters()).detach().numpy().copy()
 
     def load(self, weights: np.ndarray) -> None:
-        """The inverse of ``weights``.
+        """Take over what ``weights`` gave.
 
         Raises:
             ConfigError: The network has another number of parameters, or they are not finite.
@@ -71,7 +79,7 @@ class NetworkLearner:
         torch.nn.utils.vector_to_parameters(fitting, self._network.parameters())
 
     def __getstate__(self) -> dict[str, Any]:
-        """For checkpoints, which hold no classes of torch: the default network is built anew from its config.
+        """State for a checkpoint: config and parameters, for a checkpoint holds no classes of torch.
 
         Raises:
             ConfigError: The network is another one; a subclass that knows how to build it overrides both methods.

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from jointattn_mj.gaze_following import figures
+from jointattn_mj.gaze_following.columns import present_name
 from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts
 from jointattn_mj.gaze_following.summary import SessionSummary
@@ -21,7 +22,7 @@ from jointattn_mj.perception.som import SOM
 
 
 class SessionResult:
-    """A finished session.
+    """A finished session of gaze following: summary, tables, and what the robot learned.
 
     Tables and weights of a result that lies in a folder are read from there when they are first asked for. Two results
     are equal if config, summary, tables and weights are; the computing time does not count.
@@ -40,7 +41,7 @@ class SessionResult:
         >>> len(result.frames)
         900
         >>> result.frames.to_pandas()["phase"].iloc[0]
-        'gaze'
+        'observe'
     """
 
     def __init__(
@@ -83,8 +84,8 @@ class SessionResult:
         return cls(
             summary=SessionSummary.read(path / "summary.json"),
             config=read_config(path / "config.yaml", VariedSessionConfig),
-            frames=lambda: Table.read(path / "frames.parquet"),
-            shifts=lambda: Table.read(path / "gaze_shifts.parquet"),
+            frames=lambda: Table.read(path / "frames.parquet", present_name),
+            shifts=lambda: Table.read(path / "gaze_shifts.parquet", present_name),
             weights=lambda: read_weights(path / "weights.npz"),
             folder=path,
         )

@@ -1,11 +1,11 @@
-"""Whether a gaze shift from the face to an object was joint attention (section 6.4.3). Uses the truth, tells the robot
-nothing.
+"""Scoring of gaze shifts from the face to an object: was it joint attention (section 6.4.3)?
 
-"We counted whether the robot was able to perform joint attention with the human or not when it directed its gaze from
-his face to an object" leaves open which moment counts, for a shift takes a second and the human goes on meanwhile:
+Scoring uses the state of the simulation; the robot is not told. "We counted whether the robot was able to
+perform joint attention with the human or not when it directed its gaze from his face to an object" leaves open which
+moment counts. A shift takes a second, and the human goes on meanwhile:
 
-- at launch: the robot ended at the place that held the caregiver's target when the robot set out;
-- at landing: the robot ended at the place that holds the caregiver's target now.
+- at launch: the robot ended where the caregiver's target was when the shift began;
+- at landing: the robot ended where the caregiver's target is now.
 """
 
 from dataclasses import dataclass
@@ -18,21 +18,21 @@ from jointattn_mj.scene.world import World
 
 @dataclass(frozen=True)
 class Moment:
-    """What the caregiver looked at, at one time."""
+    """The caregiver's target and the objects' directions at one time."""
 
-    frame: int
-    phase: str
-    target: int | None
+    frame: int  # of the session
+    phase: str  # of the caregiver's task
+    target: int | None  # object that the caregiver looks at
     directions: np.ndarray  # (n, 2) of the objects from the robot, deg
 
     @classmethod
     def now(cls, world: World, frame: int) -> "Moment":
-        """The present of ``world``."""
+        """The present moment of ``world``; ``frame`` is its number."""
         caregiver = world.caregiver
         return cls(frame, str(caregiver.phase), caregiver.target, directions_to(caregiver.objects))
 
     def nearest(self, head: np.ndarray) -> tuple[int, float]:
-        """The object nearest to the centre of view of a head at ``head`` (deg), and its distance (deg)."""
+        """The object nearest to the centre of view, and its distance (deg), for a head at ``head`` (pan, tilt; deg)."""
         distances = [off_centre(direction, head) for direction in self.directions]
         index = int(np.argmin(distances))
         return index, distances[index]
@@ -40,16 +40,22 @@ class Moment:
 
 @dataclass(frozen=True)
 class Judgement:
-    """How a shift from the face to an object ended."""
+    """Score of a gaze shift from the face to an object."""
 
-    at_launch: bool
-    at_landing: bool
+    at_launch: bool  # success by the caregiver's target at launch
+    at_landing: bool  # success by the target at landing
     nearest: int  # object nearest to the centre of view at landing
     distance: float  # how far off it was, deg
 
 
 def judge(launch: Moment, landing: Moment, head: np.ndarray) -> Judgement:
-    """Judge a shift that began at ``launch`` and left the head at ``head`` (pan, tilt; deg) at ``landing``."""
+    """Score a gaze shift from the face to an object.
+
+    Args:
+        launch: Moment at which it began.
+        landing: Moment at which it ended.
+        head: Direction (pan, tilt) of the head at landing, deg.
+    """
     nearest, distance = landing.nearest(head)
     return Judgement(
         at_launch=launch.nearest(head)[0] == launch.target,

@@ -22,7 +22,7 @@ from jointattn_mj.perception.percept import Perceiver
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.state import StateConfig, StatePerception
 from jointattn_mj.scene.caregiver import FRAME_S
-from jointattn_mj.scene.world import Observation, World, WorldConfig
+from jointattn_mj.scene.world import World, WorldConfig, WorldObservation
 
 FRAMES_PER_SECOND = round(1 / FRAME_S)
 FRAMES_PER_MINUTE = 60 * FRAMES_PER_SECOND
@@ -84,7 +84,7 @@ class SessionRun:
             self.names[:-1], config.state.face_moves_above_deg_s, config.state.object_moves_above_m_s
         )
         self._launch: Moment | None = None
-        self._observation = Observation(self.world)
+        self._observation = WorldObservation(self.world)
 
     def new_world(self, seed: np.random.SeedSequence) -> World:
         """Make scene, caregiver and the robot's body."""

@@ -1,4 +1,4 @@
-"""The smaller table of a session: one row a gaze shift."""
+"""The smaller table of a session, gaze_shifts.parquet: one row a gaze shift."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
@@ -22,9 +22,9 @@ GROUP = 1 << 13
 """Shifts in a row group of the file."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ShiftRow:
-    """One gaze shift; ``columns.SHIFT`` says what each column means. None where a column does not apply."""
+    """One gaze shift. ``columns.SHIFT`` has the meanings of the fields; None where one does not apply."""
 
     launch_s: float
     landing_s: float
@@ -55,6 +55,12 @@ class ShiftRow:
     tilt_error_deg: float | None
     map_error_deg: float | None
 
+    def __repr__(self) -> str:
+        """In one line: when, from where to where, who commanded it, and whether it was a success."""
+        result = {None: "", True: ", success", False: ", no success"}[self.success]
+        way = f"{self.source or 'nothing'} to {self.reached or 'nothing'}, commanded by {self.commanded_by}"
+        return f"ShiftRow({self.launch_s:.2f} to {self.landing_s:.2f} s: {way}{result})"
+
 
 def shift_row(
     shift: GazeShift,
@@ -67,7 +73,19 @@ def shift_row(
     success: bool | None,
     centre_radius_deg: float,
 ) -> ShiftRow:
-    """The row of a shift that has just landed with the head at ``head``; ``names`` are the candidates'."""
+    """The row of a gaze shift that has just landed.
+
+    Args:
+        shift: The gaze shift, as the robot knows it.
+        launch: Moment at which it began.
+        landing: Moment at which it ended.
+        head: Direction (2,) of the head at landing, deg.
+        iterations: Learning iterations so far.
+        names: Of the candidates.
+        judgement: Its score; None where it did not leave the face.
+        success: Whether it counts as a success; None where it did not leave the face.
+        centre_radius_deg: Angle from the centre of view within which an object is gazed at, deg.
+    """
 
     def name(number: int | None) -> str | None:
         return None if number is None else names[number]
@@ -107,12 +125,13 @@ def shift_row(
 
 
 class Shifts(Sequence[ShiftRow]):
-    """The shifts of a session, growing; a row is made where it is asked for.
+    """The gaze shifts of a session so far; rows are made on access.
 
-    In the store they are float64: words are numbers, and what does not apply is NaN.
+    Values are stored as float64: words as numbers, and NaN for what does not apply.
     """
 
     def __init__(self, candidates: tuple[str, ...]):
+        """Make an empty table; ``candidates``: names of the objects and, last, the face."""
         phases = tuple(map(str, PHASES))
         self._words = {
             "commanded_by": COMMANDERS,
@@ -122,6 +141,11 @@ class Shifts(Sequence[ShiftRow]):
             ),
         }
         self.rows = RowStore("gaze_shifts", np.float64, len(_KINDS))
+
+    @property
+    def objects(self) -> int:
+        """Number of objects that the robot can look at."""
+        return len(self._words["chosen"]) - 1
 
     def __len__(self) -> int:
         """Shifts so far."""
@@ -140,18 +164,23 @@ class Shifts(Sequence[ShiftRow]):
         return self._row(self.rows.read(number, number + 1)[0])
 
     def __iter__(self) -> Iterator[ShiftRow]:
-        """One after the other, read some at a time."""
+        """All shifts in order; rows are read in blocks."""
         for first, last in spans(len(self), GROUP):
             yield from map(self._row, self.rows.read(first, last))
 
     def __eq__(self, other: object) -> bool:
-        """Whether they are the same shifts."""
+        """Whether both hold equal shifts."""
         return isinstance(other, Shifts) and len(self) == len(other) and all(map(ShiftRow.__eq__, self, other))
 
     __hash__ = None  # type: ignore[assignment]
 
+    def __repr__(self) -> str:
+        """In one line: how many there are."""
+        counted, successes = (int(np.sum(self.column(name) == 1)) for name in ("face_to_object", "success"))
+        return f"Shifts({len(self)} gaze shifts, {counted} from the face to an object, {successes} successes)"
+
     def append(self, row: ShiftRow) -> None:
-        """Write down a shift that has just landed.
+        """Add a shift that has just landed.
 
         Raises:
             OutputError: The file that the shifts are kept in cannot be written.
@@ -159,12 +188,14 @@ class Shifts(Sequence[ShiftRow]):
         self.rows.append([self._number(name, value) for name, value in vars(row).items()])
 
     def column(self, name: str) -> np.ndarray:
-        """(shifts,) float64 of a field: numbers, 0 and 1 for no and yes; NaN where it does not apply. Words are
-        numbers, too: commanders, phases and candidates in their order."""
+        """Values (shifts,) of a field, float64: 0 and 1 for no and yes, NaN where it does not apply.
+
+        Commanders, phases and candidates are numbers in their order.
+        """
         return self.rows.column(_NUMBER[name])
 
     def table(self, first: int = 0, last: int | None = None) -> pa.Table:
-        """The shifts from ``first`` to before ``last``, by default to the end; it has its columns even without any."""
+        """The shifts from ``first`` to before ``last``, by default to the end; without shifts, the columns alone."""
         values = self.rows.read(first, last)
         columns = {name: self._array(name, values[:, number]) for name, number in _NUMBER.items()}
         return described(pa.table(columns), SHIFT)

@@ -190,7 +190,7 @@ def _perception(frames: FrameTable) -> tuple[MotionDetection, FaceError, float |
     """How well motion and the face were detected, and how often the face was missed; counted part by part."""
     face = len(frames.candidates) - 1
     of_face, of_objects = np.zeros(4, int), np.zeros(4, int)
-    errors, known, looked, missed = np.empty(frames.frames), 0, 0, 0
+    errors, known, perceived, missed = np.empty(frames.frames), 0, 0, 0
     for part in frames.parts(PART):
         of_face += _motion(part, [face])
         of_objects += _motion(part, list(range(face)))
@@ -198,12 +198,12 @@ def _perception(frames: FrameTable) -> tuple[MotionDetection, FaceError, float |
         error = error[~np.isnan(error)]
         errors[known : known + len(error)] = error
         known += len(error)
-        looked += int(np.sum(part.column("looked") == 1))
-        missed += int(np.sum(part.column("seen", face) == 0))
+        perceived += int(np.sum(part.column("perceived") == 1))
+        missed += int(np.sum(part.column("visible", face) == 0))
     errors = errors[:known]
     above = float(np.mean(errors > 8)) if known else None
     p50, p95 = np.percentile(errors, (50, 95), overwrite_input=True).tolist() if known else (None, None)
-    return MotionDetection(_rates(of_face), _rates(of_objects)), FaceError(p50, p95, above), _ratio(missed, looked)
+    return MotionDetection(_rates(of_face), _rates(of_objects)), FaceError(p50, p95, above), _ratio(missed, perceived)
 
 
 def _motion(part: FramePart, candidates: list[int]) -> np.ndarray:
@@ -211,7 +211,7 @@ def _motion(part: FramePart, candidates: list[int]) -> np.ndarray:
 
     A frame in which a shift has just landed does not count: its motion is not known yet.
     """
-    fixation = (part.column("looked") == 1) & (part.column("landed") == 0) & (part.column("head_moves") == 0)
+    fixation = (part.column("perceived") == 1) & (part.column("landed") == 0) & (part.column("head_moves") == 0)
     detected = np.concatenate([part.column("moves", k)[fixation] for k in candidates]) == 1
     real = np.concatenate([part.really_moves(k)[fixation] for k in candidates])
     return np.array([np.sum(detected & real), np.sum(real), np.sum(detected & ~real), np.sum(~real)])

@@ -1,6 +1,6 @@
-"""The larger table of a session: one row a frame; written as Parquet.
+"""The larger table of a session, frames.parquet: one row a frame.
 
-A frame costs microseconds. Candidates and phases are numbers in the rows and names in the file.
+Candidates and phases are numbers in memory and names in the file.
 """
 
 from collections.abc import Iterator
@@ -21,19 +21,19 @@ from jointattn_mj.scene.world import World
 PHASES = tuple(Phase)
 _PHASE_NUMBER = {phase: number for number, phase in enumerate(PHASES)}
 _PER_FRAME = (
-    "phase", "target", "held", "attended", "head_moves", "rendered", "looked", "landed", "iterations",
+    "phase", "target", "held", "attended", "head_moves", "rendered", "perceived", "landed", "iterations",
     "pan_deg", "tilt_deg", "face_yaw_deg", "face_pitch_deg",
 )  # fmt: skip
 _PER_OBJECT = ("x_m", "y_m", "z_m")
-_PER_CANDIDATE = ("saliency", "motion", "interest", "seen", "moves", "x_px", "y_px")
+_PER_CANDIDATE = ("saliency", "motion", "interest", "visible", "moves", "x_px", "y_px")
 GROUP = 1 << 16
 """Frames in a row group of the file: 36 minutes."""
-_BOOL = ("head_moves", "rendered", "looked", "landed", "seen", "moves", "really_moves")
+_BOOL = ("head_moves", "rendered", "perceived", "landed", "visible", "moves", "really_moves")
 
 
 @njit(cache=True)
 def _write(row, numbers, head, face, objects, saliency, motion, interest):
-    """The columns up to interest, in their order; -1 stands for None. Compiled: it runs in every frame."""
+    """Write the columns up to interest, in their order; -1 stands for None. Compiled, for it runs in every frame."""
     for column, number in enumerate(numbers):
         row[column] = number if number >= 0 else np.nan
     column = len(numbers)
@@ -54,7 +54,7 @@ def _write(row, numbers, head, face, objects, saliency, motion, interest):
 
 @njit(cache=True)
 def _write_percept(row, visible, moves, px):
-    """The columns of what was seen, the last of a row."""
+    """Write the columns of the percept, the last of a row."""
     n = len(visible)
     if 4 * n > len(row) or n > len(moves) or n > len(px):
         raise ValueError("a row of the table is too short for the candidates")
@@ -69,7 +69,13 @@ class FrameTable:
     """
 
     def __init__(self, objects: tuple[str, ...], face_above_deg_s: float, object_above_m_s: float):
-        """``face_above_deg_s`` and ``object_above_m_s``: speeds from which on something really moves."""
+        """Make an empty table.
+
+        Args:
+            objects: Names of the objects.
+            face_above_deg_s: Speed of the face, deg/s, from which it counts as truly moving.
+            object_above_m_s: The same for an object, m/s.
+        """
         self.candidates = (*objects, "face")
         self.above = (*[object_above_m_s] * len(objects), face_above_deg_s)
         self.face_point = np.full(3, np.nan)
@@ -80,13 +86,23 @@ class FrameTable:
         self.index = {name: index for index, name in enumerate(names)}
         self.rows = RowStore("frames", np.float32, len(names))
 
+    def __repr__(self) -> str:
+        """In one line: its length and its candidates."""
+        return f"FrameTable({self.frames} frames, {self.frames * FRAME_S:.1f} s; {', '.join(self.candidates)})"
+
     @property
     def frames(self) -> int:
         """Frames so far."""
         return len(self.rows)
 
     def add(self, world: World, robot: GazeFollower, rendered: bool, head: np.ndarray) -> None:
-        """Write down this frame: the world as it is, and what the robot made of it. ``head`` (2,) in rad.
+        """Add the row of this frame.
+
+        Args:
+            world: State of the simulation.
+            robot: The agent, after it has acted.
+            rendered: Whether an image was rendered.
+            head: Direction of the robot's head (2,), rad.
 
         Raises:
             OutputError: The file that the table is kept in cannot be written.
@@ -118,11 +134,11 @@ class FrameTable:
         self.rows.fill(1)
 
     def column(self, name: str, candidate: int | None = None) -> np.ndarray:
-        """(frames,) values of a column so far; per-candidate columns need the candidate's number."""
+        """Values (frames,) of a column so far; a column of candidates needs the candidate's number."""
         return self.rows.column(self.index[name, candidate])
 
     def table(self) -> pa.Table:
-        """All frames with names for numbers."""
+        """All frames, with names in place of numbers."""
         return self.part().table()
 
     def part(self, first: int = 0, last: int | None = None) -> "FramePart":
@@ -134,16 +150,16 @@ class FrameTable:
         return self.part(max(0, self.frames - frames))
 
     def parts(self, frames: int) -> Iterator["FramePart"]:
-        """All frames, so many at a time; one empty part where there are none."""
+        """All frames in parts of ``frames`` each; one empty part where there are none."""
         return (self.part(first, last) for first, last in spans(self.frames, frames))
 
 
 class FramePart:
-    """Some successive frames of a table; ``first`` is the number of the first one, ``len`` counts them."""
+    """Successive frames of a table, from number ``first`` on; ``len`` counts them."""
 
     def __init__(self, table: FrameTable, first: int, last: int):
         self.first, self._table = first, table
-        self._before = min(first, 1)  # the frame before them, since which things have moved
+        self._before = min(first, 1)  # 1 with the frame before them, for motion
         self._values = table.rows.read(first - self._before, last)
 
     def __len__(self) -> int:
@@ -151,26 +167,28 @@ class FramePart:
         return len(self._values) - self._before
 
     def column(self, name: str, candidate: int | None = None) -> np.ndarray:
-        """Values (frames,) of a column; per-candidate columns need the candidate's number."""
+        """Values (frames,) of a column; a column of candidates needs the candidate's number."""
         return self._values[self._before :, self._table.index[name, candidate]]
 
     def face_error_px(self) -> np.ndarray:
-        """Distance (frames,) of the face as seen from where it really was; NaN where it was not seen."""
+        """Distance (frames,) of the face in the percept from its true pixel; NaN where it was not visible."""
         face = len(self._table.candidates) - 1
         heads = np.column_stack([self.column("pan_deg"), self.column("tilt_deg")])
         real = pixels_of_point(self._table.face_point, heads)
-        return np.hypot(self.column("x_px", face) - real[:, 0], self.column("y_px", face) - real[:, 1])
+        error: np.ndarray = np.hypot(self.column("x_px", face) - real[:, 0], self.column("y_px", face) - real[:, 1])
+        return error
 
     def really_moves(self, candidate: int) -> np.ndarray:
-        """Whether a candidate really moved since the frame before, (frames,) bool; nothing did in the very first."""
+        """Whether a candidate truly moved since the frame before, (frames,) bool; False in the first of a session."""
         face = candidate == len(self._table.candidates) - 1
         names, owner = (("face_yaw_deg", "face_pitch_deg"), None) if face else (_PER_OBJECT, candidate)
         path = self._values[:, [self._table.index[name, owner] for name in names]]
         speed = np.linalg.norm(np.diff(path, axis=0, prepend=path[:1]), axis=1) / FRAME_S
-        return speed[self._before :] > self._table.above[candidate]
+        moves: np.ndarray = speed[self._before :] > self._table.above[candidate]
+        return moves
 
     def table(self) -> pa.Table:
-        """These frames with names for numbers."""
+        """These frames, with names in place of numbers."""
         candidates = self._table.candidates
         columns: dict[str, pa.Array] = {"time_s": pa.array((self.first + np.arange(len(self))) * FRAME_S)}
         for name, candidate in self._table.index:

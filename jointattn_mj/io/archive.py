@@ -73,7 +73,8 @@ def aligned(dtype: np.dtype) -> np.dtype:
         "offsets": [fields[name][1] for name in names],
         "itemsize": dtype.itemsize,
     }
-    return np.dtype(layout, align=True)  # type: ignore[call-overload]
+    aligned: np.dtype = np.dtype(layout, align=True)  # type: ignore[call-overload]
+    return aligned
 
 
 def _header(file: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype]:

@@ -242,7 +242,8 @@ def _scalar(text: str, content: str) -> np.generic:
     if dtype.kind not in _NUMBERS:
         raise ValueError(f"{text} is no dtype of numbers")
     (value,) = np.frombuffer(bytes.fromhex(content), dtype)
-    return value
+    scalar: np.generic = value
+    return scalar
 
 
 _READERS: dict[str, Callable[..., Any]] = {

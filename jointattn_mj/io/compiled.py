@@ -8,18 +8,28 @@ current as long as no file of the package with compiled functions has changed. F
 import hashlib
 from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, overload
 
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.dispatcher import Dispatcher
 
+Function = Callable[..., Any]
+F = TypeVar("F", bound=Function)
 PACKAGE = Path(__file__).parents[1]
 
 
-def njit(function: Callable[..., Any] | None = None, *, cache: bool = False, **options: Any) -> Any:
+@overload
+def njit(function: F, /) -> F: ...
+
+
+@overload
+def njit(*, cache: bool = ..., **options: Any) -> Callable[[F], F]: ...
+
+
+def njit(function: Function | None = None, *, cache: bool = False, **options: Any) -> Any:
     """``numba.njit``, to be used in its place.
 
     Args:
@@ -30,11 +40,11 @@ def njit(function: Callable[..., Any] | None = None, *, cache: bool = False, **o
         options: numba's.
     """
     if function is None:
-        return lambda function: njit(function, cache=cache, **options)
+        return partial(njit, cache=cache, **options)
     compiled = numba.njit(**options)(function)
     if cache and isinstance(compiled, Dispatcher):  # with NUMBA_DISABLE_JIT it is the function itself
         with suppress(RuntimeError):  # no folder
-            compiled._cache = _Cache(function)  # type: ignore[attr-defined]  # as ``Dispatcher.enable_caching`` does
+            compiled._cache = _Cache(function)  # type: ignore[attr-defined, no-untyped-call]  # as ``enable_caching``
     return compiled
 
 
@@ -52,8 +62,8 @@ def state(package: Path = PACKAGE) -> str:
 class _Located(CompileResultCacheImpl):
     """Chooses the folder as numba does; what it holds is current while ``state`` stays the same."""
 
-    def __init__(self, function: Callable[..., Any]):
-        super().__init__(function)
+    def __init__(self, function: Function):
+        super().__init__(function)  # type: ignore[no-untyped-call]
         self._locator.get_source_stamp = state
 
 

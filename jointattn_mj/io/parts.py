@@ -1,4 +1,4 @@
-"""The classes that a session, a developing life or a watcher of videos consists of, by name.
+"""The classes that a session, a development run or a watched video consists of, by name.
 
 A checkpoint can hold objects of these and of the module that the caller names, and of nothing else: what is not on the
 list is neither written nor looked up. None of them does anything when it is made without its constructor; whatever
@@ -60,12 +60,13 @@ scene.caregiver: CaregiverConfig TransferScript Phase Plan
 scene.delay: Past
 scene.dressing: Conditions Lamp Surfaces
 scene.layout: Layout LayoutConfig
-scene.looker: Told TurnWorld
-scene.model: ObjectConfig SceneConfig
+scene.looker: DirectedCaregiver TableWorld
+scene.model: SceneConfig
 scene.movement: Arm
+scene.objects: ObjectConfig
 scene.people: FaceConfig
 scene.sensor: Sensor
-scene.world: Observation World WorldConfig
+scene.world: World WorldConfig WorldObservation
 """
 PARTS = frozenset(
     f"{PACKAGE}.{module}.{name}"

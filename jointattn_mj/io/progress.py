@@ -1,4 +1,4 @@
-"""How far a command has come, on stderr: a bar on a terminal, elsewhere a line now and then."""
+"""Progress of a command on stderr: a bar on a terminal, elsewhere a line now and then."""
 
 import os
 import sys
@@ -16,21 +16,27 @@ from jointattn_mj.io.terminal import Unbroken
 FIRST_S, LINE_S = 10.0, 30.0
 """Seconds before the first line, and between two, where there is no terminal."""
 QUIET = "JOINTATTN_QUIET"
-"""Environment variable: 1 leaves out these lines."""
+"""Environment variable: 1 suppresses these lines."""
 COMPILING = "compiling, once on this machine, some 20 s"
 
 
 class Progress:
-    """Shows how far a command has come while the block runs: ``with Progress("playing", 10, "episodes") as shown``.
+    """Shows progress while the block runs: ``with Progress("playing", 10, "episodes") as shown``.
+
+    Args:
+        doing: What is done now, such as "playing".
+        total: How much there is to do; None where that is not known.
+        unit: Unit of ``total``, such as "episodes".
+        digits: Digits after the point of what is done and of ``total``.
+        stream: Where to write; stderr by default.
 
     Attributes:
-        live: Whether there is a terminal.
+        live: Whether ``stream`` is a terminal.
     """
 
     def __init__(
         self, doing: str, total: float | None = None, unit: str = "", digits: int = 0, stream: TextIO | None = None
     ):
-        """``doing``: what is done; ``total``: how far it goes, in ``unit``, which is shown with so many ``digits``."""
         self._out = Unbroken(stream or sys.stderr)
         self.live = self._out.isatty()
         self._doing, self._words, self._done, self._total = doing, "", 0.0, total
@@ -45,26 +51,32 @@ class Progress:
         self._show()
 
     def to(self, done: float, words: str = "", total: float | None = None) -> None:
-        """So much is ``done``; ``words`` say more, and ``total`` corrects how far it goes."""
+        """Show how much is done.
+
+        Args:
+            done: Amount done so far, in the unit.
+            words: What else to say.
+            total: A new total; None keeps the last one.
+        """
         self._done, self._words = done, words
         self._total = self._total if total is None else total
         self._show()
 
     def add(self, more: float = 1, doing: str | None = None) -> None:
-        """So much more is done, and maybe something else is ``doing`` now."""
+        """Add ``more`` to what is done; ``doing`` names what is done now."""
         self._done += more
         self._doing = doing or self._doing
         self._show()
 
     def say(self, line: str) -> None:
-        """A line of its own above the bar; nothing where there is none."""
+        """Print a line above the bar; without a bar nothing is printed."""
         if self._bar is not None:
             self._bar.write(line, file=self._out)
 
     def line(self, seconds: float) -> str:
-        """What a log says after so many seconds."""
+        """The line of a log after so many seconds."""
         done, ended = f"{self._done:,.{self._digits}f}", self._total is not None and self._done >= self._total
-        parts = ["writing what came of it" if ended else self._doing]
+        parts = ["writing results" if ended else self._doing]
         if self._total:
             share = min(self._done / self._total, 1)
             parts.append(f"{done} of {self._total:,.{self._digits}f} {self._unit}".rstrip())
@@ -75,7 +87,7 @@ class Progress:
         return ", ".join([*parts, *([self._words] if self._words else []), f"{duration(seconds)} so far"])
 
     def __enter__(self) -> "Progress":
-        """Begin to show."""
+        """Start the bar, or the thread that prints lines."""
         self._stack.enter_context(told_of_compiling(self._compiling))
         if self.live:
             amount = f"{{n:,.{self._digits}f}}"
@@ -93,7 +105,7 @@ class Progress:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        """The bar stays as it was at the end."""
+        """Stop; the bar stays as it was at the end."""
         self._ended.set()
         self._stack.close()
         if self._bar is not None:
@@ -120,7 +132,7 @@ class Progress:
         return over
 
     def _tell(self) -> None:
-        """The lines of a log, in a thread of their own: whatever is done, somebody says that it goes on."""
+        """Print lines now and then; runs in a thread of its own."""
         started, pause = time.monotonic(), FIRST_S
         while not self._ended.wait(pause):
             pause = LINE_S
@@ -129,9 +141,9 @@ class Progress:
 
 @contextmanager
 def told_of_compiling(begin: Callable[[], Callable[[], None]]) -> Iterator[None]:
-    """Calls ``begin`` when numba begins to compile anything in the block, and what it returns when that is over.
+    """Call ``begin`` when numba begins to compile in the block, and what it returns when compiling is over.
 
-    What numba finds in its cache is not compiled. Nothing is done where numba has not been imported yet.
+    Functions from numba's cache are not compiled. Nothing is done where numba has not been imported yet.
     """
     if "numba" not in sys.modules:
         yield
@@ -157,12 +169,12 @@ def told_of_compiling(begin: Callable[[], Callable[[], None]]) -> Iterator[None]
 
 
 def count(number: int, noun: str) -> str:
-    """``1 cell``, ``2 cells``."""
+    """A number with its noun: ``1 trial``, ``2 trials``."""
     return f"{number} {noun}{'s' * (number != 1)}"
 
 
 def duration(seconds: float) -> str:
-    """``7 s``, ``3 min 20 s``, ``2 h 5 min``, ``9 days``."""
+    """A duration to read: ``7 s``, ``3 min 20 s``, ``2 h 5 min``, ``9 days``."""
     whole = round(seconds)
     if whole < 60:
         return f"{whole} s"

@@ -1,6 +1,7 @@
 """The tables of a result: columns by name, which become pandas or polars by one call."""
 
-from collections.abc import Iterator, Mapping
+import warnings
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import pyarrow.parquet as pq
 from jointattn_mj.errors import OutputError
 from jointattn_mj.io.extras import extra
 from jointattn_mj.io.parquet import write_parquet
-from jointattn_mj.options import meant
+from jointattn_mj.options import RenamedWarning, meant
 
 WIDTH = 100
 """Characters of a table's repr."""
@@ -41,12 +42,13 @@ class Table:
         self.arrow = arrow
 
     @classmethod
-    def read(cls, path: Path, new_names: Mapping[str, str] | None = None) -> "Table":
+    def read(cls, path: Path, new_names: Mapping[str, str] | Callable[[str], str] | None = None) -> "Table":
         """Read a Parquet file.
 
         Args:
             path: The file.
-            new_names: Names of columns as an earlier version wrote them, and what they are called now.
+            new_names: Names of columns as an earlier version wrote them, and what they are called now; or what makes
+                the name of today from any. Old names in the file are told of by a ``RenamedWarning``.
 
         Raises:
             OutputError: There is no such file, or it is no Parquet file.
@@ -57,8 +59,17 @@ class Table:
             raise OutputError(f"there is no table at {path}; give the folder of a finished run") from error
         except (OSError, pa.ArrowException) as error:
             raise OutputError(f"cannot read the table {path} ({error}); give the folder of a finished run") from error
-        new_names = new_names or {}
-        return cls(arrow.rename_columns([new_names.get(name, name) for name in arrow.column_names]))
+        if new_names is None:
+            return cls(arrow)
+        names = [new_names(name) if callable(new_names) else new_names.get(name, name) for name in arrow.column_names]
+        old = [f"{now} ({before})" for before, now in zip(arrow.column_names, names, strict=True) if before != now]
+        if old:
+            warnings.warn(
+                f"{path} has columns by old names, read by their new ones: {', '.join(old)}",
+                RenamedWarning,
+                stacklevel=3,
+            )
+        return cls(arrow.rename_columns(names))
 
     def write(self, path: Path) -> None:
         """Write a Parquet file, whole or not at all.

@@ -1,4 +1,4 @@
-"""Standard streams that may be closed, full or gone, and signals that end a command, without a traceback."""
+"""Standard streams that may be closed or full, and signals that end a command; neither ends in a traceback."""
 
 import os
 import signal
@@ -11,11 +11,14 @@ from typing import Any, TextIO
 
 INTERRUPTED = 130
 STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-"""Ctrl-C, the kind signal of schedulers, and the end of the terminal."""
+"""Ctrl-C, the first signal that schedulers send, and the end of the terminal."""
 
 
 class Unbroken:
-    """A text stream that never raises where it cannot be written: what is written after the first failure is lost.
+    """A text stream that never raises: what is written after the first failure is lost.
+
+    Args:
+        stream: Where to write.
 
     Attributes:
         trouble: The first failure; None while there is none.
@@ -26,16 +29,16 @@ class Unbroken:
         self.trouble: OSError | ValueError | None = None
 
     def write(self, text: str) -> int:
-        """Write if possible; returns the length of ``text``."""
+        """Write if possible; return the length of ``text``."""
         self._attempt("write", text)
         return len(text)
 
     def flush(self) -> None:
-        """Hand on what is buffered, if possible."""
+        """Flush the stream, if possible."""
         self._attempt("flush")
 
     def isatty(self) -> bool:
-        """Whether somebody looks on."""
+        """Whether the stream is a terminal."""
         return self._attempt("isatty") or False
 
     def _attempt(self, method: str, *arguments: str) -> Any:
@@ -53,10 +56,10 @@ class Unbroken:
 
 @contextmanager
 def unbroken_streams() -> Iterator[Unbroken]:
-    """While the block runs, printing cannot fail; gives standard output, whose ``trouble`` is known at the end.
+    """While the block runs, printing cannot fail; yields standard output, whose ``trouble`` is known at the end.
 
-    Streams that were closed are opened on nothing, so that no file takes their number. Characters that the encoding of
-    a stream does not have are written as escapes.
+    Closed streams are opened on the null device, so that no file takes their number. Characters that a stream's
+    encoding does not have are written as escapes.
     """
     for number in range(3):
         try:
@@ -68,8 +71,8 @@ def unbroken_streams() -> Iterator[Unbroken]:
     for stream in streams:
         with suppress(AttributeError, OSError, ValueError):
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
-    output = sys.stdout = Unbroken(streams[0])  # type: ignore[assignment]
-    errors = sys.stderr = Unbroken(streams[1])  # type: ignore[assignment]
+    output = sys.stdout = Unbroken(streams[0])
+    errors = sys.stderr = Unbroken(streams[1])
     try:
         yield output
     finally:
@@ -81,7 +84,7 @@ def unbroken_streams() -> Iterator[Unbroken]:
 
 
 def _forget(stream: TextIO) -> None:
-    """Let what is still buffered go nowhere: Python would complain of it at its end."""
+    """Discard what is still buffered: Python would complain of it when it exits."""
     with suppress(OSError, ValueError, AttributeError):
         nothing = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nothing, stream.fileno())
@@ -90,9 +93,10 @@ def _forget(stream: TextIO) -> None:
 
 @contextmanager
 def stopped_like_ctrl_c() -> Iterator[None]:
-    """While the block runs, SIGTERM and SIGHUP raise KeyboardInterrupt as Ctrl-C does; what is ignored stays so.
+    """While the block runs, SIGTERM and SIGHUP raise KeyboardInterrupt as Ctrl-C does; ignored signals stay ignored.
 
-    Afterwards each of them ends the process at once with 130, so that a second one cannot break off an orderly end.
+    After an interruption each of them ends the process at once with 130, so that a second one cannot break off an
+    orderly end.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

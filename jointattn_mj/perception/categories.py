@@ -1,8 +1,8 @@
-"""Categories of face patterns that nobody named: cells of the self-organising map, grouped by how near they lie.
+"""Categories of face patterns without labels: units of the self-organising map, grouped by similarity.
 
-The map (``perception.som``) puts similar faces on neighbouring cells. Cells on which faces fall are joined, nearest
-groups first, and of all the stages of that the one is kept in which faces are most clearly nearer to their own group
-than to the next: by the mean silhouette (Rousseeuw, 1987). So how many categories there are is found, not given.
+The map (``perception.som``) has similar faces on neighbouring units. Units that are the nearest of some face are joined
+step by step, nearest groups first. The number of groups is the one with the largest mean silhouette (Rousseeuw, 1987):
+faces are then most clearly nearer to their own group than to the next.
 """
 
 from dataclasses import dataclass
@@ -19,25 +19,35 @@ from jointattn_mj.perception.som import SOM
 
 @dataclass(frozen=True)
 class GroupingConfig(Checked):
-    """How cells become categories."""
+    """How units of the map become categories."""
 
     most: Annotated[int, Whole("[2, 120]")] = 12
-    """Categories that are looked for at most; a table with 9 places needs 10."""
+    """Largest number of categories; a table with 9 spots needs 10."""
     linkage: Literal["average", "complete", "single", "ward"] = "average"
-    """Distance of two groups of cells: ``average``, ``complete``, ``single`` or ``ward`` of those of their patterns."""
+    """Distance of two groups of units (see ``scipy.cluster.hierarchy.linkage``)."""
 
 
 class FaceCategories:
-    """A map that has been learned, and the group of each of its cells.
+    """A trained map, and the category of each of its units.
 
     Attributes:
         som: The map.
-        group: (cells,) category of each cell, 0 to count - 1; a cell on which no face fell has that of the nearest one.
-        count: How many there are.
+        group: (units,) category of each unit, 0 to count - 1; a unit that is nearest to no face has the category of the
+            nearest unit that is.
+        count: Number of categories.
     """
 
     def __init__(self, som: SOM, patterns: np.ndarray, config: GroupingConfig = GroupingConfig()):
-        """``patterns`` (n, d) are faces like those that the map has learned from, two or more."""
+        """Group the units of a map.
+
+        Args:
+            som: The map.
+            patterns: (n, d) two or more faces like those that the map has learned from.
+            config: How.
+
+        Raises:
+            ConfigError: Fewer than two patterns.
+        """
         if len(patterns) < 2:
             raise ConfigError(f"grouping needs two face patterns or more; got {len(patterns)}")
         self.som = som
@@ -48,13 +58,22 @@ class FaceCategories:
         self.group = groups[to_used.argmin(axis=1)]
         self.count = int(groups.max()) + 1
 
+    def __repr__(self) -> str:
+        return f"FaceCategories({self.count} categories of {len(self.group)} units)"
+
     def of(self, pattern: np.ndarray) -> int:
         """The category of a face pattern (d,)."""
         return int(self.group[self.som.winner(pattern)])
 
 
 def grouped(points: np.ndarray, weights: np.ndarray, config: GroupingConfig) -> np.ndarray:
-    """Groups (n,) of points (n, d), each of which stands for ``weights`` (n,) faces."""
+    """Groups (n,) of points, with the largest mean silhouette.
+
+    Args:
+        points: (n, d).
+        weights: (n,) how many faces each point stands for.
+        config: Linkage, and the largest number of groups.
+    """
     if len(points) < 3:
         return np.arange(len(points))
     apart = pdist(points)
@@ -64,12 +83,12 @@ def grouped(points: np.ndarray, weights: np.ndarray, config: GroupingConfig) -> 
 
 
 def silhouette(distances: np.ndarray, groups: np.ndarray, weights: np.ndarray) -> float:
-    """Mean silhouette, -1..1, of points that stand for ``weights`` (n,) faces each, which lie upon each other.
+    """Mean silhouette, -1 to 1, of n points, each of which stands for several faces.
 
     Args:
         distances: (n, n) between points.
-        groups: (n,) of each point, 0 to k - 1, k of 2 or more.
-        weights: (n,) whole numbers above 0.
+        groups: (n,) group of each point, 0 to k - 1; k is 2 or more.
+        weights: (n,) how many faces each point stands for, 1 or more.
     """
     member = np.eye(groups.max() + 1)[groups] * weights[:, None]
     size, total = member.sum(axis=0), distances @ member

@@ -1,10 +1,10 @@
 """Optical flow by block matching between two grey images (section 6.4.1), to a fraction of a pixel.
 
-Each block of 8x8 pixels descends to the displacement with the least sum of squared differences, in whole pixels, and a
-parabola through the neighbouring sums on each axis gives the fraction. Squares, not absolute values: near its minimum a
-sum of squares is a parabola, whereas a sum of absolute values is a wedge, and a parabola through a wedge halves small
-displacements. The sums are taken both ways, the new block in the old image and the old block in the new one; one way
-alone reads up to .1 px of motion from two equal images, since what enters the block on its two sides differs.
+Each block of 8x8 pixels descends to the displacement, in whole pixels, with the least sum of squared differences. A
+parabola through the neighbouring sums on each axis gives the fraction. Near its minimum a sum of squares is a parabola;
+a sum of absolute values is a wedge, and a parabola through a wedge halves small displacements. Sums are taken both
+ways, the new block in the old image and the old block in the new one. One way alone gives up to .1 px of motion for two
+equal images, since what enters the block on its two sides differs.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ BLOCK = 8  # pixels; section 6.4.1 names block matching without a size
 
 @njit(cache=True)
 def _difference(now, before, y, x, dy, dx):
-    """Sum of squared differences of the block at (x, y) now and at (x - dx, y - dy) before."""
+    """Sum of squared differences between the block at (x, y) now and the one at (x - dx, y - dy) before."""
     total = np.int32(0)
     row_now, row_before = uintp(y), uintp(y - dy)
     column_now, column_before = uintp(x), uintp(x - dx)
@@ -35,7 +35,7 @@ def _inside(y, x, part):
 
 @njit(cache=True)
 def _fraction(before, here, after, floor):
-    """Vertex of the parabola through three sums, -.5..5; NaN if it is flatter than ``floor``."""
+    """Vertex of the parabola through three sums, -.5 to .5; NaN if it is flatter than ``floor``."""
     curve = before - 2 * here + after
     if curve < floor:
         return np.nan
@@ -44,7 +44,7 @@ def _fraction(before, here, after, floor):
 
 @njit(cache=True)
 def _block_flow(now, before, part, y, x, start_y, start_x, reach, floor, out):
-    """Displacement (x, y) of one block by descent from a start. False if the block has no texture."""
+    """Write the displacement (x, y) of one block to ``out``, by descent from a start. False if it has no texture."""
     if not _inside(y - start_y, x - start_x, part):
         start_y, start_x = 0, 0
     dy, dx = start_y, start_x
@@ -85,9 +85,27 @@ def _block_flow(now, before, part, y, x, start_y, start_x, reach, floor, out):
 def region_flow(
     now, before, part, box, step, margin, start_y, start_x, reach, floor, owner, count, blocks, flow, owners
 ):
-    """Flow of the textured blocks of one region, appended to the arrays. Returns the new count.
+    """Append the flow of the textured blocks of one region to the arrays.
 
-    part: x0, y0, x1, y1 (the last two exclusive) of what may be read of both images.
+    Args:
+        now: (h, w) uint8 grey image.
+        before: The same some frames ago.
+        part: x0, y0, x1, y1 (the last two exclusive) of what may be read of both images.
+        box: The region, likewise.
+        step: Distance of blocks, pixels.
+        margin: Rim around the region, pixels; a negative one leaves a rim out.
+        start_y: Where blocks start to descend, pixels.
+        start_x: Likewise.
+        reach: How far they descend from there, pixels.
+        floor: Least curvature of a block's sums, below which it has no texture.
+        owner: Number to write for these blocks.
+        count: How many blocks the arrays hold.
+        blocks: (m, 2) centres (x, y).
+        flow: (m, 2) displacements (x, y), pixels.
+        owners: (m,) numbers.
+
+    Returns:
+        The new count.
     """
     y1, x1 = min(box[3] + margin, part[3]), min(box[2] + margin, part[2])  # a negative margin leaves a rim out
     for y in range(max(box[1] - margin, part[1]), y1 - BLOCK + 1, step):

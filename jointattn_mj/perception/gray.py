@@ -1,4 +1,4 @@
-"""Grey values of an image, worked out only where somebody reads them: a sixth of it is enough in most looks."""
+"""Grey values of an image, worked out only where they are read: mostly a sixth of the image."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ _RED, _GREEN, _BLUE, _HALF, _BITS = (np.uint32(k) for k in (9798, 19235, 3735, 1
 
 
 def require_image(image: Any) -> None:
-    """Hold an image against what compiled code reads.
+    """Check that an image can be read by compiled code.
 
     Raises:
         ObservationError: It is no uint8 array (h, w, 3), has no pixels, or does not lie in memory row by row.
@@ -23,7 +23,15 @@ def require_image(image: Any) -> None:
 
 
 def require_gray(gray: Any, shape: tuple[int, ...] = (-1, -1)) -> None:
-    """The same for a grey image (h, w) uint8."""
+    """Check a grey image (h, w) uint8, likewise.
+
+    Args:
+        gray: The image.
+        shape: Its height and width; -1 for any.
+
+    Raises:
+        ObservationError: It is no such image.
+    """
     require_array("grey image", gray, shape, "u")
     _require_pixels("grey image", gray)
 
@@ -36,7 +44,7 @@ def _require_pixels(name: str, image: np.ndarray) -> None:
         )
 
 
-def _check_fill(image, gray, x0, y0, x1, y1):
+def _check_fill(image: Any, gray: Any, x0: Any, y0: Any, x1: Any, y1: Any) -> None:
     require_image(image)
     require_gray(gray, image.shape[:2])
     numbers("part of the image", (x0, y0, x1, y1), (4,))
@@ -45,9 +53,15 @@ def _check_fill(image, gray, x0, y0, x1, y1):
 @checked_by(_check_fill)
 @njit(cache=True)
 def fill_gray(image, gray, x0, y0, x1, y1):
-    """Work out ``gray`` (h, w) uint8 from x0, y0 to x1, y1 (exclusive; cut at the border), as OpenCV does to the bit.
+    """Work out part of a grey image, as OpenCV does to the bit.
 
-    image: (h, w, 3) uint8 RGB, contiguous like ``gray``.
+    Args:
+        image: (h, w, 3) uint8 RGB, contiguous.
+        gray: (h, w) uint8, contiguous; written to.
+        x0: Left edge of the part, pixels; it is cut at the border.
+        y0: Upper edge.
+        x1: Right edge, exclusive.
+        y1: Lower edge, exclusive.
     """
     height, width = gray.shape
     x0, y0, x1, y1 = max(x0, 0), max(y0, 0), min(x1, width), min(y1, height)

@@ -1,21 +1,16 @@
-"""What moves while the robot's head is still (eq. 6.3, |f_i| > epsilon_i; section 6.4.1: block matching).
+"""Motion detection: which candidates move while the robot's head is still (eq. 6.3, |f_i| > epsilon_i; section 6.4.1).
 
-An image is compared with the one two frames back, in blocks of 8x8 pixels. Each block descends to the displacement
-with the least sum of squared differences, in whole pixels, and a parabola through the neighbouring sums on each axis
-gives the fraction. Squares, not absolute values: near its minimum a sum of squares is a parabola, whereas a sum of
-absolute values is a wedge, and a parabola through a wedge halves small displacements. The sums are taken both ways,
-the new block in the old image and the old block in the new one; one way alone reads up to .1 px of motion from two
-images that are equal, since what enters the block on its two sides differs.
+An image is compared with the one two frames back by block matching (``perception.flow``).
 
-The face moves when the mean flow of its textured blocks is long enough; the region is the same through a fixation, so
-that it does not move with the face. An object moves when its centroid and the flow of its blocks both do, and when its
-pixels changed as those of a thing that moves: an arm that passes behind it has flow but no centroid shift, and one
-that passes before it pulls the centroid, but takes pixels on one side without adding any on the other.
+The face moves where the mean flow of its textured blocks is long enough. Its region stays the same through a fixation,
+so that it does not move with the face. An object moves where its centroid and its blocks both move, and its pixels
+change as those of a moving thing. An arm that passes behind it gives flow, but no shift of the centroid. An arm that
+passes before it shifts the centroid, but takes pixels on one side without adding any on the other.
 """
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -37,48 +32,63 @@ NOWHERE: Box = (0, 0, 0, 0)
 class MotionConfig(Checked):
     """Options of motion detection. epsilon_i of eq. 6.3 is "a small positive constant"; all of these are choices.
 
-    The thresholds were set on rendered fixations (no camera noise) so that objects faster than .05 m/s and heads faster
-    than 4 deg/s are told from slower ones. THESIS.md's own were .20 and .12 px, with a one-way parabola.
+    Thresholds were set on rendered fixations without camera noise, so that objects faster than .05 m/s and heads faster
+    than 4 degrees/s are told from slower ones.
     """
 
     frames_back: Annotated[int, Whole("[1, 300]")] = 2
-    """A head turning at 60 deg/s shifts .6 px a frame: over two frames it stands out, over more it comes late."""
+    """Frames between the two images. A head that turns at 60 degrees/s shifts .6 px a frame: two make it stand out, and
+    more would delay it."""
     face_px: Annotated[float, Real("[0, 1000]")] = 0.045
-    """epsilon of the face (eq. 6.3), pixels in ``frames_back`` frames, of the mean flow: about 4 deg/s of head turn."""
+    """epsilon of the face (eq. 6.3): mean flow, pixels in ``frames_back`` frames; about 4 degrees/s of the head."""
     object_px: Annotated[float, Real("[0, 1000]")] = 0.25
-    """epsilon of an object (eq. 6.3), pixels in ``frames_back`` frames, of centroid and of mean block flow alike."""
+    """epsilon of an object (eq. 6.3): shift of the centroid and mean flow, each, pixels in ``frames_back`` frames."""
     stay_ratio: Annotated[float, Real("[0, 100]")] = 1.0
-    """A flag that is on stays on above this share of its threshold; less than 1 bridges noise."""
+    """What moves goes on moving above this share of its threshold; less than 1 bridges noise."""
     linger_frames: Annotated[int, Whole("[0, 1e6]")] = 0
-    """And so many frames longer. With clean images the two frames back already delay the end by one."""
+    """Frames for which motion goes on afterwards. ``frames_back`` already delays the end by one."""
     texture: Annotated[float, Real("[0.001, 1e6]")] = 4.0
-    """Mean squared grey difference that one pixel's shift makes in a block, below which an axis has no flow."""
+    """Least mean squared grey difference that a shift by one pixel makes in a block; below it an axis has no flow."""
     face_inset_px: Annotated[int, Whole("[0, 120]")] = 4
-    """Rim of the face's box left out: hair's edge and what moves behind the head. 24x24 of 32x32 pixels stay."""
+    """Rim of the face's box, pixels, that is left out: edge of the hair, background. 24x24 of 32x32 pixels stay."""
     step_px: Annotated[int, Whole("[1, 240]")] = 4
-    """Distance of blocks: half overlapping, for an object is only two blocks wide."""
+    """Distance of blocks, pixels: they overlap by half, since an object is only two blocks wide."""
     object_margin_px: Annotated[int, Whole("[0, 240]")] = 2
-    """Rim around an object's box, so that its outline lies inside blocks."""
+    """Rim around an object's box, pixels, so that its outline lies inside blocks."""
     reach_px: Annotated[int, Whole("[1, 240]")] = 6
-    """How far a block descends from where it starts: nought for the face, the centroid's shift for an object."""
+    """How far a block descends, pixels, from where it starts: 0 for the face, the centroid's shift for an object."""
     refit_ratio: Annotated[float, Real("[0, 100]")] = 0.7
-    """From one pixel of centroid shift on, the share of changed pixels that may be left after shifting the old mask."""
+    """Largest share of changed pixels that remains once the old mask is shifted, for shifts of a pixel and more."""
+
+    ADVANCED: ClassVar = ("step_px", "object_margin_px", "reach_px", "refit_ratio")
 
 
 @dataclass
 class Motion:
-    """What moves now. Arrays belong to the detector and hold until its next image."""
+    """What moves now. The arrays belong to the detector and hold until its next image.
+
+    Attributes:
+        face_moves: Whether the face moves.
+        object_moves: (n,) bool, which objects move.
+        blocks: (m, 2) centres (x, y), pixels, of the textured blocks.
+        flow: (m, 2) displacement (x, y), pixels in ``frames_back`` frames.
+        owner: (m,) which object a block belongs to; n for the face.
+    """
 
     face_moves: bool
-    object_moves: np.ndarray  # (n,) bool
-    blocks: np.ndarray  # (m, 2) centres (x, y) of the textured blocks
-    flow: np.ndarray  # (m, 2) displacement (x, y), pixels since the image compared with
-    owner: np.ndarray  # (m,) which object a block belongs to, n for the face
+    object_moves: np.ndarray
+    blocks: np.ndarray
+    flow: np.ndarray
+    owner: np.ndarray
+
+    def __repr__(self) -> str:
+        moving = np.flatnonzero(self.object_moves).tolist()
+        return f"Motion(face_moves={self.face_moves}, objects moving={moving}, {len(self.blocks)} blocks)"
 
 
 @njit(cache=True)
 def _changed(mask, corner, before, corner_before, shift_x, shift_y):
-    """Pixels gained and lost from the mask before, moved by a shift, to the mask now."""
+    """Numbers of pixels gained and lost from the old mask, moved by a shift, to the new one."""
     side = mask.shape[0]
     right, down = corner[0] - corner_before[0] - shift_x, corner[1] - corner_before[1] - shift_y
     now, old, both = 0, 0, 0
@@ -94,10 +104,10 @@ def _changed(mask, corner, before, corner_before, shift_x, shift_y):
 
 @njit(cache=True)
 def _moved_as_one(mask, corner, box, before, corner_before, box_before, shift_x, shift_y, refit_ratio):
-    """Whether the pixels changed as a moving thing's do, and not as those of one that something passes before.
+    """Whether an object's pixels changed because it moved, and not because something passed before it.
 
-    A small move gains pixels on one side and loses some on the other, or, for a box seen straight on, just one whole
-    row or column. A move of a pixel or more is undone by shifting.
+    A small move gains pixels on one side and loses some on the other; or, for a box seen straight on, gains or loses
+    just one row or column. After a move of a pixel or more, shifting the old mask leaves little difference.
     """
     gained, lost = _changed(mask, corner, before, corner_before, 0, 0)
     if shift_x * shift_x + shift_y * shift_y <= 1.0:
@@ -113,7 +123,7 @@ def _moved_as_one(mask, corner, box, before, corner_before, box_before, shift_x,
 
 @njit(cache=True)
 def _mean_length(flow, start, count):
-    """Length of the mean of flow vectors start..count; 0 without any."""
+    """Length of the mean of the flow vectors from ``start`` to ``count``; 0 without any."""
     x, y = 0.0, 0.0
     for i in range(start, count):
         x += flow[i, 0]
@@ -123,7 +133,7 @@ def _mean_length(flow, start, count):
 
 @njit(cache=True)
 def _common(corner, other, side, shape, part):
-    """What two windows of ``side`` pixels have in common within the image."""
+    """Write the part that two windows of ``side`` pixels have in common within the image."""
     for axis in range(2):
         part[axis] = max(corner[axis], other[axis], 0)
         part[2 + axis] = min(min(corner[axis], other[axis]) + side, shape[1 - axis])
@@ -145,10 +155,10 @@ def _measure(
     visible_before, px_before, box_before, mask_before, corner_before,
     inset, step, margin, reach, floor, least, refit_ratio, blocks, flow, owners, strength,
 ):  # fmt: skip
-    """Flow of the blocks of the face and of objects that may have moved, and each one's strength of motion, pixels.
+    """Work out the flow of the face and of objects that may have moved, and each one's strength of motion, pixels.
 
-    An object whose centroid has not moved by ``least`` has no flow, nor has a face that looks the same to the last
-    grey value. Returns the number of blocks.
+    An object whose centroid moved less than ``least`` has no flow, nor has a face without any changed grey value.
+    Returns the number of blocks.
     """
     n, count = len(visible), 0
     part = np.zeros(4, np.int64)
@@ -179,7 +189,7 @@ def _measure(
 
 @njit(cache=True)
 def _raise_flags(strength, flow, scale, face_px, object_px, stay_ratio, linger, on, left):
-    """Thresholds with hysteresis: eq. 6.3's |f_i| > epsilon_i. Strength and flow are scaled up first."""
+    """Apply thresholds with hysteresis, |f_i| > epsilon_i (eq. 6.3), after scaling up strength and flow."""
     strength *= scale
     flow *= scale
     for i in range(len(on)):
@@ -193,7 +203,7 @@ def _raise_flags(strength, flow, scale, face_px, object_px, stay_ratio, linger, 
 
 
 class MotionDetector:
-    """Tells who moves. Holds the last few images and areas: it can be pickled."""
+    """Tells which candidates move, from the last few images. It can be pickled."""
 
     def __init__(self, config: MotionConfig | None = None):
         self.config = config or MotionConfig()
@@ -205,11 +215,15 @@ class MotionDetector:
         self._box: Box | None = None
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without working space."""
+        """All but working space."""
         return {name: value for name, value in self.__dict__.items() if name not in ("_blocks", "_flow", "_owners")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Restore a detector. Raises ValueError: It is none that compiled code can go on with."""
+        """Restore a detector.
+
+        Raises:
+            ValueError: Compiled code could not go on with it.
+        """
         fresh = MotionDetector(state["config"])
         self.__dict__.update({**fresh.__dict__, **state})
         check_array("on", self._on, self._on.shape[:1], bool)
@@ -220,24 +234,31 @@ class MotionDetector:
                 check_whole("an edge", edge, -MOST_PX, MOST_PX)
 
     def check_kept(self, gray: np.ndarray, areas: Areas) -> None:
-        """Refuse what is kept of other images than such. Raises ValueError."""
-        for before, _, found in self._kept:
+        """Check that the kept images and areas are like these.
+
+        Raises:
+            ValueError: They are not.
+        """
+        for before, _, old in self._kept:
             check_array("an image", before, gray.shape, np.uint8)
-            check_areas(found, areas)
+            check_areas(old, areas)
 
     def reset(self) -> None:
-        """Forget all images: the head has moved, and a fixation begins (section 6.3.2: no flow while it turns)."""
+        """Forget all images, as a fixation begins (section 6.3.2: there is no flow while the head turns)."""
         self._kept.clear()
         self._box = None
         self._on[:] = False
         self._left[:] = 0
 
     def face_part(self, face_box: Box | None, shape: tuple[int, ...]) -> Box:
-        """What `update` will read of an image (h, w) for the face; it reads the objects in the windows of their masks.
+        """The part of an image that ``update`` will read for the face; objects are read in the windows of their masks.
 
         Args:
-            face_box: As for `update`.
-            shape: h, w.
+            face_box: As for ``update``.
+            shape: Height and width of the image.
+
+        Returns:
+            x0, y0, x1, y1, the last two exclusive.
         """
         box = self._box
         if face_box is not None:
@@ -250,17 +271,19 @@ class MotionDetector:
         return max(box[0] - rim, 0), max(box[1] - rim, 0), min(box[2] + rim, shape[1]), min(box[3] + rim, shape[0])
 
     def update(self, gray: np.ndarray, face_box: Box | None, areas: Areas) -> Motion:
-        """What moves, from one more image of this fixation.
+        """Take one more image of this fixation.
+
+        In the first image nothing moves. Until there are ``frames_back`` earlier images, the oldest is compared with,
+        and displacements are scaled up. An image of another size starts a new fixation.
 
         Args:
-            gray: (h, w) uint8, contiguous.
-            face_box: x0, y0, x1, y1 of the face, None if unseen. The first of a fixation stays in force until `reset`,
-                or until the face is found half a box away.
-            areas: The objects' areas in the same image.
+            gray: (h, w) uint8, contiguous. It is kept, not copied: leave it as it is for ``frames_back`` updates.
+            face_box: x0, y0, x1, y1 of the face; None if it was not detected. The first of a fixation is used until
+                ``reset``, or until the face is detected half a box away.
+            areas: The objects' areas in the same image; they are kept too.
 
-        Image and areas are kept, not copied: the caller leaves them as they are for the next ``frames_back`` updates.
-        In the first image nothing moves; in the next ones, before ``frames_back`` images have passed, the oldest is
-        compared with, and the displacement scaled up. An image of another size begins anew.
+        Returns:
+            What moves.
 
         Raises:
             ObservationError: ``gray`` or ``face_box`` is not such.

@@ -1,7 +1,6 @@
-"""The robot's own perception: everything from the camera image (boxes left of the attention selector in Fig. 6.2)."""
+"""Perception from the camera image: face, objects and motion (left of the attention selector in Fig. 6.2)."""
 
 from collections import deque
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,14 +15,14 @@ from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetector
 from jointattn_mj.perception.gray import fill_gray, require_image
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
 from jointattn_mj.perception.objects import Areas, ColourAreas, ColourConfig, check_areas
-from jointattn_mj.perception.percept import Percept
+from jointattn_mj.perception.percept import Observation, Percept
 from jointattn_mj.scene import camera
 
 MEMORY_RATE = 0.02
-"""Share of each new look in the remembered direction of the face, which says where to search for it."""
+"""Share of each new image in the remembered direction of the face, which says where to expect it."""
 
 MOST_RAD = 100.0
-"""Angles of the head beyond this are none."""
+"""Largest angle of the head that is accepted, rad."""
 
 _pixel_of = njit(cache=True)(camera.pixel_of)
 _direction_of = njit(cache=True)(camera.direction_of)
@@ -31,7 +30,7 @@ _direction_of = njit(cache=True)(camera.direction_of)
 
 @njit(cache=True)
 def _expect(direction, head, image, gray, reach):
-    """Where a remembered direction (2,), deg, should appear to a head at (2,), rad: x, y; fills ``gray`` there."""
+    """Pixel x, y of a remembered direction (2,), degrees, for a head at (2,), rad; fills ``gray`` around it."""
     x, y = _pixel_of(direction, np.degrees(head))
     column, row = round(x), round(y)
     fill_gray(image, gray, column - reach, row - reach, column + reach, row + reach)
@@ -40,21 +39,21 @@ def _expect(direction, head, image, gray, reach):
 
 @njit(cache=True)
 def _remember(direction, x, y, head, rate):
-    """Let a remembered direction (2,), deg, follow what a head at (2,), rad, sees at (x, y) in the image."""
+    """Move a remembered direction (2,), degrees, by ``rate`` towards that of pixel (x, y), for a head at (2,), rad."""
     direction += rate * (_direction_of(np.array([x, y]), np.degrees(head)) - direction)
 
 
 @njit(cache=True)
-def _gather(visible, px, moves, areas_visible, areas_px, objects_move, found, x, y, face_moves):
-    """Write down what was seen of the objects and, last, of the face."""
+def _gather(visible, px, moves, areas_visible, areas_px, objects_move, face_found, x, y, face_moves):
+    """Write the percept of the objects and, last, of the face."""
     n = len(areas_visible)
     visible[:n], px[:n], moves[:n] = areas_visible, areas_px, objects_move
-    visible[n], px[n, 0], px[n, 1], moves[n] = found, x, y, face_moves
+    visible[n], px[n, 0], px[n, 1], moves[n] = face_found, x, y, face_moves
 
 
 @dataclass(frozen=True)
 class PixelConfig(Checked):
-    """Options of the pixel path, part by part."""
+    """Options of perception from images, part by part."""
 
     faces: FaceDetectorConfig = field(default_factory=FaceDetectorConfig)
     """Face detection by template matching."""
@@ -65,10 +64,11 @@ class PixelConfig(Checked):
 
 
 class PixelPerception:
-    """Looks at the image; knows nothing of the world but the colours of the objects that interest it.
+    """Percepts from images alone; of the world it knows the colours of the objects.
 
     Attributes:
-        faces: Who finds the face; can be exchanged before the first look.
+        faces: The face detector; it can be exchanged before the first image.
+        colours: The object detector.
         fix: The last answer of the face detector.
         motion: The last answer of the motion detector, with its flow vectors.
     """
@@ -76,7 +76,13 @@ class PixelPerception:
     pattern_size = PATCH_SIDE**2
 
     def __init__(self, config: PixelConfig, rgb: np.ndarray, memory_rate: float = MEMORY_RATE):
-        """``rgb`` (n, 3): the objects' nominal colours, 0..1; ``memory_rate``: how fast it follows a face's place."""
+        """Make the detectors.
+
+        Args:
+            config: Their options.
+            rgb: (n, 3) the objects' nominal colours, 0 to 1.
+            memory_rate: Share of each new image in the remembered direction of the face, 0 to 1.
+        """
         self.faces: FaceFinder = FaceDetector(config.faces)
         self.colours = ColourAreas(rgb, config.colours)
         self._motion = MotionDetector(config.motion)
@@ -85,38 +91,47 @@ class PixelPerception:
         self._memory_rate = memory_rate
         self._gray = np.zeros((0, 0), np.uint8)
         self.fix = FaceFix(float("nan"), float("nan"), -1.0, False)
-        self._looks: deque[tuple[np.ndarray, Areas]] = deque()  # grey images and areas, written by turns
+        self._buffers: deque[tuple[np.ndarray, Areas]] = deque()  # grey images and areas, written to in turn
         self.motion: Motion | None = None
         count = len(rgb) + 1
         self._percept = Percept(np.zeros(count, bool), np.full((count, 2), np.nan), np.zeros(count, bool))
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Restore a perceiver. Raises ValueError: It is none that compiled code can go on with."""
+        """Restore a perceiver.
+
+        Raises:
+            ValueError: Compiled code could not go on with it.
+        """
         self.__dict__.update(state)
         areas, count = self.colours.nothing(), len(self.colours.nothing().visible) + 1
         check_array("the face's direction", self._face_direction, (2,), float, -360, 360)
-        check_array("seen", self._percept.visible, (count,), bool)
+        check_array("visible", self._percept.visible, (count,), bool)
         check_array("moves", self._percept.moves, (count,), bool)
         check_array("px", self._percept.px, (count, 2), float)
-        for gray, found in self._looks:
+        for gray, kept in self._buffers:
             check_array("a grey image", gray, self._gray.shape, np.uint8)
-            check_areas(found, areas)
+            check_areas(kept, areas)
         check_array("the grey image", self._gray, self._gray.shape, np.uint8)
         self._motion.check_kept(self._gray, areas)
 
-    def look(self, observation: Mapping[str, np.ndarray], landed: bool) -> Percept:
-        """Face, colour areas and motion of this image; ``landed`` begins a new history of motion.
+    def perceive(self, observation: Observation, landed: bool) -> Percept:
+        """Detect face, objects and motion in an image.
+
+        Args:
+            observation: Image, and angles of the head, rad.
+            landed: Whether a fixation begins, before which no motion is known.
+
+        Returns:
+            The percept; it holds until the next one.
 
         Raises:
-            ObservationError: No image (h, w, 3) uint8, contiguous, under ``camera``, or no two angles, rad, under
-                ``head_angles``.
+            ObservationError: ``observation`` has no image (h, w, 3) uint8, contiguous, or no two angles, rad.
         """
-        if not {"camera", "head_angles"} <= set(observation):
-            raise ObservationError(f"an observation has camera and head_angles; got {', '.join(observation)}")
-        head, image = observation["head_angles"], observation["camera"]
+        head: Any = getattr(observation, "head_angles", None)
+        image: Any = getattr(observation, "image", None)
         require_image(image)
         require_array("head_angles", head, (2,), "f", -MOST_RAD, MOST_RAD)
-        gray, areas = self._next_look(image.shape[:2])
+        gray, areas = self._next_buffers(image.shape[:2])
         expected = None
         self.colours.find(image, gray, areas)
         if self._knows_face:
@@ -138,21 +153,21 @@ class PixelPerception:
         )  # fmt: skip
         return percept
 
-    def _next_look(self, shape: tuple[int, ...]) -> tuple[np.ndarray, Areas]:
-        """Where to write this look's grey image (h, w) and areas: what the motion detector needs no more."""
+    def _next_buffers(self, shape: tuple[int, ...]) -> tuple[np.ndarray, Areas]:
+        """Grey image (h, w) and areas to write to: those that the motion detector needs no more."""
         if self._gray.shape != shape:
             kept = self._motion.config.frames_back + 1
-            self._looks = deque((np.zeros(shape, np.uint8), self.colours.nothing()) for _ in range(kept))
-        self._looks.rotate()
-        self._gray, areas = self._looks[0]
+            self._buffers = deque((np.zeros(shape, np.uint8), self.colours.nothing()) for _ in range(kept))
+        self._buffers.rotate()
+        self._gray, areas = self._buffers[0]
         return self._gray, areas
 
     def face_pattern(self) -> np.ndarray:
-        """The 32x32 grey patch f_v around the face of the last look, (1024,) float32.
+        """The face pattern f_v of the last image: a grey patch of 32x32 pixels, (1024,) float32, 0 to 255.
 
         Raises:
-            ObservationError: There was no look, or it found no face.
+            ObservationError: There was no image, or no face was detected in it.
         """
         if not self.fix.found:
-            raise ObservationError("there is a face pattern only after a look that found the face")
+            raise ObservationError("expected a face in the last image; got none: check percept.visible[-1] first")
         return self.faces.patch(self._gray, self.fix).ravel()

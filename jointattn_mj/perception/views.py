@@ -1,11 +1,9 @@
-"""A bank of views of one face, and where in a grey image any of them fits best (section 6.4.1: "template matching").
+"""A bank of views of one face, and where in a grey image they fit best (section 6.4.1: "template matching").
 
-The measure is the normalised cross-correlation of template and image, -1..1, blind to brightness and contrast. Being
-blind to contrast, it takes a faint stain on a wall for a face; so regions of much less contrast than the first view
-score nothing.
+The fit is the normalised cross-correlation of view and image, -1 to 1, which ignores brightness and contrast. A faint
+stain on a wall could thus pass for a face; so regions with much less contrast than the first view do not count.
 
-Views are cropped so that the face's centre is the template's centre; a match therefore gives the same point of the
-face whichever view fits.
+The centre of a view is the centre of the face. A match therefore gives the same point of the face, whichever view fits.
 """
 
 from typing import Any
@@ -17,18 +15,18 @@ from numba import uintp
 from jointattn_mj.guards.restored import check_array, check_whole
 from jointattn_mj.io.compiled import njit
 
-MOST_PX = 1 << 15  # of an image's side, and so of a template's
+MOST_PX = 1 << 15  # largest side of an image, and so of a view
 FLAT = 5.0  # standard deviation of grey values below which a region has no pattern to correlate
-FAR = 1e6  # pixels; nothing is looked for beyond
-NEAR = 0.05  # a view that scores this much less than the best at a place may still win when it is moved a little
+FAR = 1e6  # pixels; nothing is searched beyond
+NEAR = 0.05  # a view that scores this much less than the best at a position may still win when it is moved a little
 
 
 @njit(cache=True, fastmath=True)
 def _read_window(gray, left, top, columns, rows, side, least_norm, region, shifted, norm):
     """Copy the window's pixels to ``region`` and ``shifted``, and the norm of the pattern at each offset to ``norm``.
 
-    shifted: one copy for each column offset, ``side`` wide, so that the pixels under a template lie in one stretch.
-    A norm below ``least_norm`` is given as infinite, so that the place scores nothing.
+    ``shifted`` has a copy for each column offset, ``side`` wide, in which the pixels under a view are contiguous. A
+    norm below ``least_norm`` becomes infinite, so that the position scores 0.
     """
     height, width = rows + side - 1, columns + side - 1
     for i in range(height):
@@ -100,7 +98,7 @@ def _scan(shifted, norm, penalty, view, side, rows, columns, step):
 
 @njit(cache=True, fastmath=True)
 def _vertex(before, here, after):
-    """Place of a parabola's peak, -.5..5, through three neighbouring values of which ``here`` is the highest."""
+    """Position of a parabola's peak, -.5 to .5, through three neighbouring values, the highest of which is ``here``."""
     curve = before - 2 * here + after
     return np.float32(0.5) * (before - after) / curve if curve < 0 else np.float32(0)
 
@@ -110,11 +108,11 @@ def _match(
     gray, views, n, last, side, x, y, radius, distance_penalty, search_all_below, least_norm,
     region, shifted, norm, penalty, out,
 ):  # fmt: skip
-    """Best view with its centre within ``radius`` of (x, y); its number, or -1 where the image has no such place.
+    """The view that fits best with its centre within ``radius`` of (x, y); -1 where that lies outside the image.
 
-    The view that fitted last climbs from the place next to (x, y). The others are tried where it arrives, and those
-    that come near climb too. All are tried on every second place if the best scores below ``search_all_below``.
-    out: score, x and y of the centre (refined by a parabola on each axis).
+    The view that fitted last climbs from the position next to (x, y). The others are tried where it arrives, and those
+    that come near climb too. If the best scores below ``search_all_below``, all are tried at every second position.
+    Score, x and y of the centre, refined by a parabola on each axis, are written to ``out``.
     """
     corner_x, corner_y = x - (side - 1) / 2, y - (side - 1) / 2
     left, top = int(np.rint(corner_x)), int(np.rint(corner_y))
@@ -160,12 +158,22 @@ def _match(
 
 
 def crop(gray: np.ndarray, x: float, y: float, side: int) -> np.ndarray:
-    """(side, side) grey values around the point (x, y), between pixels by interpolation, repeated beyond the border."""
+    """Crop a square from an image.
+
+    Args:
+        gray: (h, w) uint8.
+        x: Its centre, pixels; values between pixels are interpolated, those beyond the border repeated.
+        y: Likewise.
+        side: Its side, pixels.
+
+    Returns:
+        (side, side) float32 grey values.
+    """
     return cv2.getRectSubPix(gray, (side, side), (float(x), float(y)), patchType=cv2.CV_32F)
 
 
 def normalised(patch: np.ndarray) -> tuple[np.ndarray, float]:
-    """``patch`` with zero mean and unit norm (zeros where it is flat), and the norm that it had without its mean."""
+    """A patch with zero mean and unit norm, or zeros if it is flat; and its norm without the mean."""
     centred = patch - patch.mean()
     norm = float(np.linalg.norm(centred))
     flat = norm <= FLAT * np.sqrt(patch.size)
@@ -173,16 +181,30 @@ def normalised(patch: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 class ViewBank:
-    """Square templates of ``side`` pixels, up to ``capacity``.
+    """Square views of a face.
 
-    A view stays: replacing views by newer ones, each placed by those before it, would let the face's place drift. Only
-    when the bank is full, one that has not won in ``forget_after`` matches gives way; never the first.
+    Views stay: newer ones, each positioned by those before it, would let the face's position drift. Only when the bank
+    is full, a view that has not fitted best in ``forget_after`` matches is replaced; never the first.
+
+    Attributes:
+        n: How many views there are.
     """
 
     def __init__(
         self, side: int, capacity: int, radius: int, distance_penalty: float, search_all_below: float,
         contrast_ratio: float, forget_after: int,
     ):  # fmt: skip
+        """Make an empty bank.
+
+        Args:
+            side: Side of views, pixels.
+            capacity: Largest number of views.
+            radius: Distance from the expected position, pixels, that ``match`` searches.
+            distance_penalty: Loss of score for each squared pixel from there.
+            search_all_below: Score below which ``match`` tries all views in all of the window.
+            contrast_ratio: Least contrast of a match, as a share of the first view's.
+            forget_after: Matches after which an unused view may be replaced.
+        """
         self.side, self.capacity, self.radius = side, capacity, radius
         self.search_all_below, self.contrast_ratio = search_all_below, contrast_ratio
         self.forget_after, self.distance_penalty = forget_after, distance_penalty
@@ -199,7 +221,11 @@ class ViewBank:
         self._out = np.zeros(3)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Restore a bank. Raises ValueError: It is none that compiled code can search."""
+        """Restore a bank.
+
+        Raises:
+            ValueError: Compiled code could not search it.
+        """
         self.__dict__.update(state)
         side, radius, capacity = self.side, self.radius, self.capacity
         window, offsets = side + 2 * radius, 2 * radius + 1
@@ -217,11 +243,20 @@ class ViewBank:
 
     @property
     def views(self) -> np.ndarray:
-        """(n, side, side) float32, zero mean and unit norm: for figures."""
+        """The views, (n, side, side) float32, with zero mean and unit norm."""
         return self._views[: self.n].reshape(-1, self.side, self.side)
 
     def add(self, gray: np.ndarray, x: float, y: float) -> bool:
-        """Keep the region around (x, y) as a view. False if it is flat, or the bank full of views in use."""
+        """Add the region around a point as a view.
+
+        Args:
+            gray: (h, w) uint8.
+            x: The point, pixels.
+            y: Likewise.
+
+        Returns:
+            Whether it was added; not if it is flat, or the bank full of views in use.
+        """
         view, norm = normalised(crop(gray, x, y, self.side))
         if not view.any():
             return False
@@ -245,10 +280,15 @@ class ViewBank:
         return np.concatenate([np.zeros(1, int), order])
 
     def match(self, gray: np.ndarray, x: float, y: float) -> tuple[float, float, float]:
-        """Best fit of any view with its centre within ``radius`` of (x, y), where a place near (x, y) is preferred.
+        """The best fit of any view near a point; positions nearer to it are preferred.
+
+        Args:
+            gray: (h, w) uint8.
+            x: The point, pixels.
+            y: Likewise.
 
         Returns:
-            Score -1..1 (-1 if the window lies outside the image) and the centre (x, y) in pixels, to a fraction.
+            Score, -1 to 1, and the centre (x, y), pixels with fractions; -1 and NaN where the window lies outside.
         """
         view = -1
         if self.n > 0 and abs(x) < FAR and abs(y) < FAR:
@@ -262,13 +302,18 @@ class ViewBank:
         self._clock += 1
         self._last = view
         self._used[view] = self._clock
-        score, found_x, found_y = self._out.tolist()
-        return score, found_x, found_y
+        score, centre_x, centre_y = self._out.tolist()
+        return score, centre_x, centre_y
 
     def search(self, gray: np.ndarray, count: int) -> list[tuple[float, float]]:
-        """Centres (x, y) where the ``count`` views of `recent` fit best in the whole image, at half resolution.
+        """Where views fit best in the whole image, at half resolution.
 
-        Nowhere in an image that is smaller than a view.
+        Args:
+            gray: (h, w) uint8.
+            count: How many views are tried: those of ``recent``.
+
+        Returns:
+            A centre (x, y), pixels, for each view; none in an image that is smaller than a view.
         """
         if min(gray.shape) < self.side:
             return []
@@ -277,11 +322,11 @@ class ViewBank:
         mean = cv2.blur(half, (side, side), anchor=(0, 0), borderType=cv2.BORDER_REPLICATE)
         square = cv2.blur(half * half, (side, side), anchor=(0, 0), borderType=cv2.BORDER_REPLICATE)
         faint = square - mean * mean < (self._least_norm / self.side / 2) ** 2  # the coarse image has less contrast
-        locations = []
+        centres = []
         for index in self.recent(count):
             small = cv2.resize(self.views[index], (side, side), interpolation=cv2.INTER_AREA)
             fit = cv2.matchTemplate(half, small, cv2.TM_CCOEFF_NORMED)
             fit[faint[: fit.shape[0], : fit.shape[1]]] = -1
             left, top = cv2.minMaxLoc(fit)[3]
-            locations.append((2 * left + middle, 2 * top + middle))
-        return locations
+            centres.append((2 * left + middle, 2 * top + middle))
+        return centres

@@ -2,76 +2,47 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated, Any, Literal
-
-import tyro
+from typing import Annotated, Any
 
 from jointattn_mj.contingency.discovery import Finding, discover, least_surrogates
-from jointattn_mj.contingency.significance import Adjust, TestOptions
+from jointattn_mj.contingency.names import OF_EVENTS, measure_choice
+from jointattn_mj.contingency.significance import Adjust
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.results import bracket, number, result_paths, share, write_results
-from jointattn_mj.options import Real, Seed, Whole
+from jointattn_mj.options import Real, Whole
 from jointattn_mj.recordings.measure import exchange_notes
+from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
-from jointattn_mj.recordings.reader import ReadOptions
-
-MEASURES = {"sac": "state_action_contingency", "tc": "combined_transfer_entropy"}
 
 
 @dataclass(frozen=True)
-class DiscoverOptions(ReadOptions):
+class DiscoverOptions(RecordingTestOptions):
     """Which events are compared, and how they are tested."""
 
-    file: tyro.conf.Positional[Path]
-    """CSV file with a header, or Parquet file, with a row for every step; the row after answers the row before."""
     sensors: tuple[str, ...]
     """Columns of what is sensed, S."""
     actions: tuple[str, ...]
     """Columns of what is done, A."""
     results: tuple[str, ...]
     """Columns of what may come of it, R."""
-    measure: Literal["sac", "tc"] = "sac"
-    """Contingency by SAC (eq. 5.2), or by T^C (eq. 4.3)."""
+    measure: Annotated[str, measure_choice(OF_EVENTS)] = "sac"
+    """Measure of contingency: sac (eq. 5.2) or tc (T^C, eq. 4.3)."""
     correction: Adjust = "holm"
     """Correction of p for the number of events."""
     alpha: Annotated[float, Real("[1e-9, 1)")] = 0.05
     """Level of significance."""
     explain: Annotated[int, Whole("[0, 1e6]")] = 3
     """So many of the first events, if significant, also tell which values carry them."""
-    base: Annotated[float, Real("(1, 1e6]")] = 2
-    """Base of the logarithm: 2 for bits."""
-    surrogates: Annotated[int, Whole("[1, 1e9]")] = 1000
-    """Permutations of the sensor within (r, a), behind effective values and p."""
-    resamples: Annotated[int, Whole("[0, 1e9]")] = 500
-    """Bootstrap resamples behind the intervals; 0 leaves these out."""
-    seed: Seed = 0
-    """Random seed of both."""
-    across_recordings: bool = False
-    """Permute among all recordings: for many short ones of the same kind."""
-    out: Path | None = None
-    """Also write the rows here, as .csv and, with config and versions, as .json."""
-    yes: bool = False
-    """Go on however long the surrogates take; without, more than half an hour is refused."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if not (self.sensors and self.actions and self.results):
             raise ConfigError("discover needs at least one column each for --sensors, --actions and --results")
 
-    def test(self) -> TestOptions:
-        """How significance is found."""
-        return TestOptions(self.surrogates, across_recordings=self.across_recordings, resamples=self.resamples)
-
     @property
-    def events(self) -> int:
+    def tests(self) -> int:
         """Number of events."""
         return len(self.sensors) * len(self.actions) * len(self.results)
-
-    @property
-    def draws(self) -> int:
-        """Surrogates and resamples of all events."""
-        return (self.surrogates + self.resamples) * self.events
 
 
 @dataclass(frozen=True)
@@ -127,7 +98,7 @@ class DiscoverResult:
         adjusted = how[self.options.correction]
         lines += [
             "",
-            f"* significant at {self.options.alpha:g}; p adj.: for {self.options.events} events, {adjusted}.",
+            f"* significant at {self.options.alpha:g}; p adj.: for {self.options.tests} events, {adjusted}.",
         ]
         return "\n".join([*lines, *(f"Note: {note}." for note in self.notes)])
 
@@ -150,7 +121,7 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
         options.sensors,
         options.actions,
         options.results,
-        measure=MEASURES[options.measure],
+        measure=options.measure,
         options=options.test(),
         how=options.correction,
         alpha=options.alpha,
@@ -161,10 +132,10 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
         progress=patient(progress, options.draws, options.yes),
     )
     notes = [*data.notes(), *exchange_notes([one.significance for one in findings])]
-    needed = least_surrogates(options.events, options.alpha)
+    needed = least_surrogates(options.tests, options.alpha)
     if options.correction == "holm" and options.surrogates < needed:
         notes.append(
-            f"with {options.surrogates} surrogates no single one of {options.events} events can be significant; "
+            f"with {options.surrogates} surrogates no single one of {options.tests} events can be significant; "
             f"--surrogates {needed} would do"
         )
     result = DiscoverResult(options, findings, data.labels, tuple(notes))

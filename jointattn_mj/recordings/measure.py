@@ -2,11 +2,8 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated
 
 import numpy as np
-import tyro
 
 from jointattn_mj.contingency.granger import linear_granger
 from jointattn_mj.contingency.information import (
@@ -18,58 +15,38 @@ from jointattn_mj.contingency.information import (
     Measure,
 )
 from jointattn_mj.contingency.series import check_base
-from jointattn_mj.contingency.significance import Significance, TestOptions, assess_steps
+from jointattn_mj.contingency.significance import Significance, assess_steps
 from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.io.results import bracket, number, result_paths, share, write_results
-from jointattn_mj.options import Real, Seed, Whole
+from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
-from jointattn_mj.recordings.reader import ReadOptions, Recordings
+from jointattn_mj.recordings.reader import Recordings
 
 ALONE = (TRANSFER, MUTUAL)
 CONDITIONED = (CONTINGENCY, COMBINED, TRANSFER, MUTUAL, CONDITIONAL_MUTUAL)
 
 
 @dataclass(frozen=True)
-class MeasureOptions(ReadOptions):
+class MeasureOptions(RecordingTestOptions):
     """What is measured, and how it is tested."""
 
-    file: tyro.conf.Positional[Path]
-    """CSV file with a header, or Parquet file, with a row for every step; the row after answers the row before."""
     source: tuple[str, ...]
     """Column whose influence is asked for, such as a sensor; several are taken jointly."""
     target: tuple[str, ...]
     """Column that may be influenced, the result."""
     condition: tuple[str, ...] = ()
     """Column that is known anyway, such as an action: gives T^C (eq. 4.3) and SAC (eq. 5.2) too."""
-    base: Annotated[float, Real("(1, 1e6]")] = 2
-    """Base of the logarithm: 2 for bits."""
-    surrogates: Annotated[int, Whole("[1, 1e9]")] = 1000
-    """Permutations behind effective values and p."""
-    resamples: Annotated[int, Whole("[0, 1e9]")] = 500
-    """Bootstrap resamples behind the intervals; 0 leaves these out."""
-    seed: Seed = 0
-    """Random seed of both."""
-    across_recordings: bool = False
-    """Permute among all recordings: for many short ones of the same kind."""
-    out: Path | None = None
-    """Also write the rows here, as .csv and, with config and versions, as .json."""
-    yes: bool = False
-    """Go on however long the surrogates take; without, more than half an hour is refused."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if not (self.source and self.target):
             raise ConfigError("measure needs at least one column each for --source and --target")
 
-    def test(self) -> TestOptions:
-        """How significance is found."""
-        return TestOptions(self.surrogates, across_recordings=self.across_recordings, resamples=self.resamples)
-
     @property
-    def draws(self) -> int:
-        """Surrogates and resamples of all measures."""
-        return (self.surrogates + self.resamples) * len(CONDITIONED if self.condition else ALONE)
+    def tests(self) -> int:
+        """Number of measures."""
+        return len(CONDITIONED if self.condition else ALONE)
 
 
 @dataclass(frozen=True)
@@ -188,14 +165,14 @@ def _measured(
     progress: Callable[[int], object],
 ) -> Measured:
     unit = check_base(options.base)
-    cells = given.cells()
+    entries = given.entries()
     found = assess_steps(given, measure, options.test(), unit, rng, progress)
-    bound = measure.bound(cells, "smallest") / unit
+    bound = measure.bound(entries, "smallest") / unit
     return Measured(
         measure.name,
         found,
-        found.value - measure.bias(cells, "miller_madow") / unit,
-        found.value - measure.bias(cells, "degrees_of_freedom") / unit,
+        found.value - measure.bias(entries, "miller_madow") / unit,
+        found.value - measure.bias(entries, "degrees_of_freedom") / unit,
         found.corrected / bound if bound > 1e-12 else 0.0,
     )
 

@@ -95,15 +95,34 @@ def read_recordings(
     skip_rows: int = 0,
     rows_are_steps: bool = False,
 ) -> Recordings:
-    """Read ``columns`` of a text file with a header, separated by commas, semicolons or tabs, or of a Parquet file.
+    """Read columns of a text or Parquet file as series of codes, for the estimators of ``contingency``.
 
-    What the file holds counts, not its name. Rows with the same value of the column ``recording`` are one recording, in
-    their order in the file; such values are names. Labels lose blanks around them; 1.0 and 1,0 are the same as 1.
-    Nothing, NA, NaN, null and such are missing. For the other arguments see :class:`ReadOptions`.
+    A text file has a header, and columns separated by commas, semicolons or tabs. What the file holds counts, not its
+    name. Labels lose blanks around them; 1.0 and 1,0 are the same as 1. Nothing, NA, NaN, null and such are missing.
+
+    Args:
+        path: The file, with a row a step.
+        columns: Names of the variables to read.
+        recording: Column that tells independent recordings apart: rows with the same value are one, in their order.
+        missing: What a missing value does: ``"error"``, or ``"break"``, which cuts the recording there.
+        encoding: Encoding of a text file, such as ``"cp1252"``; by default UTF-8, or what its byte order mark says.
+        skip_rows: Lines above the header to leave out.
+        rows_are_steps: Take rows as steps although columns such as onset and offset look like a list of events.
+
+    Returns:
+        Codes by variable, recording by recording, and the label of each code.
 
     Raises:
         SeriesError: No such file or column, nothing in it, another encoding, missing values, numbers with fractions,
             a list of events, or no transition.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from jointattn_mj import read_recordings
+        >>> _ = Path("gaze.csv").write_text("gaze,toy\\nleft,no\\nright,no\\nleft,yes\\n")
+        >>> recordings = read_recordings("gaze.csv", ["gaze", "toy"])
+        >>> recordings.columns["gaze"], recordings.labels["gaze"]
+        ([array([0, 1, 0])], ('left', 'right'))
     """
     options = ReadOptions(
         recording=recording, missing=missing, encoding=encoding, skip_rows=skip_rows, rows_are_steps=rows_are_steps

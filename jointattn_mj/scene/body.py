@@ -1,8 +1,8 @@
 """The caregiver below the head: seated trunk with neck, two arms in sleeves, hands with fingers.
 
-Trunk frame: the caregiver's (origin on the floor below her, x towards the robot). Limb frames: the limb lies along x
-from its joint. Clothes have a texture in figures; in the closed loop their ribs come from normals, which
-costs a tenth of an image less.
+The trunk is in the caregiver's frame: origin on the floor below the head, x towards the robot; metres. A limb lies
+along x from its joint. With ``fine`` meshes are fine and clothes have a texture, for figures; else the ribs of clothes
+come from normals, which saves a tenth of an image's time.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from jointattn_mj.scene.people import Colour
+from jointattn_mj.options import Colour
 from jointattn_mj.scene.shapes import Mesh, merge, noise, to_bytes, tube
 
 WHOLE = (0.0, 0.0, 1.0, 1.0)  # parts of the cloth's texture (u0, v0, u1, v1)
@@ -33,7 +33,7 @@ def _line(
 
 
 def _knit(mesh: Mesh, sides: int) -> Mesh:
-    """A tube of cloth whose normals lean up and down from ring to ring and waver a little: ribs without a texture."""
+    """Ribs without a texture: a tube whose normals lean up and down from ring to ring, and waver a little."""
     rng = np.random.default_rng(31)
     ring = np.arange(len(mesh.vertices)) // (sides + 1)
     along = np.gradient(mesh.vertices.reshape(-1, sides + 1, 3), axis=0).reshape(-1, 3)
@@ -45,7 +45,7 @@ def _knit(mesh: Mesh, sides: int) -> Mesh:
 
 
 def trunk(fine: bool) -> Mesh:
-    """Trunk and the arm that rests in her lap."""
+    """Trunk, and the arm that rests in the lap."""
     sides = 24 if fine else 12
     z, breadth, depth, x = np.array([
         (0.430, 0.000, 0.000, -0.030), (0.432, 0.165, 0.115, -0.030), (0.560, 0.150, 0.104, -0.030),
@@ -99,7 +99,7 @@ def forearm(length: float, fine: bool) -> Mesh:
 
 
 def hand(fine: bool) -> Mesh:
-    """A right hand, palm towards -z, fingers along x over the top of what it holds, the thumb behind it."""
+    """A right hand, palm towards -z, fingers along x over what it holds, the thumb behind it."""
     palm = _limb(
         [(-0.03, 0.022, 0.018), (0.004, 0.025, 0.018), (0.030, 0.037, 0.016), (0.055, 0.040, 0.013),
          (0.066, 0.036, 0.008), (0.070, 0, 0)], 14 if fine else 8, WHOLE,

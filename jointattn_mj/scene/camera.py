@@ -1,7 +1,7 @@
-"""The robot's eye: its geometry as a pinhole camera, and a renderer that works only when somebody looks.
+"""The robot's eye: a pinhole camera's geometry, and a renderer.
 
-Pixels have x to the right and y down. Directions are pairs (pan, tilt) in degrees, in the frame of the robot's base:
-the head angles that would bring a thing to the centre of view. Pan is positive to the robot's left, tilt upwards.
+Pixels have x to the right and y down. A direction is a pair (pan, tilt), degrees, in the frame of the robot's base: the
+head angles that bring a thing to the centre of view. Pan is positive to the robot's left, tilt upwards.
 """
 
 from math import atan2, cos, degrees, hypot, radians, sin, tan
@@ -17,15 +17,15 @@ from jointattn_mj.scene import gl
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 
 FOVY_DEG = 48.5
-"""Vertical angle of view (6.4.1); at 4:3 the horizontal one is 61.9 degrees, as the text says."""
+"""Vertical angle of view, degrees (6.4.1); at 4:3 the horizontal one is 61.9, as the text says."""
 PIVOT = np.array([0.0, 0.0, 1.0])
-"""Where pan axis, tilt axis and optical centre meet, world frame, metres."""
+"""Where pan axis, tilt axis and optical centre meet: (3,), world frame, metres."""
 FOCAL_PX = IMAGE_HEIGHT / 2 / tan(radians(FOVY_DEG / 2))
 CENTRE_X, CENTRE_Y = (IMAGE_WIDTH - 1) / 2, (IMAGE_HEIGHT - 1) / 2
 
 
 def direction_of(pixel: np.ndarray, head: np.ndarray) -> np.ndarray:
-    """Direction (2,) of what appears at ``pixel`` (2,) while the head stands at ``head`` (2,)."""
+    """Direction (2,), degrees, of what appears at ``pixel`` (2,) while the head is at ``head`` (2,), degrees."""
     left, up = (CENTRE_X - pixel[0]) / FOCAL_PX, (CENTRE_Y - pixel[1]) / FOCAL_PX
     pan, tilt = radians(head[0]), radians(head[1])
     ahead, z = cos(tilt) - sin(tilt) * up, sin(tilt) + cos(tilt) * up
@@ -34,7 +34,7 @@ def direction_of(pixel: np.ndarray, head: np.ndarray) -> np.ndarray:
 
 
 def pixel_of(direction: np.ndarray, head: np.ndarray) -> np.ndarray:
-    """Where a thing in ``direction`` (2,) appears to a head at ``head`` (2,); the inverse of direction_of."""
+    """Pixel (2,) of what lies in ``direction`` (2,), with the head at ``head`` (2,); the inverse of direction_of."""
     pan, elevation, tilt = radians(direction[0] - head[0]), radians(direction[1]), radians(head[1])
     x, y, z = cos(elevation) * cos(pan), cos(elevation) * sin(pan), sin(elevation)
     depth, up = cos(tilt) * x + sin(tilt) * z, cos(tilt) * z - sin(tilt) * x
@@ -42,31 +42,34 @@ def pixel_of(direction: np.ndarray, head: np.ndarray) -> np.ndarray:
 
 
 def off_centre(direction: np.ndarray, head: np.ndarray) -> float:
-    """Angle (deg) between two directions, small enough for the plane."""
+    """Angle, degrees, between a direction (2,) and the head's (2,), for angles small enough for the plane."""
     return hypot((direction[0] - head[0]) * cos(radians(head[1])), direction[1] - head[1])
 
 
 def directions_to(points: np.ndarray) -> np.ndarray:
-    """Directions (k, 2) of points (k, 3) in the world, metres."""
+    """Directions (k, 2), degrees, of points (k, 3), world frame, metres."""
     x, y, z = (points - PIVOT).T
-    return np.degrees(np.stack([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))], axis=1))
+    directions: np.ndarray = np.degrees(np.stack([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))], axis=1))
+    return directions
 
 
 def pixels_of_points(points: np.ndarray, head: np.ndarray) -> np.ndarray:
-    """Pixels (k, 2) at which points (k, 3) in the world, metres, appear while the head stands at ``head``, degrees."""
+    """Pixels (k, 2) of points (k, 3), world frame, metres, while the head is at ``head`` (2,), degrees."""
     pan, tilt = radians(head[0]), radians(head[1])
     return _pixels(points, cos(pan), sin(pan), cos(tilt), sin(tilt))
 
 
 def pixels_of_point(point: np.ndarray, heads: np.ndarray) -> np.ndarray:
-    """Pixels (k, 2) at which a point (3,) in the world, metres, appears while the head stands at ``heads`` (k, 2),
-    degrees; the same numbers as one after the other."""
-    turns = [(cos(pan), sin(pan), cos(tilt), sin(tilt)) for pan, tilt in np.radians(heads.astype(float)).tolist()]
-    return _pixels(point[None], *np.array(turns).reshape(-1, 4).T)
+    """Pixels (k, 2) of one point (3,), world frame, metres, for each of ``heads`` (k, 2), degrees.
+
+    The numbers are those of ``pixels_of_points``, to the bit.
+    """
+    rotations = [(cos(pan), sin(pan), cos(tilt), sin(tilt)) for pan, tilt in np.radians(heads.astype(float)).tolist()]
+    return _pixels(point[None], *np.array(rotations).reshape(-1, 4).T)
 
 
 def _pixels(points: np.ndarray, cos_pan: Any, sin_pan: Any, cos_tilt: Any, sin_tilt: Any) -> np.ndarray:
-    """Pixels of many points under one turn of the head, or of one point under many."""
+    """Pixels (k, 2) of k points and one rotation of the head, or of one point and k rotations."""
     x, y, z = (points - PIVOT).T
     ahead = cos_pan * x + sin_pan * y
     depth, up = cos_tilt * ahead + sin_tilt * z, cos_tilt * z - sin_tilt * ahead
@@ -81,24 +84,32 @@ def in_image(pixels: np.ndarray) -> np.ndarray:
 
 
 class Eye:
-    """Renders one camera of a physics into one reused buffer.
+    """Renders one camera of a physics into a buffer that is used again and again.
 
-    The renderer is made at the first image: a scene that nobody looks at needs no OpenGL. It lives in the physics'
-    own rendering context, so that dm_control's ``physics.render`` and wrappers work beside it. It makes the calls of
-    dm_control's ``Camera.render`` that a plain image needs, which saves 4 percent of it.
+    OpenGL is opened at the first image, in the physics' own rendering context: dm_control's ``physics.render`` and
+    wrappers work beside it. Only those calls of dm_control's ``Camera.render`` are made that a plain image needs, which
+    saves 4 percent of the time.
     """
 
     def __init__(
         self, physics: Physics, camera: str = "robot/eye", width: int = IMAGE_WIDTH, height: int = IMAGE_HEIGHT
     ):
+        """Prepare to render.
+
+        Args:
+            physics: Whose scene.
+            camera: Name of a camera of the model.
+            width: Of images, pixels.
+            height: Of images, pixels.
+        """
         self._physics, self._name, self._size = physics, camera, (height, width)
         self._camera: Camera | None = None
         self._rectangle = mujoco.MjrRect(0, 0, width, height)
         self._read = np.empty((height, width, 3), np.uint8)
         self._buffer = np.empty((height, width, 3), np.uint8)
 
-    def look(self) -> np.ndarray:
-        """The image now, uint8 (height, width, 3), RGB; it holds until the next look.
+    def render(self) -> np.ndarray:
+        """Render the image now: uint8 (height, width, 3) RGB, which holds until the next call.
 
         Raises:
             GLError: No image can be rendered here; the message names the packages to install.

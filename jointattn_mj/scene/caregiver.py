@@ -1,11 +1,11 @@
-"""What the caregiver does: the object-transfer task of section 6.4.2.
+"""What the caregiver does, and how fast: the object-transfer task of section 6.4.2.
 
-She picks an object at random and turns to it, reaches, lifts it to a place before her face, observes it, puts it
-elsewhere on the table, and looks at it for a while. Each phase is planned whole when it begins (a ``Plan`` of one row
-per frame) and then played; nothing she does depends on the robot.
+The caregiver picks an object at random and turns to it, reaches, lifts it before the face, observes it, puts it
+elsewhere on the table, and looks at it for a while. Each phase is planned as a whole when it begins (a ``Plan`` of one
+row per frame) and then played. Nothing of this depends on the robot.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Annotated, ClassVar
 
@@ -21,7 +21,7 @@ FRAME_S = 1 / 30
 
 
 class Phase(StrEnum):
-    """The states of the object-transfer task; GREET comes once, before it."""
+    """The phases of the object-transfer task; GREET comes once, before it."""
 
     GREET = "greet"
     TURN = "turn"
@@ -32,6 +32,8 @@ class Phase(StrEnum):
     GAZE = "gaze"
 
 
+DURATIONS = ("greet_s", "turn_s", "reach_s", "lift_s", "observe_s", "put_s", "gaze_s", "withdraw_s")
+"""The fields of ``CaregiverConfig`` that make up the caregiver's pace."""
 FOLLOWING = {
     Phase.GREET: Phase.TURN,
     Phase.TURN: Phase.REACH,
@@ -41,78 +43,98 @@ FOLLOWING = {
     Phase.PUT: Phase.GAZE,
     Phase.GAZE: Phase.TURN,
 }
+"""The phase after each phase."""
 
 
 @dataclass(frozen=True)
 class CaregiverConfig(Checked):
-    """How she moves. Section 6.4.2 fixes "about two seconds" for observing and for gazing; the rest is a choice."""
+    """The caregiver's pace and ways of moving.
+
+    The fields that end in ``_s`` are the pace, in seconds. Section 6.4.2 fixes "about two seconds" for observing and
+    for gazing; all else is a choice.
+    """
 
     greet_s: Seconds = 1.0
-    """She looks at the robot once before she begins, as a person does; the robot's first sight of a frontal face."""
+    """Looking at the robot, once, before anything else: the robot's first sight of a frontal face."""
     turn_s: Seconds = 0.7
-    """A head turn; with minimum jerk, 40 degrees peak at about 107 degrees/s."""
+    """Turning the head to an object; with minimum jerk, 40 degrees peak at about 107 degrees/s."""
     reach_s: Seconds = 0.6
-    """From the resting hand to the object."""
+    """Moving the hand from its resting position to the object."""
     lift_s: Seconds = 0.7
-    """From the table to the holding place."""
+    """Lifting the object from the table to ``holding_location``."""
     observe_s: Seconds = 2.3
-    """"Observes it for about two seconds" (6.4.2)."""
+    """Observing the object: "observes it for about two seconds" (6.4.2)."""
     put_s: Seconds = 1.5
-    """From the holding place to the new place on the table."""
+    """Putting the object down elsewhere on the table."""
     gaze_s: Seconds = 2.0
-    """"Gazes at it for about two seconds" (6.4.2); meanwhile the hand goes back."""
+    """Looking at the object on the table: "gazes at it for about two seconds" (6.4.2); meanwhile the hand goes back."""
     duration_jitter: Annotated[float, Real("[0, 1)")] = 0.2
-    """Each duration is multiplied by a uniform draw from 1 +- this: people are not clockwork."""
+    """Each duration is multiplied by a uniform draw from 1 +- this, since people are not clockwork."""
     withdraw_s: Seconds = 0.8
-    """How long the hand takes back to its resting place while she gazes."""
+    """Moving the hand back to its resting position, during ``gaze_s``."""
     holding_location: tuple[Metres, Metres, Metres] = (1.20, 0.0, 0.895)
-    """Where an object is brought to be observed, world frame, metres: before and below her face."""
+    """Where an object is held to be observed, x, y, z in the world frame, metres: before and below the face."""
     wobble_m: Annotated[float, Real("[0, 1]")] = 0.015
-    """While observed the object is moved to and fro by so much; a still object gives the robot no motion cue and cost
-    the trial runs a third of their successes."""
+    """Amplitude, metres, by which the observed object is moved to and fro. A still object gives the robot no motion cue
+    and cost trial runs a third of their successes."""
     wobble_hz: Annotated[float, Real("[0, 100]")] = 2.0
-    """Pace of that movement; fast and small, so that the learned direction is not smeared."""
+    """Frequency of that movement, hertz: fast and small, so that the learned direction is not smeared."""
     reach_arch_m: Annotated[float, Real("[0, 1]")] = 0.12
-    """How far the hand rises above the straight way, so that it comes down on an object from above."""
+    """How far the empty hand rises above the straight path, metres, so that it comes down on an object from above."""
     carry_arch_m: Annotated[float, Real("[0, 1]")] = 0.06
-    """The same for the hand with an object in it, which must pass over the others."""
+    """The same for a hand with an object, which has to pass over the others, metres."""
     head_share: Share = 0.85
-    """Part of a gaze angle that the head turns; the eyes turn the rest."""
+    """Share of a gaze angle that the head turns; the eyes turn the rest."""
     hand_pitch_deg: Angle = 27.0
-    """The hand points at the robot and so far down; steeper, it hides her chin while she observes an object."""
+    """How far down the hand points, degrees; steeper, it would hide the chin while an object is observed."""
     elbow_at_table_deg: Angle = 25.0
-    """With the hand at the table the elbow is raised so far, and the forearm passes over the other objects."""
+    """How far the elbow is raised with the hand at the table, degrees: the forearm passes over other objects."""
     elbow_at_holding_deg: Angle = -10.0
-    """With the hand at the holding place the elbow hangs, and the forearm leaves the face free."""
+    """The same with the hand at ``holding_location``: the elbow hangs, and the forearm leaves the face free."""
     rest_location: tuple[Metres, Metres, Metres] = (1.21, 0.36, 0.752)
-    """Where the hand rests, on the table beside the objects; world frame, metres."""
+    """Where the hand rests, on the table beside the objects; x, y, z in the world frame, metres."""
+
+    def at_pace(self, factor: float) -> "CaregiverConfig":
+        """The same caregiver, who takes ``factor`` times as long for everything."""
+        return replace(self, **{name: getattr(self, name) * factor for name in DURATIONS})
 
     RENAMED: ClassVar = {"holding_place": "holding_location", "rest_place": "rest_location"}
+    ADVANCED: ClassVar = ("wobble_hz", "reach_arch_m", "carry_arch_m", "elbow_at_table_deg", "elbow_at_holding_deg")
 
 
 @dataclass
 class Plan:
-    """A phase, frame by frame, for T frames."""
+    """A phase of T frames, frame by frame.
 
-    gaze: np.ndarray  # (T, 2) yaw and pitch of her line of sight, her own frame, rad
-    head: np.ndarray  # (T, 2) the head's part of it
-    grasp: np.ndarray  # (T, 3) where the hand's grasp is, world frame, m
-    joints: np.ndarray  # (T, 13) neck yaw and pitch, yaw and pitch of either eye, seven of the arm, rad
+    Attributes:
+        gaze: (T, 2) yaw and pitch of the line of sight, the caregiver's frame, rad.
+        head: (T, 2) the head's part of it, rad.
+        grasp: (T, 3) where the hand's grasp is, world frame, metres.
+        joints: (T, 13) neck yaw and pitch, yaw and pitch of either eye, the seven arm joints, rad.
+    """
+
+    gaze: np.ndarray
+    head: np.ndarray
+    grasp: np.ndarray
+    joints: np.ndarray
+
+    def __repr__(self) -> str:
+        return f"Plan({len(self.joints)} frames)"
 
 
 class TransferScript:
-    """The state machine. After each ``advance`` the attributes say how things stand at the end of that frame.
+    """The caregiver's state machine. Attributes hold for the end of the last frame.
 
     Attributes:
-        phase: What she is doing.
-        target: Index of the object she looks at; None while she looks at the robot.
-        held: Index of the object in her hand, or None.
+        phase: What the caregiver does.
+        target: Index of the object that the caregiver looks at; None for the robot.
+        held: Index of the object in the caregiver's hand, or None.
         joints: (13,) neck yaw and pitch, yaw and pitch of either eye, and the seven arm joints, rad.
-        objects: (n, 3) centres of the objects, world frame, m.
+        objects: (n, 3) centres of the objects, world frame, metres.
     """
 
     following: ClassVar[dict[Phase, Phase]] = FOLLOWING
-    """What she does after each phase."""
+    """The phase after each phase."""
 
     def __init__(
         self,
@@ -124,10 +146,23 @@ class TransferScript:
         arm: Arm,
         rng: np.random.Generator,
     ):
-        """``rest_height`` is that of an object's centre on the table; ``head`` (3,) the head's centre, world frame."""
+        """Lay out the objects, and begin to greet.
+
+        Args:
+            config: Pace and ways of moving.
+            layout: Where objects may lie.
+            object_count: How many objects there are.
+            rest_height: Height of an object's centre on the table, metres.
+            head: (3,) centre of the caregiver's head, world frame, metres.
+            arm: The caregiver's arm.
+            rng: Draws targets, positions and durations.
+
+        Raises:
+            ConfigError: Objects do not fit on the table, or would be held below it.
+        """
         if not config.holding_location[2] > rest_height:
             raise ConfigError(
-                f"caregiver.holding_place must lie above the objects on the table, z > {rest_height:.3f} m; "
+                f"caregiver.holding_location must lie above the objects on the table, z > {rest_height:.3f} m; "
                 f"got {config.holding_location}"
             )
         self.config = config
@@ -147,7 +182,7 @@ class TransferScript:
         self._play(0)
 
     def advance(self) -> None:
-        """Live through one frame."""
+        """Advance by one frame."""
         if self._frame + 1 == len(self._plan.joints):
             self._begin(self.following[self.phase])
             self._play(0)
@@ -155,7 +190,7 @@ class TransferScript:
             self._play(self._frame + 1)
 
     def next_target(self, rng: np.random.Generator) -> int:
-        """Index of the object that she turns to next: any other ("picks an object at random", 6.4.2)."""
+        """Index of the next target: any other object ("picks an object at random", 6.4.2)."""
         others = [i for i in range(len(self.objects)) if i != self.target or len(self.objects) == 1]
         return int(rng.choice(others))
 
@@ -201,45 +236,50 @@ class TransferScript:
                 self._plan = self._planned(gaze, path)
 
     def _new_location(self) -> np.ndarray:
-        """Where to put the held object, (3,): somewhere else, or back where it was if the table has no room left."""
+        """Where to put the held object, (3,), metres: elsewhere, or back where it was if the table has no room."""
         others = self.objects[np.arange(len(self.objects)) != self.held, :2]
         try:
-            return np.append(self._layout.location(others), self._rest_height)
+            return np.append(self._layout.draw(others), self._rest_height)
         except ConfigError:
-            return self._taken_from
+            taken_from: np.ndarray = self._taken_from
+            return taken_from
 
     def _frames(self, seconds: float) -> int:
         jitter = self.config.duration_jitter
         return max(2, round(seconds * self._rng.uniform(1 - jitter, 1 + jitter) / FRAME_S))
 
     def _sight(self, points: np.ndarray) -> np.ndarray:
-        """Gaze angles (..., 2) towards points (..., 3) in the world."""
+        """Gaze angles (..., 2), rad, towards points (..., 3), world frame, metres."""
         return gaze_angles(self._eye, self._own(points))
 
     def _own(self, points: np.ndarray) -> np.ndarray:
-        """World points in her own frame, which is turned by half a turn about z."""
-        return (points - self._origin) * np.array([-1.0, -1.0, 1.0])
+        """Points (..., 3) of the world in the caregiver's frame, which faces the other way."""
+        own: np.ndarray = (points - self._origin) * np.array([-1.0, -1.0, 1.0])
+        return own
 
     def _elbow(self, height: np.ndarray) -> np.ndarray:
-        """Swing of the elbow (T,), rad, for a hand at ``height`` (T,), between the table's and the holding place's."""
+        """Swing of the elbow (T,), rad, for a hand at ``height`` (T,), metres, between those of the config."""
         table, holding = np.radians([self.config.elbow_at_table_deg, self.config.elbow_at_holding_deg])
         risen = (height - self._rest_height) / (self.config.holding_location[2] - self._rest_height)
-        return table + risen * (holding - table)
+        swing: np.ndarray = table + risen * (holding - table)
+        return swing
 
     def _wobble(self, frames: int) -> np.ndarray:
-        """A small movement to and fro, (frames, 3), that begins and ends at rest."""
+        """A small movement to and fro, (frames, 3), metres, that begins and ends at rest."""
         config, time = self.config, np.arange(1, frames + 1) * FRAME_S
         ramp = minimum_jerk(max(1, frames // 4))
         swell = np.ones(frames)
         swell[: len(ramp)], swell[frames - len(ramp) :] = ramp, 1 - ramp
         phase = 2 * np.pi * config.wobble_hz * time
-        return config.wobble_m * swell[:, None] * np.column_stack([0 * time, np.sin(phase), 0.5 * np.sin(2 * phase)])
+        to_and_fro = np.column_stack([0 * time, np.sin(phase), 0.5 * np.sin(2 * phase)])
+        offsets: np.ndarray = config.wobble_m * swell[:, None] * to_and_fro
+        return offsets
 
     def _planned(self, gaze: np.ndarray, grasp: np.ndarray, head_towards: np.ndarray | None = None) -> Plan:
-        """The plan for a gaze (T, 2) and a way of the hand (up to T, 3); the hand stays where its way ends."""
-        on_way = np.minimum(np.arange(len(gaze)), len(grasp) - 1)
+        """The plan for a gaze (T, 2), rad, and a path of the hand (up to T, 3), metres, at whose end the hand stays."""
+        on_path = np.minimum(np.arange(len(gaze)), len(grasp) - 1)
         head = self.config.head_share * (gaze if head_towards is None else head_towards)
         arm = self._arm.reach(self._own(grasp), self._elbow(grasp[:, 2]))
         eyes = gaze - head
-        joints = np.concatenate([head, eyes, eyes, arm[on_way]], axis=1)
-        return Plan(gaze=gaze, head=head, grasp=grasp[on_way], joints=joints)
+        joints = np.concatenate([head, eyes, eyes, arm[on_path]], axis=1)
+        return Plan(gaze=gaze, head=head, grasp=grasp[on_path], joints=joints)

@@ -1,4 +1,4 @@
-"""The world as it was some frames ago, for cameras whose images come late; nothing is rendered to be kept."""
+"""The world as it was some frames ago, for cameras with a delay. Poses are kept, not images."""
 
 from collections import deque
 from collections.abc import Iterator
@@ -8,15 +8,15 @@ import mujoco
 import numpy as np
 
 State = tuple[np.ndarray, np.ndarray]
-"""Joint angles (nq,) and places of objects (n, 3)."""
+"""Joint angles (nq,), and positions of objects (n, 3), metres."""
 
 
 class Past:
-    """Joint angles and object places at the ends of the last steps.
+    """The states at the ends of the last steps.
 
     Attributes:
-        steps: How many steps ago is to be shown. Within a step angles change steadily, and objects are where they are
-            at its end.
+        steps: How many steps ago is to be shown, fractions included. Within a step angles change at constant speed, and
+            objects are where they are at its end.
     """
 
     def __init__(self, steps: float):
@@ -24,27 +24,27 @@ class Past:
         self._states: deque[State] = deque(maxlen=max(1, int(np.ceil(steps))))
 
     def note(self, data: mujoco.MjData) -> None:
-        """Remember how things stand; to be called before each step."""
+        """Keep the present state; to be called before each step."""
         if self.steps > 0:
             self._states.append((data.qpos.copy(), data.mocap_pos.copy()))
 
     def forget(self) -> None:
-        """There was nothing before now."""
+        """Drop all states, as at the start of an episode."""
         self._states.clear()
 
     def state(self, data: mujoco.MjData) -> State:
-        """How things stood then, or at the beginning if that is later."""
+        """The state ``steps`` ago, or the first one if that is later."""
         states = [*self._states, (data.qpos.copy(), data.mocap_pos.copy())]
         back = min(self.steps, len(states) - 1)
         whole, part = int(back), back - int(back)
-        angles, locations = states[-1 - whole]
+        angles, positions = states[-1 - whole]
         if part > 0:
             angles = (1 - part) * angles + part * states[-2 - whole][0]
-        return angles, locations
+        return angles, positions
 
     @contextmanager
     def shown(self, model: mujoco.MjModel, data: mujoco.MjData) -> Iterator[None]:
-        """While the block runs, bodies, cameras and lights of ``data`` are where they were then."""
+        """Within the block, bodies, cameras and lights of ``data`` are where they were ``steps`` ago."""
         now = data.qpos.copy(), data.mocap_pos.copy()
         _pose(model, data, self.state(data))
         try:

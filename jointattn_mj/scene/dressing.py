@@ -1,7 +1,6 @@
-"""A compiled scene in other light, other colours and with other objects: changed in place, in a fraction of a
-millisecond, where compiling takes sixty.
+"""Changes the light, colours and objects of a compiled scene, in a fraction of a millisecond; compiling takes sixty.
 
-Who she is and how many objects there are stay as they were compiled.
+The caregiver and the number of objects stay as they were compiled.
 """
 
 from __future__ import annotations
@@ -16,51 +15,52 @@ from dm_control.mujoco import Physics
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Angle, Checked, Real, Seed, Share
-from jointattn_mj.scene.model import SceneConfig, object_size
+from jointattn_mj.scene.model import SceneConfig
+from jointattn_mj.scene.objects import object_size
 from jointattn_mj.scene.sensor import Sensor
 from jointattn_mj.scene.shapes import noise, smoothstep
 
 SURFACES = {"table": "room/table", "wall": "room/wall", "floor": "room/floor", "clothes": "caregiver/cloth"}
-"""Names of ``Surfaces`` and their materials and textures in the model."""
+"""Fields of ``Surfaces``, and their materials and textures in the model."""
 LOWEST_DEG, HIGHEST_DEG = 10.0, 80.0
-"""Between these heights above the horizon the lamp stands."""
+"""Bounds of the lamp's height above the horizon, degrees."""
 Factor = Annotated[float, Real("[0, 100]")]
 Factors = tuple[Factor, Factor, Factor]
-"""On red, green, blue."""
+"""Factors on red, green and blue."""
 PLAIN: Factors = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
 class Lamp(Checked):
-    """The light of the room, against what it is otherwise. As it stands it changes nothing."""
+    """The light of the room, relative to the usual one. The defaults change nothing."""
 
     azimuth_deg: Annotated[float, Real("[-360, 360]")] = 0.0
-    """So far the lamp is moved around the table, anticlockwise seen from above."""
+    """How far the lamp is moved around the table, degrees, anticlockwise seen from above."""
     elevation_deg: Angle = 0.0
-    """So far it is raised; it stays between 10 and 80 degrees above the horizon."""
+    """How far the lamp is raised, degrees; it stays between 10 and 80 above the horizon."""
     direct: Factors = PLAIN
-    """Factors on its red, green and blue."""
+    """Factors on the lamp's red, green and blue."""
     ambient: Factors = PLAIN
-    """The same for light from all around."""
+    """Factors on the ambient light's red, green and blue."""
 
 
 @dataclass(frozen=True)
 class Surfaces(Checked):
-    """Factors on red, green and blue of what is large in the image, and what is painted on it."""
+    """Factors on the colours of large surfaces, and patterns on them. The defaults change nothing."""
 
     table: Factors = PLAIN
     wall: Factors = PLAIN
     floor: Factors = PLAIN
     clothes: Factors = PLAIN
     contrast: Share = 0.0
-    """A pattern on all of them makes them darker by up to this share; it needs a scene built with ``blank``."""
+    """Share by which a pattern darkens all surfaces; it needs a scene built with ``blank``."""
     seed: Seed = 0
-    """Which patterns."""
+    """Seed of the patterns."""
 
 
 @dataclass(frozen=True)
 class Conditions(Checked):
-    """Under which a scene is looked at. As they stand they change nothing."""
+    """Light, surfaces and camera under which a scene is rendered. The defaults change nothing."""
 
     lamp: Lamp = field(default_factory=Lamp)
     surfaces: Surfaces = field(default_factory=Surfaces)
@@ -68,7 +68,7 @@ class Conditions(Checked):
 
 
 class Wardrobe:
-    """Remembers how a model was compiled, and dresses it otherwise any number of times."""
+    """Changes the looks of a model any number of times, always relative to how it was compiled."""
 
     def __init__(self, model: mujoco.MjModel):
         self._model = model
@@ -78,7 +78,14 @@ class Wardrobe:
         self._textures: dict[str, np.ndarray] = {}
 
     def dress(self, scene: SceneConfig, conditions: Conditions) -> list[int]:
-        """Objects as in ``scene``, light and surfaces as in ``conditions``; returns ids of the textures painted on.
+        """Change the model's objects, light and surfaces.
+
+        Args:
+            scene: Shapes, sizes and colours of the objects.
+            conditions: Light and surfaces.
+
+        Returns:
+            Ids of the textures that were painted on.
 
         Raises:
             ConfigError: Patterns are asked for in a scene without textures.
@@ -98,7 +105,7 @@ class Wardrobe:
         model.vis.headlight.ambient[:] = self._headlight * lamp.ambient
 
     def _paint(self, surfaces: Surfaces) -> list[int]:
-        """Patterns over what the textures were at first."""
+        """Paint patterns over the original textures; returns the textures' ids."""
         if not surfaces.contrast and not self._textures:
             return []
         rng, painted = np.random.default_rng(surfaces.seed), []
@@ -110,17 +117,18 @@ class Wardrobe:
         return painted
 
     def _texture(self, name: str) -> np.ndarray:
-        """A texture of the model, (h, w, 3) uint8, to be written to."""
+        """A texture of the model, (h, w, 3) uint8, as a view to write to."""
         model = self._model
         number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXTURE, name)
         if number < 0:
             raise ConfigError(f"patterns need textures, and {name} has none: build the scene with blank=True")
         begin, height, width = model.tex_adr[number], model.tex_height[number], model.tex_width[number]
-        return model.tex_data[begin : begin + 3 * height * width].reshape(height, width, 3)
+        texture: np.ndarray = model.tex_data[begin : begin + 3 * height * width].reshape(height, width, 3)
+        return texture
 
 
 def upload(physics: Physics, textures: list[int]) -> None:
-    """Let OpenGL know of textures (ids) that were painted on; what has not yet rendered reads them when it does."""
+    """Send painted textures (ids) to OpenGL, if the physics has rendered already; else the first image reads them."""
     contexts = physics._contexts  # the public name would open a context where there is none
     if contexts is None:
         return
@@ -130,7 +138,7 @@ def upload(physics: Physics, textures: list[int]) -> None:
 
 
 def _turned(direction: np.ndarray, lamp: Lamp) -> np.ndarray:
-    """The direction (3,) in which light falls once the lamp has moved."""
+    """The direction (3,) of the light after the lamp has moved."""
     x, y, z = direction
     azimuth = np.arctan2(y, x) + np.radians(lamp.azimuth_deg)
     height = np.degrees(np.arctan2(-z, np.hypot(x, y))) + lamp.elevation_deg
@@ -139,7 +147,7 @@ def _turned(direction: np.ndarray, lamp: Lamp) -> np.ndarray:
 
 
 def _shape(model: mujoco.MjModel, geom: int, shape: str, edge: float) -> None:
-    """Give a geom another shape, with the bounds that the compiler would give it."""
+    """Give a geom another shape, and the bounds that the compiler would work out; ``edge`` in metres."""
     kind, size = object_size(shape, edge)
     radius, height, _ = size
     half = {"box": size, "cylinder": (radius, radius, height), "sphere": (radius, radius, radius)}[shape]
@@ -149,13 +157,13 @@ def _shape(model: mujoco.MjModel, geom: int, shape: str, edge: float) -> None:
 
 
 def pattern(rng: np.random.Generator, size: int) -> np.ndarray:
-    """Stripes, checks or blotches, (size, size) from 0 to 1; seamless where they repeat."""
+    """Stripes, checks or blotches: (size, size), 0 to 1, seamless when repeated."""
     make: tuple[Callable[[np.random.Generator, int], np.ndarray], ...] = (_stripes, _checks, _blotches)
     return make[rng.integers(len(make))](rng, size)
 
 
 def _waves(rng: np.random.Generator, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Waves along u and along v, both (size, size) from -1 to 1, three to nine on the texture."""
+    """Waves along u and along v, three to nine on the texture: both (size, size), -1 to 1."""
     along = 2 * np.pi * (np.arange(size) + 0.5) / size
     u, v = (np.sin(rng.integers(3, 10) * along + rng.uniform(0, 2 * np.pi)) for _ in range(2))
     return np.broadcast_to(u, (size, size)), np.broadcast_to(v[:, None], (size, size))

@@ -1,4 +1,4 @@
-"""A caregiver's face: mesh and painted texture from a `FaceConfig` (looks are the only thing it decides)."""
+"""A caregiver's face: mesh and painted texture from a ``FaceConfig``."""
 
 from __future__ import annotations
 
@@ -16,9 +16,17 @@ __all__ = ["IDENTITIES", "FaceConfig", "FaceMesh", "build_face", "identity"]
 
 @dataclass(frozen=True)
 class FaceMesh:
-    """A head ready to draw; head frame (x out of the nose, y to her left, z up, metres).
+    """A head ready to draw. Head frame: x out of the nose, y to the person's left, z up; metres.
 
-    vertices (n, 3); faces (m, 3) indices; uv (n, 2), v upwards; texture (h, w, 3) uint8, first row at v = 0.
+    Attributes:
+        vertices: (n, 3) metres.
+        faces: (m, 3) indices of vertices.
+        uv: (n, 2) texture coordinates, v upwards.
+        texture: (h, w, 3) uint8, first row at v = 0.
+        normals: (n, 3) unit vectors.
+        eyeball: Around its own centre, the iris along x.
+        eye_texture: (h, w, 3) uint8, the iris in its middle.
+        eye_centre: Of the left eye, metres; the right one is its mirror image in y.
     """
 
     vertices: np.ndarray
@@ -26,13 +34,16 @@ class FaceMesh:
     uv: np.ndarray
     texture: np.ndarray
     normals: np.ndarray
-    eyeball: Mesh  # around its own centre, the iris along x
-    eye_texture: np.ndarray  # (h, w, 3) uint8, the iris in its middle
-    eye_centre: tuple[float, float, float]  # of the left eye; the right one is its mirror image in y
+    eyeball: Mesh
+    eye_texture: np.ndarray
+    eye_centre: tuple[float, float, float]
+
+    def __repr__(self) -> str:
+        return f"FaceMesh({len(self.vertices)} vertices, {len(self.faces)} triangles)"
 
 
 def identity(name: str) -> FaceConfig:
-    """Look up a person by name.
+    """The face of a person, by name.
 
     Raises:
         ConfigError: Nobody is called that.
@@ -43,7 +54,13 @@ def identity(name: str) -> FaceConfig:
 
 
 def build_face(config: FaceConfig, detail: int = 1, texture_size: int = 256) -> FaceMesh:
-    """The head for one person; `detail` 1 suits images of 320x240, 3 suits figures."""
+    """Build the head of a person.
+
+    Args:
+        config: The face.
+        detail: Fineness of the mesh: 1 for images of 320x240, 3 for figures.
+        texture_size: Edge of the texture, pixels.
+    """
     mesh = face_shape.head(config, detail)
     return FaceMesh(
         mesh.vertices, mesh.faces, mesh.uv, face_paint.skin_and_hair(config, texture_size), mesh.normals,

@@ -1,6 +1,6 @@
-"""What is painted on the head: skin, brows, lashes, lips, hair, and the shade that software lighting leaves out.
+"""Paints the head: skin, brows, lashes, lips, hair, and the shade that software lighting leaves out.
 
-Painted in the coordinates of `face_shape.py`: azimuth, and (y, z) of the average face. Random detail is seeded.
+Coordinates are those of ``face_shape``: azimuth, and (y, z) of the average face, metres. Random detail is seeded.
 """
 
 from __future__ import annotations
@@ -14,13 +14,14 @@ from jointattn_mj.scene.shapes import bump, curve, noise, smoothstep, to_bytes
 
 def _blend(image: np.ndarray, colour: tuple[float, ...] | np.ndarray, weight: np.ndarray) -> np.ndarray:
     weight = np.clip(weight, 0, 1)[..., None]
-    return image * (1 - weight) + np.asarray(colour) * weight
+    blended: np.ndarray = image * (1 - weight) + np.asarray(colour) * weight
+    return blended
 
 
 def _shade(config: FaceConfig, y: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Factor on the skin's brightness: corners that see less light, ridges that see more."""
     side = np.abs(y)
-    return (
+    shade: np.ndarray = (
         1
         - 0.32 * bump((side - 0.029) / 0.0150, (z - 0.010) / 0.0085)  # between brow and lid
         - 0.17 * bump((side - 0.0165) / 0.0055, (z - 0.006) / 0.0100)  # beside the bridge of the nose
@@ -37,17 +38,19 @@ def _shade(config: FaceConfig, y: np.ndarray, z: np.ndarray) -> np.ndarray:
         + 0.04 * bump(y / 0.0120, (z + 0.099) / 0.0090)
         - 0.14 * smoothstep(side, 0.055, 0.074) * smoothstep(z, 0.05, -0.02)
     )
+    return shade
 
 
 def _folds(config: FaceConfig, side: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """0..1 lines of age: forehead, beside the eyes, from nose to mouth."""
+    """Lines of age, from 0 to 1: on the forehead, beside the eyes, from nose to mouth."""
     forehead = sum(bump((z - level - 0.04 * side**2 * 8) / 0.0011) for level in (0.040, 0.048, 0.056))
     forehead = forehead * smoothstep(side, 0.045, 0.025)
     feet = (
         bump((side - 0.055) / 0.004) * (0.5 + 0.5 * np.cos(2 * np.pi * (z - 0.004) / 0.006)) * bump((z - 0.003) / 0.007)
     )
     mouth_line = bump((side - (0.017 + 0.35 * (-0.036 - z))) / 0.0018) * bump((z + 0.048) / 0.010)
-    return 0.35 * forehead + 0.5 * feet + 0.9 * mouth_line
+    folds: np.ndarray = 0.35 * forehead + 0.5 * feet + 0.9 * mouth_line
+    return folds
 
 
 def _skin(config: FaceConfig, y: np.ndarray, z: np.ndarray, rng: np.random.Generator) -> np.ndarray:
@@ -111,7 +114,7 @@ def _nostrils(image: np.ndarray, config: FaceConfig, y: np.ndarray, z: np.ndarra
 def skin_and_hair(config: FaceConfig, size: int) -> np.ndarray:
     """The head's texture, (size, size, 3) uint8, rows from v = 0 (chin) to v = 1 (crown).
 
-    Painted fine and averaged down: a texture no finer than the image's pixels spares the renderer its mipmaps.
+    It is painted fine and averaged down: a texture no finer than the image's pixels spares the renderer its mipmaps.
     """
     times = -(-256 // size)
     fine = _paint(config, size * times)
@@ -139,7 +142,7 @@ def _paint(config: FaceConfig, size: int) -> np.ndarray:
 
 
 def iris(config: FaceConfig, size: int) -> np.ndarray:
-    """An eyeball's texture, (size, size, 3) uint8: distance from the middle is the angle off the pupil."""
+    """An eyeball's texture, (size, size, 3) uint8; distance from the middle stands for the angle off the pupil."""
     rng = np.random.default_rng(config.seed + 1000)
     row, column = np.meshgrid(*[(np.arange(size) + 0.5) / size * 2 - 1] * 2, indexing="ij")
     angle = 85 * np.hypot(row, column)  # degrees

@@ -1,9 +1,9 @@
 """The surface of a human head: skull, brows, sockets, lids, nose, lips, chin, ears and hair, as one generated mesh.
 
-Head frame: origin between the ears (the centre of rotation), x out of the nose, y to her left, z up; metres.
-The surface is a grid over azimuth (degrees, 0 = nose, positive to her left) and height; on it, features of the face
-are bumps in (y, z) of an average face, so that `face_paint.py` paints in the same coordinates. Rows follow the rims of
-the eyelids: the eyes are openings behind which eyeballs turn.
+Head frame: origin between the ears (the centre of rotation), x out of the nose, y to the person's left, z up; metres.
+The surface is a grid over azimuth (degrees, 0 at the nose, positive to the person's left) and height. Features of the
+face are bumps in (y, z) of an average face; ``face_paint`` paints in the same coordinates. Rows follow the rims of the
+eyelids: the eyes are openings behind which eyeballs turn.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ TOP, BOTTOM = 0.123, -0.123  # heights (average face) between which the texture 
 EYE_LEVEL_BREADTH = 0.073
 
 # The mesh's lines on the average face, dense where the face has features: heights of rows above and below the eyes
-# (whose own three rows are the lids' rims and what lies between), and columns of her left half, in front as y at eye
+# (whose own three rows are the lids' rims and what lies between), and columns of the left half, in front as y at eye
 # level, then as azimuth. One set for figures and one as coarse as images of 320x240 allow.
 EYE_ROWS = [0.0105, 0.004, -0.0025]
 FINE_LINES = (
@@ -49,7 +49,8 @@ def half_breadth(config: FaceConfig, z: np.ndarray) -> np.ndarray:
         (-0.015, 0.0705), (0.005, 0.0730), (0.035, 0.0755), (0.065, 0.0720), (0.090, 0.0590), (0.108, 0.0370),
         (0.116, 0.0200), (0.120, 0.0),
     ])  # fmt: skip
-    return config.width * jaw * outline
+    breadth: np.ndarray = config.width * jaw * outline
+    return breadth
 
 
 def _front(z: np.ndarray) -> np.ndarray:
@@ -68,7 +69,7 @@ def _back(z: np.ndarray) -> np.ndarray:
 
 
 def relief(config: FaceConfig, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """How far (m) the features of the face stand out along x at (y, z) of the average face."""
+    """How far, metres, the features of the face stand out along x at (y, z) of the average face."""
     side = np.abs(y)
     nose_height = curve(z, [
         (-0.050, 0.0), (-0.0455, 0.002), (-0.041, 0.011), (-0.036, 0.0205), (-0.030, 0.0215), (-0.020, 0.017),
@@ -76,7 +77,7 @@ def relief(config: FaceConfig, y: np.ndarray, z: np.ndarray) -> np.ndarray:
     ])  # fmt: skip
     nose_wide = config.nose_width * curve(z, [(-0.045, 0.0085), (-0.030, 0.0080), (-0.010, 0.0062), (0.020, 0.0075)])
     full = config.lip_fullness
-    return (
+    out: np.ndarray = (
         0.0045 * bump((z - 0.027) / 0.008, (side - 0.026) / 0.022)  # brow ridge
         - 0.0095 * bump((side - EYE_Y) / 0.014, (z - EYE_Z) / 0.011)  # sockets
         - 0.0030 * bump((side - 0.018) / 0.005, (z - 0.006) / 0.008)
@@ -92,6 +93,7 @@ def relief(config: FaceConfig, y: np.ndarray, z: np.ndarray) -> np.ndarray:
         - 0.0035 * bump(y / 0.020, (z + 0.0800) / 0.0055)
         + 0.0065 * bump(y / 0.018, (z + 0.1000) / 0.0120)  # chin
     )
+    return out
 
 
 def lid_rims(config: FaceConfig, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -130,11 +132,12 @@ def _hair_depth(config: FaceConfig, azimuth: np.ndarray, z: np.ndarray) -> np.nd
             for k, f, p in zip((5, 9, 7, 12), (90, -140, 210, 60), phase, strict=True)
         )
         depth = depth * (0.50 + 0.50 * smoothstep(side, 30, 90)) + 0.0016 * wave
-    return inside * depth
+    thickness: np.ndarray = inside * depth
+    return thickness
 
 
 def surface(config: FaceConfig, azimuth: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Points (..., 3) of the skin or hair at azimuth (deg) and height z of the average face, without the eyes."""
+    """Points (..., 3), metres, of skin or hair at azimuth, degrees, and height z of the average face; without eyes."""
     a = np.radians(azimuth)
     breadth, front, back = half_breadth(config, z), _front(z), _back(z)
     middle = np.maximum(np.minimum(0.0, front - 0.01), back)  # where front and back halves meet
@@ -148,7 +151,8 @@ def surface(config: FaceConfig, azimuth: np.ndarray, z: np.ndarray) -> np.ndarra
     level = np.clip(breadth / (config.width * EYE_LEVEL_BREADTH), 0, 1)  # 0 at the crown
     normal = np.stack([np.cos(a) * level, np.sin(a) * level, 1.6 * smoothstep(z, 0.03, 0.12)], -1)
     normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-9)
-    return out + normal * _hair_depth(config, azimuth, z)[..., None]
+    points: np.ndarray = out + normal * _hair_depth(config, azimuth, z)[..., None]
+    return points
 
 
 def _columns(detail: int) -> np.ndarray:
@@ -185,15 +189,16 @@ def texture_coordinates(azimuth: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def texture_azimuth(u: np.ndarray) -> np.ndarray:
-    """The azimuth (deg) painted at u: inverse of `texture_coordinates`."""
-    return np.sign(u - 0.5) * np.interp(np.abs(2 * u - 1), _UNROLL[1], _UNROLL[0])
+    """The azimuth (deg) painted at u: inverse of ``texture_coordinates``."""
+    azimuth: np.ndarray = np.sign(u - 0.5) * np.interp(np.abs(2 * u - 1), _UNROLL[1], _UNROLL[0])
+    return azimuth
 
 
 _UNROLL = ([0.0, 75.0, 110.0, 180.0], [0.0, 0.72, 0.86, 1.0])
 
 
 def eye_depth(config: FaceConfig) -> float:
-    """x (m) of the eyeballs' centres: just so deep that they fill the sockets."""
+    """x, metres, of the eyeballs' centres: so deep that they fill the sockets."""
     azimuth = np.degrees(np.arcsin(EYE_Y / half_breadth(config, np.array(EYE_Z))))
     return float(surface(config, azimuth, np.array(EYE_Z))[0]) + 0.0035 - EYE_RADIUS
 
@@ -212,7 +217,7 @@ def _skull(config: FaceConfig, detail: int) -> Mesh:
 
 
 def _ear(config: FaceConfig, side: int, segments: int) -> Mesh:
-    """side 1: her left, -1: her right. A shallow dish that stands off the head at its rear."""
+    """An ear, a shallow dish that stands off the head at its rear; ``side`` 1 is the left, -1 the right."""
     radius = np.array([0.0, 0.55, 0.9, 1.0, 0.92])[:, None]
     off = np.array([0.004, 0.005, 0.010, 0.008, -0.004])[:, None]
     angle = np.linspace(0, 2 * np.pi, segments + 1)[None]
@@ -254,7 +259,7 @@ def _bun(sides: int) -> Mesh:
 
 
 def head(config: FaceConfig, detail: int) -> Mesh:
-    """The whole head without eyeballs; `detail` 1 for images of 320x240, 2 or 3 for figures."""
+    """The head without eyeballs; ``detail`` 1 for images of 320x240, 2 or 3 for figures."""
     parts = [_skull(config, detail)]
     if config.hair_style == "bob":
         parts.append(_curtain(min(detail, 2)))

@@ -1,8 +1,8 @@
-"""Which OpenGL backend MuJoCo renders with: chosen once, when something first imports mujoco.
+"""Chooses the OpenGL backend that MuJoCo renders with, once, when something first imports mujoco.
 
 A backend is software (EGL or OSMesa, both through Mesa) or a GPU driver's EGL. MuJoCo reads ``MUJOCO_GL`` when it is
-imported and fails there with a traceback when a library or a driver is missing; this file asks both first. Where no
-image can be rendered everything else works, and the first look says why there is none.
+imported, and ends in a traceback there where a library or a driver is missing; this module tries both first. Where no
+image can be rendered all else works, and the first image that is asked for raises an error that says why.
 """
 
 import ctypes
@@ -16,7 +16,7 @@ from types import ModuleType
 DISABLED = ("disable", "disabled", "off", "false", "0")
 WINDOWED = ("glfw", "glx", "enable", "enabled", "on", "true", "1")
 CHOICES = ("", "egl", "osmesa", *WINDOWED, *DISABLED)
-"""What MuJoCo takes for ``MUJOCO_GL`` on Linux, in any case; dm_control wants small letters, and knows no glx."""
+"""Values of ``MUJOCO_GL`` that MuJoCo takes on Linux, in any case; dm_control wants small letters, and knows no glx."""
 EGL_PLATFORM_DEVICE = 0x313F
 READERS = ("mujoco", "dm_control")
 """Packages that read ``MUJOCO_GL`` when they are imported."""
@@ -65,7 +65,7 @@ def _egl_opens() -> bool:
 
 
 def _window_opens() -> bool:
-    """Whether there is a display to open a window on, as GLFW needs even for what is not shown."""
+    """Whether there is a display to open a window on, which GLFW needs even for images that are not shown."""
     try:
         import glfw
     except (ImportError, OSError):
@@ -76,7 +76,7 @@ def _window_opens() -> bool:
 
 
 def available(backend: str) -> bool:
-    """Whether ``backend`` ("egl", "osmesa" or "glfw") can be used: its libraries load, and it opens a display."""
+    """Whether a backend ("egl", "osmesa" or "glfw") can be used: its libraries load, and it opens a display."""
     if backend == "glfw":
         return _window_opens()
     if backend == "egl":
@@ -85,7 +85,7 @@ def available(backend: str) -> bool:
 
 
 class _Chooser(MetaPathFinder):
-    """Asked for every module before it is imported; finds none, but chooses a backend before the first reader."""
+    """An import hook that finds no module, but chooses a backend before the first of ``READERS`` is imported."""
 
     chosen = False
 
@@ -96,7 +96,7 @@ class _Chooser(MetaPathFinder):
 
 
 def choose_when_needed() -> None:
-    """Let a backend be chosen before mujoco or dm_control is imported; until then no OpenGL library is touched."""
+    """Choose a backend when mujoco or dm_control is first imported; until then no OpenGL library is touched."""
     if any(name in sys.modules for name in READERS):
         choose_backend()
     else:
@@ -104,10 +104,10 @@ def choose_when_needed() -> None:
 
 
 def choose_backend() -> None:
-    """Set ``MUJOCO_GL`` where the user has not; EGL first, for Mesa 25.1 dropped OSMesa.
+    """Set ``MUJOCO_GL`` where the user has not. EGL comes first, since Mesa 25.1 dropped OSMesa.
 
-    Where that finds none, and where the user names one that cannot be used, rendering is disabled rather than the
-    import of mujoco broken; ``why_not`` tells.
+    Where no backend works, or not the one that the user names, rendering is disabled, and the import of mujoco still
+    works; ``why_not`` tells the reason.
     """
     if sys.platform != "linux":
         return

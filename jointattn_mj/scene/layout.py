@@ -8,9 +8,9 @@ import numpy as np
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Metres, Real, Whole
 
-TRIES = 2000  # random places looked at for one object
+TRIES = 2000  # random positions tried for one object
 AT_ONCE = 100  # of them at a time; the first are enough on any but a crowded table
-FILLS = 20  # tables begun anew before giving up
+FILLS = 20  # tables tried before giving up
 
 
 @dataclass(frozen=True)
@@ -18,17 +18,17 @@ class LayoutConfig(Checked):
     """The part of the table that objects are put on; world frame, metres."""
 
     x_range: tuple[Metres, Metres] = (0.90, 1.12)
-    """Near and far edge as seen from the robot; the caregiver's arm reaches all of it, and the robot sees all of it
-    while it looks at her face."""
+    """Near and far edge, seen from the robot. The caregiver's arm reaches all between, and the robot sees it while it
+    looks at the caregiver's face."""
     y_range: tuple[Metres, Metres] = (-0.36, 0.36)
     """Right and left edge; from the caregiver's face, gaze directions of about 40 degrees to either side."""
     spacing: Annotated[float, Real("(0, 10]")] = 0.13
-    """Least distance between two objects: twice an object's width, so that a hand fits between."""
+    """Least distance of two objects' centres, metres: twice an object's width, so that a hand fits between."""
     evenness: Annotated[int, Whole("[1, 2000]")] = 24
-    """"Positions as even as possible" (6.4.2): of so many random places the one in the least used cell is taken.
+    """Of so many random positions the one in the least used cell is taken: "positions as even as possible" (6.4.2).
     1 draws uniformly."""
     cells: tuple[Annotated[int, Whole("[1, 1000]")], Annotated[int, Whole("[1, 1000]")]] = (3, 8)
-    """Cells, in x and y, whose use is counted for evenness."""
+    """Numbers of cells in x and y whose use is counted for ``evenness``."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -39,7 +39,7 @@ class LayoutConfig(Checked):
 
 
 class Layout:
-    """Draws places and remembers how often each part of the table was used."""
+    """Draws positions, and counts how often each cell of the table was used."""
 
     def __init__(self, config: LayoutConfig, rng: np.random.Generator):
         self.config = config
@@ -48,8 +48,14 @@ class Layout:
         self._size = np.array([config.x_range[1], config.y_range[1]]) - self._low
         self._used = np.zeros(config.cells, int)
 
-    def location(self, others: np.ndarray) -> np.ndarray:
-        """A new place (2,) at least ``spacing`` away from ``others`` (k, 2).
+    def draw(self, others: np.ndarray) -> np.ndarray:
+        """Draw a position on the table.
+
+        Args:
+            others: (k, 2) positions of the other objects, world frame, metres.
+
+        Returns:
+            (2,) at least ``spacing`` away from ``others``, world frame, metres.
 
         Raises:
             ConfigError: The table is too full for the spacing.
@@ -60,21 +66,22 @@ class Layout:
         return self._least_used(free)
 
     def _free(self, others: np.ndarray) -> np.ndarray:
-        """Up to ``evenness`` random places (m, 2) that are far enough from ``others`` (k, 2)."""
-        found, draws = np.empty((0, 2)), self._low + self._size * self._rng.random((TRIES, 2))
+        """Up to ``evenness`` random positions (m, 2) that are far enough from ``others`` (k, 2)."""
+        free, draws = np.empty((0, 2)), self._low + self._size * self._rng.random((TRIES, 2))
         for first in range(0, TRIES, AT_ONCE):
             some = draws[first : first + AT_ONCE]
             apart = np.linalg.norm(some[:, None] - np.reshape(others, (1, -1, 2)), axis=2)
-            found = np.vstack([found, some[np.all(apart >= self.config.spacing, axis=1)]])
-            if len(found) >= self.config.evenness:
+            free = np.vstack([free, some[np.all(apart >= self.config.spacing, axis=1)]])
+            if len(free) >= self.config.evenness:
                 break
-        return found[: self.config.evenness]
+        return free[: self.config.evenness]
 
     def _least_used(self, free: np.ndarray) -> np.ndarray:
         cells = ((free - self._low) / self._size * self.config.cells).astype(int)
         chosen = int(np.argmin(self._used[tuple(cells.T)]))
         self._used[tuple(cells[chosen])] += 1
-        return free[chosen]
+        position: np.ndarray = free[chosen]
+        return position
 
     def _full(self, count: int) -> ConfigError:
         return ConfigError(
@@ -83,18 +90,18 @@ class Layout:
         )
 
     def fill(self, count: int) -> np.ndarray:
-        """Places (count, 2) for all objects at once.
+        """Draw positions (count, 2) of all objects, world frame, metres.
 
         Raises:
             ConfigError: So many objects do not fit.
         """
         for _ in range(FILLS):
-            locations = np.empty((0, 2))
+            positions = np.empty((0, 2))
             for _ in range(count):
-                free = self._free(locations)
+                free = self._free(positions)
                 if not len(free):
                     break
-                locations = np.vstack([locations, self._least_used(free)])
+                positions = np.vstack([positions, self._least_used(free)])
             else:
-                return locations
+                return positions
         raise self._full(count)

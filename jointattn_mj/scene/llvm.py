@@ -1,7 +1,7 @@
 """Lets Mesa and triton, which PyTorch brings on Linux, be in one process whichever comes first.
 
-Both carry LLVM, in different versions. Mesa's software renderer makes the symbols of its LLVM global when the first
-OpenGL context is opened. A triton that is loaded later is bound to them instead of to its own, and the process dies
+Both contain LLVM, in different versions. Mesa's software renderer makes the symbols of its LLVM global when the first
+OpenGL context is opened. A triton that is loaded later is bound to them instead of to its own, and the process crashes
 in triton's initialisers (Mesa 22.3 with LLVM 15 and triton 3.7: 12,491 symbols of libtriton.so bound to
 libLLVM-15.so.1). Loaded with RTLD_DEEPBIND, triton is bound to its own first.
 """
@@ -16,7 +16,7 @@ from pathlib import Path
 from types import ModuleType
 
 COMPILED = "triton._C."
-"""Where triton's compiled modules are."""
+"""Package of triton's compiled modules."""
 
 
 def keep_apart() -> None:
@@ -26,7 +26,7 @@ def keep_apart() -> None:
 
 
 class _TritonFinder(MetaPathFinder):
-    """Finds triton's compiled modules where they would be found anyway, and gives them another loader."""
+    """An import hook that gives triton's compiled modules another loader."""
 
     def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
         if not name.startswith(COMPILED) or not _llvm_is_loaded():
@@ -51,7 +51,7 @@ class _BoundToItself(ExtensionFileLoader):
 
 
 def _llvm_is_loaded() -> bool:
-    """Whether somebody else's LLVM is in this process."""
+    """Whether an LLVM that is not triton's is in this process."""
     return "libLLVM" in Path("/proc/self/maps").read_text()
 
 

@@ -1,4 +1,4 @@
-"""Caregivers who look at objects and leave them where they are, of their own accord or as told, and their worlds."""
+"""Caregivers who look at objects without moving them, by a script of their own or as directed, and their worlds."""
 
 from dataclasses import replace
 from typing import ClassVar, NamedTuple
@@ -13,29 +13,29 @@ from jointattn_mj.scene.model import SceneConfig, rest_height
 from jointattn_mj.scene.movement import Arm
 from jointattn_mj.scene.world import World, WorldConfig
 
-LOCATIONS_X = 1.0
-"""Depth of the row of places between robot and caregiver, world frame, metres."""
+SPOTS_X = 1.0
+"""x of the row of spots between robot and caregiver, world frame, metres."""
 MOST_Y, LEAST_APART = 0.36, 0.24
-"""A row reaches so far to either side, or less with few places, which are then so far apart; metres."""
+"""How far a row of spots reaches to either side, and how far apart few spots are; metres."""
 AWAY = (0.0, 0.0, -1.0)
-"""Where objects are that are not on the table, out of everybody's sight."""
+"""Where objects that are not on the table are kept out of sight; world frame, metres."""
 HAND_DOWN_DEG, HAND_UP_DEG = -25.0, 75.0
-"""Pitch of the robot's forearm in its first and in its last gesture; the others lie between."""
+"""Pitch of the robot's forearm in the first and in the last gesture; the others lie between."""
 
 
-class Looker(TransferScript):
-    """Turns to an object, looks at it for a while (``gaze_s``), turns to another; her hand rests."""
+class WanderingGaze(TransferScript):
+    """Looks at the robot, then at one object after another for ``gaze_s`` each; the hand rests."""
 
     following: ClassVar[dict[Phase, Phase]] = {Phase.GREET: Phase.TURN, Phase.TURN: Phase.GAZE, Phase.GAZE: Phase.TURN}
 
 
-class SteadyLooker(TransferScript):
-    """Has turned to an object and looks at it for ever."""
+class SteadyGaze(TransferScript):
+    """Turns to an object and looks at it from then on; the hand rests."""
 
     following: ClassVar[dict[Phase, Phase]] = {Phase.GREET: Phase.TURN, Phase.TURN: Phase.GAZE, Phase.GAZE: Phase.GAZE}
 
-    def settle(self) -> "SteadyLooker":
-        """Go on until she does."""
+    def settle(self) -> "SteadyGaze":
+        """Advance until the gaze rests on the object."""
         while self.phase != Phase.GAZE:
             self.advance()
         return self
@@ -43,16 +43,18 @@ class SteadyLooker(TransferScript):
 
 STRAIGHT = np.zeros(2)
 ARM = 6
-"""Her joints from here on are those of the arm."""
+"""Index of the first arm joint among ``TransferScript.joints``."""
 
 
-class Told(TransferScript):
-    """Looks where she is told from the next step on; ``objects`` lie where others put them."""
+class DirectedCaregiver(TransferScript):
+    """Looks where ``look_at`` says, from the next step on; ``objects`` lie where the world's owner puts them."""
 
-    def look(self, point: np.ndarray | None, head_off: np.ndarray = STRAIGHT) -> None:
-        """Look at a point (3,) in the world, or at the robot.
+    def look_at(self, point: np.ndarray | None, head_off: np.ndarray = STRAIGHT) -> None:
+        """Direct the gaze.
 
-        ``head_off`` (2,): how far beside its share of the way the head comes to rest, rad; the eyes make up for it.
+        Args:
+            point: (3,) what to look at, world frame, metres; None for the robot.
+            head_off: (2,) error of the head's yaw and pitch, rad, which the eyes make up for.
         """
         gaze = np.zeros(2) if point is None else self._sight(point)
         head = self.config.head_share * gaze + head_off
@@ -60,14 +62,14 @@ class Told(TransferScript):
         self.joints = np.concatenate([head, eyes, eyes, self.joints[ARM:]])
 
     def advance(self) -> None:
-        """Keep to it."""
+        """Keep the pose."""
 
 
 class LookingWorld(World):
-    """A world of somebody who looks at objects; a step is a tenth of a second.
+    """A world in which the caregiver only looks; a step is a tenth of a second.
 
     Attributes:
-        steady: Whether she looks at one from the beginning to the end, or at the robot, and then at one after another.
+        steady: Whether the caregiver looks at one object all the time, or at the robot and then at object after object.
     """
 
     frames = 3
@@ -78,34 +80,35 @@ class LookingWorld(World):
         scene, layout = self.config.scene, self.config.layout
         behaviour = replace(self.config.behaviour, reach_arch_m=0.0)  # the hand would rise while it stays
         arguments = (behaviour, layout, len(scene.objects), rest_height(scene), head, arm, rng)
-        return SteadyLooker(*arguments).settle() if self.steady else Looker(*arguments)
+        return SteadyGaze(*arguments).settle() if self.steady else WanderingGaze(*arguments)
 
 
 class Pose(NamedTuple):
-    """Of all bodies; as in MjData."""
+    """Pose of all bodies: ``qpos``, ``mocap_pos`` and ``mocap_quat`` as in MjData."""
 
     qpos: np.ndarray
     mocap_pos: np.ndarray
     mocap_quat: np.ndarray
 
 
-class TurnWorld(World):
-    """A world in which everybody does as told, a second at a time: gazes turn to places, objects lie on them."""
+class TableWorld(World):
+    """A world that is directed step by step, as the table of chapters 4 and 5: gazes and objects go to spots."""
 
     frames = 30
-    """A turn lasts a second, as long as a gaze shift "takes about one second" (section 6.4.1)."""
-    caregiver: Told
+    """A step lasts a second, since a gaze shift "takes about one second" (section 6.4.1)."""
+    caregiver: DirectedCaregiver
 
-    def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> Told:
-        """See ``World``; she looks at the robot, and no object is on the table."""
+    def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> DirectedCaregiver:
+        """See ``World``; the caregiver looks at the robot, and no object is on the table."""
         config = self.config
         anywhere = LayoutConfig(spacing=1e-6, evenness=1)
-        told = Told(CaregiverConfig(), anywhere, len(config.scene.objects), rest_height(config.scene), head, arm, rng)
-        told.objects[:] = AWAY
-        return told
+        objects, height = len(config.scene.objects), rest_height(config.scene)
+        caregiver = DirectedCaregiver(CaregiverConfig(), anywhere, objects, height, head, arm, rng)
+        caregiver.objects[:] = AWAY
+        return caregiver
 
     def gesture(self, number: int, of: int) -> None:
-        """Let the robot's hand make a gesture, 0 to ``of`` - 1; its own eye does not see it."""
+        """Let the robot's hand make gesture ``number`` of 0 to ``of`` - 1, which its own eye does not see."""
         pitch = np.radians(HAND_DOWN_DEG + (HAND_UP_DEG - HAND_DOWN_DEG) * number / max(1, of - 1))
         self.data.mocap_quat[self._forearm] = np.cos(pitch / 2), 0, -np.sin(pitch / 2), 0
 
@@ -115,28 +118,28 @@ class TurnWorld(World):
         self._forearm = self.model.body("robot/forearm").mocapid[0]
 
     def pose(self) -> Pose:
-        """How bodies stand."""
+        """The pose of all bodies now."""
         return Pose(self.data.qpos.copy(), self.data.mocap_pos.copy(), self.data.mocap_quat.copy())
 
     def stand(self, pose: Pose) -> None:
-        """Let bodies stand like that, until the next step or arrival."""
+        """Put all bodies into a pose, until the next step or ``arrive``."""
         self.data.qpos[:], self.data.mocap_pos[:], self.data.mocap_quat[:] = pose
         mujoco.mj_forward(self.model, self.data)
         self._image = None
 
     def arrive(self, head: np.ndarray) -> None:
-        """Let things be as they would be after a step, with the robot's head at ``head`` (2,), rad."""
+        """Put everything where a step would bring it, and the robot's head at ``head`` (2,), pan and tilt, rad."""
         caregiver = self.caregiver
         caregiver.advance()
         self._script_angles[:], self._script_speeds[:] = caregiver.joints, 0
         self._head_angles[:], self._head_speeds[:], self._controls[:] = head, 0, head
-        self._object_locations[:] = self._objects_before[:] = caregiver.objects
+        self._object_positions[:] = self._objects_before[:] = caregiver.objects
         mujoco.mj_forward(self.model, self.data)
         self._past.forget()
         self._image = None
 
 
-def locations(count: int, scene: SceneConfig) -> np.ndarray:
-    """Places for objects (count, 3) in a row from the robot's left to its right; world frame, metres."""
+def spot_positions(count: int, scene: SceneConfig) -> np.ndarray:
+    """Centres (count, 3) of objects on the spots, a row from the robot's left to its right; world frame, metres."""
     reach = min(MOST_Y, LEAST_APART * (count - 1) / 2)
-    return np.array([(LOCATIONS_X, y, rest_height(scene)) for y in np.linspace(reach, -reach, count)])
+    return np.array([(SPOTS_X, y, rest_height(scene)) for y in np.linspace(reach, -reach, count)])

@@ -1,16 +1,15 @@
-"""The 3D scene as one MjModel: robot, caregiver, objects, table, room (section 6.4.1; layout: THESIS.md, chapter 6).
+"""The 3D scene as one MjModel: robot, caregiver, objects, table, room (section 6.4.1).
 
-World frame: metres, x from the robot to the caregiver, y to the robot's left, z up. Joint angles in radians.
-Everything is decided by `SceneConfig`; building twice gives the same model byte for byte.
+World frame: metres, x from the robot to the caregiver, y to the robot's left, z up. Joint angles in radians. A
+``SceneConfig`` decides everything; building twice gives the same model byte for byte.
 """
 
 from __future__ import annotations
 
-import colorsys
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Literal
 
 import mujoco
 import numpy as np
@@ -18,61 +17,36 @@ import numpy as np
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import TOP_LEVEL, Checked, Choice, Colour, Real
 from jointattn_mj.scene import body, room
-from jointattn_mj.scene.face import IDENTITIES, FaceConfig, FaceMesh, build_face, identity
+from jointattn_mj.scene.face import FaceMesh, build_face, identity
+from jointattn_mj.scene.objects import OBJECTS, ObjectConfig, object_size
+from jointattn_mj.scene.people import IDENTITIES, FaceConfig
 from jointattn_mj.scene.shapes import Mesh
 
 IMAGE_WIDTH, IMAGE_HEIGHT = 320, 240  # camera images of section 6.4.1
 TIMESTEP = 1 / 30  # one physics step an image: nothing collides, and the servos are damped implicitly
 TABLE_Z = 0.71  # height of the table top
-HEAD_POSITION = (1.5, 0.0, 1.08)  # centre of the caregiver's head; her yaw and pitch axes meet here
-Shape = Literal["box", "cylinder", "sphere"]
-SHAPES: tuple[Shape, ...] = get_args(Shape)
+HEAD_POSITION = (1.5, 0.0, 1.08)  # centre of the caregiver's head, where its yaw and pitch axes meet
 Quality = Literal["fast", "high"]
 BLANK = 64  # pixels, edge of a texture to be painted on
-ROBOT_GROUP = 3  # geoms that the robot's own eye does not draw: switch the group on for other views
-
-
-@dataclass(frozen=True)
-class ObjectConfig(Checked):
-    """One object on the table; its name is also its label everywhere (logs, percepts)."""
-
-    name: str
-    rgb: Colour  # 0..1, saturated: objects are told apart as colour areas (section 6.4.1)
-    shape: Shape = "box"
-
-
-def _hue(degrees: float, saturation: float = 1.0, value: float = 0.85) -> tuple[float, float, float]:
-    return colorsys.hsv_to_rgb(degrees / 360, saturation, value)
-
-
-OBJECTS: tuple[ObjectConfig, ...] = (
-    ObjectConfig("red", _hue(0, 0.95, 0.86), "box"),
-    ObjectConfig("yellow", _hue(54, 1.0, 0.92), "cylinder"),
-    ObjectConfig("blue", _hue(232, 0.90, 0.86), "box"),
-    ObjectConfig("green", _hue(128, 0.95, 0.66), "sphere"),
-    ObjectConfig("magenta", _hue(308, 0.95, 0.86), "cylinder"),
-    ObjectConfig("cyan", _hue(180, 1.0, 0.82), "sphere"),
-    ObjectConfig("orange", _hue(27, 1.0, 0.95), "sphere"),
-    ObjectConfig("violet", _hue(270, 0.88, 0.80), "box"),
-    ObjectConfig("lime", _hue(88, 1.0, 0.85), "cylinder"),
-    ObjectConfig("azure", _hue(206, 1.0, 0.92), "cylinder"),
-)
-"""Ten objects whose hues lie at least 25 degrees apart; the first four are the dissertation's (section 6.4.1)."""
+ROBOT_GROUP = 3  # geoms of the robot's body, which its own eye does not draw; switch the group on for other views
 
 
 @dataclass(frozen=True)
 class SceneConfig(Checked):
-    """What the world looks like. Everything in it changes appearance only, not how anybody behaves."""
+    """What the world looks like; behaviour does not depend on it."""
 
     caregiver: Annotated[str, Choice(IDENTITIES), TOP_LEVEL] = "robin"
-    """Who she is."""
-    face: FaceConfig | None = None  # looks of somebody else; None: those of `caregiver`
-    clothing: Colour = (0.40, 0.43, 0.48)  # dull, unlike any object
-    objects: tuple[ObjectConfig, ...] = OBJECTS[:4]  # four objects, section 6.4.1
+    """Who the caregiver is."""
+    face: FaceConfig | None = None
+    """Looks of somebody else; None: those of ``caregiver``."""
+    clothing: Colour = (0.40, 0.43, 0.48)
+    """Colour of the caregiver's clothes: dull, unlike any object."""
+    objects: tuple[ObjectConfig, ...] = OBJECTS[:4]
+    """The objects on the table: four, as in section 6.4.1."""
     object_size: Annotated[float, Real("[0.01, 0.12]")] = 0.06
-    """Metres, edge or diameter: about 16 px in the image (choice)."""
+    """Edge or diameter of objects, metres: about 16 pixels in the image (choice)."""
     quality: Annotated[Quality, TOP_LEVEL] = "fast"
-    """"fast" for the closed loop; "high" (shadows, smooth edges, fine meshes) for figures."""
+    """``fast`` for running; ``high``, with shadows, smooth edges and fine meshes, for figures."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -82,18 +56,18 @@ class SceneConfig(Checked):
 
 
 def assets_folder() -> Path:
-    """Folder of the MJCF parts: the checkout's where there is one, else the installed package's."""
+    """Folder of the MJCF parts and trained weights: the checkout's where there is one, else the installed package's."""
     checkout = Path(__file__).resolve().parents[2] / "assets"
     return checkout if checkout.is_dir() else Path(str(resources.files("jointattn_mj"))) / "assets"
 
 
 def rest_height(config: SceneConfig) -> float:
-    """Height (m) of an object's centre when it stands on the table."""
+    """Height, metres, of an object's centre when it stands on the table."""
     return TABLE_Z + config.object_size / 2 + 0.001
 
 
 def rest_positions(config: SceneConfig) -> np.ndarray:
-    """(n, 3) starting places on the table, at least .13 m apart for up to ten objects; world frame."""
+    """First positions (n, 3) of objects, at least .13 m apart for up to ten; world frame, metres."""
     count, height = len(config.objects), rest_height(config)
     if count <= 4:
         return np.array([(1.0, y, height) for y in np.linspace(0.3, -0.3, count)]).reshape(-1, 3)
@@ -106,18 +80,8 @@ def _part(name: str) -> mujoco.MjSpec:
     return mujoco.MjSpec.from_file(str(assets_folder() / f"{name}.xml"))
 
 
-def object_size(shape: str, edge: float) -> tuple[mujoco.mjtGeom, tuple[float, float, float]]:
-    """Kind and size numbers of an object's geom; ``edge`` is its edge or diameter, metres."""
-    half = edge / 2
-    return {
-        "box": (mujoco.mjtGeom.mjGEOM_BOX, (half, half, half)),
-        "cylinder": (mujoco.mjtGeom.mjGEOM_CYLINDER, (half * 0.9, half, 0)),
-        "sphere": (mujoco.mjtGeom.mjGEOM_SPHERE, (half, 0, 0)),
-    }[shape]
-
-
 def _add_mesh(spec: mujoco.MjSpec, name: str, mesh: Mesh | FaceMesh, texture: np.ndarray | None = None) -> None:
-    """Asset `name`: a mesh, and where given a texture and a material of the same name."""
+    """Add a mesh as asset ``name``, and where given a texture (h, w, 3) uint8 and a material of the same name."""
     part = spec.add_mesh(name=name)
     part.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL  # open surfaces
     part.uservert, part.userface = mesh.vertices.ravel(), mesh.faces.ravel()
@@ -127,7 +91,7 @@ def _add_mesh(spec: mujoco.MjSpec, name: str, mesh: Mesh | FaceMesh, texture: np
 
 
 def _add_texture(spec: mujoco.MjSpec, name: str, texture: np.ndarray, rgb: tuple[float, ...] = (1.0, 1.0, 1.0)) -> None:
-    """A dull material `name` with a texture of the same name, whose colours are multiplied by rgb."""
+    """Add a dull material ``name`` with a texture (h, w, 3) uint8 of the same name, times ``rgb``."""
     height, width, _ = texture.shape
     image = spec.add_texture(name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, height=height, width=width, nchannel=3)
     image.data = texture.tobytes()
@@ -137,7 +101,7 @@ def _add_texture(spec: mujoco.MjSpec, name: str, texture: np.ndarray, rgb: tuple
 
 
 def _add_colour(spec: mujoco.MjSpec, name: str, rgb: tuple[float, ...], blank: bool = False) -> None:
-    """A dull material `name`; `blank`: with a white texture, to be painted on."""
+    """Add a dull material ``name``; with ``blank`` it has a white texture, to be painted on."""
     if blank:
         _add_texture(spec, name, np.full((BLANK, BLANK, 3), 255, np.uint8), rgb)
     else:
@@ -189,7 +153,7 @@ def _options(spec: mujoco.MjSpec) -> None:
 
 
 def _visuals(spec: mujoco.MjSpec, high: bool) -> None:
-    """Lean drawing for the closed loop (no shadows, no multisampling, few slices), or fine drawing for figures."""
+    """Quick drawing for running (no shadows, no multisampling, few slices), or fine drawing for figures."""
     visual = spec.visual
     visual.global_.offwidth, visual.global_.offheight = (1280, 960) if high else (IMAGE_WIDTH, IMAGE_HEIGHT)
     visual.quality.offsamples = 2 if high else 0
@@ -216,29 +180,30 @@ def _visuals(spec: mujoco.MjSpec, high: bool) -> None:
 
 
 def _add_objects(spec: mujoco.MjSpec, config: SceneConfig) -> None:
-    for thing, location in zip(config.objects, rest_positions(config), strict=True):
-        body = spec.worldbody.add_body(name=f"object/{thing.name}", mocap=True, pos=location)
+    for thing, position in zip(config.objects, rest_positions(config), strict=True):
+        body = spec.worldbody.add_body(name=f"object/{thing.name}", mocap=True, pos=position)
         kind, size = object_size(thing.shape, config.object_size)
         body.add_geom(name=f"object/{thing.name}", type=kind, size=size, rgba=(*thing.rgb, 1), contype=0, conaffinity=0)
 
 
-def _add_onlooker(spec: mujoco.MjSpec, location: tuple[float, float, float], at: tuple[float, float, float]) -> None:
-    """The camera third_person at `place`, upright, looking at the point `at`."""
-    ahead = np.subtract(at, location)
+def _add_onlooker(spec: mujoco.MjSpec, position: tuple[float, float, float], at: tuple[float, float, float]) -> None:
+    """Add the camera ``third_person`` at ``position``, upright, looking at the point ``at``; world frame, metres."""
+    ahead = np.subtract(at, position)
     right = np.cross(ahead, (0.0, 0.0, 1.0))
     right = right / np.linalg.norm(right)
     up = np.cross(right, ahead) / np.linalg.norm(ahead)
     rotation = np.column_stack([right, up, -ahead / np.linalg.norm(ahead)])
     quat = np.zeros(4)
     mujoco.mju_mat2Quat(quat, rotation.ravel())
-    spec.worldbody.add_camera(name="third_person", pos=location, quat=quat, fovy=48)
+    spec.worldbody.add_camera(name="third_person", pos=position, quat=quat, fovy=48)
 
 
 def build_model(config: SceneConfig | None = None, blank: bool = False) -> mujoco.MjModel:
-    """The compiled scene. Bodies come in drawing order, near to far: people, objects, table, wall, floor.
+    """Compile the scene. Bodies come in drawing order, near to far: people, objects, table, wall, floor.
 
-    ``blank``: surfaces that have colours alone get white textures, to be painted on (``scene.dressing``); images
-    then take longer.
+    Args:
+        config: What it looks like; None for the defaults.
+        blank: Give plain surfaces white textures, to be painted on by ``scene.dressing``. Images then take longer.
     """
     config = config or SceneConfig()
     high = config.quality == "high"
@@ -246,7 +211,7 @@ def build_model(config: SceneConfig | None = None, blank: bool = False) -> mujoc
     spec.modelname = "jointattn"
     _options(spec)
     _visuals(spec, high)
-    _add_onlooker(spec, location=(0.25, -1.75, 1.50), at=(0.80, 0.0, 0.80))
+    _add_onlooker(spec, position=(0.25, -1.75, 1.50), at=(0.80, 0.0, 0.80))
     _add_caregiver(spec, config, high, blank)
     spec.attach(_part("robot"), prefix="robot/", frame=spec.worldbody.add_frame())
     _add_objects(spec, config)

@@ -1,11 +1,12 @@
 """How bodies move: minimum-jerk profiles, gaze directions, and the arm's inverse kinematics in closed form.
 
-Everything here is a pure function of whole paths: a caregiver plans a movement once and plays it frame by frame.
-Points and directions are in the caregiver's own frame unless said otherwise: origin on the floor below her, x towards
-the robot, y to her left, z up; metres and radians.
+All functions work on whole paths: a movement is planned once and played frame by frame. Points and directions are in
+the caregiver's frame unless said otherwise: origin on the floor below the head, x towards the robot, y to the
+caregiver's left, z up; metres and radians.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -21,36 +22,44 @@ ARM_JOINTS = ("shoulder_yaw", "shoulder_pitch", "shoulder_roll", "elbow", "wrist
 def minimum_jerk(frames: int) -> np.ndarray:
     """Progress of a minimum-jerk movement at the end of each of its frames: (frames,), rising to exactly 1."""
     tau = np.arange(1, frames + 1) / frames
-    return tau**3 * (10 - 15 * tau + 6 * tau**2)
+    progress: np.ndarray = tau**3 * (10 - 15 * tau + 6 * tau**2)
+    return progress
 
 
 def path_between(start: np.ndarray, end: np.ndarray, frames: int, arch: float = 0.0) -> np.ndarray:
-    """Minimum-jerk path from ``start`` (excluded) to ``end``, (frames, d), raised in its last axis by ``arch`` midway.
+    """A minimum-jerk path.
 
-    The arch is a parabola over the straight way, so that speed and acceleration still vanish at either end.
+    Args:
+        start: (d,) where the path starts; it is not part of the path.
+        end: (d,) where it ends.
+        frames: Its length.
+        arch: Height of a parabola that raises the last axis. Speed and acceleration still vanish at either end.
+
+    Returns:
+        (frames, d), in the unit of ``start``.
     """
     progress = minimum_jerk(frames)[:, None]
-    path = start + progress * (np.asarray(end) - start)
+    path: np.ndarray = start + progress * (np.asarray(end) - start)
     path[:, -1] += 4 * arch * (progress * (1 - progress))[:, 0]
     return path
 
 
 def gaze_angles(eye: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Yaw (to her left) and pitch (nose down) that turn a face at ``eye`` (3,) to ``points`` (..., 3): (..., 2)."""
+    """Yaw (to the caregiver's left) and pitch (nose down) from ``eye`` (3,) to ``points`` (..., 3): (..., 2), rad."""
     along = points - eye
     yaw = np.arctan2(along[..., 1], along[..., 0])
     pitch = -np.arctan2(along[..., 2], np.hypot(along[..., 0], along[..., 1]))
     return np.stack([yaw, pitch], axis=-1)
 
 
-def _check_rotation(rotation):
+def _check_rotation(rotation: Any) -> None:
     require_array("rotation", rotation, (3, 3), "f", -2, 2)
 
 
 @checked_by(_check_rotation)
 @njit(cache=True)
 def rotation_to_zyx(rotation):
-    """Angles (3,) of three hinges about z, then y, then x that make ``rotation`` (3, 3)."""
+    """Angles (3,), rad, of three hinges about z, then y, then x that make up ``rotation`` (3, 3)."""
     yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
     pitch = np.arctan2(-rotation[2, 0], np.hypot(rotation[0, 0], rotation[1, 0]))
     return np.array([yaw, pitch, np.arctan2(rotation[2, 1], rotation[2, 2])])
@@ -58,7 +67,7 @@ def rotation_to_zyx(rotation):
 
 @njit(cache=True)
 def _times(a, b):
-    """Product of two 3x3 matrices (numba's own needs scipy)."""
+    """Product of two matrices (3, 3); numba's own would need scipy."""
     product = np.zeros((3, 3))
     for i in range(3):
         for j in range(3):
@@ -69,7 +78,7 @@ def _times(a, b):
 
 @njit(cache=True)
 def _reach(points, swing, shoulder, upper, fore, grasp, hand):
-    """`Arm.reach` point by point. Compiled: in numpy this is most of what planning costs, and falls into one frame."""
+    """``Arm.reach``, point by point. Compiled: in numpy it takes most of the planning, which falls into one frame."""
     joints = np.empty((len(points), 7))
     for t in range(len(points)):
         to_wrist = points[t] - shoulder
@@ -89,26 +98,36 @@ def _reach(points, swing, shoulder, upper, fore, grasp, hand):
         x = np.cos(at_shoulder) * along + np.sin(at_shoulder) * side
         y = np.sin(at_shoulder) * along - np.cos(at_shoulder) * side
         frame = np.column_stack((x, y, np.cross(x, y)))
-        turn = np.array([[np.cos(bend), -np.sin(bend), 0.0], [np.sin(bend), np.cos(bend), 0.0], [0.0, 0.0, 1.0]])
+        elbow = np.array([[np.cos(bend), -np.sin(bend), 0.0], [np.sin(bend), np.cos(bend), 0.0], [0.0, 0.0, 1.0]])
         joints[t, :3] = rotation_to_zyx(frame)
         joints[t, 3] = bend
-        joints[t, 4:] = rotation_to_zyx(_times(_times(frame, turn).T, hand))
+        joints[t, 4:] = rotation_to_zyx(_times(_times(frame, elbow).T, hand))
     return joints
 
 
 @dataclass(frozen=True)
 class Arm:
-    """An arm of two links with ball-like shoulder and wrist; the hand keeps one orientation wherever it goes.
+    """An arm of two links, whose hand keeps one orientation wherever it goes.
 
-    The arm has one degree of freedom to spare, the swing of the elbow about the line from shoulder to wrist. The
-    caller chooses it: swing 0 points the elbow level to her right, a positive swing raises it.
+    One degree of freedom is free: the swing of the elbow about the line from shoulder to wrist. With swing 0 the elbow
+    points to the caregiver's right, at the same level; a positive swing raises it.
+
+    Attributes:
+        shoulder: (3,) position of the shoulder, metres.
+        upper: Length of the upper arm, metres.
+        fore: Length of the forearm, metres.
+        grasp: (3,) from the wrist to a held object's centre, the hand's frame, metres.
+        hand: (3, 3) orientation of the hand.
     """
 
-    shoulder: np.ndarray  # (3,)
+    shoulder: np.ndarray
     upper: float
     fore: float
-    grasp: np.ndarray  # (3,) from the wrist to a held object's centre, in the hand's frame
-    hand: np.ndarray  # (3, 3) the hand's orientation
+    grasp: np.ndarray
+    hand: np.ndarray
+
+    def __repr__(self) -> str:
+        return f"Arm(upper={self.upper:.3f} m, fore={self.fore:.3f} m)"
 
     def __post_init__(self) -> None:
         for name, shape in (("shoulder", (3,)), ("grasp", (3,)), ("hand", (3, 3))):
@@ -116,7 +135,7 @@ class Arm:
 
     @classmethod
     def from_model(cls, model: mujoco.MjModel, hand_pitch: float) -> "Arm":
-        """Read the lengths from the model; ``hand_pitch`` tilts the fingers down by so many radians."""
+        """The caregiver's arm of a model; ``hand_pitch``, rad, tilts the fingers down."""
         cos, sin = np.cos(hand_pitch), np.sin(hand_pitch)
         return cls(
             shoulder=model.body("caregiver/shoulder").pos.copy(),
@@ -127,11 +146,19 @@ class Arm:
         )
 
     def reach(self, points: np.ndarray, swing: np.ndarray) -> np.ndarray:
-        """Joint angles (T, 7), in the order of ``ARM_JOINTS``, that bring the grasp to ``points`` (T, 3).
+        """Inverse kinematics.
 
-        ``swing`` (T,) raises the elbow above the level of shoulder and wrist, rad. A point beyond the arm's length is
-        approached as far as the straight arm goes.
+        Args:
+            points: (T, 3) where the grasp is to be, metres. Points out of reach are approached by the straight arm.
+            swing: (T,) how far the elbow is raised above the level of shoulder and wrist, rad.
+
+        Returns:
+            Joint angles (T, 7), rad, in the order of ``ARM_JOINTS``.
+
+        Raises:
+            ObservationError: Shapes differ from these.
         """
         if points.shape != (*swing.shape, 3) or swing.ndim != 1:
             raise ObservationError(f"the arm takes points (T, 3) and swing (T,); got {points.shape} and {swing.shape}")
-        return _reach(points, swing, self.shoulder, self.upper, self.fore, self.grasp, self.hand)
+        joints: np.ndarray = _reach(points, swing, self.shoulder, self.upper, self.fore, self.grasp, self.hand)
+        return joints

@@ -1,4 +1,4 @@
-"""Who the caregiver can be: looks as numbers, and a few identities. Another face is another `FaceConfig`."""
+"""Who the caregiver can be: six people, and the numbers that describe a face."""
 
 from __future__ import annotations
 
@@ -12,24 +12,36 @@ Proportion = Annotated[float, Real("[0.5, 1.6]")]
 
 @dataclass(frozen=True)
 class FaceConfig(Checked):
-    """One person's looks. Numbers called factors are 1 for an average adult."""
+    """One person's face. Factors are 1 for an average adult."""
 
     skin: Colour = (0.86, 0.67, 0.57)
     hair: Colour = (0.25, 0.17, 0.11)
-    eyes: Colour = (0.32, 0.22, 0.14)  # iris
+    eyes: Colour = (0.32, 0.22, 0.14)
+    """Colour of the iris."""
     lips: Colour = (0.72, 0.40, 0.38)
     hair_style: Literal["short", "bob", "bun", "curly", "receding"] = "short"
-    width: Proportion = 1.0  # factor on the whole head's breadth
-    length: Proportion = 1.0  # factor on the height of the face below the eyes
-    jaw: Proportion = 1.0  # factor on the breadth of jaw and chin
-    nose: Proportion = 1.0  # factor on how far the nose stands out
-    nose_width: Proportion = 1.0  # factor
-    lip_fullness: Proportion = 1.0  # factor
-    eye_size: Proportion = 1.0  # factor on the opening of the lids
-    brow: Proportion = 1.0  # factor on the thickness of the eyebrows
-    stubble: Share = 0.0  # 0..1, darker jaw
-    age: Share = 0.2  # 0..1, folds and lines
-    seed: Seed = 0  # fine variation of skin and hair
+    width: Proportion = 1.0
+    """Factor on the breadth of the head."""
+    length: Proportion = 1.0
+    """Factor on the height of the face below the eyes."""
+    jaw: Proportion = 1.0
+    """Factor on the breadth of jaw and chin."""
+    nose: Proportion = 1.0
+    """Factor on how far the nose stands out."""
+    nose_width: Proportion = 1.0
+    """Factor on the breadth of the nose."""
+    lip_fullness: Proportion = 1.0
+    """Factor on the height of the lips."""
+    eye_size: Proportion = 1.0
+    """Factor on the opening of the lids."""
+    brow: Proportion = 1.0
+    """Factor on the thickness of the eyebrows."""
+    stubble: Share = 0.0
+    """How dark the jaw is, from 0 to 1."""
+    age: Share = 0.2
+    """How deep folds and lines are, from 0 to 1."""
+    seed: Seed = 0
+    """Seed of the fine variation of skin and hair."""
 
 
 IDENTITIES: dict[str, FaceConfig] = {
@@ -111,4 +123,4 @@ IDENTITIES: dict[str, FaceConfig] = {
         seed=6,
     ),
 }
-"""People to meet, by neutral first names: different skin, hair, eyes, shape and age."""
+"""The people, by neutral first names: different skin, hair, eyes, shape and age."""

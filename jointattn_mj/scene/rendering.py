@@ -1,9 +1,9 @@
-"""Physics whose images any thread may draw, and which says in one line why there are none.
+"""A physics that any thread may render, and that says in one line why it cannot.
 
-An OpenGL context belongs to the thread that it is current in. dm_control leaves it there: an image from another
-thread, and ``close`` or garbage collection in one, end in tracebacks. Here a context is current while something is
-drawn and no longer, which costs 8 microseconds an image. In a process that was forked from one that has rendered,
-OpenGL cannot go on: contexts are left alone there.
+An OpenGL context belongs to the thread in which it is current. dm_control leaves it current, so that an image,
+``close`` or garbage collection in another thread ends in a traceback. Here a context is current only while something is
+drawn, which costs 8 microseconds an image. A process that was forked from one that has rendered cannot use OpenGL, and
+leaves its parent's contexts alone.
 """
 
 import atexit
@@ -26,11 +26,11 @@ from jointattn_mj.scene import gl
 FORKED = "a process cannot render that was forked from one that has; start it by spawn or forkserver"
 
 
-class RenderingPhysics(Closable, mujoco.Physics):
-    """dm_control's physics with contexts of that kind; one thread at a time."""
+class RenderingPhysics(Closable, mujoco.Physics):  # type: ignore[misc]
+    """dm_control's physics, to be used from any thread, by one thread at a time."""
 
     def free(self) -> None:
-        """Free data and contexts; whatever the physics is asked for afterwards is a ``ClosedError``."""
+        """Free data and contexts. Any use of the physics afterwards raises ``ClosedError``."""
         if not self.closed:
             super().free()
             self._shut()
@@ -53,19 +53,19 @@ class RenderingPhysics(Closable, mujoco.Physics):
             raise GLError(f"The OpenGL library could not open an offscreen image ({error}). {gl.INSTALL}") from error
 
 
-class _MjrContext(wrapper.MjrContext):
-    """One that was never made has nothing to free, and does not complain of that."""
+class _MjrContext(wrapper.MjrContext):  # type: ignore[misc]
+    """A context that has nothing to free, without complaint, where it was never made."""
 
     _ptr = staticmethod(lambda: None)
 
 
 _forked: list[Any] = []
-"""What a forked process has of its parent's contexts; never freed."""
+"""In a forked process, its parent's contexts; they are never freed."""
 _open: WeakSet[Any] = WeakSet()
 
 
 def _leave_alone() -> None:
-    """After a fork, in the child: whatever is done with its parent's contexts touches no OpenGL."""
+    """After a fork, in the child: keep its parent's contexts from touching OpenGL."""
     if _render.BACKEND == "egl":
         from dm_control._render.pyopengl import egl_ext as egl
 
@@ -79,7 +79,7 @@ def _leave_alone() -> None:
 def _context_class() -> type[Any]:
     os.register_at_fork(after_in_child=_leave_alone)
 
-    class Context(_render.Renderer):  # type: ignore[misc, name-defined]
+    class Context(_render.Renderer):  # type: ignore[misc]
         def __init__(self, width: int, height: int):
             super().__init__(width, height)
             _open.add(self)
@@ -96,7 +96,7 @@ def _context_class() -> type[Any]:
 
 @contextmanager
 def _lent(context: Any) -> Iterator[Any]:
-    """Current in this thread while the block runs, and in none afterwards."""
+    """Make a context current in this thread for the block, and in none afterwards."""
     from dm_control._render.pyopengl import egl_ext as egl
     from dm_control._render.pyopengl.egl_renderer import EGL_DISPLAY
 

@@ -1,4 +1,4 @@
-"""The camera's sensor: how a rendered image comes out grainy, darker or brighter, and late."""
+"""The camera's sensor: noise, brightness and delay of rendered images."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,19 +13,19 @@ from jointattn_mj.options import Checked, Real, Seed, Whole
 
 @dataclass(frozen=True)
 class Sensor(Checked):
-    """One camera. As it stands it changes nothing."""
+    """One camera. The defaults change nothing."""
 
     brightness: Annotated[float, Real("(0, 100]")] = 1.0
-    """Every channel is multiplied by so much."""
+    """Factor on every channel."""
     noise: Annotated[float, Real("[0, 64]")] = 0.0
-    """Standard deviation, in grey values of 0..255, of what is added to each channel of each pixel, each frame anew."""
+    """Standard deviation of noise on each channel of each pixel, grey values of 0..255; drawn for every frame."""
     delay: Annotated[int, Whole("[0, 30]")] = 0
-    """The image shows the world of so many frames (1/30 s) ago."""
+    """How many frames of 1/30 s ago the image shows the world."""
     seed: Seed = 0
-    """Of the noise."""
+    """Seed of the noise."""
 
     def expose(self, image: np.ndarray, frame: int) -> None:
-        """Change an image (h, w, 3) uint8 in place; its noise depends on ``seed`` and the frame's number alone."""
+        """Apply brightness and noise to an image (h, w, 3) uint8 in place; ``seed`` and ``frame`` decide the noise."""
         if self.brightness != 1.0:
             cv2.convertScaleAbs(image, image, self.brightness)
         if self.noise > 0:
@@ -37,7 +37,7 @@ class Sensor(Checked):
 
 @lru_cache(maxsize=8)
 def _noise_tables(deviation: float) -> tuple[np.ndarray, np.ndarray]:
-    """What 256 equally likely draws add and take away, both (256,) uint8: normally distributed up to 2.9 deviations."""
+    """What each of 256 equally likely draws adds and subtracts, both (256,) uint8: normal, up to 2.9 sigma."""
     normal = NormalDist(0, deviation)
     values = np.array([round(normal.inv_cdf((draw + 0.5) / 256)) for draw in range(256)])
     return np.clip(values, 0, 255).astype(np.uint8), np.clip(-values, 0, 255).astype(np.uint8)

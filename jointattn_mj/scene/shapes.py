@@ -1,4 +1,4 @@
-"""Small tools to generate smooth triangle meshes and seamless textures; pure numpy, nothing about people or MuJoCo."""
+"""Tools to generate smooth triangle meshes and seamless textures, in numpy alone."""
 
 from __future__ import annotations
 
@@ -9,27 +9,39 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Mesh:
-    """Triangles with texture coordinates. vertices (n, 3) metres; faces (m, 3) anticlockwise; uv (n, 2), v upwards."""
+    """Triangles with normals and texture coordinates.
+
+    Attributes:
+        vertices: (n, 3) metres.
+        faces: (m, 3) indices of vertices, anticlockwise.
+        uv: (n, 2) texture coordinates, 0 to 1, v upwards.
+        normals: (n, 3) unit vectors.
+    """
 
     vertices: np.ndarray
     faces: np.ndarray
     uv: np.ndarray
-    normals: np.ndarray  # (n, 3) unit
+    normals: np.ndarray
+
+    def __repr__(self) -> str:
+        return f"Mesh({len(self.vertices)} vertices, {len(self.faces)} triangles)"
 
 
 def bump(*scaled: np.ndarray) -> np.ndarray:
     """Gaussian exp(-sum(s^2)/2) of coordinates already divided by their widths."""
-    return np.exp(-0.5 * sum(s * s for s in scaled))
+    height: np.ndarray = np.exp(-0.5 * sum(s * s for s in scaled))
+    return height
 
 
 def smoothstep(x: np.ndarray, low: float | np.ndarray, high: float | np.ndarray) -> np.ndarray:
-    """0 below `low`, 1 above `high` (or the reverse when low > high), smooth between."""
+    """0 below ``low``, 1 above ``high`` (the reverse where low > high), smooth between."""
     t = np.clip((np.asarray(x, float) - low) / (high - low), 0, 1)
-    return t * t * (3 - 2 * t)
+    risen: np.ndarray = t * t * (3 - 2 * t)
+    return risen
 
 
 def curve(x: np.ndarray, knots: list[tuple[float, float]]) -> np.ndarray:
-    """Smooth curve through `knots` (rising first coordinate) that does not overshoot (cubic, harmonic slopes)."""
+    """A smooth curve at ``x`` through ``knots`` (x, y) with rising x, without overshoot: cubic, harmonic slopes."""
     kx, ky = np.array(knots, float).T
     step = np.diff(kx)
     slope = np.diff(ky) / step
@@ -40,24 +52,29 @@ def curve(x: np.ndarray, knots: list[tuple[float, float]]) -> np.ndarray:
     x = np.clip(x, kx[0], kx[-1])
     i = np.clip(np.searchsorted(kx, x, side="right") - 1, 0, len(step) - 1)
     t = (x - kx[i]) / step[i]
-    return (
+    y: np.ndarray = (
         (1 + 2 * t) * (1 - t) ** 2 * ky[i]
         + t * (1 - t) ** 2 * step[i] * tangent[i]
         + t * t * (3 - 2 * t) * ky[i + 1]
         + t * t * (t - 1) * step[i] * tangent[i + 1]
     )
+    return y
 
 
 def refine(values: np.ndarray, factor: int) -> np.ndarray:
-    """Insert `factor` - 1 evenly spaced values between neighbours."""
+    """Insert ``factor`` - 1 evenly spaced values between neighbours of ``values`` (n,)."""
     index = np.arange((len(values) - 1) * factor + 1) / factor
-    return np.interp(index, np.arange(len(values)), values)
+    refined: np.ndarray = np.interp(index, np.arange(len(values)), values)
+    return refined
 
 
 def grid(points: np.ndarray, uv: np.ndarray) -> Mesh:
-    """Mesh over a grid of points (rows, columns, 3), rows from top to bottom, columns anticlockwise seen from above.
+    """A mesh over a grid of points.
 
-    A closed surface repeats its first column as the last; normals along that seam are made equal.
+    Args:
+        points: (rows, columns, 3) metres, rows from top to bottom, columns anticlockwise seen from above. A closed
+            surface repeats its first column as the last; normals along that seam are made equal.
+        uv: (rows, columns, 2) texture coordinates.
     """
     rows, columns = points.shape[:2]
     index = np.arange(rows * columns).reshape(rows, columns)
@@ -71,20 +88,20 @@ def grid(points: np.ndarray, uv: np.ndarray) -> Mesh:
 
 
 def _normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Area-weighted vertex normals; vertices at the same place share one."""
+    """Area-weighted vertex normals (n, 3); vertices at the same point share one."""
     corner = vertices[faces]
     face_normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    _, location = np.unique(np.round(vertices, 7), axis=0, return_inverse=True)
-    total = np.zeros((location.max() + 1, 3))
+    _, point = np.unique(np.round(vertices, 7), axis=0, return_inverse=True)
+    total = np.zeros((point.max() + 1, 3))
     for k in range(3):
-        np.add.at(total, location[faces[:, k]], face_normal)
-    total = total[location]
+        np.add.at(total, point[faces[:, k]], face_normal)
+    total = total[point]
     length = np.linalg.norm(total, axis=1, keepdims=True)
     return np.where(length > 0, total / np.maximum(length, 1e-20), (0, 0, 1))
 
 
 def merge(*meshes: Mesh) -> Mesh:
-    """All meshes as one: one draw call."""
+    """All meshes as one, which is drawn in one call."""
     offsets = np.cumsum([0] + [len(m.vertices) for m in meshes[:-1]])
     return Mesh(
         np.concatenate([m.vertices for m in meshes]),
@@ -102,9 +119,15 @@ def tube(
     box: tuple[float, float, float, float],
     power: float = 2.0,
 ) -> Mesh:
-    """A limb around a line: centres (n, 3), radii (n, 2) sideways and along `up`; both ends closed when a radius is 0.
+    """A limb around a line; an end is closed where its radii are 0.
 
-    box: (u0, v0, u1, v1) is the part of the texture it uses. power: 2 is an ellipse, more is boxier.
+    Args:
+        centres: (n, 3) points of the line, metres.
+        radii: (n, 2) sideways and along ``up``, metres.
+        sides: Corners of a cross-section.
+        up: Direction of the second radius.
+        box: (u0, v0, u1, v1) part of the texture that it uses.
+        power: Shape of the cross-section: 2 is an ellipse, more is boxier.
     """
     ahead = np.gradient(centres, axis=0)
     ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
@@ -125,7 +148,7 @@ def tube(
 
 
 def noise(rng: np.random.Generator, shape: tuple[int, int], cells: tuple[int, int]) -> np.ndarray:
-    """Smooth random field (rows, columns) of mean 0 and about unit spread that repeats at its borders."""
+    """A smooth random field of ``shape``, mean 0 and about unit spread, seamless; ``cells`` says how fine it is."""
     values = rng.standard_normal(cells)
     for axis in (0, 1):
         at = np.arange(shape[axis]) * cells[axis] / shape[axis]
@@ -138,5 +161,5 @@ def noise(rng: np.random.Generator, shape: tuple[int, int], cells: tuple[int, in
 
 
 def to_bytes(rgb: np.ndarray) -> np.ndarray:
-    """Colours 0..1 as uint8."""
+    """Colours from 0 to 1 as uint8."""
     return np.clip(np.round(rgb * 255), 0, 255).astype(np.uint8)

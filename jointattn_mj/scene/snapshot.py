@@ -1,7 +1,7 @@
-"""Whatever changes in an object, as plain data that can be kept, copied, and put back any number of times.
+"""Snapshots: the changing state of an object as plain data, which can be kept, copied, and put back many times.
 
-A snapshot of an object is a dictionary of its attributes: arrays are copied, random generators become the dictionary
-that numpy gives of their state, objects become dictionaries in turn, and what cannot change (numbers, text, frozen
+A snapshot of an object is a dictionary of its attributes. Arrays are copied, random generators become the dictionary
+that numpy gives of their state, objects become dictionaries in turn. What cannot change (numbers, text, frozen
 dataclasses such as configs) stays itself.
 """
 
@@ -16,7 +16,7 @@ from jointattn_mj.errors import StateError
 
 
 def take(value: Any) -> Any:
-    """A snapshot of ``value``; nothing that happens to ``value`` afterwards changes it."""
+    """Take a snapshot of ``value``; later changes of ``value`` do not change it."""
     if isinstance(value, np.ndarray):
         return value.copy()
     if value is None or isinstance(value, (int, float, str, Enum)) or _frozen(value):
@@ -35,10 +35,17 @@ def take(value: Any) -> Any:
 
 
 def put(value: Any, snapshot: Any) -> Any:
-    """``value`` as it was at ``snapshot``: itself where it is an object, an equal value where it is not.
+    """Put a snapshot back.
+
+    Args:
+        value: What the snapshot was taken of, in its present state.
+        snapshot: What ``take`` gave; it can be used again.
+
+    Returns:
+        ``value`` itself, restored, where it is an object; an equal value where it is not.
 
     Raises:
-        StateError: An object of the snapshot is not there any more.
+        StateError: An object of the snapshot does not exist any more.
     """
     if isinstance(value, np.random.Generator):
         value.bit_generator.state = snapshot

@@ -1,6 +1,6 @@
-"""Domain randomisation: how far a world may differ from the one that was asked for, and the world that a seed draws.
+"""Domain randomisation: ranges in which worlds differ, and the world that a seed draws from them.
 
-Each option is drawn from a stream of its own, so that switching one on leaves the others as they are, and a wider range
+Each option has a stream of random numbers of its own. Switching one on leaves the others as they are, and a wider range
 stretches the same draws.
 """
 
@@ -18,55 +18,53 @@ from jointattn_mj.options import Checked, Choice, Colour, Real, Share, Whole, me
 from jointattn_mj.scene.caregiver import CaregiverConfig
 from jointattn_mj.scene.dressing import Conditions, Lamp, Surfaces
 from jointattn_mj.scene.layout import LayoutConfig
-from jointattn_mj.scene.model import SHAPES, ObjectConfig, SceneConfig, Shape
+from jointattn_mj.scene.model import SceneConfig
+from jointattn_mj.scene.objects import SHAPES, ObjectConfig, Shape
 from jointattn_mj.scene.people import IDENTITIES
 from jointattn_mj.scene.sensor import Sensor
 from jointattn_mj.scene.world import AS_USUAL, WorldConfig
 
-DURATIONS = ("greet_s", "turn_s", "reach_s", "lift_s", "observe_s", "put_s", "gaze_s", "withdraw_s")
-"""What ``pace`` stretches."""
 SMALLEST_M, LARGEST_M = 0.01, 0.12
-"""Objects of other sizes the scene does not have."""
+"""Smallest and largest object, metres."""
 Part = Annotated[float, Real("[0, 0.9]")]
-"""Of a factor 1 +- this."""
+"""A share s, for factors from 1 - s to 1 + s."""
 
 
 @dataclass(frozen=True)
 class VariationConfig(Checked):
-    """Ranges, each for one thing; 0, or nobody and nothing, leaves that as it is. A share s means a factor 1 +- s."""
+    """Ranges of what may differ; 0, or an empty list, changes nothing. A share s means a factor from 1 - s to 1 + s."""
 
     light_angle_deg: Annotated[float, Real("[0, 90]")] = 0.0
-    """The lamp is moved by up to so much around the table, and up or down."""
+    """Largest angle, degrees, by which the lamp is moved around the table, and up or down."""
     light_strength: Part = 0.0
-    """Share by which direct light, and light from all around, are each stronger or weaker."""
+    """Share by which direct light and ambient light are each stronger or weaker."""
     light_tint: Part = 0.0
-    """Share by which all light is more or less red, green and blue."""
+    """Share by which red, green and blue of all light are each stronger or weaker."""
     surface_colours: Part = 0.0
-    """The same for each of table, wall, floor and clothes."""
+    """Share by which red, green and blue of table, wall, floor and clothes are each stronger or weaker."""
     textures: Share = 0.0
-    """Largest share by which stripes, checks or blotches darken these; a frame then takes 1.7 times as long."""
+    """Largest share by which stripes, checks or blotches darken these; an image then takes 1.7 times as long."""
     people: tuple[Annotated[str, Choice(IDENTITIES)], ...] = ()
-    """Names of caregivers, one of whom is there."""
+    """Names of caregivers, one of whom is drawn."""
     camera_noise: Annotated[float, Real("[0, 64]")] = 0.0
-    """Largest standard deviation of noise, grey values of 0..255; a frame then takes 1.4 times as long."""
+    """Largest standard deviation of noise, grey values of 0..255; an image then takes 1.4 times as long."""
     camera_brightness: Part = 0.0
     """Share by which images are brighter or darker."""
     camera_delay: Annotated[int, Whole("[0, 30]")] = 0
-    """Most frames (1/30 s) by which images come late."""
+    """Largest delay of images, frames of 1/30 s."""
     object_shapes: tuple[Shape, ...] = ()
-    """Shapes, one of which each object has: box, cylinder, sphere."""
+    """Shapes, one of which is drawn for each object: box, cylinder, sphere."""
     object_size: Part = 0.0
-    """Share by which all objects are larger or smaller; they stay between 1 and 12 cm."""
+    """Share by which all objects together are larger or smaller; they stay between 1 and 12 cm."""
     object_hue_deg: Annotated[float, Real("[0, 180]")] = 0.0
-    """Each object's hue differs by up to so much; those of ``model.OBJECTS`` lie 25 degrees apart, and perception by
-    colour areas knows them up to 20."""
+    """Largest change of each object's hue, degrees. Hues of ``objects.OBJECTS`` are 25 apart, and perception knows a
+    colour again up to 20."""
     object_shade: Part = 0.0
-    """Share by which each object's saturation, and its brightness, are more or less."""
+    """Share by which each object's saturation and brightness are each higher or lower."""
     layout: Annotated[float, Real("[0, 0.45]")] = 0.0
-    """Largest share of its length by which each edge of the part of the table that objects lie on moves inwards; with
-    many objects there may be no room for them."""
+    """Largest share by which each edge of the area for objects moves inwards; many objects may then find no room."""
     pace: Part = 0.0
-    """Share by which everything that she does takes more or less time."""
+    """Share by which the caregiver is slower or faster in everything (``CaregiverConfig.at_pace``)."""
 
     @property
     def on(self) -> bool:
@@ -84,16 +82,16 @@ PRESETS: dict[str, VariationConfig] = {
     "layout": VariationConfig(layout=0.12),
     "pace": VariationConfig(pace=0.3),
 }
-"""Moderate ranges by name; "all" is all of them.
+"""Presets: moderate ranges by name; "all" is all of them.
 
-Measured in object_transfer, 60 draws each: OpenCV's frontal cascade finds the caregiver's face, while she looks at the
-robot, in 60 of 60 images with each of them, and as usual; with "all" in 59. Colour areas find every object that is in
-view, by the colours that the robot expects (240 of 240 each).
+Measured in object_transfer, 60 draws each, while the caregiver looks at the robot: OpenCV's frontal cascade finds the
+face in 60 of 60 images with each preset and with none, and in 59 with "all". Colour areas find every object in view by
+the colours that the robot expects (240 of 240 each).
 """
 
 
 def _together(*parts: VariationConfig) -> VariationConfig:
-    """All that any of the parts varies; of two that vary the same thing the last has its way."""
+    """All ranges of the parts; where two have the same one, the last counts."""
     varied = {
         option.name: getattr(part, option.name)
         for part in parts
@@ -105,11 +103,14 @@ def _together(*parts: VariationConfig) -> VariationConfig:
 
 PRESETS["all"] = _together(*PRESETS.values())
 Variation = Annotated[str, Choice(PRESETS, joined="+")]
-"""Names of presets."""
+"""Names of presets, joined by +."""
 
 
 def variation_of(asked: VariationConfig | str) -> VariationConfig:
-    """Ranges as they are, or by the names of presets: "lights", "lights+pace", "all".
+    """Ranges from the names of presets.
+
+    Args:
+        asked: Names of presets, such as "lights", "lights+pace" or "all"; or ranges, which are returned as they are.
 
     Raises:
         ConfigError: No preset is called that.
@@ -125,9 +126,16 @@ def variation_of(asked: VariationConfig | str) -> VariationConfig:
 
 
 def drawn(world: WorldConfig, ranges: VariationConfig, seed: np.random.SeedSequence) -> tuple[WorldConfig, Conditions]:
-    """A world within ``ranges`` of ``world``, and under which conditions it is seen; ``seed`` is left as it was.
+    """Draw a world.
 
-    With nothing to vary this is ``world`` itself, under the usual conditions.
+    Args:
+        world: The world from which the drawn one differs.
+        ranges: How far.
+        seed: Decides the draws; it is not changed, and no child of it is used up.
+
+    Returns:
+        Looks, behaviour and layout; and light, surfaces and camera. With nothing to vary these are ``world`` itself and
+        the usual conditions.
     """
     if not ranges.on:
         return world, AS_USUAL
@@ -139,26 +147,28 @@ def drawn(world: WorldConfig, ranges: VariationConfig, seed: np.random.SeedSeque
 
 
 class _Draw:
-    """Draws for options, each from a stream of its own that its name and the seed decide."""
+    """Draws for options, each from a stream of its own, which the option's name and the seed decide."""
 
     def __init__(self, ranges: VariationConfig, seed: np.random.SeedSequence):
         self.ranges, self._seed = ranges, seed
 
     def stream(self, option: str) -> np.random.Generator:
-        """The beginning of the option's stream."""
+        """The option's stream, from its start."""
         key = (*self._seed.spawn_key, crc32(option.encode()))
         return np.random.default_rng(np.random.SeedSequence(self._seed.entropy, spawn_key=key))
 
     def around(self, option: str, count: int) -> np.ndarray:
-        """Numbers (count,) from minus the option to it."""
-        return getattr(self.ranges, option) * self.stream(option).uniform(-1, 1, count)
+        """Uniform numbers (count,) from minus the option's value to plus that."""
+        numbers: np.ndarray = getattr(self.ranges, option) * self.stream(option).uniform(-1, 1, count)
+        return numbers
 
     def up_to(self, option: str, count: int = 1) -> np.ndarray:
-        """Numbers (count,) from 0 to the option."""
-        return getattr(self.ranges, option) * self.stream(option).uniform(0, 1, count)
+        """Uniform numbers (count,) from 0 to the option's value."""
+        numbers: np.ndarray = getattr(self.ranges, option) * self.stream(option).uniform(0, 1, count)
+        return numbers
 
     def seed(self, option: str) -> int:
-        """Of what is to be drawn elsewhere; 0 with the option off."""
+        """A seed for what is drawn elsewhere; 0 with the option off."""
         return int(self.stream(f"{option} seed").integers(2**32)) if getattr(self.ranges, option) else 0
 
 
@@ -195,7 +205,7 @@ def _scene(scene: SceneConfig, draw: _Draw) -> SceneConfig:
 
 
 def _objects(objects: tuple[ObjectConfig, ...], draw: _Draw) -> tuple[ObjectConfig, ...]:
-    """Each another shape and colour; objects that look alike go on looking alike."""
+    """Draw shape and colour of each object; objects that look alike stay alike."""
     looks = [(item.rgb, item.shape) for item in objects]
     alike = [looks.index(look) for look in looks]
     count = len(objects)
@@ -210,7 +220,7 @@ def _objects(objects: tuple[ObjectConfig, ...], draw: _Draw) -> tuple[ObjectConf
 
 
 def _shaded(rgb: Colour, hue_deg: float, saturation: float, value: float) -> Colour:
-    """A colour with its hue moved on, and its saturation and value multiplied."""
+    """A colour with its hue shifted, degrees, and its saturation and value multiplied."""
     if hue_deg == 0 and saturation == value == 1:
         return rgb
     h, s, v = colorsys.rgb_to_hsv(*rgb)
@@ -218,8 +228,7 @@ def _shaded(rgb: Colour, hue_deg: float, saturation: float, value: float) -> Col
 
 
 def _behaviour(behaviour: CaregiverConfig, draw: _Draw) -> CaregiverConfig:
-    factor = 1 + float(draw.around("pace", 1)[0])
-    return replace(behaviour, **{name: getattr(behaviour, name) * factor for name in DURATIONS})
+    return behaviour.at_pace(1 + float(draw.around("pace", 1)[0]))
 
 
 def _layout(layout: LayoutConfig, draw: _Draw) -> LayoutConfig:

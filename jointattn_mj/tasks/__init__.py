@@ -1,7 +1,7 @@
-"""The suite: worlds as dm_control environments, loaded by domain and task name.
+"""The suite: joint attention as dm_control environments, loaded by domain and task name.
 
 ``load("joint_attention", "object_transfer")`` gives an environment with the interface of ``dm_control.suite.load``.
-Physics answers geometry, Task decides episodes, Environment steps.
+Physics answers geometric questions, Task decides about episodes, observations and reward, Environment steps.
 """
 
 from inspect import signature
@@ -21,14 +21,14 @@ ALL_TASKS: tuple[tuple[str, str], ...] = tuple(
 
 
 def tagged(tag: str) -> tuple[tuple[str, str], ...]:
-    """The pairs in ``ALL_TASKS`` whose task bears ``tag``."""
+    """The pairs in ``ALL_TASKS`` whose task has the tag."""
     return tuple((domain, task) for domain, task in ALL_TASKS if task in _DOMAINS[domain].SUITE.tagged(tag))
 
 
 BENCHMARKING, EASY, HARD = tagged("benchmarking"), tagged("easy"), tagged("hard")
-"""Pairs that bear a tag, as in dm_control's suite."""
+"""The pairs that have a tag, as in dm_control's suite."""
 TASKS_BY_DOMAIN = {name: tuple(module.SUITE) for name, module in sorted(_DOMAINS.items())}
-"""Names of a domain's tasks."""
+"""Names of each domain's tasks."""
 
 
 def load(
@@ -38,18 +38,35 @@ def load(
     environment_kwargs: dict[str, Any] | None = None,
     visualize_reward: bool = False,
 ) -> Environment:
-    """An environment of the suite, as ``dm_control.suite.load`` gives it.
+    """Load a task of the suite as a dm_control environment, like ``dm_control.suite.load``.
 
     Args:
-        domain_name: Name of a domain.
-        task_name: Name of a task in it.
-        task_kwargs: Arguments of the task, for example ``random`` (its seed).
-        environment_kwargs: Arguments of the environment, for example ``time_limit`` (s) or ``flat_observation``.
-        visualize_reward: Light the robot's eyes while reward is given; its own camera does not see them.
+        domain_name: Name of a domain: "joint_attention".
+        task_name: Name of a task: "object_transfer", "follow", "turn_taking", or one of these with "_hard".
+            ``help(jointattn_mj.tasks.joint_attention)`` describes observations, actions and rewards of each.
+        task_kwargs: Arguments of the task, by name. All tasks have these:
+            ``random``, the seed; ``camera``, whether observations hold the image; ``truth``, whether they hold the
+            ground truth; ``time_limit``, seconds in an episode; ``world``, a ``WorldConfig``; ``people``, names of
+            caregivers; ``variation``, ranges of domain randomisation.
+        environment_kwargs: Arguments of ``dm_control.rl.control.Environment``, for example ``flat_observation``.
+        visualize_reward: Light the robot's eyes while reward is given. The robot's own camera does not see them.
+
+    Returns:
+        The environment. Its ``step`` and ``reset`` give ``dm_env.TimeStep``; ``physics`` answers who looks at what;
+        ``task.best_action(physics)`` is the oracle's action; ``get_state`` and ``set_state`` save and restore all.
 
     Raises:
         ConfigError: There is no such domain, task or argument, or an argument is of the wrong kind (a ``ValueError``,
             as in dm_control's suite).
+
+    Example:
+        >>> import jointattn_mj
+        >>> env = jointattn_mj.load("joint_attention", "follow", task_kwargs={"random": 0, "camera": False})
+        >>> timestep = env.reset()
+        >>> timestep = env.step([0.1, -0.2])  # desired pan and tilt of the robot's head, rad
+        >>> sorted(timestep.observation), 0 <= timestep.reward <= 1
+        (['head_angles'], True)
+        >>> env.close()
     """
     if domain_name not in _DOMAINS:
         raise unknown("domain", domain_name, sorted(_DOMAINS))
@@ -63,6 +80,6 @@ def load(
     known = signature(suite[task_name]).parameters
     for name in settings.keys() - known.keys():
         raise unknown(f"argument of {task_name}", name, known)
-    environment = suite[task_name](**settings)
+    environment: Environment = suite[task_name](**settings)
     environment.task.visualize_reward = visualize_reward
     return environment

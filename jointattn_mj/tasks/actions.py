@@ -1,4 +1,4 @@
-"""The border between whoever acts and the world: numbers of the right shape pass, and nothing else."""
+"""Checks actions before they reach the world."""
 
 from typing import Any
 
@@ -9,14 +9,17 @@ from jointattn_mj.errors import ActionError
 
 
 def checked(action: Any, spec: specs.BoundedArray) -> np.ndarray:
-    """``action`` as an array, clipped to the bounds of ``spec``; a new one, or ``action`` itself where it fits.
+    """An action as an array within its bounds.
 
     Args:
-        action: Numbers, whole or not, of the shape of ``spec``: an array, a list, or what numpy takes for one.
+        action: Numbers of the shape of ``spec``: an array, a list, or what else numpy makes an array of.
         spec: Shape and bounds; the dtype may differ.
 
+    Returns:
+        The action, clipped to the bounds.
+
     Raises:
-        ActionError: Not numbers (text, None, complex, yes or no), another shape, NaN or infinite.
+        ActionError: Not numbers (text, None, complex, booleans), another shape, NaN or infinite.
     """
     try:
         values = np.asarray(action)
@@ -28,7 +31,8 @@ def checked(action: Any, spec: specs.BoundedArray) -> np.ndarray:
         raise ActionError(f"{_expected(spec)}; got shape {values.shape}: {_shown(action)}")
     if not np.isfinite(values).all():
         raise ActionError(f"{_expected(spec)}; got {_shown(action)}, which is not finite: check what chose it")
-    return np.minimum(np.maximum(values, spec.minimum), spec.maximum)
+    clipped: np.ndarray = np.minimum(np.maximum(values, spec.minimum), spec.maximum)
+    return clipped
 
 
 def _expected(spec: specs.BoundedArray) -> str:

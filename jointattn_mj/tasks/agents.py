@@ -1,4 +1,4 @@
-"""Who can act in a task: baselines, and the robots of chapters 5 and 6."""
+"""Agents for the tasks: baselines, and the robots of chapters 5 and 6."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,25 +17,25 @@ from jointattn_mj.tasks.turn_taking import TurnTaking
 
 
 class Zero:
-    """Does nothing, or what is nearest to nothing."""
+    """Always takes the action 0, or the one nearest to it within the bounds."""
 
     def __init__(self, environment: Environment, seed: int):
         spec = environment.action_spec()
         self._action = np.clip(np.zeros(spec.shape, spec.dtype), spec.minimum, spec.maximum)
 
     def act(self, timestep: TimeStep) -> Any:
-        """The same at every step."""
+        """Return the same action at every step."""
         return self._action
 
 
 class Random:
-    """Draws every action evenly from all that there are."""
+    """Draws actions uniformly within the bounds."""
 
     def __init__(self, environment: Environment, seed: int):
         self._spec, self._rng = environment.action_spec(), np.random.default_rng(seed)
 
     def act(self, timestep: TimeStep) -> Any:
-        """Whatever is observed."""
+        """Return a uniformly random action."""
         low, high = self._spec.minimum, self._spec.maximum
         if np.issubdtype(self._spec.dtype, np.integer):
             return self._rng.integers(low, high, endpoint=True)
@@ -43,25 +43,29 @@ class Random:
 
 
 class Oracle:
-    """Knows everything, and does what the task holds best."""
+    """Knows all of the world, and takes the task's best action."""
 
     def __init__(self, environment: Environment, seed: int):
         self._environment = environment
 
     def act(self, timestep: TimeStep) -> Any:
-        """What the task's ``best_action`` says."""
+        """Return the task's ``best_action``."""
         return self._environment.task.best_action(self._environment.physics)
 
 
 class TrainedGazeFollower:
-    """The robot of chapter 6 after one session of 26 minutes, which goes on learning.
+    """The robot of chapter 6 after one session of 26 minutes; it goes on learning.
 
     Attributes:
-        robot: Its mind. Every episode begins with a new one that knows what the last one had learned.
+        robot: The agent of the session. Each episode has a new one with what the last one had learned.
     """
 
     def __init__(self, environment: Environment, seed: int):
-        """Raises ConfigError: The task does not give what it needs."""
+        """Make the agent; ``seed`` draws all of its random numbers.
+
+        Raises:
+            ConfigError: The task does not give the observations that it needs.
+        """
         if not {"camera", "head_moves"} <= environment.observation_spec().keys():
             raise ConfigError(
                 "gaze_follower needs 30 images a second; object_transfer and object_transfer_hard give them"
@@ -71,7 +75,7 @@ class TrainedGazeFollower:
         self.robot: GazeFollower | None = None
 
     def act(self, timestep: TimeStep) -> Any:
-        """Percept, attention, and a motor command."""
+        """Perceive, attend, and return the desired pan and tilt, (2,), rad."""
         if self.robot is None or timestep.first():
             self._weights = self._weights if self.robot is None else self.robot.weights()
             self.robot = self._new()
@@ -86,23 +90,27 @@ class TrainedGazeFollower:
 
 
 class RunningDeveloper:
-    """The mind of chapter 5, which develops as it goes on from episode to episode; it knows the truth of its variables.
+    """The developing agent of chapter 5, which is given the ground truth and develops across episodes.
 
-    The first turn of an episode counts for it as what came of the last turn of the one before.
+    It takes the first step of an episode for the result of the last step of the episode before.
 
     Attributes:
-        mind: With the modules that it has made.
+        agent: The agent, with the modules that it has made.
     """
 
     def __init__(self, environment: Environment, seed: int):
-        """Raises ConfigError: The task does not give what it needs."""
+        """Make the agent; ``seed`` draws all of its random numbers.
+
+        Raises:
+            ConfigError: The task does not give the observations that it needs.
+        """
         task = environment.task
         if not isinstance(task, TurnTaking) or "sensors" not in environment.observation_spec():
-            raise ConfigError("developer lives in turns: play turn_taking or turn_taking_hard, with truth=True")
+            raise ConfigError("developer needs the table's variables; play turn_taking(_hard) with truth=True")
         self.agent = Developer(task.variables, DeveloperConfig(), np.random.SeedSequence(seed))
 
     def act(self, timestep: TimeStep) -> Any:
-        """Learn from what has come of the last turn, and choose gaze and gesture."""
+        """Learn from the results of the last step, and return gaze and gesture, (2,) int."""
         return self.agent.act(timestep.observation["sensors"], timestep.observation["results"])
 
 
@@ -113,4 +121,4 @@ AGENTS: dict[str, Callable[[Environment, int], Any]] = {
     "gaze_follower": TrainedGazeFollower,
     "developer": RunningDeveloper,
 }
-"""What makes each agent, from the environment and a seed."""
+"""Names of agents, and what makes each from an environment and a seed."""

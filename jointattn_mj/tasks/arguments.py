@@ -1,4 +1,4 @@
-"""What a task is made with, checked by name and kind: one line says what was expected and what came."""
+"""Checks arguments of tasks by name and kind."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -8,7 +8,13 @@ from jointattn_mj.errors import ConfigError
 
 
 def unknown(what: str, got: object, known: Iterable[str]) -> ConfigError:
-    """The error for a name that there is none of: says what there is, and which of that may have been meant."""
+    """The error for an unknown name.
+
+    Args:
+        what: What kind of thing was named.
+        got: The name that came.
+        known: The names that there are; the nearest one is suggested.
+    """
     names = list(known)
     near = get_close_matches(str(got), names, n=1)
     perhaps = f"; perhaps you meant {near[0]}" if near else ""
@@ -16,6 +22,10 @@ def unknown(what: str, got: object, known: Iterable[str]) -> ConfigError:
 
 
 def require(name: str, given: Any, *kinds: type) -> None:
-    """Raises ConfigError: The argument ``name`` is of none of the ``kinds``."""
+    """Check the kind of an argument.
+
+    Raises:
+        ConfigError: ``given``, the argument called ``name``, is of none of the ``kinds``.
+    """
     if not isinstance(given, kinds):
         raise ConfigError(f"{name}: expected {' or '.join(kind.__name__ for kind in kinds)}; got {given!r}")

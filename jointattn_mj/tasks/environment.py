@@ -1,4 +1,4 @@
-"""What all tasks share: episodes with a seed each, people who take turns, images, and the interface of dm_control."""
+"""What all tasks share: seeds of episodes, caregivers, observations, saved states, and dm_control's interface."""
 
 from abc import abstractmethod
 from collections import OrderedDict
@@ -11,7 +11,7 @@ from dm_control.mujoco.wrapper import MjModel
 from dm_control.rl import control
 from dm_env import specs
 
-from jointattn_mj.errors import ConfigError, StateError
+from jointattn_mj.errors import ConfigError, ObservationError, StateError
 from jointattn_mj.guards.closing import Closable
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.caregiver import FRAME_S
@@ -27,39 +27,76 @@ from jointattn_mj.tasks.state import EnvironmentState
 
 LOWEST = np.radians([-45.0, -35.0])
 HIGHEST = np.radians([45.0, 15.0])
-"""Bounds of the head's (pan, tilt), rad: wherever objects lie, and her face, with room to spare."""
+"""Bounds of the head's (pan, tilt), rad: they reach all objects and the caregiver's face, with room to spare."""
 LENSES = ("robot/lens_left", "robot/lens_right")
 LENS_RGBA, LENS_LIT = (0.55, 0.80, 0.88, 1.0), (0.25, 0.95, 0.35, 1.0)
-"""The robot's eyes, seen from outside: as in assets/robot.xml, and while reward is given (``visualize_reward``)."""
+"""Colours of the robot's eyes: as in assets/robot.xml, and while reward is given (``visualize_reward``)."""
 
 PEOPLE = 2**31
-"""Child of an episode's seed that draws who sits there; the first children belong to the world."""
+"""Child of an episode's seed that draws the caregiver; the first children belong to the world."""
 
-Random = np.random.RandomState | int | None
+SeedLike = np.random.RandomState | int | None
+"""A seed, a state that one is drawn from, or None: any seed."""
 
 _SETTINGS = ("flat_observation", "legacy_step")
-"""Of ``control.Environment``, beside the time limit and the control timestep."""
+"""Arguments of ``control.Environment`` that are passed on to it."""
 
 
-class JointAttentionTask(control.Task):
-    """An episode with the caregiver, whose k-th seed is the k-th child of the task's.
+class TaskObservation(OrderedDict[str, np.ndarray]):
+    """The observation of a task's time step: a dictionary, as in dm_control, with the robot's part as attributes.
+
+    It is a ``perception.percept.Observation``: the robots of this package take it as it is.
+    """
+
+    @property
+    def image(self) -> np.ndarray:
+        """``camera``: the image, uint8 (240, 320, 3) RGB."""
+        return self._part("camera")
+
+    @property
+    def head_angles(self) -> np.ndarray:
+        """Pan and tilt of the robot's head, (2,), rad."""
+        return self._part("head_angles")
+
+    @property
+    def head_moves(self) -> bool:
+        """Whether the robot's head turns."""
+        return bool(self._part("head_moves"))
+
+    def _part(self, name: str) -> np.ndarray:
+        if name not in self:
+            raise ObservationError(f"expected an observation with {name}; this task gives {', '.join(self)}")
+        return self[name]
+
+
+class JointAttentionTask(control.Task):  # type: ignore[misc]
+    """A task: its worlds, observations and saved states. The k-th episode has the k-th child of the task's seed.
 
     Attributes:
-        world: Body and script of the episode; there from the first on.
+        world: The world of the episode: bodies and the caregiver's script.
         visualize_reward: Whether the robot's eyes light up while reward is given.
     """
 
     kind: ClassVar[type[World]] = World
-    """What the world does by itself."""
+    """Class of the task's worlds."""
     world: World
 
     def __init__(
-        self, config: WorldConfig, random: Random = None, camera: bool = True, truth: bool = False,
+        self, config: WorldConfig, random: SeedLike = None, camera: bool = True, truth: bool = False,
         people: Sequence[str] = (), variation: VariationConfig | str = "none",
     ):  # fmt: skip
-        """``people``: names of caregivers of whom each episode has one; nobody: the one of ``config``.
+        """Make a task.
 
-        ``variation``: how far every episode's world may differ from ``config``, as ranges or by the name of a preset.
+        Args:
+            config: The world.
+            random: Seed, or a state to draw one from; None draws one.
+            camera: Whether observations hold the image.
+            truth: Whether observations hold the ground truth.
+            people: Names of caregivers, one of whom is drawn for each episode; empty: the caregiver of ``config``.
+            variation: How far the world of each episode may differ from ``config``: ranges, or names of presets.
+
+        Raises:
+            ConfigError: An argument is of the wrong kind, or a name is unknown.
         """
         require("world", config, WorldConfig)
         require("camera", camera, bool)
@@ -75,11 +112,14 @@ class JointAttentionTask(control.Task):
         self._action_spec = self.actions()
         self.seed(random)
 
-    def seed(self, random: Random) -> None:
-        """Begin anew with the episodes of another seed, or of one that a state draws; None draws one.
+    def seed(self, random: SeedLike) -> None:
+        """Start again with the first episode of another seed.
+
+        Args:
+            random: The seed, or a state to draw one from; None draws one.
 
         Raises:
-            ConfigError: No whole number of 0 or more, no state, and not None.
+            ConfigError: ``random`` is none of these.
         """
         entropy = random.randint(2**31, size=4).tolist() if isinstance(random, np.random.RandomState) else random
         try:
@@ -89,10 +129,10 @@ class JointAttentionTask(control.Task):
                 f"random: expected a whole number of 0 or more as seed, or None; got {random!r}"
             ) from error
         self.random = np.random.RandomState(np.random.MT19937(self._seeds))
-        """For wrappers of dm_control, which take their noise from it; no task does."""
+        """Random numbers for wrappers of dm_control, which take their noise from here; tasks draw none."""
 
     def cast(self) -> World:
-        """The world of the next episode, as its seed has it: one of the people, and what else varies."""
+        """Choose the world of the next episode by its seed: the caregiver, and what else varies."""
         casting = np.random.default_rng(self._next_seed(PEOPLE))
         chosen = self._configs[int(casting.integers(len(self._configs)))]
         self._drawn = drawn(chosen, self._variation, self._next_seed())
@@ -100,7 +140,7 @@ class JointAttentionTask(control.Task):
         return self.world
 
     def _world_of(self, config: WorldConfig, conditions: Conditions) -> World:
-        """The one in which that person sits; compiled when it is first needed."""
+        """The world with that caregiver; compiled when it is first needed."""
         who = config.scene.caregiver, config.scene.face
         if who not in self._worlds:
             physics = Physics.from_model(MjModel(build_model(config.scene, blank=self._variation.textures > 0)))
@@ -109,12 +149,12 @@ class JointAttentionTask(control.Task):
         return self._worlds[who]
 
     def _next_seed(self, *child: int) -> np.random.SeedSequence:
-        """The seed that ``initialize_episode`` will spawn, or a child of it."""
+        """The next episode's seed, which ``initialize_episode`` will spawn, or a child of it."""
         seeds = self._seeds
         return np.random.SeedSequence(seeds.entropy, spawn_key=(*seeds.spawn_key, seeds.n_children_spawned, *child))
 
     def initialize_episode(self, physics: Physics) -> None:
-        """Another table, and everything that the episode's seed decides."""
+        """Start the next episode: everything that its seed decides."""
         (seed,) = self._seeds.spawn(1)
         self.world.vary(*self._drawn)
         self.world.reset(seed)
@@ -122,87 +162,89 @@ class JointAttentionTask(control.Task):
         self.after_step(physics)
 
     def begin(self, seed: np.random.SeedSequence) -> None:
-        """What else an episode begins with."""
+        """What a task adds to the start of an episode; ``seed`` is the episode's."""
 
     def before_step(self, action: Any, physics: Physics) -> None:
-        """Take up an action for the step to come; numbers beyond the bounds of ``action_spec`` are clipped to them.
+        """Prepare a step with an action; numbers beyond the bounds of ``action_spec`` are clipped to them.
 
         Raises:
-            ActionError: Not finite, of another shape, or no numbers; nothing has changed then.
+            ActionError: The action is not finite, has another shape, or is no numbers; nothing has changed then.
         """
         self.act(checked(action, self._action_spec))
 
     def act(self, action: np.ndarray) -> None:
-        """The caregiver's script for this step; ``action`` (2,) is the desired pan and tilt, rad."""
+        """Advance the caregiver's script, and set the head's servos to ``action`` (2,), pan and tilt, rad."""
         self.world.before_step(action)
 
     def after_step(self, physics: Physics) -> None:
-        """Light the robot's eyes, where that was asked for."""
+        """Light the robot's eyes where there is reward and ``visualize_reward``."""
         if self.visualize_reward:
             lit = self.get_reward(physics) > 0
             for geom in LENSES:
                 physics.named.model.geom_rgba[geom] = LENS_LIT if lit else LENS_RGBA
 
     def action_spec(self, physics: Physics) -> specs.BoundedArray:
-        """What an action is; see ``actions``."""
+        """Shape and bounds of an action; see ``actions``."""
         return self._action_spec
 
     def actions(self) -> specs.BoundedArray:
-        """Desired pan and tilt of the head, (2,), rad; pan positive to the robot's left, tilt upwards."""
+        """Shape and bounds of an action: desired pan and tilt of the head, (2,), rad."""
         return specs.BoundedArray((2,), float, LOWEST, HIGHEST, name="desired pan\tdesired tilt")
 
     def observation_spec(self, physics: Physics) -> OrderedDict[str, specs.Array]:
-        """What ``get_observation`` returns."""
+        """Shapes and bounds of what ``get_observation`` returns."""
         spec: OrderedDict[str, specs.Array] = OrderedDict()
         if self._camera:
             spec["camera"] = specs.BoundedArray((IMAGE_HEIGHT, IMAGE_WIDTH, 3), np.uint8, 0, 255, name="camera")
         spec["head_angles"] = specs.BoundedArray((2,), float, -np.pi, np.pi, name="head_angles")
         return spec | (self.truth_spec() if self._truth else {})
 
-    def get_observation(self, physics: Physics) -> OrderedDict[str, np.ndarray]:
-        """The image and the head's pan and tilt (rad), where asked for the truth; arrays of the caller's own."""
-        observation: OrderedDict[str, np.ndarray] = OrderedDict()
+    def get_observation(self, physics: Physics) -> TaskObservation:
+        """The image, the head's pan and tilt (rad), and the ground truth, as asked for; new arrays at each call."""
+        observation = TaskObservation()
         if self._camera:
             observation["camera"] = self.world.image().copy()
         observation["head_angles"] = self.world.head_angles()
-        return observation | (self.truth() if self._truth else {})
+        if self._truth:
+            observation.update(self.truth())
+        return observation
 
     def truth_spec(self) -> dict[str, specs.Array]:
-        """What ``truth`` returns."""
+        """Shapes and bounds of what ``truth`` returns."""
         return {"truth": specs.BoundedArray((2,), float, -np.pi, np.pi, name="truth")}
 
     def truth(self) -> dict[str, np.ndarray]:
-        """What perfect perception would make of the image: yaw and pitch of the caregiver's head, (2,), rad."""
+        """Ground truth, as perfect perception would give it: yaw and pitch of the caregiver's head, (2,), rad."""
         return {"truth": self.world.face_angles().copy()}
 
     @abstractmethod
     def best_action(self, physics: Physics) -> np.ndarray:
-        """What somebody does who knows everything."""
+        """The action of an oracle, which knows all of the world."""
 
     @property
     def built(self) -> tuple[Any, ...]:
-        """All that a task was built with and its future depends on; states go from one to another where it is equal."""
+        """What the task was built with, as far as its future depends on it. Tasks with equal ``built`` share states."""
         return type(self).__qualname__, tuple(self._configs), self._variation
 
     def get_state(self) -> dict[str, Any]:
-        """Bodies, script and random streams, as plain data."""
+        """Bodies, the caregiver's script and random streams, as plain data."""
         seeds, random = self._seeds.state, snapshot.take(self.random)
         return {"seeds": seeds, "random": random, "world": self.world.get_state()}
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Go back to a state of this task, or of one that is ``built`` alike."""
+        """Go back to a state of this task, or of one with equal ``built``."""
         self._seeds = np.random.SeedSequence(**state["seeds"])
         snapshot.put(self.random, state["random"])
         self._take_up(state["world"])
 
     def _take_up(self, state: dict[str, Any]) -> None:
-        """Let that be the world."""
+        """Make the world of a saved state the task's own."""
         self.world = self._world_of(state["config"], state["conditions"])
         self.world.set_state(state)
         self.after_step(self.world.physics)
 
     def __getstate__(self) -> dict[str, Any]:
-        """A copy has a world of its own, and compiles those of other people when it needs them."""
+        """A copy has a world of its own, and compiles those of other caregivers when it needs them."""
         return {**vars(self), "_worlds": {}, "world": self.world.get_state()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -215,20 +257,26 @@ class JointAttentionTask(control.Task):
             world.close()
 
 
-class Environment(Closable, control.Environment):
-    """dm_control's environment, in which every episode may have a physics of its own.
+class Environment(Closable, control.Environment):  # type: ignore[misc]
+    """dm_control's environment, in which each episode may have a physics of its own, and whose state can be saved.
 
-    Copies (``copy.deepcopy``, ``pickle``) go on as the original does. What has been closed raises ``ClosedError``.
+    Copies (``copy.deepcopy``, ``pickle``) go on as the original does. After ``close`` everything raises
+    ``ClosedError``.
     """
 
     _task: JointAttentionTask
     _physics: Physics
 
     def __init__(self, task: JointAttentionTask, time_limit: float, **settings: Any):
-        """``settings``: those of ``control.Environment``.
+        """Make an environment.
+
+        Args:
+            task: The task.
+            time_limit: Seconds in an episode.
+            settings: Arguments of ``control.Environment``: ``flat_observation``, ``legacy_step``.
 
         Raises:
-            ConfigError: The control timestep was to be changed, the time is none, or there is no such setting.
+            ConfigError: The control timestep was to be changed, the time is not positive, or a setting is unknown.
         """
         kind = task.kind
         if {"control_timestep", "n_sub_steps"} & settings.keys():
@@ -244,13 +292,13 @@ class Environment(Closable, control.Environment):
         self._step_limit = np.ceil(time_limit / control_timestep - 1e-6)  # 3 s of 0.1 s are 30 steps, not 31
 
     def reset(self) -> Any:
-        """Begin an episode with one of the people."""
+        """Start the next episode; returns its first time step."""
         self._switch_to(self._task.cast().physics, self._physics.legacy_step)
         return super().reset()
 
     def observation_spec(self) -> OrderedDict[str, specs.Array]:
-        """The task's, or one array if observations are flattened."""
-        spec = super().observation_spec()
+        """Shapes and bounds of observations: the task's, or one array if observations are flattened."""
+        spec: OrderedDict[str, specs.Array] = super().observation_spec()
         if self._flat_observation:
             size = sum(int(np.prod(part.shape)) for part in spec.values())
             key = control.FLAT_OBSERVATION_KEY
@@ -259,25 +307,27 @@ class Environment(Closable, control.Environment):
 
     @property
     def over(self) -> bool:
-        """Whether no episode is going on, and the next step begins one."""
+        """Whether no episode is under way, so that the next step starts one."""
         return self._reset_next_step
 
     def get_state(self) -> EnvironmentState:
-        """Bodies, the caregiver's script, clock and random streams: all that the future depends on.
+        """Save the environment: bodies, the caregiver's script, clock and random streams.
 
-        Nothing that happens later changes what is returned; it can be pickled. Model parameters that were changed by
-        hand are not in it.
+        Returns:
+            All that the future depends on. Nothing that happens later changes it, and it can be pickled. Model
+            parameters that were changed by hand are not in it.
         """
         return EnvironmentState(self._task.built, self._step_count, self._reset_next_step, self._task.get_state())
 
     def set_state(self, state: EnvironmentState) -> None:
-        """Go back to ``state``, of this environment or of one that was built alike; it can be used again.
+        """Go back to a saved state. The same actions then bring the same observations and rewards.
 
-        From there on the same actions bring the same observations and rewards, those of later episodes included.
-        Environments with and without images or truth, and with other time limits, are alike.
+        Args:
+            state: What ``get_state`` gave, of this environment or of one with the same task, world, people, variation
+                and table. Images, ground truth and time limit may differ. It can be used any number of times.
 
         Raises:
-            StateError: ``state`` is none, or of an environment of another task, world, people, variation or table.
+            StateError: ``state`` is no such state, or belongs to an environment that was built otherwise.
         """
         if not isinstance(state, EnvironmentState):
             raise StateError(f"expected what get_state of an environment gives; got {type(state).__name__}")
@@ -295,7 +345,7 @@ class Environment(Closable, control.Environment):
         self._physics.legacy_step = legacy_step
 
     def __getstate__(self) -> dict[str, Any]:
-        """Body and script stay together: the physics is the task's."""
+        """The physics is pickled with the task, to whose worlds it belongs."""
         return {**vars(self), "_physics": self._physics.legacy_step}
 
     def __setstate__(self, state: dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""Gaze following alone, in episodes of seconds: the caregiver looks at one object, and the robot is to fixate it."""
+"""The tasks ``follow`` and ``follow_hard``: the caregiver looks at an object, and the robot is to fixate it."""
 
 import numpy as np
 from dm_control.utils import rewards
@@ -9,24 +9,24 @@ from jointattn_mj.tasks.environment import JointAttentionTask
 from jointattn_mj.tasks.physics import ROBOT_RADIUS, Physics
 
 TIME_LIMIT = 3.0
-"""Seconds in an episode; a turn of the head takes some .3 s of them."""
+"""Seconds in an episode; a shift of the robot's head takes some .3 s of them."""
 MARGIN = np.radians(20.0)
-"""Beyond ROBOT_RADIUS the reward of ``Follow`` falls to nothing over so much: the next object lies about there."""
+"""Angle, rad, over which the reward of ``Follow`` falls to 0 beyond ROBOT_RADIUS: the next object is about that far."""
 
 
-class Wandering(LookingWorld):
-    """She looks at the robot, then at one object after another."""
+class WanderingWorld(LookingWorld):
+    """A world in which the caregiver looks at the robot, then at one object after another."""
 
     steady = False
 
 
 class Follow(JointAttentionTask):
-    """Ten steps a second; reward grows as the robot's line of sight comes near to the object that she looks at."""
+    """Ten steps a second. Reward grows as the robot's line of sight comes near to the caregiver's object."""
 
     kind = LookingWorld
 
     def get_reward(self, physics: Physics) -> float:
-        """1 while the robot fixates her object, falling to 0 where it looks ``MARGIN`` further away."""
+        """1 within ROBOT_RADIUS of the caregiver's object, falling to 0 over ``MARGIN``."""
         target = self.world.caregiver.target
         if target is None:
             return 0.0
@@ -34,17 +34,19 @@ class Follow(JointAttentionTask):
         return float(rewards.tolerance(angle, (0, ROBOT_RADIUS), MARGIN, sigmoid="linear", value_at_margin=0))
 
     def best_action(self, physics: Physics) -> np.ndarray:
-        """The direction of the object that she looks at or turns to, (2,), rad; of her face while that is the robot."""
+        """Direction (2,), rad, of what the caregiver looks at or turns to; of the face while that is the robot."""
         target = self.world.caregiver.target
-        return np.radians(directions_to(self.world.candidate_points())[-1 if target is None else target])
+        direction = directions_to(self.world.candidate_points())[-1 if target is None else target]
+        angles: np.ndarray = np.radians(direction)
+        return angles
 
 
 class FollowSparse(Follow):
-    """The same for a caregiver who looks elsewhere now and then, and reward for nothing but fixating."""
+    """The same with a caregiver who looks at one object after another, and reward for fixating alone."""
 
-    kind = Wandering
+    kind = WanderingWorld
 
     def get_reward(self, physics: Physics) -> float:
-        """1 while the robot fixates the object that she looks at or turns to, and no other is nearer; else 0."""
+        """1 while the robot fixates what the caregiver looks at or turns to, and no other target is nearer; else 0."""
         target = self.world.caregiver.target
         return float(target is not None and physics.robot_fixates() == target)

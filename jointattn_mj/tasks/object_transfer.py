@@ -1,4 +1,4 @@
-"""The caregiver takes objects up, observes them, and puts them elsewhere (section 6.4.2)."""
+"""The task ``object_transfer``: the caregiver takes objects up, observes them, puts them elsewhere (section 6.4.2)."""
 
 from collections import OrderedDict
 
@@ -6,7 +6,7 @@ import numpy as np
 from dm_env import specs
 
 from jointattn_mj.scene.camera import directions_to
-from jointattn_mj.tasks.environment import JointAttentionTask
+from jointattn_mj.tasks.environment import JointAttentionTask, TaskObservation
 from jointattn_mj.tasks.physics import Physics
 
 TIME_LIMIT = 60.0
@@ -14,16 +14,16 @@ TIME_LIMIT = 60.0
 
 
 class ObjectTransfer(JointAttentionTask):
-    """The caregiver goes on whatever the robot does; reward is given while both look at the same object."""
+    """Thirty steps a second; reward while both look at the same object."""
 
     def observation_spec(self, physics: Physics) -> OrderedDict[str, specs.Array]:
-        """What ``get_observation`` returns."""
+        """Shapes and bounds of what ``get_observation`` returns."""
         spec = super().observation_spec(physics)
         spec["head_moves"] = specs.Array((), bool, name="head_moves")
         return spec
 
-    def get_observation(self, physics: Physics) -> OrderedDict[str, np.ndarray]:
-        """The image, the head's pan and tilt (rad), and whether it turns; arrays of the caller's own."""
+    def get_observation(self, physics: Physics) -> TaskObservation:
+        """As in every task, and whether the robot's head turns."""
         observation = super().get_observation(physics)
         observation["head_moves"] = np.array(self.world.head_moves())
         return observation
@@ -33,7 +33,8 @@ class ObjectTransfer(JointAttentionTask):
         return float(physics.joint_attention())
 
     def best_action(self, physics: Physics) -> np.ndarray:
-        """The direction of the object that she looks at, (2,), rad; of her face while that is the robot."""
+        """Direction (2,), rad, of the object that the caregiver looks at; of the face while that is the robot."""
         target = self.world.caregiver.target
         points = self.world.candidate_points()
-        return np.radians(directions_to(points)[-1 if target is None else target])
+        angles: np.ndarray = np.radians(directions_to(points)[-1 if target is None else target])
+        return angles

@@ -1,4 +1,4 @@
-"""Who looks where, in any of the worlds: geometry only, nothing random, nothing rewarded."""
+"""Who looks where: geometry of a scene, without randomness or reward."""
 
 from functools import cached_property
 
@@ -10,26 +10,27 @@ from jointattn_mj.scene.rendering import RenderingPhysics
 from jointattn_mj.scene.world import HEAD_JOINTS
 
 ROBOT_RADIUS = np.radians(3.5)
-"""The robot looks at what is so near to its line of sight ("around the center of the view", 6.3.1)."""
+"""The robot fixates a target within this angle, rad, of its line of sight ("around the center of the view", 6.3.1)."""
 CAREGIVER_RADIUS = np.radians(5.0)
-"""The same for the caregiver, whose eyes sit before the centre about which her head turns: her line of sight passes an
+"""The same for the caregiver. The eyes sit before the head's centre of rotation, so that the line of sight passes an
 object at up to two degrees."""
 
 
 class Physics(RenderingPhysics):
-    """Targets are numbered as a robot numbers its candidates: the objects, then the partner's face.
+    """dm_control's physics with questions about gaze.
 
-    Points in the world frame, metres; angles in radians.
+    Targets have the numbers of the robot's candidates: the n objects, then, as n, the partner's face. Points are in the
+    world frame, metres; angles in radians.
     """
 
     scripted: bool = False
-    """Whether these are the bodies of an environment, in which a script moves the caregiver and the objects."""
+    """Whether a script moves the caregiver and the objects, as in an environment."""
 
     def set_state(self, physics_state: np.ndarray, sig: int | None = None) -> None:
-        """See dm_control's ``Physics``; bodies of an environment are not set without the script that moves them.
+        """See dm_control's ``Physics``.
 
         Raises:
-            StateError: They are such.
+            StateError: The bodies are moved by a script, which would go on from elsewhere.
         """
         if self.scripted:
             raise StateError(
@@ -41,7 +42,7 @@ class Physics(RenderingPhysics):
 
     @cached_property
     def object_names(self) -> tuple[str, ...]:
-        """Names of the objects, without their prefix."""
+        """Names of the objects: n texts."""
         bodies = (self.model.id2name(i, "body") for i in range(self.model.nbody))
         return tuple(name.removeprefix("object/") for name in bodies if name.startswith("object/"))
 
@@ -56,46 +57,48 @@ class Physics(RenderingPhysics):
         return {name: self.model.name2id(name, kind) for name, kind in kinds.items()}
 
     def object_positions(self) -> np.ndarray:
-        """Centres of the objects, (n, 3)."""
-        return self.data.xpos[self._object_ids]
+        """Centres of the objects, (n, 3), world frame, metres."""
+        positions: np.ndarray = self.data.xpos[self._object_ids]
+        return positions
 
     def face_position(self) -> np.ndarray:
-        """Centre of the caregiver's head, (3,)."""
-        return self.data.site_xpos[self._ids["caregiver/face"]].copy()
+        """Centre of the caregiver's head, (3,), world frame, metres."""
+        position: np.ndarray = self.data.site_xpos[self._ids["caregiver/face"]].copy()
+        return position
 
     def head_angles(self) -> np.ndarray:
-        """Pan and tilt of the robot's head, (2,)."""
+        """Pan and tilt of the robot's head, (2,), rad."""
         return np.array([self.named.data.qpos[name][0] for name in HEAD_JOINTS])
 
     def robot_sight(self) -> tuple[np.ndarray, np.ndarray]:
-        """Where the robot's line of sight begins, (3,), and its direction, a unit vector (3,)."""
+        """The robot's line of sight, world frame: where it starts, (3,), metres, and its unit direction (3,)."""
         eye = self._ids["robot/eye"]
         return self.data.cam_xpos[eye].copy(), -self.data.cam_xmat[eye].reshape(3, 3)[:, 2]
 
     def caregiver_sight(self) -> tuple[np.ndarray, np.ndarray]:
-        """The same for the caregiver: from midway between her eyes, along the mean of their directions."""
+        """The caregiver's line of sight, likewise: from midway between the eyes, along the mean of their directions."""
         eyes = [self._ids["caregiver/eye_left"], self._ids["caregiver/eye_right"]]
         ahead = self.data.xmat[eyes].reshape(2, 3, 3)[:, :, 0].sum(axis=0)
         return self.data.xpos[eyes].mean(axis=0), ahead / np.linalg.norm(ahead)
 
     def robot_to_targets(self) -> np.ndarray:
-        """Angles (n + 1,) from the robot's line of sight to the objects and to the caregiver's face."""
+        """Angles (n + 1,), rad, from the robot's line of sight to the objects and to the caregiver's face."""
         return _angles(*self.robot_sight(), np.vstack([self.object_positions(), self.face_position()]))
 
     def caregiver_to_targets(self) -> np.ndarray:
-        """Angles (n + 1,) from the caregiver's line of sight to the objects and to the robot's face."""
+        """Angles (n + 1,), rad, from the caregiver's line of sight to the objects and to the robot's face."""
         return _angles(*self.caregiver_sight(), np.vstack([self.object_positions(), PIVOT]))
 
     def robot_fixates(self, radius: float = ROBOT_RADIUS) -> int | None:
-        """Index of the target nearest to the robot's line of sight, n for her face; None beyond ``radius``."""
+        """Target nearest to the robot's line of sight, n for the caregiver's face; None beyond ``radius``, rad."""
         return _nearest(self.robot_to_targets(), radius)
 
     def caregiver_fixates(self, radius: float = CAREGIVER_RADIUS) -> int | None:
-        """The same for the caregiver; n if she looks at the robot."""
+        """Target nearest to the caregiver's line of sight, n for the robot; None beyond ``radius``, rad."""
         return _nearest(self.caregiver_to_targets(), radius)
 
     def joint_attention(self) -> bool:
-        """Whether both look at the same object."""
+        """Whether robot and caregiver look at the same object."""
         fixated = self.robot_fixates()
         return fixated is not None and fixated < len(self.object_names) and fixated == self.caregiver_fixates()
 
@@ -109,7 +112,8 @@ class Physics(RenderingPhysics):
 def _angles(origin: np.ndarray, direction: np.ndarray, points: np.ndarray) -> np.ndarray:
     along = points - origin
     across = np.linalg.norm(np.cross(along, direction), axis=1)
-    return np.arctan2(across, along @ direction)
+    angles: np.ndarray = np.arctan2(across, along @ direction)
+    return angles
 
 
 def _nearest(angles: np.ndarray, radius: float) -> int | None:

@@ -1,4 +1,4 @@
-"""A third person's view of robot and caregiver, with lines of sight. Uses the truth; only for people to look at."""
+"""A third person's view of robot and caregiver with lines of sight, for people: it uses the simulator's state."""
 
 import copy
 from typing import NamedTuple
@@ -15,11 +15,16 @@ from jointattn_mj.scene.world import World
 from jointattn_mj.video.paint import GREEN, PERSON, ROBOT, Colour
 
 HIT_DEG = 4.0
-"""A line of sight that passes a thing this near ends there; the robot counts 3.5 deg as looking at it."""
+"""A line of sight that passes a thing within this angle ends there; for the robot 3.5 deg is looking at it."""
 _FARTHEST = 1.35  # m, length of a line of sight that meets nothing
 _START = 0.10  # m, where it leaves the head
 _FOVY_DEG = 33.5  # a little tighter than the camera's own: both heads just fit
 _LEFT, _DOWN = 0.045, 0.022  # rad, turn of the camera towards the middle between the two
+_LAMP, _AMBIENT, _FILL = np.array([0.58, 0.55, 0.49]), np.array([0.50, 0.50, 0.51]), np.array([0.13, 0.13, 0.13])
+"""Light of the onlooker's model (rgb): a warm lamp, light from all around, and light from the camera."""
+_ROOM = {"table": (1.16, 1.04, 0.86), "wall": (1.16, 1.18, 1.16), "floor": (1.10, 1.06, 1.0)}
+"""Factors on the room's colours (rgb) in the onlooker's model."""
+_SIDE_WALLS = (0.93, 0.93, 0.90)
 
 
 class Sight(NamedTuple):
@@ -27,11 +32,17 @@ class Sight(NamedTuple):
 
     start: np.ndarray  # (3,)
     end: np.ndarray  # (3,)
-    hit: int | None  # which of the things offered it ends at
+    hit: int | None  # number of the thing at which it ends
 
 
 def line_of_sight(start: np.ndarray, ahead: np.ndarray, things: np.ndarray) -> Sight:
-    """Where somebody at ``start`` who looks along the unit vector ``ahead`` looks at; ``things`` (k, 3) may stop it."""
+    """The line of sight of somebody; it ends at a thing, at the table, or after ``_FARTHEST``.
+
+    Args:
+        start: Eyes, (3,) metres in the world.
+        ahead: Direction of gaze, (3,) unit vector.
+        things: (k, 3) metres; one of them may end the line.
+    """
     to = things - start
     along = to @ ahead
     off = np.degrees(np.arctan2(np.linalg.norm(to - along[:, None] * ahead, axis=1), along))
@@ -44,7 +55,7 @@ def line_of_sight(start: np.ndarray, ahead: np.ndarray, things: np.ndarray) -> S
 
 
 def sights(world: World) -> tuple[Sight, Sight]:
-    """The robot's and the caregiver's line of sight now. Objects are numbered as candidates; n is each other's face."""
+    """The robot's and the caregiver's line of sight now; they hit objects by their number, or n, each other's face."""
     data, candidates = world.data, world.candidate_points()
     robot = line_of_sight(PIVOT, data.body("robot/tilt").xmat.reshape(3, 3)[:, 0], candidates)
     eyes = [data.body(f"caregiver/eye_{side}") for side in ("left", "right")]
@@ -57,14 +68,19 @@ def sights(world: World) -> tuple[Sight, Sight]:
 class Onlooker:
     """Renders the camera third_person with the robot's body and both lines of sight.
 
-    Has a physics of its own, the world's but for smooth edges and a tighter view, and copies poses into it: the world
-    and its eye are left as they are. Both render in dm_control's contexts, which know of each other.
+    It has a physics of its own, into which it copies poses: the world's, with smooth edges, a tighter view and light
+    for people. The world and the robot's camera stay as they are.
+
+    Attributes:
+        together: Whether both looked at the same object in the last image.
     """
 
     def __init__(self, world: World, width: int, height: int):
+        """Make a camera on ``world`` with images of ``width`` times ``height`` pixels."""
         model = copy.copy(world.model)
         model.vis.global_.offwidth, model.vis.global_.offheight = width, height
         model.vis.quality.offsamples = 4
+        _light(model)
         view = model.camera("third_person")
         view.fovy[:] = _FOVY_DEG
         turn, quat = np.empty(4), view.quat.copy()
@@ -76,14 +92,15 @@ class Onlooker:
         self._camera.option.geomgroup[ROBOT_GROUP] = 1
         self.together = False
 
-    def look(self) -> np.ndarray:
-        """The image now, uint8 (height, width, 3); ``together`` then says whether both look at the same object."""
+    def render(self) -> np.ndarray:
+        """The image now, uint8 (height, width, 3); sets ``together``."""
         model, data, now = self._physics.model.ptr, self._physics.data.ptr, self._world.data
         data.qpos[:], data.mocap_pos[:], data.mocap_quat[:] = now.qpos, now.mocap_pos, now.mocap_quat
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_camlight(model, data)
-        return self._camera.render()
+        image: np.ndarray = self._camera.render()
+        return image
 
     def close(self) -> None:
         """Free model, data and rendering context."""
@@ -97,8 +114,20 @@ class Onlooker:
         _add_line(scene, robot, GREEN if self.together else ROBOT)
 
 
+def _light(model: mujoco.MjModel) -> None:
+    """Replace the light of ``model``, an onlooker's own, by a brighter and warmer one."""
+    model.light_diffuse[0], model.light_ambient[0] = _LAMP, 0.0
+    headlight = model.vis.headlight
+    headlight.active = 1
+    headlight.ambient[:], headlight.diffuse[:], headlight.specular[:] = _AMBIENT, _FILL, 0.0
+    for name, factor in _ROOM.items():
+        rgba = model.material(f"room/{name}").rgba
+        rgba[:3] = np.minimum(rgba[:3] * factor, 1)
+    model.geom("room/side_walls").rgba[:3] = _SIDE_WALLS
+
+
 def _add_line(scene: MjvScene, sight: Sight, colour: Colour) -> None:
-    """One more glowing line in the scene, with a dot where it ends."""
+    """Add a glowing line to the scene, with a dot where it ends."""
     rgba = np.array([*0.0028 * np.array(colour), 0.85], np.float32)
     scene.ngeom += 2
     line, dot = scene.geoms[-2:]

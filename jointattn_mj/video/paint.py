@@ -1,6 +1,6 @@
-"""Ink for the session's video: colours, anti-aliased text and lines on RGB images, uint8 (height, width, 3).
+"""Drawing for the films: colours, anti-aliased text and lines on RGB images, uint8 (height, width, 3).
 
-Text is drawn once by Pillow with the font that comes with matplotlib, and blended from a cache after that.
+Pillow draws a text once, with the font that comes with matplotlib; later it is blended from a cache.
 """
 
 from collections.abc import Sequence
@@ -18,13 +18,15 @@ Colour = tuple[int, int, int]
 GROUND: Colour = (19, 23, 29)
 PANEL: Colour = (30, 36, 45)
 FAINT: Colour = (66, 75, 88)
-GREY: Colour = (156, 166, 180)
+GREY: Colour = (176, 186, 199)
 WHITE: Colour = (238, 241, 245)
 GREEN: Colour = (84, 222, 130)
 RED: Colour = (226, 108, 100)
-PERSON: Colour = (248, 200, 158)  # the person, her face and her gaze
+PERSON: Colour = (248, 200, 158)  # the caregiver: face and gaze
 ROBOT: Colour = (150, 208, 255)  # the robot and its gaze
 LEARNED: Colour = (190, 160, 255)  # whatever comes from learning
+TITLE, TEXT, SMALL = 20, 17, 15
+"""Sizes of text, pixels of an image 1280 wide: a film is also watched on a phone, a third as wide."""
 _READABLE = 118  # least luminance (0..255) of ink on the dark ground
 _SUBPIXEL = 4  # bits of fraction in coordinates given to OpenCV
 
@@ -38,12 +40,12 @@ class Box(NamedTuple):
     height: int
 
     def of(self, image: np.ndarray) -> np.ndarray:
-        """The view of this rectangle in an image."""
+        """The part of ``image`` in this rectangle, as a view."""
         return image[self.y : self.y + self.height, self.x : self.x + self.width]
 
 
 def ink_of(rgb: Sequence[float]) -> Colour:
-    """An object's colour (0..1), mixed with so much white that it can be read on the dark ground."""
+    """An object's colour (0..1) with so much white that it is readable on the dark ground."""
     colour = 255 * np.asarray(rgb, float)
     luminance = colour @ (0.2126, 0.7152, 0.0722)
     if luminance < _READABLE:
@@ -53,7 +55,7 @@ def ink_of(rgb: Sequence[float]) -> Colour:
 
 
 def paler(colour: Colour) -> Colour:
-    """Half way to white: for ink on things of that colour."""
+    """The colour half way to white, to be seen on things of ``colour``."""
     red, green, blue = ((255 + value) // 2 for value in colour)
     return red, green, blue
 
@@ -76,7 +78,12 @@ def _mask(text: str, size: int, bold: bool) -> np.ndarray:
 
 def width_of(text: str, size: int = 14, bold: bool = False) -> int:
     """Width (pixels) that ``write`` will need."""
-    return _mask(text, size, bold).shape[1]
+    return int(_mask(text, size, bold).shape[1])
+
+
+def fitting(text: str, width: float, sizes: Sequence[int], bold: bool = False) -> int:
+    """The first of ``sizes`` in which ``text`` is at most ``width`` pixels wide, or the last."""
+    return next((size for size in sizes if width_of(text, size, bold) <= width), sizes[-1])
 
 
 def write(
@@ -89,10 +96,24 @@ def write(
     bold: bool = False,
     align: Literal["left", "centre", "right"] = "left",
 ) -> int:
-    """Draw one line of text with its top at ``y``; what lies outside is cut off. Returns the x where it ends."""
+    """Draw one line of text in place; what lies outside of the image is cut off.
+
+    Args:
+        image: (height, width, 3) uint8.
+        x: Left end, centre or right end of the text, by ``align``; pixels.
+        y: Its top, pixels.
+        text: The line.
+        colour: Of the text.
+        size: Of the font, pixels.
+        bold: Whether the font is bold.
+        align: Which part of the text is at ``x``.
+
+    Returns:
+        The x at which the text ends, pixels.
+    """
     mask = _mask(text, size, bold)
     left = round(x - {"left": 0, "centre": 0.5, "right": 1}[align] * mask.shape[1])
-    top, end = round(y), left + mask.shape[1]
+    top, end = round(y), int(left + mask.shape[1])
     skip_x, skip_y = max(0, -left), max(0, -top)
     area = image[top + skip_y : top + mask.shape[0], left + skip_x : end] if end > 0 else image[:0, :0]
     if area.size:
@@ -102,37 +123,45 @@ def write(
 
 
 def shade(area: np.ndarray, colour: Colour, share: float) -> None:
-    """Mix a colour into an area of an image, in place."""
+    """Mix ``share`` (0..1) of a colour into an area of an image, in place."""
     cv2.addWeighted(area, 1 - share, np.broadcast_to(np.array(colour, np.uint8), area.shape), share, 0, dst=area)
 
 
 def lines(
     image: np.ndarray, points: Sequence[np.ndarray], colour: Colour, thickness: int = 1, closed: bool = False
 ) -> None:
-    """Anti-aliased polylines through points, each (k, 2) x, y in pixels with fractions."""
+    """Draw anti-aliased polylines.
+
+    Args:
+        image: (height, width, 3) uint8.
+        points: Of each line, (k, 2): x and y, pixels with fractions.
+        colour: Of the lines.
+        thickness: Of the lines, pixels.
+        closed: Whether each line returns to its first point.
+    """
     fixed = [np.round(np.asarray(path, float) * (1 << _SUBPIXEL)).astype(np.int32) for path in points]
     cv2.polylines(image, fixed, closed, colour, thickness, cv2.LINE_AA, _SUBPIXEL)
 
 
 def disc(image: np.ndarray, centre: np.ndarray, radius: float, colour: Colour, thickness: int = cv2.FILLED) -> None:
-    """An anti-aliased circle; filled unless a thickness is given."""
+    """Draw an anti-aliased circle around ``centre`` (x, y), pixels; filled unless a thickness is given."""
     x, y = (round(float(value) * (1 << _SUBPIXEL)) for value in centre)
     cv2.circle(image, (x, y), round(radius * (1 << _SUBPIXEL)), colour, thickness, cv2.LINE_AA, _SUBPIXEL)
 
 
 def brackets(image: np.ndarray, centre: np.ndarray, half: float, colour: Colour, thickness: int = 2) -> None:
-    """The four corners of a square around ``centre``."""
+    """Draw the four corners of a square around ``centre`` (x, y); ``half`` its side, pixels."""
     corner = np.array([(-1.0, -0.45), (-1, -1), (-0.45, -1)]) * half
     paths = [centre + corner * flip for flip in ((1, 1), (-1, 1), (1, -1), (-1, -1))]
     lines(image, paths, colour, thickness)
 
 
 def tick(image: np.ndarray, centre: np.ndarray, size: float, colour: Colour, thickness: int) -> None:
-    """A tick mark."""
+    """Draw a tick mark around ``centre`` (x, y), ``size`` pixels wide."""
     lines(image, [centre + size * np.array([(-0.5, 0.0), (-0.12, 0.38), (0.55, -0.42)])], colour, thickness)
 
 
 def cross(image: np.ndarray, centre: np.ndarray, size: float, colour: Colour, thickness: int) -> None:
-    """A cross mark, lying."""
+    """Draw a diagonal cross around ``centre`` (x, y), ``size`` pixels wide."""
     half = 0.4 * size
     lines(image, [centre + half * np.array([(-1, s), (1, -s)]) for s in (-1.0, 1.0)], colour, thickness)

@@ -1,6 +1,6 @@
-"""A video in parts, each from one checkpoint to the next: a run that was killed goes on behind the last whole one.
+"""A video in parts, each from one checkpoint of a run to the next: a killed run goes on after the last whole part.
 
-A part is called after the frame of the run with which it begins.
+A part's name has the number of the frame with which it begins.
 """
 
 import os
@@ -21,7 +21,7 @@ class PartedReel:
     """Writes RGB images to parts in a folder: ``with PartedReel(...) as reel: reel.add(image, frame)``."""
 
     def __init__(self, folder: Path, height: int, width: int, rate: float, frame: int):
-        """Go on behind the parts that begin before ``frame``; later ones are deleted.
+        """Keep the parts that begin before ``frame``, and delete later ones.
 
         Args:
             folder: Where the parts are; made when missing.
@@ -62,7 +62,7 @@ class PartedReel:
         self._end(None, None, None)
 
     def join(self, path: Path) -> None:
-        """Write all parts that are finished as one video; the parts stay.
+        """Write all finished parts as one video; the parts stay.
 
         Raises:
             OutputError: The file cannot be written.
@@ -94,7 +94,7 @@ class PartedReel:
 
 
 def _concatenate(parts: list[Path], path: Path) -> None:
-    """One video of several, without encoding anything again."""
+    """Write one video of several, without encoding anything again."""
     names = parts[0].with_name("parts.txt")
     names.write_text("".join(f"file '{part.name}'\n" for part in parts))
     arguments = f"-v error -y -f concat -i LIST -c copy {' '.join(FRAGMENTED)} OUT".split()

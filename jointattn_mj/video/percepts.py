@@ -1,4 +1,4 @@
-"""A percept drawn on the image that it comes from: candidates, flow, and what is attended.
+"""A percept drawn on the image that it comes from: candidates, optical flow, and the attended candidate.
 
 Coordinates of percepts are pixels of the robot's image, 320x240; the drawing is twice that size. Candidates are
 numbered as in ``Percept``, the face last.
@@ -8,12 +8,12 @@ import numpy as np
 
 from jointattn_mj.perception.motion import Motion
 from jointattn_mj.perception.percept import Percept
-from jointattn_mj.video.paint import GROUND, WHITE, Colour, brackets, disc, lines, paler, shade, width_of, write
+from jointattn_mj.video.paint import GROUND, TEXT, WHITE, Colour, brackets, disc, lines, paler, shade, width_of, write
 
 SCALE = 2
 FACE_HALF_PX = 16  # half the side of the face's 32x32 patch
 OBJECT_HALF_PX = 13
-FLOW_GAIN = 5  # flow of two frames is a pixel or less: arrows are so many times longer
+FLOW_GAIN = 5  # arrows are longer than the flow by this factor; that of two frames is a pixel or less
 FLOW_FROM_PX = 0.12  # shorter flow is not drawn
 FLOW_TO_PX = 6.0  # longest arrow, pixels of the image
 
@@ -25,7 +25,14 @@ class PerceptInk:
         self._inks = inks
 
     def draw(self, area: np.ndarray, percept: Percept, attended: int | None, motion: Motion | None) -> None:
-        """Draw on the image ``area``, uint8 (480, 640, 3)."""
+        """Draw a percept on an image.
+
+        Args:
+            area: The image, uint8 (at most 480, 640, 3), in place.
+            percept: What is drawn.
+            attended: Candidate that is fixated, or None.
+            motion: Optical flow of the frame, or None where there is none.
+        """
         if motion is not None and len(motion.flow):
             self._draw_flow(area, motion)
         locations = location(percept.px)
@@ -56,15 +63,14 @@ class PerceptInk:
 
 
 def location(pixel: np.ndarray) -> np.ndarray:
-    """Where pixels (..., 2) of the robot's image are in the drawing."""
+    """Pixels (..., 2) of the drawing for pixels of the robot's image."""
     return (np.asarray(pixel, float) + 0.5) * SCALE - 0.5
 
 
 def caption(area: np.ndarray, top: np.ndarray, text: str, ink: Colour) -> None:
-    """Small text on a dark plate, centred below a point."""
-    width = width_of(text, 13) + 8
-    x, y = round(float(top[0])) - width // 2, round(float(top[1]))
-    plate = area[max(y, 0) : max(y + 18, 0), max(x, 0) : max(x + width, 0)]
-    if plate.size:
-        shade(plate, GROUND, 0.7)
-        write(area, x + 4, y + 1, text, ink, 13)
+    """Write on a dark plate, centred below the point ``top`` (x, y) and moved so that all of it is in ``area``."""
+    height, width = 24, width_of(text, TEXT) + 10
+    x = round(min(max(float(top[0]) - width / 2, 0), area.shape[1] - width))
+    y = round(min(max(float(top[1]), 0), area.shape[0] - height))
+    shade(area[y : y + height, x : x + width], GROUND, 0.75)
+    write(area, x + 5, y + 2, text, ink, TEXT)

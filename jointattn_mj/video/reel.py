@@ -1,4 +1,4 @@
-"""A video file that grows image by image: H.264 in a fragmented mp4 that plays even when it was cut short."""
+"""A video file written image by image: H.264 in a fragmented mp4, which plays even when it was cut short."""
 
 import os
 import signal
@@ -14,7 +14,7 @@ import numpy as np
 from jointattn_mj.errors import VideoError
 
 QUALITY = 26
-"""x264's constant rate factor; less is better and bigger. 24 adds a sixth to the size, 28 takes a seventh off."""
+"""Constant rate factor of x264; less is better and larger. 24 adds a sixth to the size, 28 takes a seventh off."""
 FRAGMENTED = ("-movflags", "frag_keyframe+empty_moov+default_base_moof")
 """ffmpeg's arguments for an mp4 that plays even when it was cut short."""
 INSTALL = "Install ffmpeg (`apt-get install ffmpeg`, or `pip install imageio-ffmpeg`), or run without the video."
@@ -23,11 +23,18 @@ INSTALL = "Install ffmpeg (`apt-get install ffmpeg`, or `pip install imageio-ffm
 class Reel:
     """Writes RGB images to an mp4: ``with Reel(path, height, width, rate) as reel: reel.add(image)``.
 
-    What was written more than a second or two ago plays, whatever becomes of the process.
+    If the process is killed, all but the last second or two plays.
     """
 
     def __init__(self, path: Path, height: int, width: int, rate: float):
-        """``rate``: images a second."""
+        """Prepare a file.
+
+        Args:
+            path: The mp4.
+            height: Of the images, pixels.
+            width: Of the images, pixels.
+            rate: Images a second.
+        """
         arguments = f"-preset veryfast -g {max(1, round(rate))} {' '.join(FRAGMENTED)} -flush_packets 1"
         path = path.absolute()  # ffmpeg takes what stands before a colon in a bare name as a protocol
         self._writer = mediapy.VideoWriter(path, (height, width), fps=rate, crf=QUALITY, ffmpeg_args=arguments)
@@ -40,7 +47,7 @@ class Reel:
         """
         find_ffmpeg()
         try:
-            with _deaf_children():
+            with _signals_kept_from_children():
                 self._writer.__enter__()
         except (OSError, RuntimeError) as error:
             raise VideoError(f"the video cannot be written to {self._writer.path} ({error}). {INSTALL}") from error
@@ -75,9 +82,11 @@ class Reel:
 
 
 @contextmanager
-def _deaf_children() -> Iterator[None]:
-    """Programs started in the block hear no Ctrl-C and no SIGTERM: both often go to all, and the last images would
-    be lost. Ours end when there is nothing more to read."""
+def _signals_kept_from_children() -> Iterator[None]:
+    """Block Ctrl-C and SIGTERM for programs started here; both often go to all, and the last images would be lost.
+
+    Ours end when there is nothing more to read.
+    """
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

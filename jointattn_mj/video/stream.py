@@ -1,4 +1,4 @@
-"""Images to H.264 as they come, a piece of the stream for each image, for logs that store them one by one."""
+"""Encoder of single images to H.264, one unit of the stream an image, for logs that store them one by one."""
 
 import os
 import subprocess
@@ -11,13 +11,13 @@ import numpy as np
 from jointattn_mj.errors import VideoError
 
 QUALITY = 26
-"""x264's constant rate factor."""
+"""Constant rate factor of x264."""
 _DELIMITER = b"\x00\x00\x00\x01\x09"  # access unit delimiter (ITU-T H.264, 7.4.1.2.3): begins every image
 _PARAMETERS = b"\x00\x00\x00\x01\x67"  # sequence parameter set: comes with key images
 
 
 class Unit(NamedTuple):
-    """What one image became (Annex B of H.264)."""
+    """One encoded image (Annex B of H.264)."""
 
     sample: bytes
     key: bool  # whether decoding can begin here
@@ -33,13 +33,22 @@ def can_encode() -> bool:
 
 
 class VideoEncoder:
-    """Takes RGB images, uint8 (height, width, 3), and hands out units in the same order, a few images later.
+    """Takes RGB images, uint8 (height, width, 3), and returns units in the same order, a few images later.
 
-    Sizes are even. No image refers to a later one, and every second begins anew, so that one can jump into it.
+    Sizes are even. No image refers to a later one, and every second has a key image, to which a viewer can jump.
     """
 
     def __init__(self, height: int, width: int, rate: float):
-        """``rate``: images a second."""
+        """Start ffmpeg.
+
+        Args:
+            height: Of the images, pixels.
+            width: Of the images, pixels.
+            rate: Images a second.
+
+        Raises:
+            VideoError: ffmpeg does not start.
+        """
         arguments = (
             f"-hide_banner -loglevel error -f rawvideo -pixel_format rgb24 -video_size {width}x{height} "
             f"-framerate {rate:g} -i - -an -c:v libx264 -preset veryfast -tune zerolatency -crf {QUALITY} "
@@ -75,13 +84,13 @@ class VideoEncoder:
             raise VideoError(f"ffmpeg stopped encoding ({error})") from error
 
     def take(self) -> list[Unit]:
-        """The units that are ready and were not taken before, in the order of their images."""
+        """The units that are ready and were not returned before, in the order of their images."""
         count = len(self._units)
         taken, self._units[:count] = self._units[:count], []
         return taken
 
     def finish(self) -> list[Unit]:
-        """End the stream; the units that are left.
+        """End the stream, and return the units that are left.
 
         Raises:
             VideoError: ffmpeg ended with an error.
@@ -99,7 +108,7 @@ class VideoEncoder:
         return self.take()
 
     def _read(self) -> None:
-        """Cut what comes into units; runs beside the rest until the stream ends."""
+        """Cut the stream into units; runs in a thread until the stream ends."""
         assert self._program.stdout is not None
         kept = b""
         while piece := os.read(self._program.stdout.fileno(), 1 << 16):

@@ -1,1 +1,1 @@
-"""An agent in a task, seen live: in a window where there is a display, else in a browser."""
+"""An agent in a task, live: in a window where there is a display, else in a browser; and as a video."""

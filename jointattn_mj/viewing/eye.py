@@ -1,4 +1,4 @@
-"""The robot's view with what is known drawn on it: what its mind makes of it or, for agents without one, the truth."""
+"""The robot's view with overlays: its percepts or, for agents without perception, the ground truth."""
 
 from typing import NamedTuple
 
@@ -24,36 +24,43 @@ class _Watched(NamedTuple):
 
 
 class EyeView:
-    """Draws images, uint8 (480, 640, 3), of one world after the other, all with the same objects."""
+    """Draws the robot's view of worlds that all have the same objects."""
 
     def __init__(self, world: World):
         self._names = (*(item.name for item in world.config.scene.objects), "face")
         inks: list[Colour] = [*(ink_of(item.rgb) for item in world.config.scene.objects), PERSON]
-        self._mind = RobotsView(self._names, inks, Box(0, 0, WIDTH, HEIGHT))
+        self._percepts = RobotsView(self._names, inks, Box(0, 0, WIDTH, HEIGHT))
         self._canvas = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
 
     def draw(self, world: World, robot: GazeFollower | None) -> np.ndarray:
-        """The view now; it holds until the next one.
+        """Draw the view now.
+
+        Args:
+            world: The task's world.
+            robot: The agent, whose percepts are drawn; None draws the ground truth.
+
+        Returns:
+            uint8 (480, 640, 3) RGB, which holds until the next call.
 
         Raises:
             GLError: No image can be rendered here.
         """
         if robot is not None:
-            self._mind.draw(self._canvas, _Watched(world, robot))
+            self._percepts.draw(self._canvas, _Watched(world, robot))
         else:
             size = (WIDTH, HEIGHT)
             self._canvas[:] = cv2.resize(world.image(), size, interpolation=cv2.INTER_CUBIC)
-            self._draw_truth(world)
+            self._draw_ground_truth(world)
         return self._canvas
 
-    def _draw_truth(self, world: World) -> None:
-        """Brackets around what robot and person look at, in green around what both do."""
+    def _draw_ground_truth(self, world: World) -> None:
+        """Draw brackets around what robot and caregiver look at, green where it is the same object."""
         area, face = self._canvas, len(self._names) - 1
         robot, person = (sight.hit for sight in sights(world))
         together = robot is not None and robot == person and robot != face
         px = pixels_of_points(world.candidate_points(), np.degrees(world.head_angles()))
         visible = in_image(px)
-        words = {"robot": (robot, ROBOT, -1), "person": (None if person == face else person, PERSON, 1)}
+        words = {"robot": (robot, ROBOT, -1), "caregiver": (None if person == face else person, PERSON, 1)}
         for who, (number, ink, side) in words.items():
             if number is not None and visible[number]:
                 half = (FACE_HALF_PX if number == face else OBJECT_HALF_PX) * SCALE
@@ -63,7 +70,7 @@ class EyeView:
         bar = area[-_BAR:]
         shade(bar, GROUND, 0.78)
         at = "nothing" if robot is None else self._names[robot]
-        x = write(bar, 12, 8, f"looks at {at}", ROBOT, 15, True) + 12
+        x = write(bar, 12, 8, f"The robot looks at {at}", ROBOT, 15, True) + 12
         at = "nothing" if person is None else "the robot" if person == face else self._names[person]
-        x = write(bar, x, 8, f"the person at {at}", PERSON, 15, True) + 12
-        write(bar, x, 8, "(truth)", GREY, 15)
+        x = write(bar, x, 8, f"the caregiver at {at}", PERSON, 15, True) + 12
+        write(bar, x, 8, "(ground truth)", GREY, 15)

@@ -1,4 +1,4 @@
-"""An agent in a task as a video: the robot's view with its overlays beside the scene from the side."""
+"""An agent in a task as a video: the robot's view with overlays, beside the scene from the side."""
 
 from pathlib import Path
 from types import TracebackType
@@ -12,20 +12,25 @@ from jointattn_mj.video.reel import Reel
 from jointattn_mj.viewing.eye import HEIGHT, WIDTH, EyeView
 
 OUTSIDE = 840
-"""Width of the scene from the side, pixels: so wide that both heads are in it."""
+"""Width of the scene from the side, pixels: both heads are in view."""
 SLOWEST = 2.0
-"""Images a second, at least: turns that last a second are shown in half of it."""
+"""Least number of images a second: steps that last a second are shown in half of it."""
 
 
 class TaskFilm:
-    """Writes an image a step: ``with TaskFilm(path, seconds_a_step) as film: film.add(world, mind)``."""
+    """Writes an image a step: ``with TaskFilm(path, seconds_a_step) as film: film.add(world, robot)``."""
 
     def __init__(self, path: Path, seconds_a_step: float):
+        """Prepare a video; ``seconds_a_step`` is how long a step of the task lasts."""
         self._reel = Reel(path, HEIGHT, WIDTH + OUTSIDE, max(SLOWEST, 1 / seconds_a_step))
         self._views: dict[int, tuple[World, EyeView, Onlooker]] = {}
 
-    def add(self, world: World, mind: GazeFollower | None) -> None:
-        """Draw how things stand; ``mind``: what the robot makes of them is drawn too.
+    def add(self, world: World, robot: GazeFollower | None) -> None:
+        """Add an image of the present step.
+
+        Args:
+            world: The task's world.
+            robot: The agent, whose percepts are drawn; None draws the ground truth.
 
         Raises:
             GLError: No image can be rendered here.
@@ -34,10 +39,14 @@ class TaskFilm:
         if id(world) not in self._views:
             self._views[id(world)] = world, EyeView(world), Onlooker(world, OUTSIDE, HEIGHT)
         _, eye, onlooker = self._views[id(world)]
-        self._reel.add(np.hstack([eye.draw(world, mind), onlooker.look()]))
+        self._reel.add(np.hstack([eye.draw(world, robot), onlooker.render()]))
 
     def __enter__(self) -> "TaskFilm":
-        """Start ffmpeg; raises VideoError if it does not."""
+        """Start ffmpeg.
+
+        Raises:
+            VideoError: It does not start.
+        """
         self._reel.__enter__()
         return self
 

@@ -1,7 +1,7 @@
-"""Who may talk to a server on this machine: its own pages, and no others that happen to be open in the same browser.
+"""Refuses requests to a server on this machine that do not come from its own pages.
 
-A browser lets any page open a websocket to any address, loopback too, and says in the header Origin which page it was.
-A page can also let its own name point to this machine (DNS rebinding); the header Host then holds that name.
+A browser lets any page open a websocket to any address, loopback too; the header Origin says which page it was. A page
+can also let its own name point to this machine (DNS rebinding); the header Host then holds that name.
 """
 
 import ipaddress
@@ -11,9 +11,14 @@ from urllib.parse import urlsplit
 
 
 def refusal(headers: Mapping[str, str], names: Collection[str]) -> str | None:
-    """Why a request is refused, or None; ``names``: hosts that are trusted beside localhost and plain addresses.
+    """Decide about a request. A websocket must come from a page of the host and port that it asks.
 
-    A websocket must come from a page of the very host and port that it asks.
+    Args:
+        headers: Of the request.
+        names: Hosts that are trusted, beside localhost and plain addresses.
+
+    Returns:
+        Why the request is refused; None if it is not.
     """
     host = headers.get("Host", "").lower()
     name = _name(host)
@@ -26,12 +31,12 @@ def refusal(headers: Mapping[str, str], names: Collection[str]) -> str | None:
 
 
 def names_of(host: str) -> set[str]:
-    """Names under which a server is reached that listens on ``host``: none but itself on loopback."""
+    """Names under which a server that listens on ``host`` is reached; on loopback its own alone."""
     return {host} if _is_address(host) and ipaddress.ip_address(host).is_loopback else {host, socket.gethostname()}
 
 
 def _name(host: str) -> str | None:
-    """The host without its port; None where it is none."""
+    """The host without its port; None if it is no host."""
     try:
         return urlsplit(f"//{host}").hostname
     except ValueError:

@@ -1,4 +1,4 @@
-"""MuJoCo's own viewer in a window, with the robot's view in a corner and both lines of sight."""
+"""A show in a window: MuJoCo's own viewer, with both lines of sight, and the robot's view in a corner."""
 
 import threading
 import warnings
@@ -18,7 +18,7 @@ from jointattn_mj.viewing.eye import HEIGHT, WIDTH
 from jointattn_mj.viewing.show import Show, in_real_time
 
 AZIMUTH, ELEVATION, DISTANCE, LOOKS_AT = 76.0, -20.0, 2.3, (0.75, 0.0, 0.85)
-"""Where the camera is at first, deg and m: to the robot's right, so that both are seen."""
+"""Where the camera is at first, degrees and metres: robot and caregiver are in view."""
 _LINE_M = 0.005
 _CLOSES_S = 5.0  # seconds that a window may take to close
 
@@ -33,7 +33,7 @@ def has_display() -> bool:
 
 
 def show_in_window(show: Show, goes_on: Callable[[], bool]) -> None:
-    """Show it until the window is closed or ``goes_on`` says no; another person in an episode opens another."""
+    """Show until the window is closed or ``goes_on`` says no. Another caregiver gets another window."""
     while goes_on():
         model, data = show.world.model, show.world.data
         with _window(model, data) as window:
@@ -60,7 +60,7 @@ def show_in_window(show: Show, goes_on: Callable[[], bool]) -> None:
 
 @contextmanager
 def _window(model: mujoco.MjModel, data: mujoco.MjData) -> Iterator[mujoco.viewer.Handle]:
-    """A window, with all that belongs to it gone at the end: MuJoCo would let its thread draw on while Python ends."""
+    """A window that is gone with its thread at the end: MuJoCo would let that draw while Python ends."""
     before = set(threading.enumerate())
     window = mujoco.viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False)
     threads = set(threading.enumerate()) - before
@@ -73,7 +73,7 @@ def _window(model: mujoco.MjModel, data: mujoco.MjData) -> Iterator[mujoco.viewe
 
 
 def _corner(eye: np.ndarray, window: mujoco.MjrRect | None) -> tuple[mujoco.MjrRect, np.ndarray]:
-    """The robot's view, two fifths as wide as the window, at its lower left."""
+    """The robot's view (h, w, 3), two fifths as wide as the window, at its lower left."""
     width = WIDTH if window is None else max(80, min(WIDTH, 2 * window.width // 5))
     height = width * HEIGHT // WIDTH
     return mujoco.MjrRect(0, 0, width, height), cv2.resize(eye, (width, height), interpolation=cv2.INTER_AREA)

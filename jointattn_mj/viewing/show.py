@@ -1,4 +1,4 @@
-"""An agent in a task, step by step in real time, as whoever shows it needs it."""
+"""An agent in a task, step by step in real time, for a window or a browser to draw."""
 
 import time
 from collections.abc import Callable
@@ -16,18 +16,19 @@ from jointattn_mj.viewing.eye import EyeView
 
 
 class Agent(Protocol):
-    """Whoever acts in an environment of the suite."""
+    """Acts in an environment of the suite."""
 
     def act(self, timestep: TimeStep) -> Any:
-        """The action that answers a time step."""
+        """The action for a time step."""
 
 
 class Show:
-    """Lives through one episode after the other.
+    """An agent that acts in one episode after the other.
 
     Attributes:
-        reward: Sum of rewards in this episode.
         episode: Number of the episode, from 1 on.
+        reward: Sum of rewards in this episode.
+        seconds_a_step: How long a step of the task lasts.
     """
 
     def __init__(self, environment: Environment, agent: Agent):
@@ -40,21 +41,22 @@ class Show:
     @property
     def world(self) -> World:
         """The world of this episode; another episode may have another."""
-        return self._environment.task.world
+        world: World = self._environment.task.world
+        return world
 
     @property
-    def mind(self) -> GazeFollower | None:
-        """The robot's mind, if the agent has one that perceives images."""
-        mind = getattr(self._agent, "robot", None)
-        return mind if isinstance(mind, GazeFollower) else None
+    def robot(self) -> GazeFollower | None:
+        """The robot of chapter 6, if that is the agent."""
+        robot = getattr(self._agent, "robot", None)
+        return robot if isinstance(robot, GazeFollower) else None
 
     def restart(self) -> None:
-        """Begin another episode."""
+        """Start the next episode."""
         self.episode, self.reward, self._step = self.episode + 1, 0.0, 0
         self._answer(self._environment.reset())
 
     def advance(self) -> None:
-        """One step; after the last one of an episode the next begins."""
+        """Take one step; after the last of an episode, start the next."""
         timestep = self._environment.step(self._action)
         if timestep.last():
             self.restart()
@@ -64,29 +66,36 @@ class Show:
         self._answer(timestep)
 
     def _answer(self, timestep: TimeStep) -> None:
-        """Let the agent perceive and decide; nothing moves before the next step, and what it perceived can be shown."""
+        """Let the agent decide about the next step, so that its percepts can be drawn before that."""
         self._action = self._agent.act(timestep)
 
     def eye(self) -> np.ndarray:
-        """The robot's view with overlays, uint8 (480, 640, 3); it holds until the next one."""
+        """The robot's view with overlays, uint8 (480, 640, 3) RGB; it holds until the next call."""
         if self._eye is None or self._eye[0] is not self.world:
             self._eye = self.world, EyeView(self.world)
-        return self._eye[1].draw(self.world, self.mind)
+        return self._eye[1].draw(self.world, self.robot)
 
     def sights(self) -> list[tuple[Sight, Colour]]:
-        """The robot's line of sight and the person's; green while both end at the same object."""
+        """Lines of sight of robot and caregiver, and their colours: green while both end at the same object."""
         robot, person = sights(self.world)
         together = robot.hit == person.hit and robot.hit in range(len(self.world.caregiver.objects))
         return [(robot, GREEN if together else ROBOT), (person, GREEN if together else PERSON)]
 
     def words(self) -> str:
-        """How far it is."""
+        """The line of text below the robot's view: episode, time and reward."""
         seconds = self._step * self.seconds_a_step
         return f"episode {self.episode}, {seconds:.1f} s, reward {self.reward:.1f}"
 
 
 def in_real_time(show: Show, draw: Callable[[], None], goes_on: Callable[[], bool], paused: Callable[[], bool]) -> None:
-    """Advance and draw as fast as time goes, or as fast as this machine can, until ``goes_on`` says no."""
+    """Advance and draw in real time, or as fast as this machine can.
+
+    Args:
+        show: What is shown.
+        draw: Called after each step.
+        goes_on: Asked before each step; False ends the show.
+        paused: Asked before each step; while True nothing advances.
+    """
     due = time.perf_counter()
     while goes_on():
         if paused():

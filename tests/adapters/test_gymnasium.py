@@ -80,7 +80,7 @@ def test_time_is_up():
 
 @pytest.mark.parametrize("mode", ["sync", "async"])
 def test_vectors_have_seeds_of_their_own(mode):
-    """Each environment is the one of its seed; an asynchronous one lives in a process of its own."""
+    """Each environment is the one of its seed; an asynchronous one runs in a process of its own."""
     context = {"vector_kwargs": {"context": "spawn"}} if mode == "async" else {}  # for this process has rendered
     vector = gymnasium.make_vec(FOLLOW, num_envs=3, vectorization_mode=mode, truth=True, time_limit=1.0, **context)
     alone = gymnasium.make(FOLLOW, truth=True, time_limit=1.0)

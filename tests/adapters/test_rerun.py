@@ -90,7 +90,7 @@ class TestLog:
         np.testing.assert_allclose(head[:, 0], session.frames.column("pan_deg"), atol=1e-4)
         assert 0.9 < column(path, "mind/decides/learner", "Scalars:scalars")[0][0] < 1
 
-    def test_pictures(self, logged, tmp_path):
+    def test_images(self, logged, tmp_path):
         path = logged[0]
         samples = column(path, "world/robot_eye/image", "VideoStream:sample")
         assert len(samples) == FRAMES
@@ -110,26 +110,26 @@ class TestLog:
             visible |= dict(
                 zip(chunk["frame"], zip(chunk["Boxes2D:centers"], chunk["Boxes2D:labels"], strict=True), strict=True)
             )
-        looked = np.flatnonzero(session.frames.column("looked") > 0)
+        looked = np.flatnonzero(session.frames.column("perceived") > 0)
         for frame in looked[:: max(1, len(looked) // 8)]:
             centres, labels = visible[int(frame)]
             for centre, label in zip(centres, labels, strict=True):
                 number = session.names.index(label)
-                location = [session.frames.column(name, number)[frame] for name in ("x_px", "y_px")]
-                np.testing.assert_allclose(centre, location, atol=1e-3)
-        turning = np.flatnonzero(session.frames.column("looked") == 0)
+                centre_px = [session.frames.column(name, number)[frame] for name in ("x_px", "y_px")]
+                np.testing.assert_allclose(centre, centre_px, atol=1e-3)
+        turning = np.flatnonzero(session.frames.column("perceived") == 0)
         assert not any(visible[int(frame)][0] for frame in turning if int(frame) in visible)
 
     def test_scene(self, logged):
         path, session, _ = logged
-        locations = {}
+        positions = {}
         for chunk in columns(path, "world/object_red"):
-            locations |= dict(zip(chunk["frame"], chunk["Transform3D:translation"], strict=True))
+            positions |= dict(zip(chunk["frame"], chunk["Transform3D:translation"], strict=True))
         first = [session.frames.column(name, 0)[0] for name in ("x_m", "y_m", "z_m")]
-        np.testing.assert_allclose(locations[0][0], first, atol=1e-6)
+        np.testing.assert_allclose(positions[0][0], first, atol=1e-6)
         starts = np.array(column(path, "world/gaze/person", "Arrows3D:origins"))
         assert starts.shape == (FRAMES, 1, 3)
-        assert (starts[..., 0] > 1.2).all()  # she sits at x = 1.5 m
+        assert (starts[..., 0] > 1.2).all()  # the caregiver sits at x = 1.5 m
 
     def test_doings_and_shifts(self, logged):
         path, session, _ = logged
@@ -235,9 +235,9 @@ class TestRefusal:
 
     @needs_rerun
     def test_a_file_in_the_folders_place(self, tmp_path):
-        (tmp_path / "place").write_text("mine")
+        (tmp_path / "folder").write_text("mine")
         with pytest.raises(OutputError, match="cannot make the folder"):
-            run_logged(CONFIG, LoggedSessionOptions(tmp_path / "out", rerun=tmp_path / "place" / "a.rrd"))
+            run_logged(CONFIG, LoggedSessionOptions(tmp_path / "out", rerun=tmp_path / "folder" / "a.rrd"))
         assert not (tmp_path / "out").exists()
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from jointattn_mj.baselines.turn_taking.agent import TurnTaker, TurnTakerConfig
-from jointattn_mj.baselines.turn_taking.attempts import Situations, live
+from jointattn_mj.baselines.turn_taking.attempts import Situations, run_attempts
 from jointattn_mj.baselines.turn_taking.faces import (
     FACE_DIRECTION,
     FaceBank,
@@ -105,7 +105,7 @@ def test_a_face_is_taken_by_the_direction_of_gaze():
 def test_visual_feedback_reaches_some_object_and_hers_by_chance():
     faces = code_faces()
     robot = taker(replace(SHORT, gate="shut"), faces)
-    outcomes = live(robot, situations(faces, VIEW_3), faces, 3000, np.random.default_rng(3))
+    outcomes = run_attempts(robot, situations(faces, VIEW_3), faces, 3000, np.random.default_rng(3))
     assert outcomes.reached.mean() > 0.99 and outcomes.in_view.mean() > 0.99
     assert outcomes.right.mean() == pytest.approx(1 / 3, abs=0.03)
     assert (outcomes.movements == SHORT.steps).all()
@@ -115,7 +115,7 @@ def test_visual_feedback_does_not_reach_what_was_never_in_view():
     faces = code_faces()
     robot = taker(replace(SHORT, gate="shut"), faces)
     outside = situations(faces, ObjectTableConfig(objects=3, region="outside"))
-    outcomes = live(robot, outside, faces, 300, np.random.default_rng(3))
+    outcomes = run_attempts(robot, outside, faces, 300, np.random.default_rng(3))
     assert not outcomes.reached.any() and not outcomes.in_view.any()
 
 
@@ -124,7 +124,9 @@ def test_any_object_then_hers_in_view_then_outside():
     quick = TurnTakerConfig(rate=0.006, first_face_weight=0.1, gate_midpoint=8000.0, gate_width=2500.0)
     robot = taker(quick, faces)
     table = situations(faces, TABLE_3)
-    early, _, late = (live(robot, table, faces, count, np.random.default_rng(count)) for count in (2000, 60_000, 4000))
+    early, _, late = (
+        run_attempts(robot, table, faces, count, np.random.default_rng(count)) for count in (2000, 60_000, 4000)
+    )
     assert robot.time == 66_000
     assert early.reached.mean() > 0.9 and early.right.mean() == pytest.approx(1 / 3, abs=0.05)
     assert early.right[~early.in_view].mean() < 0.05
@@ -138,8 +140,10 @@ def test_learning_from_the_movement_made_drifts_away_from_objects():
     success = {}
     for reference in ("object", "executed"):
         robot = taker(replace(SHORT, reference=reference), faces)
-        live(robot, one, faces, 20_000, np.random.default_rng(0))
-        success[reference] = live(robot, one, faces, 1000, np.random.default_rng(1), learning=False).right.mean()
+        run_attempts(robot, one, faces, 20_000, np.random.default_rng(0))
+        success[reference] = run_attempts(
+            robot, one, faces, 1000, np.random.default_rng(1), learning=False
+        ).right.mean()
     assert success["object"] > 0.9
     assert success["executed"] < 0.4
 
@@ -149,20 +153,22 @@ def test_a_failed_attempt_teaches_nothing_and_tests_change_nothing():
     robot = taker(replace(SHORT, gate="open", centre_radius_deg=1e-6), faces)
     before = [array.copy() for array in robot.network]
     table = situations(faces, TABLE_3)
-    assert not live(robot, table, faces, 200, np.random.default_rng(0)).reached.any()
+    assert not run_attempts(robot, table, faces, 200, np.random.default_rng(0)).reached.any()
     assert robot.time == 200 and all((a == b).all() for a, b in zip(before, robot.network, strict=True))
     robot = taker(SHORT, faces)
     before = [array.copy() for array in robot.network]
-    assert live(robot, table, faces, 200, np.random.default_rng(0), learning=False).reached.any()
+    assert run_attempts(robot, table, faces, 200, np.random.default_rng(0), learning=False).reached.any()
     assert robot.time == 0 and all((a == b).all() for a, b in zip(before, robot.network, strict=True))
 
 
 def test_same_seed_same_life_and_blind_eyes_reach_nothing():
     faces = code_faces()
     table = situations(faces, TABLE_3)
-    first, again = (live(taker(SHORT, faces), table, faces, 500, np.random.default_rng(7)) for _ in range(2))
+    first, again = (run_attempts(taker(SHORT, faces), table, faces, 500, np.random.default_rng(7)) for _ in range(2))
     assert (first.right == again.right).all() and (first.movements == again.movements).all()
-    blind = live(taker(SHORT, faces), table, faces, 50, np.random.default_rng(7), senses=StateConfig(object_miss=1.0))
+    blind = run_attempts(
+        taker(SHORT, faces), table, faces, 50, np.random.default_rng(7), senses=StateConfig(object_miss=1.0)
+    )
     assert not blind.reached.any()
 
 
@@ -170,7 +176,7 @@ def test_ending_at_the_first_object_takes_fewer_steps():
     faces = code_faces()
     table = situations(faces, ObjectTableConfig(objects=5, region="in_view"))
     robot = taker(replace(SHORT, ends="first", gate="shut"), faces)
-    outcomes = live(robot, table, faces, 300, np.random.default_rng(0))
+    outcomes = run_attempts(robot, table, faces, 300, np.random.default_rng(0))
     assert outcomes.reached.mean() > 0.99 and outcomes.movements.mean() < 3
 
 

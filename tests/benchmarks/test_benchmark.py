@@ -6,7 +6,7 @@ import math
 import pytest
 
 from jointattn_mj.benchmarks import loop as benchmark
-from jointattn_mj.benchmarks import steps as turns_benchmark
+from jointattn_mj.benchmarks import steps as steps_benchmark
 from jointattn_mj.benchmarks.loop import BenchmarkOptions, run_benchmark
 from jointattn_mj.benchmarks.steps import StepsBenchmark
 from jointattn_mj.cli.main import main
@@ -31,20 +31,20 @@ def test_figures(tmp_path, capsys, monkeypatch):
     for name, value in figures.items():
         assert math.isfinite(value), name
         assert value > 0, name
-    assert figures["loop_to_render"] == pytest.approx(figures["loop_ms_per_picture"] / figures["render_ms"])
+    assert figures["loop_to_render"] == pytest.approx(figures["loop_ms_per_image"] / figures["render_ms"])
     assert figures["session_26_min_s"] == pytest.approx(26 * 60 / figures["loop_times_real_time"])
-    assert figures["loop_to_cartpole"] == pytest.approx(figures["loop_ms_per_picture"] / figures["cartpole_ms"])
-    assert figures["truth_times_real_time"] > figures["loop_times_real_time"]
+    assert figures["loop_to_cartpole"] == pytest.approx(figures["loop_ms_per_image"] / figures["cartpole_ms"])
+    assert figures["state_times_real_time"] > figures["loop_times_real_time"]
 
 
 @needs_gl
-def test_turns(capsys, monkeypatch):
-    monkeypatch.setattr(turns_benchmark, "TURNS", 30)
-    main(["benchmark", "--what", "turns", "--blocks", "1"])
+def test_steps(capsys, monkeypatch):
+    monkeypatch.setattr(steps_benchmark, "STEPS", 30)
+    main(["benchmark", "--what", "steps", "--blocks", "1"])
     figures = {name: float(value) for name, value in map(str.split, capsys.readouterr().out.splitlines())}
     assert figures.keys() == StepsBenchmark.__annotations__.keys()
     assert all(math.isfinite(value) and value > 0 for value in figures.values())
-    assert figures["turn_to_picture"] == pytest.approx(figures["turn_ms"] / figures["turn_picture_ms"], rel=0.02)
+    assert figures["step_to_image"] == pytest.approx(figures["step_ms"] / figures["step_image_ms"], rel=0.02)
 
 
 @pytest.mark.parametrize("options", [{"blocks": 0}, {"seconds": 0.0}, {"seconds": math.nan}])

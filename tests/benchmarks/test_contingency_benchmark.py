@@ -15,7 +15,7 @@ from jointattn_mj.cli.main import main
 
 @pytest.fixture(autouse=True)
 def small(monkeypatch):
-    for name, value in (("STEPS", 400), ("RECOMPUTED", 5), ("TURNS", 200), ("SAMPLES", 1000)):
+    for name, value in (("TRANSITIONS", 400), ("RECOMPUTED", 5), ("RUN_STEPS", 200), ("SAMPLES", 1000)):
         monkeypatch.setattr(benchmark, name, value)
     monkeypatch.setattr(benchmark, "compile_seconds", lambda: (2.5, 3.5))
 

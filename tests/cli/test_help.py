@@ -75,8 +75,8 @@ def test_everyday_help_is_part_of_all(jointattn, command):
 
 def test_tuned_constants_come_last(jointattn):
     before, _, after = jointattn("session", "--help-all").out.partition(ADVANCED)
-    assert "--pixels.faces.haar-neighbours" in after
-    assert "--pixels.faces.haar-neighbours" not in before
+    assert "--pixels.faces.haar-min-px" in after
+    assert "--pixels.faces.haar-min-px" not in before
     assert "--robot.gaze.gate " in before
 
 

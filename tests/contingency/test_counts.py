@@ -37,7 +37,7 @@ def measured(counts, field="sum"):
 
 def same_counts(one, other):
     """Equal to the last count; sums up to rounding."""
-    assert np.array_equal(one.cells, other.cells)
+    assert np.array_equal(one.entries, other.entries)
     for field in module.CONTEXT.names:
         assert one.contexts[field] == pytest.approx(other.contexts[field], rel=1e-12, abs=1e-11), field
     assert np.array_equal(one.of_event, other.of_event)
@@ -64,11 +64,11 @@ def test_every_step_equals_a_full_recomputation(sizes, length, seed):
         fewer, single_fewer = measured(counts, "occupied")
         for number, event in enumerate(events):
             s, a, r = so_far[0][:, event.sensor], so_far[1][:, event.action], so_far[2][:, event.result]
-            cells = steps(s, r, a).cells()
-            assert combined[number] / t == pytest.approx(information.COMBINED.value(cells), abs=1e-12)
-            assert single[number] / t == pytest.approx(information.CONTINGENCY.value(cells), abs=1e-12)
-            assert fewer[number] == pytest.approx(2 * t * information.COMBINED.bias(cells, "miller_madow"))
-            assert single_fewer[number] == pytest.approx(2 * t * information.CONTINGENCY.bias(cells, "miller_madow"))
+            entries = steps(s, r, a).entries()
+            assert combined[number] / t == pytest.approx(information.COMBINED.value(entries), abs=1e-12)
+            assert single[number] / t == pytest.approx(information.CONTINGENCY.value(entries), abs=1e-12)
+            assert fewer[number] == pytest.approx(2 * t * information.COMBINED.bias(entries, "miller_madow"))
+            assert single_fewer[number] == pytest.approx(2 * t * information.CONTINGENCY.bias(entries, "miller_madow"))
     for number, event in enumerate(events):
         assert np.array_equal(joint_table(counts, number), joint_counts(lived, world, event))
 
@@ -124,7 +124,7 @@ def test_events_that_join_later_start_empty_and_do_not_disturb_the_old_ones():
         assert measured(wider)[1][number] == pytest.approx(
             contingency(joint_counts(since, both, event))[1] * (len(since[0]) - 1), abs=1e-10
         )
-    assert counts.cells.sum() == pytest.approx(30 * 2 * len(counts.contexts))  # its own tables, not the wider ones'
+    assert counts.entries.sum() == pytest.approx(30 * 2 * len(counts.contexts))  # its own tables, not the wider ones'
 
 
 def test_fewer_contexts_take_part():
@@ -202,8 +202,8 @@ def test_counts_pass_the_end_of_the_list():
     set_joint_table(counts, 0, table)
     counted(counts, lived)
     set_joint_table(after, 0, table + joint_counts(lived, world, Event(0, 0, 0)))
-    assert np.array_equal(counts.cells, after.cells)
-    assert counts.cells.max() > 2 * LISTED
+    assert np.array_equal(counts.entries, after.entries)
+    assert counts.entries.max() > 2 * LISTED
     assert np.array(measured(counts)) / table.sum() == pytest.approx(np.array(measured(after)) / table.sum(), abs=1e-13)
     counted(counts, lived, -1)
     assert np.array_equal(joint_table(counts, 0), table)

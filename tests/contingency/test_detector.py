@@ -7,7 +7,7 @@ from worlds import counted, series, variables
 
 import jointattn_mj.contingency as c
 from jointattn_mj.contingency.online.counts import add, empty_counts
-from jointattn_mj.contingency.online.detector import NOTHING, DetectorConfig, grown, look, new_watch
+from jointattn_mj.contingency.online.detector import NOTHING, DetectorConfig, grown, new_watch, update
 from jointattn_mj.errors import ConfigError
 
 WORLD = variables([4, 3], [3, 2], [2, 3])
@@ -20,7 +20,7 @@ def watch_all(watch, counts, s, a, r, values, found):
     """Measures (T - 1, E) and what was found (T - 1,) after each transition."""
     for t in range(len(found)):
         add(counts, s[t], a[t], r[t], r[t + 1], 1, len(counts.contexts))
-        found[t] = look(watch, counts)
+        found[t] = update(watch, counts)
         values[t] = watch.values
 
 
@@ -220,4 +220,4 @@ def test_impossible_options(options):
 def test_counts_are_not_touched():
     lived = series(WORLD, 300, np.random.default_rng(4))
     _, counts, _, _ = watched(DetectorConfig(), lived)
-    assert np.array_equal(counts.cells, counted(empty_counts(WORLD, EVENTS), lived).cells)
+    assert np.array_equal(counts.entries, counted(empty_counts(WORLD, EVENTS), lived).entries)

@@ -88,7 +88,7 @@ BAD = {
     "no sensor": (([], ["turn"], ["object"]), {}, "sensor"),
     "twice": ((["gaze", "gaze"], ["turn"], ["object"]), {}, "once"),
     "both": ((["gaze"], ["gaze"], ["object"]), {}, "both sensor and action"),
-    "measure": ((["gaze"], ["turn"], ["object"]), {"measure": "transfer_entropy"}, "ranked by"),
+    "measure": ((["gaze"], ["turn"], ["object"]), {"measure": "transfer_entropy"}, "expected one of state_action"),
     "alpha": ((["gaze"], ["turn"], ["object"]), {"alpha": 1.5}, "alpha"),
     "how": ((["gaze"], ["turn"], ["object"]), {"how": "hope"}, "hope"),
     "seed": ((["gaze"], ["turn"], ["object"]), {"seed": -1}, "seed"),

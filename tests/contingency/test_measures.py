@@ -141,7 +141,7 @@ def test_types_change_nothing():
 def test_more_transitions_of_a_kind_than_are_listed():
     """Counts whose logarithm is computed."""
     s, a, r = (np.tile(series, 60) for series in random_series(1))
-    h = table.steps(s, r, a).cells()
+    h = table.steps(s, r, a).entries()
     assert h.counts.max() < 4096 < h.marginal("r").max()
     assert c.combined_transfer_entropy(s, a, r) == pytest.approx(
         c.combined_transfer_entropy(s, a, r, correction="miller_madow")
@@ -287,7 +287,8 @@ def test_imports_nothing_heavy():
     heavy = ("mujoco", "cv2", "dm_control", "torch", "matplotlib")
     program = (
         "import sys\n"
-        "from jointattn_mj.contingency import discovery, recordings\n"
+        "from jointattn_mj.contingency import discovery\n"
+        "from jointattn_mj.recordings import reader\n"
         f"found = [name for name in {heavy!r} if name in sys.modules]\n"
         "assert not found, found"
     )

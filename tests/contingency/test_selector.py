@@ -111,11 +111,13 @@ def test_what_habituation_counts(habituates):
     choosing = Choosing([FIRST, SECOND], SelectorConfig(habituates=habituates))
     rng = np.random.default_rng(1)
     repeats, under = [0, 0], [None, None]
-    visible = (0, 0), (0, 0)
+    situation = (0, 0), (0, 0)
     most = 0
     for _ in range(600):
-        visible = visible if rng.random() < 0.7 else (tuple(rng.integers(0, (3, 2))), tuple(rng.integers(0, (2, 2))))
-        s, r = visible
+        situation = (
+            situation if rng.random() < 0.7 else (tuple(rng.integers(0, (3, 2))), tuple(rng.integers(0, (2, 2))))
+        )
+        s, r = situation
         _, driver = choosing.choose(s, r)
         for m, pair in enumerate(((s[0], r[1]), (s[1], r[0]))):
             repeats[m] = repeats[m] if pair == under[m] else 0

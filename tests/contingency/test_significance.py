@@ -41,7 +41,7 @@ def permuted_in_python(s, a, r, measure, permute, count, seed):
         for context in np.unique(contexts):
             at = np.flatnonzero(contexts[:-1] == context)
             shuffled[at] = s[rng.permutation(at)]
-        values.append(measure.value(steps(shuffled, r, a).cells()))
+        values.append(measure.value(steps(shuffled, r, a).entries()))
     return np.array(values)
 
 
@@ -145,11 +145,11 @@ def test_intervals_cover():
 def test_what_resampling_draws():
     given = steps([[0, 1, 2, 0]] * 3 + [[2, 2, 1]], [[0, 1, 1, 0]] * 3 + [[1, 1, 1]])
     whole = resampled(given, TRANSFER, 20, np.random.default_rng(0), "blocks", 11)
-    assert np.allclose(whole[0], TRANSFER.value(given.cells())) or len(np.unique(whole)) > 1
+    assert np.allclose(whole[0], TRANSFER.value(given.entries())) or len(np.unique(whole)) > 1
     long = contingent(0, 300)
     one = steps(long[0], long[2], long[1])
     circle = resampled(one, CONTINGENCY, 5, np.random.default_rng(0), "blocks", one.transitions)
-    assert np.allclose(circle, CONTINGENCY.value(one.cells()))  # one block all round is the series itself
+    assert np.allclose(circle, CONTINGENCY.value(one.entries()))  # one block all round is the series itself
     recordings = resampled(given, TRANSFER, 50, np.random.default_rng(0), "recordings")
     assert len(np.unique(recordings.round(9))) <= 5  # as many as ways to draw how often the last one comes
 

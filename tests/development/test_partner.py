@@ -18,8 +18,8 @@ from jointattn_mj.development.table.caregiver import (
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
-from jointattn_mj.scene.looker import locations
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.looker import spot_positions
+from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.world import AS_USUAL, WorldConfig, build_physics
 
 SPOTS = 3
@@ -60,7 +60,7 @@ def seconds(frames: int) -> float:
 
 
 def test_objects_lie_at_places_of_their_own_or_in_her_hand():
-    her, spots = partner_of(1), locations(SPOTS, WorldConfig().scene)
+    her, spots = partner_of(1), spot_positions(SPOTS, WorldConfig().scene)
     before, carried = her.at.copy(), 0
     for _ in range(9000):
         her.advance()

@@ -29,6 +29,7 @@ from jointattn_mj.development.run import run_development
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.io import checkpoint
 
 SPACE = np.array([[-20.0, 20.0], [-15.0, -14.0]])
 PROTOTYPES = 12
@@ -37,20 +38,20 @@ PROTOTYPES = 12
 def noise(n_steps, seed):
     """Sensations, commands and results that have nothing to do with each other."""
     rng = np.random.default_rng(seed)
-    cells = rng.integers(-1, PROTOTYPES, n_steps)
+    units = rng.integers(-1, PROTOTYPES, n_steps)
     commands = np.column_stack([rng.uniform(*axis, n_steps) for axis in SPACE])
     commands[rng.random(n_steps) < 0.4] = np.nan
-    return cells, commands, rng.integers(0, 2, n_steps)
+    return units, commands, rng.integers(0, 2, n_steps)
 
 
 def two_sides(n_steps, seed):
-    """Low cells tell of something on the left, high ones on the right; the rest of nothing."""
-    cells, commands, results = noise(n_steps, seed)
-    left = cells < PROTOTYPES // 2
+    """Low units tell of something on the left, high ones on the right; the rest of nothing."""
+    units, commands, results = noise(n_steps, seed)
+    left = units < PROTOTYPES // 2
     right_way = (commands[:, 0] < 0) == left
-    known = (cells != NOTHING_SENSED) & ~np.isnan(commands[:, 0])
+    known = (units != NOTHING_SENSED) & ~np.isnan(commands[:, 0])
     results[1:] = np.where(known, right_way, False)[:-1]
-    return cells, commands, results
+    return units, commands, results
 
 
 def points(seed=0):
@@ -80,24 +81,24 @@ def test_a_refined_resolution_is_a_partition_and_its_gain_is_what_was_said(seed,
         split = offers[pick % len(offers)]
         finer = refined(resolution, split)
         assert contingency(given_, finer) - contingency(given_, resolution) == pytest.approx(split.gain, abs=1e-12)
-        coarse_s, fine_s = resolution.sensor(given_.cells), finer.sensor(given_.cells)
+        coarse_s, fine_s = resolution.sensor(given_.units), finer.sensor(given_.units)
         assert len({*zip(coarse_s, fine_s, strict=True)}) == len({*fine_s}) <= len(finer.sensed) + 1
         coarse_a, fine_a = resolution.action(given_.commands), finer.action(given_.commands)
         assert len({*zip(coarse_a, fine_a, strict=True)}) == len({*fine_a}) <= len(finer.boxes) + 1
         resolution = finer
     assert sorted(cell for leaf in resolution.sensed for cell in leaf) == list(range(PROTOTYPES))
-    unsensed, unaimed = given_.cells == NOTHING_SENSED, np.isnan(given_.commands[:, 0])
-    assert ((resolution.sensor(given_.cells) == len(resolution.sensed)) == unsensed).all()
+    unsensed, unaimed = given_.units == NOTHING_SENSED, np.isnan(given_.commands[:, 0])
+    assert ((resolution.sensor(given_.units) == len(resolution.sensed)) == unsensed).all()
     assert ((resolution.action(given_.commands) == len(resolution.boxes)) == unaimed).all()
 
 
 @given(st.integers(0, 10_000))
 @settings(max_examples=10, deadline=None)
 def test_contingency_is_that_of_the_measures(seed):
-    cells, commands, results = two_sides(300, seed)
-    given_, resolution = transitions(cells, commands, results), coarse(PROTOTYPES, SPACE)
+    units, commands, results = two_sides(300, seed)
+    given_, resolution = transitions(units, commands, results), coarse(PROTOTYPES, SPACE)
     resolution = refined(resolution, list(splits(given_, resolution, branches(ordered(), "ward"), 3))[-1])
-    series = resolution.sensor(cells), resolution.action(commands), results
+    series = resolution.sensor(units), resolution.action(commands), results
     corrected = c.state_action_contingency(*series, base=np.e, correction="miller_madow")
     assert contingency(given_, resolution) == pytest.approx(corrected)
     plain = c.pointwise_state_action_contingency(*series, base=np.e)
@@ -139,12 +140,34 @@ def test_wrong_options(wrong):
 
 
 def test_series_of_unequal_length():
-    cells, commands, results = noise(50, 0)
+    units, commands, results = noise(50, 0)
     with pytest.raises(SeriesError):
-        transitions(cells[1:], commands, results)
+        transitions(units[1:], commands, results)
 
 
-def test_babbling_goes_on_the_same_after_a_pickle_and_a_mind_lives_with_what_was_found(monkeypatch):
+def test_checkpoints_hold_a_robot_that_babbles_and_its_run(tmp_path, monkeypatch):
+    monkeypatch.setattr(RecallingBody, "pages", 3)
+    config = GrowingConfig(calibration=3, exploration=60, resolution=ResolutionConfig(warm_up=100, deviations=2.0))
+    one = Babbling(TableConfig(spots=2, objects=1), config, 1, RecallingBody)
+    one.advance(1000)
+    checkpoint.save(tmp_path / "babbling.bin", one, config)
+    other = checkpoint.load(tmp_path / "babbling.bin", config, kind=Babbling)
+    for each in (one, other):
+        each.advance(100)
+    assert other.looked_at == one.looked_at
+    run = GrowingRun(one, PRESETS["fast"].agent, 1, 200)
+    run.advance(50)
+    checkpoint.save(tmp_path / "run.bin", run, config)
+    again = checkpoint.load(tmp_path / "run.bin", config, kind=GrowingRun)
+    for each in (run, again):
+        each.advance(150)
+        each.check()
+        each.close()
+    assert all(np.array_equal(run.log(column), again.log(column)) for column in run.columns)
+    assert repr(run) == repr(again) == "GrowingRun(200 of 200 steps, 12 events, 0 modules)"
+
+
+def test_babbling_and_its_run_go_on_the_same_after_a_pickle(monkeypatch):
     monkeypatch.setattr(RecallingBody, "pages", 6)
     config = GrowingConfig(calibration=3, exploration=80, resolution=ResolutionConfig(warm_up=1000))
     one = Babbling(TableConfig(spots=2, objects=1), config, 5, RecallingBody)

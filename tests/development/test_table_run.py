@@ -50,7 +50,7 @@ def same(one, other):
     assert all(
         np.array_equal(*pair, equal_nan=True) for pair in zip(one.contingency(), other.contingency(), strict=True)
     )
-    assert np.array_equal(one.agent.state.counts.cells, other.agent.state.counts.cells)
+    assert np.array_equal(one.agent.state.counts.entries, other.agent.state.counts.entries)
     assert np.array_equal(one.agent.state.counts.contexts, other.agent.state.counts.contexts)
 
 
@@ -79,7 +79,7 @@ def test_the_log_says_what_happened(undisturbed):
     for number, column in enumerate(run.columns):
         assert run.log(column).tolist() == [row[number] for row in rows], column
     assert [module.event for module in agent.modules] == [module.event for module in run.agent.modules]
-    assert np.array_equal(agent.state.counts.cells, run.agent.state.counts.cells)
+    assert np.array_equal(agent.state.counts.entries, run.agent.state.counts.entries)
 
 
 def test_the_same_seed_is_the_same_life(undisturbed):
@@ -212,11 +212,11 @@ def test_presets_live(name):
     ("arguments", "word"),
     [
         ({"seed": -1}, "-1"),
-        ({"turns": 0}, "0"),
+        ({"n_steps": 0}, "0"),
         ({"sample_every": 0}, "0"),
-        ({"mind": replace(HASTY, most_modules=127)}, "129"),
+        ({"agent": replace(HASTY, most_modules=127)}, "129"),
     ],
 )
 def test_impossible_lives(arguments, word):
     with pytest.raises(ConfigError, match=word):
-        TableRun(**({"world": WORLD, "mind": HASTY, "seed": 0, "turns": 10} | arguments))
+        TableRun(**({"world": WORLD, "agent": HASTY, "seed": 0, "n_steps": 10} | arguments))

@@ -36,7 +36,7 @@ def test_a_map_of_few_faces_is_learned_to_the_end():
     config = SOMConfig(rows=4, columns=4, updates=200)
     kept = album(50, 12)
     som = kept.learn(config)
-    assert som.visible == 200
+    assert som.n_patterns == 200
     table = kept.table(som)
     assert table.num_rows == 12
     winners = [som.winner(pattern) for pattern in kept.patterns]

@@ -8,7 +8,7 @@ import pytest
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.footage.colours import object_colours
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.objects import OBJECTS
 
 
 def test_colours():

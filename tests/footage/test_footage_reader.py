@@ -129,7 +129,7 @@ def test_timestamps_that_jump(monkeypatch, tmp_path, leap):
     assert footage.jumps == 1
 
 
-def test_pictures_that_cannot_be_decoded(monkeypatch, tmp_path):
+def test_images_that_cannot_be_decoded(monkeypatch, tmp_path):
     """The one before holds."""
     numbers = shown(footage_of(monkeypatch, tmp_path, Capture([1000 / 30 * k for k in range(8)], broken=(3, 4))))
     assert numbers == [0, 1, 2, 2, 2, 5, 6, 7]

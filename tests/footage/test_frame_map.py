@@ -40,7 +40,7 @@ def test_a_spot_is_where_the_map_says(name, times):
     np.testing.assert_allclose(mapped.to_video(mapped.to_image(centre)), centre, atol=1e-9)
 
 
-def test_whole_pictures_fit_and_keep_their_shape():
+def test_whole_images_fit_and_keep_their_shape():
     for name in ("twice", "wide", "upright", "odd", "small"):
         mapped = MAPS[name]
         assert mapped.left >= 0 and mapped.top >= 0
@@ -52,7 +52,7 @@ def test_whole_pictures_fit_and_keep_their_shape():
     assert MAPS["long pixels"].scale_x == pytest.approx(16 / 11 * MAPS["long pixels"].scale_y, rel=0.01)
 
 
-def test_an_equal_picture_is_not_touched():
+def test_an_equal_image_is_not_touched():
     video = np.random.default_rng(0).integers(0, 255, (240, 320, 3), np.uint8)
     np.testing.assert_array_equal(MAPS["the same"].image(video), video[..., ::-1])
 

@@ -100,7 +100,7 @@ def test_found_where_it_is(clip, tmp_path, case):
 
 
 @needs_gl
-def test_a_face_too_large_makes_the_picture_smaller(clip, tmp_path):
+def test_a_face_too_large_makes_the_image_smaller(clip, tmp_path):
     """A camera twice as near: the middle of the clip, enlarged."""
     near = np.array([cv2.resize(image[30:150, 80:240], (640, 480)) for image in clip.images[:90]])
     video = encode(tmp_path / "a.mp4", near, "-c:v", "libx264")

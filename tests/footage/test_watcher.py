@@ -21,9 +21,9 @@ class Perceiver:
         self.looks: list[bool] = []
         self.percept = Percept(np.ones(3, bool), LOCATIONS.copy(), np.array(moves))
 
-    def look(self, observation, landed):
-        assert observation["camera"].shape == (240, 320, 3)
-        np.testing.assert_array_equal(observation["head_angles"], [0, 0])
+    def perceive(self, observation, landed):
+        assert observation.image.shape == (240, 320, 3)
+        np.testing.assert_array_equal(observation.head_angles, [0, 0])
         self.looks.append(landed)
         return self.percept
 
@@ -36,7 +36,7 @@ def watcher(shift_frames=4, moves=(False, False, False), wants=None, **options) 
     return watching
 
 
-def live(watching: Watcher, frames: int) -> list[tuple[int | None, int | None]]:
+def advance(watching: Watcher, frames: int) -> list[tuple[int | None, int | None]]:
     """What was attended, and where attention was going, frame by frame."""
     path = []
     for frame in range(frames):
@@ -50,24 +50,24 @@ def test_a_draw_every_so_many_frames_of_dwell():
     face = [(2, None)] * (2 * PERIOD - 1)  # the second draw is for where it looks already
     shift, red = [(2, 0)] * 4, [(0, None)] * (2 * PERIOD - 1)
     expected = [*before, *first, *face, *shift, *red, (0, 1)]
-    assert live(watcher(wants=[2, 2, 0, None, 1]), len(expected)) == expected
+    assert advance(watcher(wants=[2, 2, 0, None, 1]), len(expected)) == expected
 
 
 def test_interest_stands_still_while_attention_shifts():
     watching = watcher(shift_frames=10, moves=(True, False, False), wants=[0, 0])
-    live(watching, PERIOD)
+    advance(watching, PERIOD)
     frozen = watching.attention.interest.copy(), watching.attention.motion.copy()
-    live(watching, 9)
+    advance(watching, 9)
     np.testing.assert_array_equal(watching.attention.interest, frozen[0])
     np.testing.assert_array_equal(watching.attention.motion, frozen[1])
     assert watching.attention.motion[0] == PERIOD
-    live(watching, 2)
+    advance(watching, 2)
     assert watching.attended == 0
     assert watching.attention.motion[0] > PERIOD
 
 
 def test_shifts_at_once():
-    path = live(watcher(shift_frames=0, wants=[2, 0]), 2 * PERIOD)
+    path = advance(watcher(shift_frames=0, wants=[2, 0]), 2 * PERIOD)
     assert path == [(None, None)] * (PERIOD - 1) + [(2, None)] * PERIOD + [(0, None)]
 
 
@@ -83,12 +83,12 @@ def test_repetitions_are_not_looked_at():
 def test_nothing_in_view_is_attended():
     watching = watcher()
     watching.perceiver.percept.visible[:] = False
-    assert live(watching, 100) == [(None, None)] * 100
+    assert advance(watching, 100) == [(None, None)] * 100
 
 
 def test_the_seed_decides():
-    assert live(watcher(), 300) == live(watcher(), 300)
-    assert {attended for attended, _ in live(watcher(), 900)} >= {0, 1, 2}
+    assert advance(watcher(), 300) == advance(watcher(), 300)
+    assert {attended for attended, _ in advance(watcher(), 900)} >= {0, 1, 2}
 
 
 def test_fixations():
@@ -111,9 +111,9 @@ def test_fixations():
     assert red["end_s"] - red["start_s"] == pytest.approx((2 * PERIOD - 1) / 30)
     assert (red["x_px"], red["y_px"]) == (50, 150)
     assert (red["video_x_px"], red["video_y_px"]) == (100.5, 300.5)
-    assert red["seen"] == pytest.approx(0.5, abs=0.02)
+    assert red["visible"] == pytest.approx(0.5, abs=0.02)
     assert red["moving"] == 1
-    assert (face["seen"], face["moving"]) == (1, 0)
+    assert (face["visible"], face["moving"]) == (1, 0)
     shares = fixations.shares(("red", "green", "face"))
     assert shares["red"] == {"fixations": 1, "seconds": round((2 * PERIOD - 1) / 30, 3)}
 

@@ -11,12 +11,13 @@ from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, R
 from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.gaze_following.gate import GazeConfig
 from jointattn_mj.gaze_following.learners import LearnerConfig
-from jointattn_mj.perception.percept import Percept
+from jointattn_mj.perception.percept import Percept, StillObservation
 from jointattn_mj.scene.camera import in_image, pixel_of
 
 RED, BLUE, FACE = 0, 1, 2
 LOCATIONS = ((8.0, -10.0), (-8.0, -12.0), (0.0, 3.0))
 SETTLING = 2
+NO_IMAGE = np.zeros((0, 0, 3), np.uint8)
 
 
 class Scene:
@@ -33,9 +34,9 @@ class Scene:
         self.looks: list[bool] = []
         self._still = SETTLING
 
-    def look(self, observation, landed: bool) -> Percept:
+    def perceive(self, observation, landed: bool) -> Percept:
         self.looks.append(landed)
-        head = np.degrees(observation["head_angles"])
+        head = np.degrees(observation.head_angles)
         px = np.array([pixel_of(location, head) for location in self.locations])
         visible = in_image(px) & ~np.isin(np.arange(len(px)), list(self.hidden))
         return Percept(visible=visible, px=np.where(visible[:, None], px, np.nan), moves=self.moves & visible)
@@ -45,7 +46,7 @@ class Scene:
 
     def frame(self, robot: GazeFollower) -> np.ndarray:
         """One frame of robot and head."""
-        observation = {"head_angles": np.radians(self.head), "head_moves": self._still < SETTLING}
+        observation = StillObservation(NO_IMAGE, np.radians(self.head), self._still < SETTLING)
         command = np.degrees(robot.act(observation))
         self._still = self._still + 1 if np.allclose(command, self.head, atol=1e-9) else 0
         self.head = command
@@ -75,7 +76,7 @@ def make(scene: Scene, *wanted: int, gaze=None, learner=None, attention=None) ->
     return robot
 
 
-def live(robot: GazeFollower, scene: Scene, shifts: int, watch=None) -> list:
+def advance(robot: GazeFollower, scene: Scene, shifts: int, watch=None) -> list:
     """Live until so many shifts have landed."""
     landed = []
     for _ in range(400 * shifts):
@@ -124,7 +125,7 @@ def test_nothing_is_perceived_or_counted_while_the_head_turns():
     scene = Scene()
     scene.moves[:] = True
     robot = make(scene, FACE, RED)
-    live(robot, scene, 1)
+    advance(robot, scene, 1)
     while robot.shift is None:
         scene.frame(robot)
     kept, looks = robot.attention.saliency.copy(), len(scene.looks)
@@ -163,14 +164,14 @@ def test_pair_from_the_face_to_an_object():
     robot = make(scene, FACE, RED)
     pairs = pairs_of(robot)
     scene.face = np.array([20.0, 10.0])
-    live(robot, scene, 1)
+    advance(robot, scene, 1)
     expected = robot.som.activations(scene.face)
 
     def turn_away():
         if robot.shift is not None:
-            scene.face = np.array([-20.0, 0.0])  # she looks elsewhere while the robot turns
+            scene.face = np.array([-20.0, 0.0])  # the caregiver looks elsewhere while the robot turns
 
-    shift = live(robot, scene, 1, turn_away)[0]
+    shift = advance(robot, scene, 1, turn_away)[0]
     assert (shift.source, shift.chosen, shift.reached, shift.by_learner, shift.learned) == (FACE, RED, RED, False, True)
     [(activations, command)] = pairs
     np.testing.assert_array_equal(activations, expected)
@@ -186,7 +187,7 @@ def test_pair_from_an_object_to_the_face(learner, pairs_expected, iterations):
     """The face after, and where the object was when the robot left it: carried on, it is where it was no more."""
     scene = Scene()
     robot = make(scene, RED, FACE, learner=learner)
-    live(robot, scene, 1)
+    advance(robot, scene, 1)
     pairs = pairs_of(robot)
     left_at = np.array([6.0, -9.0])
 
@@ -195,7 +196,7 @@ def test_pair_from_an_object_to_the_face(learner, pairs_expected, iterations):
         scene.face = np.array([0.0, 10.0]) if robot.shift is None else np.array([25.0, 20.0])
 
     scene.locations[RED] = left_at
-    shift = live(robot, scene, 1, carry)[0]
+    shift = advance(robot, scene, 1, carry)[0]
     assert (shift.source, shift.reached, shift.learned) == (RED, FACE, bool(pairs_expected))
     assert len(pairs) == pairs_expected
     assert robot.iterations == iterations
@@ -208,7 +209,7 @@ def test_from_object_to_object_nothing_is_learned():
     scene = Scene()
     robot = make(scene, RED, BLUE)
     pairs = pairs_of(robot)
-    assert [shift.learned for shift in live(robot, scene, 2)] == [False, False]
+    assert [shift.learned for shift in advance(robot, scene, 2)] == [False, False]
     assert not pairs
 
 
@@ -217,13 +218,13 @@ def test_executed_command_as_reference():
     scene = Scene()
     robot = make(scene, FACE, RED, learner={"reference": "executed"}, gaze={"gate": "shut", "feedback_frames": ()})
     pairs = pairs_of(robot)
-    live(robot, scene, 1)
+    advance(robot, scene, 1)
 
     def slip():
         if robot.shift is not None:
             scene.locations[RED] = np.add(LOCATIONS[RED], (2.0, 0.0))  # still within the centre's radius
 
-    live(robot, scene, 1, slip)
+    advance(robot, scene, 1, slip)
     np.testing.assert_allclose(pairs[0][1], np.subtract(LOCATIONS[RED], LOCATIONS[FACE]), atol=1e-6)
 
 
@@ -232,7 +233,7 @@ def carried_away(feedback_frames: tuple[int, ...], shift_frames: int = 26):
     scene = Scene()
     gaze = {"gate": "shut", "feedback_frames": feedback_frames, "shift_frames": shift_frames}
     robot = make(scene, FACE, RED, gaze=gaze)
-    live(robot, scene, 1)
+    advance(robot, scene, 1)
     path = []
 
     def carry():
@@ -240,7 +241,7 @@ def carried_away(feedback_frames: tuple[int, ...], shift_frames: int = 26):
             scene.locations[RED] = (-2.0, -4.0)
         path.append(scene.head.copy())
 
-    return robot, live(robot, scene, 1, carry)[0], np.array(path)
+    return robot, advance(robot, scene, 1, carry)[0], np.array(path)
 
 
 def test_visual_feedback_corrects_on_the_way():
@@ -263,15 +264,15 @@ def test_feedback_after_the_last_command_is_too_late(frames):
 def test_the_gate_lets_the_learner_command():
     scene = Scene()
     robot = make(scene, FACE, RED, RED, gaze={"gate": "open"})
-    live(robot, scene, 1)
+    advance(robot, scene, 1)
     activations = robot.som.activations(scene.face)
     for _ in range(300):
         robot.learner.learn(activations, np.subtract(LOCATIONS[BLUE], LOCATIONS[FACE]))
-    shift = live(robot, scene, 1)[0]
+    shift = advance(robot, scene, 1)[0]
     assert (shift.by_learner, shift.chosen, shift.reached) == (True, RED, BLUE)
     np.testing.assert_array_equal(shift.command, shift.suggestion)
     np.testing.assert_allclose(shift.command, LOCATIONS[BLUE], atol=0.5)
-    back = live(robot, scene, 1)[0]  # blue to red: no face, nobody to ask
+    back = advance(robot, scene, 1)[0]  # blue to red: no face, nobody to ask
     assert not back.by_learner
     assert back.suggestion is None
 
@@ -280,11 +281,11 @@ def test_the_gate_lets_the_learner_command():
 def test_landing_on_nothing(attends, attended):
     scene = Scene()
     robot = make(scene, FACE, RED, gaze={"gate": "open", "attends": attends})
-    live(robot, scene, 1)
+    advance(robot, scene, 1)
     activations = robot.som.activations(scene.face)
     for _ in range(300):
         robot.learner.learn(activations, np.array([15.0, -13.0]))  # 7 degrees beside red
-    shift = live(robot, scene, 1)[0]
+    shift = advance(robot, scene, 1)[0]
     assert shift.reached is None
     assert not shift.learned
     assert robot.attended == attended
@@ -298,14 +299,14 @@ def test_when_nothing_is_in_view():
     for _ in range(60):
         np.testing.assert_array_equal(scene.frame(robot), [0, 0])
     scene.hidden = set()
-    live(robot, scene, 1)
+    advance(robot, scene, 1)
     scene.hidden = {RED, BLUE, FACE}
     while robot.landed is None:  # lands blind if it has set out
         scene.frame(robot)
         if robot.shift is None:
             break
     scene.hidden = {FACE}
-    live(robot, scene, 1)
+    advance(robot, scene, 1)
 
 
 def test_familiarise():
@@ -313,9 +314,10 @@ def test_familiarise():
     scene = Scene(((8.0, -10.0), (-8.0, -12.0), (5.0, 4.0)))
     robot = make(scene)
     for frame in range(30):
-        scene.head = np.degrees(robot.familiarise({"head_angles": np.radians(scene.head), "head_moves": False}, frame))
+        observation = StillObservation(NO_IMAGE, np.radians(scene.head))
+        scene.head = np.degrees(robot.familiarise(observation, frame))
     np.testing.assert_allclose(scene.head, (5, 4), atol=1e-6)
-    assert robot.som.visible == 10
+    assert robot.som.n_patterns == 10
     assert robot.attended == FACE
     with pytest.raises(ConfigError, match=r"FamiliariseConfig\.minutes"):
         FamiliariseConfig(minutes=0)
@@ -325,7 +327,7 @@ def test_same_seed_same_life():
     def runs(seed):
         scene = Scene()
         robot = GazeFollower(RobotConfig(), scene, 2, np.random.SeedSequence(seed))
-        return [(shift.chosen, shift.by_learner) for shift in live(robot, scene, 12)]
+        return [(shift.chosen, shift.by_learner) for shift in advance(robot, scene, 12)]
 
     assert runs(1) == runs(1) != runs(2)
 
@@ -336,7 +338,7 @@ class TestWeights:
     def learned(self) -> GazeFollower:
         scene = Scene()
         robot = make(scene, FACE, RED)
-        live(robot, scene, 8)
+        advance(robot, scene, 8)
         return robot
 
     def test_round_trip(self):

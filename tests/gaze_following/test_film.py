@@ -17,6 +17,7 @@ from jointattn_mj.errors import VideoError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
 from jointattn_mj.gaze_following.film import composer
 from jointattn_mj.gaze_following.film.composer import Composer, verdict_in_words
+from jointattn_mj.gaze_following.film.overlay import BAR, RobotsView
 from jointattn_mj.gaze_following.film.panels import face_cells, lit
 from jointattn_mj.gaze_following.film.video import Film
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
@@ -24,7 +25,8 @@ from jointattn_mj.gaze_following.shifts import ShiftRow
 from jointattn_mj.gaze_following.summary import rate_of_success
 from jointattn_mj.scene import gl
 from jointattn_mj.video import paint
-from jointattn_mj.video.onlooker import line_of_sight, sights
+from jointattn_mj.video.onlooker import Onlooker, line_of_sight, sights
+from jointattn_mj.video.percepts import caption
 
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
 ROW = ShiftRow(
@@ -54,7 +56,7 @@ def frames_in(path: Path) -> np.ndarray:
 
 
 @needs_gl
-@pytest.mark.parametrize(("perception", "every"), [("pixels", 1), ("truth", 2)])
+@pytest.mark.parametrize(("perception", "every"), [("pixels", 1), ("state", 2)])
 def test_film_changes_nothing(tmp_path, perception, every):
     frames = 51
     plain, filmed = SessionRun(config(perception)), SessionRun(config(perception))
@@ -118,7 +120,7 @@ def test_no_ffmpeg(tmp_path, monkeypatch):
 
     monkeypatch.setattr(mediapy, "video_is_available", lambda: False)
     monkeypatch.setattr(imageio_ffmpeg, "get_ffmpeg_exe", nowhere)
-    session = SessionRun(config("truth"))
+    session = SessionRun(config("state"))
     with pytest.raises(VideoError, match="apt-get install ffmpeg"), Film(tmp_path / "video.mp4", session):
         pass
 
@@ -126,7 +128,7 @@ def test_no_ffmpeg(tmp_path, monkeypatch):
 def test_errors_of_ffmpeg_and_of_the_session(tmp_path, monkeypatch):
     """A dead ffmpeg is a named error, but does not hide what the session itself raises."""
     monkeypatch.setattr(Composer, "compose", lambda self, session: np.zeros((720, 1280, 3), np.uint8))
-    session = SessionRun(config("truth"))
+    session = SessionRun(config("state"))
     with pytest.raises(VideoError, match="stopped writing"), Film(tmp_path / "missing" / "a.mp4", session) as film:
         film(session)
     with pytest.raises(KeyboardInterrupt), Film(tmp_path / "missing" / "b.mp4", session) as film:
@@ -136,7 +138,7 @@ def test_errors_of_ffmpeg_and_of_the_session(tmp_path, monkeypatch):
 
 @needs_gl
 def test_success_is_seen_at_a_glance():
-    session = SessionRun(config("truth"))
+    session = SessionRun(config("state"))
     session.begin()
     session.step()
     image = Composer(session)
@@ -155,10 +157,49 @@ def test_success_is_seen_at_a_glance():
 
 def test_verdict_in_words():
     assert verdict_in_words(ROW) == "Joint attention at red"
-    assert "set out" in verdict_in_words(replace(ROW, nearest="blue", success_at_landing=False))
+    just_there = replace(ROW, nearest="blue", success_at_landing=False)
+    assert verdict_in_words(just_there) == "Joint attention: red was just there"
     missed = replace(ROW, nearest="blue", success=False)
-    assert verdict_in_words(missed) == "Missed: the robot looks at blue, the person at red"
-    assert verdict_in_words(replace(missed, on_nothing=True)) == "The robot found nothing there"
+    assert verdict_in_words(missed) == "Missed: robot at blue, person at red"
+    assert verdict_in_words(replace(missed, on_nothing=True)) == "Missed: nothing is there"
+
+
+def test_captions_stay_in_the_image():
+    """Words at a border are moved inside, not cut off."""
+    for top in ((-50.0, -50.0), (1000.0, 1000.0), (100.0, 60.0)):
+        area = np.full((80, 300, 3), 255, np.uint8)
+        caption(area, np.array(top), "learned guess", paint.LEARNED)
+        dark = np.argwhere((area < 200).all(axis=2))
+        assert np.ptp(dark, axis=0)[1] >= paint.width_of("learned guess", paint.TEXT) + 8
+
+
+@needs_gl
+def test_no_goal_is_drawn_under_the_line_of_text():
+    """A goal below the image's upper part shines through nothing."""
+    area = np.zeros((480 - BAR, 640, 3), np.uint8)
+    RobotsView._draw_goal(area, np.array([0.0, -24.0]), np.zeros(2), paint.LEARNED, "goal")
+    assert not area.any()
+    RobotsView._draw_goal(area, np.array([0.0, -5.0]), np.zeros(2), paint.LEARNED, "goal")
+    assert area.any()
+
+
+def test_the_largest_text_that_fits():
+    width = paint.width_of("joint attention", 18)
+    assert paint.fitting("joint attention", width, (26, 22, 18, 15)) == 18
+    assert paint.fitting("joint attention", 1, (26, 22)) == 22
+
+
+@needs_gl
+def test_the_light_of_an_onlooker_is_its_own():
+    """It is brighter than the world's, and leaves that and the robot's image as they are."""
+    world = SessionRun(config("state")).world
+    before, light = world.image().copy(), world.model.light_diffuse.copy()
+    onlooker = Onlooker(world, 592, 340)
+    assert onlooker.render().mean() > 100
+    np.testing.assert_array_equal(world.model.light_diffuse, light)
+    np.testing.assert_array_equal(world.image(), before)
+    onlooker.close()
+    world.close()
 
 
 def test_line_of_sight():
@@ -175,8 +216,8 @@ def test_line_of_sight():
 
 
 def test_both_look_at_each_other_at_first():
-    """She greets the robot, whose head points straight ahead, to the pixel row of her face."""
-    world = SessionRun(config("truth")).world
+    """The caregiver greets the robot, whose head points straight ahead, to the pixel row of the face."""
+    world = SessionRun(config("state")).world
     robot, person = sights(world)
     assert robot.hit == person.hit == len(world.caregiver.objects)
     world.close()
@@ -190,7 +231,7 @@ def test_rate_of_success():
 
 
 def test_map_is_brightest_where_it_is_active():
-    som = SessionRun(config("truth")).robot.som
+    som = SessionRun(config("state")).robot.som
     cells = face_cells(som, 180)
     activations = np.full(81, 1e-3)
     activations[9 * 2 + 5] = 1

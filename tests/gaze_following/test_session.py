@@ -1,4 +1,4 @@
-"""Two minutes perceived from the state: the files say what happened, counted again from them."""
+"""Two minutes of a session from the state: what is logged is what happened, counted again from the files."""
 
 import json
 import math
@@ -100,7 +100,7 @@ def test_counts_again(files):
 
 def test_perception_counts_again(files):
     frames = files.frames
-    fixation = frames[frames.looked.astype(bool) & ~frames.landed.astype(bool) & ~frames.head_moves.astype(bool)]
+    fixation = frames[frames.perceived.astype(bool) & ~frames.landed.astype(bool) & ~frames.head_moves.astype(bool)]
     for kind, names in (("face", ("face",)), ("objects", OBJECTS)):
         said = np.concatenate([fixation[f"{name}_moves"].astype(bool) for name in names])
         real = np.concatenate([fixation[f"{name}_really_moves"].astype(bool) for name in names])
@@ -139,7 +139,7 @@ def test_frames_are_what_happened(files, run):
 def test_interest_follows_the_equations(files):
     """Eq. 6.1 and 6.4 in every row, eq. 6.3 and 6.6 from each fixated row to the next; frozen while the head turns."""
     frames = files.frames
-    grows = (frames.looked.astype(bool) & ~frames.landed.astype(bool)).to_numpy()[1:]
+    grows = (frames.perceived.astype(bool) & ~frames.landed.astype(bool)).to_numpy()[1:]
     for name in CANDIDATES:
         saliency, motion, interest, moves = (
             frames[f"{name}_{column}"].astype(float).to_numpy()

@@ -116,7 +116,7 @@ def test_motion_rates_by_hand(monkeypatch, part):
         ("moves", 0, [1, 1, 1, 0, 0, 1, 0, 0]),
         ("landed", None, [0, 0, 0, 0, 0, 0, 1, 0]),
         ("head_moves", None, [0, 0, 0, 0, 0, 0, 0, 1]),
-        ("looked", None, np.ones(8)),
+        ("perceived", None, np.ones(8)),
     ):
         values[:, frames.index[name, candidate]] = column
     for row in values:

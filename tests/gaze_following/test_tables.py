@@ -11,6 +11,7 @@ import pytest
 
 from jointattn_mj.gaze_following import columns, tables
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeShift, RobotConfig
+from jointattn_mj.gaze_following.columns import CANDIDATE, FRAME, OLD_COLUMNS, present_name
 from jointattn_mj.gaze_following.scoring import Judgement, Moment
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts, shift_row, write_shifts
@@ -136,16 +137,17 @@ def test_frame_table_types(session):
     assert candidates == ("red", "yellow", "blue", "green", "face")
     dictionary = pa.dictionary(pa.int8(), pa.string())
     for name, kind in {
-        "phase": dictionary, "target": dictionary, "attended": dictionary, "looked": pa.bool_(), "landed": pa.bool_(),
-        "face_seen": pa.bool_(), "red_moves": pa.bool_(), "red_really_moves": pa.bool_(), "iterations": pa.int32(),
+        "phase": dictionary, "target": dictionary, "attended": dictionary, "perceived": pa.bool_(),
+        "landed": pa.bool_(),
+        "face_visible": pa.bool_(), "red_moves": pa.bool_(), "red_really_moves": pa.bool_(), "iterations": pa.int32(),
         "pan_deg": pa.float32(), "face_x_px": pa.float32(), "face_error_px": pa.float64(), "time_s": pa.float64(),
     }.items():  # fmt: skip
         assert table.schema.field(name).type == kind, name
-    looked = table["looked"].to_numpy()
-    assert 0 < looked.sum() < 500
-    np.testing.assert_array_equal(table["face_seen"].is_valid().to_numpy(), looked)
+    perceived = table["perceived"].to_numpy()
+    assert 0 < perceived.sum() < 500
+    np.testing.assert_array_equal(table["face_visible"].is_valid().to_numpy(), perceived)
     np.testing.assert_array_equal(
-        table["red_x_px"].is_valid().to_numpy(), table["red_seen"].fill_null(False).to_numpy()
+        table["red_x_px"].is_valid().to_numpy(), table["red_visible"].fill_null(False).to_numpy()
     )
     per_candidate = len(columns.CANDIDATE) - 3  # objects alone have places
     assert table.num_columns == len(columns.FRAME) + 5 * per_candidate + 4 * 3
@@ -202,7 +204,7 @@ def test_really_moves_by_hand():
 def test_every_column_has_its_meaning():
     table = pa.table({"time_s": [0.0], "red_saliency": [1.0], "face_moves": [True]})
     described = columns.described(table, columns.FRAME, ("red", "face"))
-    assert described.field("red_saliency").metadata[b"description"] == b"S_i, eq. 6.5 and 6.6"
+    assert described.field("red_saliency").metadata[b"description"] == b"saliency S_i, eq. 6.5 and 6.6"
     with pytest.raises(KeyError, match="blue_saliency"):
         columns.described(pa.table({"blue_saliency": [1.0]}), columns.FRAME, ("red", "face"))
 
@@ -212,3 +214,20 @@ def test_rows_are_plain_values():
     assert row() == row()
     assert replace(row(), success=False) != row()
     assert {type(value) for value in vars(row()).values()} <= {float, int, bool, str, type(None)}
+
+
+def test_columns_of_earlier_versions():
+    assert present_name("looked") == "perceived"
+    assert present_name("red_seen") == "red_visible"
+    assert present_name("light_red_x_m") == "light_red_x_m"
+    assert {present_name(old) for old in OLD_COLUMNS} <= {*FRAME, *CANDIDATE}
+
+
+def test_what_a_shift_and_tables_are_fits_a_line(session):
+    said = repr(row())
+    assert said.startswith("ShiftRow(1.00 to 1.90 s: face to red, commanded by visual_feedback, ")
+    shifts = Shifts(NAMES)
+    shifts.append(row())
+    assert repr(shifts) == "Shifts(1 gaze shifts, 1 from the face to an object, 1 successes)"
+    assert repr(session.frames).startswith("FrameTable(") and repr(session.robot).startswith("GazeFollower(attends to ")
+    assert max(map(len, (said, repr(session.frames), repr(session.robot)))) < 120

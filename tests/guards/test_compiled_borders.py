@@ -64,7 +64,7 @@ def codes() -> Iterator[Case]:
 def agents() -> Iterator[Case]:
     """Counts, detector, selector and minds, transition by transition."""
     from jointattn_mj.contingency.online.counts import add, divide, empty_counts, local_variance, set_joint_table
-    from jointattn_mj.contingency.online.detector import DetectorConfig, look, new_watch
+    from jointattn_mj.contingency.online.detector import DetectorConfig, new_watch, update
     from jointattn_mj.contingency.online.events import Variable, Variables
     from jointattn_mj.contingency.online.reactive import RandomModule
     from jointattn_mj.contingency.online.selector import SelectorConfig, flat_maps, select
@@ -105,7 +105,7 @@ def agents() -> Iterator[Case]:
         "NaN": np.full(shape, NAN), "negative": np.full(shape, -1.0), "another shape": np.zeros((2, 2)), "None": None,
     }.items():  # fmt: skip
         yield f"joint table {name}", lambda t=table: set_joint_table(counts, 0, t)
-    yield "look with another number of events", lambda: look(new_watch(DetectorConfig(), len(events) + 3), counts)
+    yield "update with another number of events", lambda: update(new_watch(DetectorConfig(), len(events) + 3), counts)
     maps = flat_maps(world, [], [RandomModule("a0")], SelectorConfig())
     working = {"strength": np.zeros(1), "a": np.zeros(1, np.int64), "driver": np.zeros(1, np.int64)}
 
@@ -144,7 +144,7 @@ class Born:
 def tables_and_turns() -> Iterator[Case]:
     """The symbolic table, its caregiver, and the robot of the earlier work."""
     from jointattn_mj.baselines.turn_taking.agent import TurnTaker, TurnTakerConfig, feedback_target
-    from jointattn_mj.baselines.turn_taking.attempts import Situations, live
+    from jointattn_mj.baselines.turn_taking.attempts import Situations, run_attempts
     from jointattn_mj.baselines.turn_taking.faces import FaceInputs
     from jointattn_mj.development.table.caregiver import rules, shift_gaze
     from jointattn_mj.development.table.world import CHAPTER_4, CHAPTER_5, new_table, step
@@ -185,9 +185,12 @@ def tables_and_turns() -> Iterator[Case]:
     bank = FaceInputs(np.ones((3, 6), np.float32), np.zeros((3, 2)), np.zeros(6), 1.0)
     for index in (-1, 3, HUGE):
         locations = Situations(np.zeros((2, 2, 2)), np.full((2, 2), index))
-        yield f"attempts with face {index}", lambda p=locations: live(robot, p, bank, 3, np.random.default_rng(0))
+        yield (
+            f"attempts with face {index}",
+            lambda p=locations: run_attempts(robot, p, bank, 3, np.random.default_rng(0)),
+        )
     nowhere = Situations(np.full((2, 2, 2), NAN), np.zeros((2, 2), int))
-    yield "attempts nowhere", lambda: live(robot, nowhere, bank, 3, np.random.default_rng(0))
+    yield "attempts nowhere", lambda: run_attempts(robot, nowhere, bank, 3, np.random.default_rng(0))
     empty = FaceInputs(np.ones((0, 6), np.float32), np.zeros((0, 2)), np.zeros(6), 1.0)
     yield "faces of an empty bank", lambda: empty.of_locations(np.zeros((2, 2)), 0.0, np.random.default_rng(0))
     yield "faces for nowhere", lambda: bank.of_locations(np.full((2, 2), NAN), 0.0, np.random.default_rng(0))
@@ -205,9 +208,10 @@ def images() -> Iterator[Case]:
     from jointattn_mj.perception.gray import fill_gray
     from jointattn_mj.perception.motion import MotionDetector
     from jointattn_mj.perception.objects import ColourAreas
+    from jointattn_mj.perception.percept import StillObservation
     from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
     from jointattn_mj.perception.som import SOM, SOMConfig
-    from jointattn_mj.scene.model import OBJECTS
+    from jointattn_mj.scene.objects import OBJECTS
 
     rgb = np.array([item.rgb for item in OBJECTS[:4]])
     perception, colours, head = PixelPerception(PixelConfig(), rgb), ColourAreas(rgb), np.zeros(2)
@@ -220,13 +224,13 @@ def images() -> Iterator[Case]:
         "a list": fine.tolist(), "text": "image", "None": None, "a batch": fine[None],
     }  # fmt: skip
     for name, image in odd.items():
-        yield f"look at {name}", lambda p=image: perception.look({"camera": p, "head_angles": head}, True)
+        yield f"look at {name}", lambda p=image: perception.perceive(StillObservation(p, head), True)
         yield f"segment {name}", lambda p=image: colours.segment(p)
         yield f"labels of {name}", lambda p=image: colours.labels(p)
         yield f"gray of {name}", lambda p=image: fill_gray(p, np.zeros((48, 64), np.uint8), 0, 0, 64, 48)
     for name, angles in {"NaN": head * NAN, "three": np.zeros(3), "None": None, "far": np.array([1e9, 0])}.items():
-        yield f"look with angles {name}", lambda a=angles: perception.look({"camera": fine, "head_angles": a}, True)
-    yield "look at nothing", lambda: perception.look({}, True)
+        yield f"look with angles {name}", lambda a=angles: perception.perceive(StillObservation(fine, a), True)
+    yield "look at nothing", lambda: perception.perceive({}, True)
     yield "a pattern before any face", lambda: PixelPerception(PixelConfig(), rgb).face_pattern()
     for name, gray in {"smaller": np.zeros((9, 9), np.uint8), "floats": np.zeros((48, 64))}.items():
         yield f"gray into {name}", lambda g=gray: fill_gray(fine, g, 0, 0, 64, 48)
@@ -281,18 +285,19 @@ def harmless() -> Iterator[Case]:
     from jointattn_mj.contingency.measures import transfer_entropy
     from jointattn_mj.perception.motion import MotionDetector
     from jointattn_mj.perception.objects import ColourAreas
+    from jointattn_mj.perception.percept import StillObservation
     from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
-    from jointattn_mj.scene.model import OBJECTS
+    from jointattn_mj.scene.objects import OBJECTS
 
     rgb, head = np.array([item.rgb for item in OBJECTS[:4]]), np.zeros(2)
     perception, rng = PixelPerception(PixelConfig(), rgb), np.random.default_rng(0)
     for height, width in ((240, 320), (1, 1), (1, 500), (500, 1), (7, 9), (240, 320), (31, 33), (480, 640), (16, 16)):
         image = rng.integers(0, 256, (height, width, 3), np.uint8)
         image.flags.writeable = False
-        look = {"camera": image, "head_angles": head}
+        look = StillObservation(image, head)
         yield (
             f"look at {height} x {width}",
-            lambda o=look: [perception.look(o, landed) for landed in (True, False, False)],
+            lambda o=look: [perception.perceive(o, landed) for landed in (True, False, False)],
         )
     motion, colours = MotionDetector(), ColourAreas(rgb)
     for shape in ((240, 320), (20, 30), (240, 320)):

@@ -8,7 +8,7 @@ from numba import njit
 
 import jointattn_mj.io.progress
 from jointattn_mj.io.progress import COMPILING, duration, told_of_compiling
-from jointattn_mj.io.progress import SweepProgress as Shown
+from jointattn_mj.io.progress import Progress as Shown
 from jointattn_mj.sweeps import progress
 from jointattn_mj.sweeps.progress import MOST_FAILURES, SweepProgress, rate
 from jointattn_mj.sweeps.run import Tally
@@ -30,7 +30,7 @@ def test_numbers_to_read():
 
 def test_a_line():
     text = SweepProgress(io.StringIO()).state(HALF, 2, 8.0)
-    assert text == "4/10 cells, 2 running, 0 failed, 30/min, 30 s left"
+    assert text == "4/10 trials, 2 running, 0 failed, 30/min, 30 s left"
     assert "no worker yet" in SweepProgress(io.StringIO()).state(Tally(todo=1), 0, 1.0)
     assert "2 deaths of workers" in SweepProgress(io.StringIO()).state(Tally(todo=1, deaths=2), 1, 1.0)
 
@@ -43,7 +43,7 @@ def test_a_log_is_not_flooded():
         told.tick(HALF, 2)
     told.end(HALF)
     assert log.getvalue().count("\n") == 2
-    assert log.getvalue().startswith("10 cells to compute, 3 stored already\n")
+    assert log.getvalue().startswith("10 trials to compute, 3 stored already\n")
 
 
 def test_a_screen_line_changes_in_place(monkeypatch):
@@ -76,7 +76,7 @@ class TestLog:
         shown.to(6.5, "9 gaze shifts")
         assert shown.line(60) == "session, 6.5 of 26.0 simulated min, 3 min 0 s left, 9 gaze shifts, 1 min 0 s so far"
         shown.to(26)
-        assert shown.line(240).startswith("writing what came of it, 26.0 of 26.0")
+        assert shown.line(240).startswith("writing results, 26.0 of 26.0")
         shown.doing("drawing")
         assert Shown("reading", stream=io.StringIO()).line(5) == "reading, 5 s so far"
 

@@ -12,6 +12,7 @@ import pytest
 import jointattn_mj.io.table
 from jointattn_mj.errors import ExtraError, OutputError
 from jointattn_mj.io.table import WIDTH, Table
+from jointattn_mj.options import RenamedWarning
 
 NAMES = pa.DictionaryArray.from_arrays(pa.array([0, 1, None], pa.int8()), pa.array(["red", "face"]))
 COLUMNS = {"time_s": [0.0, None, float("nan")], "name": NAMES, "success": [True, None, False], "n": [1, 2, 3]}
@@ -42,7 +43,9 @@ def test_an_unknown_column_is_named_with_the_nearest_known_one():
 def test_a_table_is_the_same_after_writing_and_reading(tmp_path):
     table().write(tmp_path / "table.parquet")
     assert Table.read(tmp_path / "table.parquet") == table()
-    assert Table.read(tmp_path / "table.parquet", {"n": "count"}).columns[-1] == "count"
+    for new_names in ({"n": "count"}, lambda name: "count" if name == "n" else name):
+        with pytest.warns(RenamedWarning, match="now called: count .n."):
+            assert Table.read(tmp_path / "table.parquet", new_names).columns[-1] == "count"
 
 
 def test_equality_looks_at_names_values_and_what_is_missing():

@@ -115,7 +115,7 @@ def test_a_covered_face_is_not_reported(stage, frontal):
     assert detector.detect(frontal, (fix.x, fix.y)).found
 
 
-def test_off_the_picture_is_not_found(stage, frontal):
+def test_off_the_image_is_not_found(stage, frontal):
     detector = FaceDetector()
     detector.detect(frontal)
     stage.look_from(0, -35)
@@ -169,14 +169,14 @@ def test_a_full_bank_keeps_what_it_uses():
     image = cv2.GaussianBlur(rng.uniform(-1, 1, (120, 160)), (0, 0), 2.5)
     image = np.clip(128 + 400 * image, 0, 255).astype(np.uint8)
     bank = ViewBank(**BANK)
-    locations = [(30.5, 30.5), (70.5, 40.5), (110.5, 60.5), (60.5, 90.5)]
-    assert all(bank.add(image, *location) for location in locations[:3])
+    centres = [(30.5, 30.5), (70.5, 40.5), (110.5, 60.5), (60.5, 90.5)]
+    assert all(bank.add(image, *centre) for centre in centres[:3])
     for _ in range(6):
         assert bank.match(image, 71.0, 42.0) == pytest.approx((1.0, 70.5, 40.5), abs=0.1)
-    assert bank.add(image, *locations[3]), "the third view has not won for six images"
-    for location, known in zip(locations, [True, True, False, True], strict=True):
-        assert (bank.match(image, *location)[0] > 0.9) is known
-    assert not bank.add(image, *locations[2]), "every view has just been used"
+    assert bank.add(image, *centres[3]), "the third view has not won for six images"
+    for centre, known in zip(centres, [True, True, False, True], strict=True):
+        assert (bank.match(image, *centre)[0] > 0.9) is known
+    assert not bank.add(image, *centres[2]), "every view has just been used"
 
 
 def test_a_flat_region_is_no_view():

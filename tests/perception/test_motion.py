@@ -9,7 +9,7 @@ from stage import Stage, minimum_jerk
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.motion import MotionConfig, MotionDetector
 from jointattn_mj.perception.objects import Areas, ColourAreas
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.objects import OBJECTS
 
 RGB = np.array([o.rgb for o in OBJECTS[:4]])
 NOTHING = Areas.empty(0, 22)
@@ -41,7 +41,7 @@ def test_flow_is_exact_to_a_fraction_of_a_pixel(shift):
     assert motion.face_moves
 
 
-def test_equal_pictures_have_no_flow_at_all():
+def test_equal_images_have_no_flow_at_all():
     detector = MotionDetector()
     rng = np.random.default_rng(0)
     image = rng.integers(0, 256, (240, 320), dtype=np.uint8)
@@ -51,7 +51,7 @@ def test_equal_pictures_have_no_flow_at_all():
     assert len(motion.flow) > 10 and not motion.flow.any() and not motion.face_moves
 
 
-def test_nothing_moves_in_the_first_picture_and_after_a_reset():
+def test_nothing_moves_in_the_first_image_and_after_a_reset():
     detector = MotionDetector()
     assert not detector.update(texture(0), FACE, NOTHING).face_moves
     assert detector.update(texture(0.2), FACE, NOTHING).face_moves, "one frame back, scaled"
@@ -74,10 +74,10 @@ def test_the_face_region_stays_through_a_fixation():
 
 def test_flag_stays_on_above_its_lower_threshold_and_lingers():
     config = MotionConfig(frames_back=1, face_px=0.2, stay_ratio=0.5, linger_frames=1)
-    detector, location, flags = MotionDetector(config), 0.0, []
+    detector, shift, flags = MotionDetector(config), 0.0, []
     for step in (0.0, 0.15, 0.3, 0.15, 0.0, 0.0):
-        location += step
-        flags.append(detector.update(texture(location), FACE, NOTHING).face_moves)
+        shift += step
+        flags.append(detector.update(texture(shift), FACE, NOTHING).face_moves)
     assert flags == [False, False, True, True, True, False]
 
 

@@ -9,7 +9,8 @@ from stage import Stage
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.objects import ColourAreas
-from jointattn_mj.scene.model import OBJECTS, SceneConfig
+from jointattn_mj.scene.model import SceneConfig
+from jointattn_mj.scene.objects import OBJECTS
 
 RGB = np.array([o.rgb for o in OBJECTS[:4]])
 WOOD = (150, 130, 110)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, RobotConfig
+from jointattn_mj.perception.percept import StillObservation
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.scene import gl
 from jointattn_mj.scene.camera import pixels_of_points
@@ -21,7 +22,7 @@ def test_it_imports_nothing_of_the_world():
     code = "import sys, jointattn_mj.perception.pixels; print(*sorted(n for n in sys.modules if 'jointattn' in n))"
     names = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.split()
     assert "jointattn_mj.perception.faces" in names
-    assert not [name for name in names if name.split(".")[-1] in (*WORLD_SIDE, "truth", "session", "referee")]
+    assert not [name for name in names if name.split(".")[-1] in (*WORLD_SIDE, "state", "session", "scoring")]
 
 
 def rgb(world: World) -> np.ndarray:
@@ -37,8 +38,8 @@ def test_percepts_lie_where_things_are():
         world.step(np.radians([0.0, -3.0]))
         if frame < 20:  # the head settles
             continue
-        observation = {"camera": world.image(), "head_angles": world.head_angles(), "head_moves": False}
-        percept = perceiver.look(observation, landed=frame == 20)
+        observation = StillObservation(world.image(), world.head_angles())
+        percept = perceiver.perceive(observation, landed=frame == 20)
         assert percept.visible.all()
         off.append(percept.px - pixels_of_points(world.candidate_points(), np.degrees(world.head_angles())))
         moves += percept.moves
@@ -46,7 +47,7 @@ def test_percepts_lie_where_things_are():
     off = np.median(np.linalg.norm(off, axis=2), axis=0)
     assert off[:-1].max() < 2.5  # px; a colour area's centre is not quite the object's
     assert off[-1] < 8
-    assert moves[-1] > 5  # she has turned to an object
+    assert moves[-1] > 5  # the caregiver has turned to an object
     pattern = perceiver.face_pattern()
     assert pattern.shape == (PixelPerception.pattern_size,)
     assert pattern.std() > 5
@@ -54,22 +55,18 @@ def test_percepts_lie_where_things_are():
 
 
 @needs_gl
-def test_robot_lives_on_plain_observations():
-    """A dict of image, head angles and one flag is enough; what it does in the dark it also does in the light."""
+def test_the_robot_needs_nothing_but_observations():
+    """An image, the head's angles and one flag are enough."""
     world = World.build(WorldConfig(), np.random.SeedSequence(6))
     config = RobotConfig(familiarise=FamiliariseConfig(minutes=0.05))
 
-    def observe() -> dict[str, np.ndarray]:
-        return {
-            "camera": world.image().copy(),
-            "head_angles": world.head_angles(),
-            "head_moves": np.array(world.head_moves()),
-        }
+    def observe() -> StillObservation:
+        return StillObservation(world.image().copy(), world.head_angles(), world.head_moves())
 
     robot = GazeFollower(config, PixelPerception(PixelConfig(), rgb(world)), 4, np.random.SeedSequence(6))
     for frame in range(90):
         world.step(robot.familiarise(observe(), frame))
-    assert robot.som.visible == 30
+    assert robot.som.n_patterns == 30
     landed = []
     for _ in range(300):
         action = robot.act(observe())

@@ -9,11 +9,11 @@ from jointattn_mj.perception.som import SOM, SOMConfig, standardised
 
 
 def blobs(n, seed=0, side=16):
-    """(n, side * side) images of one spot at places on a plane: a two-dimensional family of patterns."""
+    """(n, side * side) images of one blob at positions on a plane: a two-dimensional family of patterns."""
     rng = np.random.default_rng(seed)
-    location = rng.uniform(0.2, 0.8, (n, 2, 1, 1)) * side
+    position = rng.uniform(0.2, 0.8, (n, 2, 1, 1)) * side
     y, x = np.mgrid[:side, :side]
-    return np.exp(-((x - location[:, 0]) ** 2 + (y - location[:, 1]) ** 2) / 18).reshape(n, -1).astype(np.float32)
+    return np.exp(-((x - position[:, 0]) ** 2 + (y - position[:, 1]) ** 2) / 18).reshape(n, -1).astype(np.float32)
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +102,7 @@ def test_saving_and_loading(trained, patterns, tmp_path):
     with np.load(tmp_path / "som.npz") as saved:
         again = SOM.from_arrays(dict(saved), trained.config)
     assert (again.activations(patterns[2]) == trained.activations(patterns[2])).all()
-    assert again.visible == trained.visible == 4000
+    assert again.n_patterns == trained.n_patterns == 4000
     assert trained.images().shape == (9, 9, 16, 16)
     with pytest.raises(ConfigError, match="expected weights"):
         SOM.from_arrays(trained.arrays(), SOMConfig(rows=5))

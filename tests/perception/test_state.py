@@ -11,7 +11,7 @@ import pytest
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.state import StateConfig, StatePerception
 from jointattn_mj.scene.camera import in_image, pixels_of_points
-from jointattn_mj.scene.world import Observation, World, WorldConfig
+from jointattn_mj.scene.world import World, WorldConfig, WorldObservation
 
 EXACT = StateConfig(
     face_noise_px=0, object_noise_px=0, object_miss=0, pattern_noise_deg=0, face_motion_hit=1,
@@ -29,13 +29,13 @@ def world():
 
 def looks(world: World, config: StateConfig, frames: int, head=(0.0, 0.0), every: int = 1):
     """Percepts with what is true at that time: (percept, pixels, moving)."""
-    perceiver, observation = StatePerception(config, world, np.random.default_rng(0)), Observation(world)
+    perceiver, observation = StatePerception(config, world, np.random.default_rng(0)), WorldObservation(world)
     for frame in range(frames):
         world.step(np.radians(head))
         if frame % every == 0:
             pixels = pixels_of_points(world.candidate_points(), np.degrees(world.head_angles()))
             moving = world.moving(config.face_moves_above_deg_s, config.object_moves_above_m_s)
-            yield perceiver.look(observation, landed=False), pixels, moving
+            yield perceiver.perceive(observation, landed=False), pixels, moving
 
 
 def test_exact_without_noise(world):
@@ -58,9 +58,9 @@ def test_nothing_is_rendered(world):
 
 def test_no_motion_at_landing(world):
     config = replace(EXACT, object_motion_false_alarm=1.0, face_motion_false_alarm=1.0)
-    perceiver, observation = StatePerception(config, world, np.random.default_rng(0)), Observation(world)
-    assert not perceiver.look(observation, landed=True).moves.any()
-    assert perceiver.look(observation, landed=False).moves.all()
+    perceiver, observation = StatePerception(config, world, np.random.default_rng(0)), WorldObservation(world)
+    assert not perceiver.perceive(observation, landed=True).moves.any()
+    assert perceiver.perceive(observation, landed=False).moves.all()
 
 
 def test_noise_misses_and_flags_have_the_rates_they_are_given(world):
@@ -85,7 +85,7 @@ def test_noise_misses_and_flags_have_the_rates_they_are_given(world):
     assert not moves[~visible].any()
 
 
-def test_face_pattern_is_her_head_direction(world):
+def test_face_pattern_is_the_direction_of_the_head(world):
     for _ in range(45):
         world.step(np.zeros(2))
     exact = StatePerception(EXACT, world, np.random.default_rng(0))

@@ -17,12 +17,25 @@ import jointattn_mj
 from experiments.registry import REGISTRY
 from jointattn_mj.development.rendered.stage import StageConfig
 from jointattn_mj.errors import ConfigError, JointAttnError
+from jointattn_mj.gaze_following.agent import RobotConfig
 from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.gaze_following.gate import GazeConfig
 from jointattn_mj.gaze_following.learners import LearnerConfig
 from jointattn_mj.gaze_following.run import SessionOptions
 from jointattn_mj.gaze_following.session import SessionConfig
-from jointattn_mj.options import LONGEST_NAME, Checked, Choice, Interval, Real, Whole, rule_of, shown
+from jointattn_mj.options import (
+    LONGEST_NAME,
+    Checked,
+    Choice,
+    Interval,
+    Real,
+    RenamedWarning,
+    Whole,
+    old_choices,
+    old_names,
+    rule_of,
+    shown,
+)
 from jointattn_mj.perception.som import SOMConfig
 from jointattn_mj.scene.model import SceneConfig
 from jointattn_mj.scene.variation import VariationConfig
@@ -124,7 +137,9 @@ def wrong(hint: Any) -> Iterator[Any]:
                 yield from (0.5, 3.0)
         else:  # a Choice
             name = found[0].names[0]
-            yield from ("", "no such", f"{name}+", name.swapcase(), 0, True, None, (name,))
+            yield from ("", "no such", f"{name}+", 0, True, None, (name,))
+            if name.lower() not in found[0].other_names:
+                yield name.swapcase()
     elif get_origin(hint) in (Union, UnionType):
         options = [option for option in get_args(hint) if option is not NoneType]
         assert len(options) == 1, f"a test for {hint} is missing"
@@ -193,6 +208,33 @@ def test_nothing_wrong_gets_in(config):
             assert message.startswith(f"{config.__name__}.{field.name}: expected "), message
             assert len(message.splitlines()) == 1
             assert len(message) < 400
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda kind: f"{kind.__module__.split('.', 1)[1]}.{kind.__name__}")
+def test_old_names_lead_to_new_ones(config):
+    names = {field.name for field in dataclasses.fields(config)}
+    assert set(config.ADVANCED) <= names
+    assert set(old_names(config).values()) <= names
+    assert not names & set(old_names(config))
+    for name, choices in old_choices(config).items():
+        for old, new in choices.items():
+            with pytest.warns(RenamedWarning, match=f"'{old}' is now called '{new}'"):
+                assert getattr(replace(example(config), **{name: old}), name) == new
+
+
+def test_a_config_shows_what_differs_from_its_defaults():
+    assert repr(SessionConfig()) == "SessionConfig()"
+    config = SessionConfig(minutes=2, perception="state", robot=RobotConfig(learner=LearnerConfig(rate=0.1)))
+    assert repr(config) == (
+        "SessionConfig(minutes=2, perception='state', robot=RobotConfig(learner=LearnerConfig(rate=0.1)))"
+    )
+    assert eval(repr(config), {kind.__name__: kind for kind in CONFIGS}) == config
+    assert repr(SessionOptions(Path("a"))) == f"SessionOptions(out={Path('a')!r})"
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda kind: f"{kind.__module__.split('.', 1)[1]}.{kind.__name__}")
+def test_reprs_are_short(config):
+    assert len(repr(example(config))) < 200
 
 
 @pytest.mark.parametrize(

@@ -49,10 +49,14 @@ def test_the_source_archive_has_what_builds_tests_and_documents_it(tmp_path):
 
 
 def test_versions_agree():
+    from hatchling.metadata.core import ProjectMetadata
+    from hatchling.plugin.manager import PluginManager
+
     import jointattn_mj
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    assert project["dynamic"] == ["version"]
+    assert project["dynamic"] == ["version"]  # which the builder reads from the package
+    assert ProjectMetadata(str(ROOT), PluginManager()).version == jointattn_mj.__version__
     assert f"version: {jointattn_mj.__version__}\n" in (ROOT / "CITATION.cff").read_text()
     assert f"license: {project['license']}\n" in (ROOT / "CITATION.cff").read_text()
 

@@ -31,7 +31,7 @@ def jointattn():
 
 
 @pytest.fixture(scope="module")
-def visible(tmp_path_factory):
+def coding(tmp_path_factory):
     """2000 steps of two days in which gaze and turn together lead to objects."""
     rng = np.random.default_rng(0)
     n = 2000
@@ -66,15 +66,15 @@ def refused(outcome: Outcome, *words: str) -> None:
 
 
 class TestMeasure:
-    def test_what_it_prints_and_writes(self, jointattn, visible, tmp_path):
+    def test_what_it_prints_and_writes(self, jointattn, coding, tmp_path):
         options = ("--source", "gaze", "--target", "object", "--condition", "turn", *FEW)
-        outcome = jointattn("measure", visible, *options, "--out", tmp_path / "new" / "gaze.csv")
+        outcome = jointattn("measure", coding, *options, "--out", tmp_path / "new" / "gaze.csv")
         assert (outcome.code, outcome.err) == (0, "")
         assert outcome.out.startswith("gaze -> object | turn: 1999 steps in 1 recording, bits\n")
         with (tmp_path / "new" / "gaze.csv").open() as file:
             rows = {row["measure"]: row for row in csv.DictReader(file)}
         assert list(rows) == ["SAC", "T^C", "TE(s -> r)", "I(s; r')", "I(s; r' | a)"]
-        data = read_recordings(visible, ["gaze", "turn", "object"]).columns
+        data = read_recordings(coding, ["gaze", "turn", "object"]).columns
         sac = c.state_action_contingency(data["gaze"], data["turn"], data["object"])
         assert float(rows["SAC"]["plug_in"]) == pytest.approx(sac)
         assert f"{sac:.5f}" in outcome.out
@@ -88,27 +88,25 @@ class TestMeasure:
         assert [row["measure"] for row in document["rows"]] == list(rows)
         assert document["rows"][0]["effective"] == pytest.approx(float(rows["SAC"]["effective"]))
 
-    def test_without_a_condition(self, jointattn, visible):
-        outcome = jointattn("measure", visible, "--source", "gaze", "turn", "--target", "object", "--resamples", 0)
+    def test_without_a_condition(self, jointattn, coding):
+        outcome = jointattn("measure", coding, "--source", "gaze", "turn", "--target", "object", "--resamples", 0)
         assert outcome.code == 0
         assert "gaze & turn -> object" in outcome.out
         assert "SAC" not in outcome.out
         assert "TE(s -> r)" in outcome.out
 
-    def test_recordings_and_gaps(self, jointattn, visible):
+    def test_recordings_and_gaps(self, jointattn, coding):
         options = ("--source", "gaps", "--target", "object", "--condition", "turn", *FEW)
-        refused(jointattn("measure", visible, *options), "gaps", "missing values", "--missing break")
-        outcome = jointattn("measure", visible, *options, "--missing", "break", "--recording", "day")
+        refused(jointattn("measure", coding, *options), "gaps", "missing values", "--missing break")
+        outcome = jointattn("measure", coding, *options, "--missing", "break", "--recording", "day")
         assert outcome.code == 0
         assert "in 2 recordings" in outcome.out
         assert "of 2000 rows have missing values; recordings were cut there" in outcome.out
         assert "says little" not in outcome.out  # pieces of one day are permuted together
 
-    def test_same_seed_same_words(self, visible):
+    def test_same_seed_same_words(self, coding):
         first, second, other = (
-            run_measure(
-                MeasureOptions(visible, ("colour",), ("object",), surrogates=99, resamples=20, seed=seed)
-            ).text()
+            run_measure(MeasureOptions(coding, ("colour",), ("object",), surrogates=99, resamples=20, seed=seed)).text()
             for seed in (3, 3, 4)
         )
         assert first == second != other
@@ -129,9 +127,9 @@ class TestMeasure:
         assert "Note: linear Granger takes up to 1000 values" in outcome.out
         assert json.loads((tmp_path / "x.json").read_text())["rows"][0]["linear_granger"] is None
 
-    def test_text_rows_and_progress(self, visible):
+    def test_text_rows_and_progress(self, coding):
         told = []
-        options = MeasureOptions(visible, ("gaze",), ("object",), surrogates=20, resamples=10)
+        options = MeasureOptions(coding, ("gaze",), ("object",), surrogates=20, resamples=10)
         result = run_measure(options, told.append)
         assert sum(told) == options.draws
         assert len(result.rows()) == 2
@@ -140,8 +138,8 @@ class TestMeasure:
 
 
 class TestDiscover:
-    def test_what_it_prints_and_writes(self, jointattn, visible, tmp_path):
-        outcome = jointattn("discover", visible, *PARTS, *FEW, "--out", tmp_path)
+    def test_what_it_prints_and_writes(self, jointattn, coding, tmp_path):
+        outcome = jointattn("discover", coding, *PARTS, *FEW, "--out", tmp_path)
         assert (outcome.code, outcome.err) == (0, "")
         lines = outcome.out.splitlines()
         assert lines[1].startswith("(gaze, turn) -> object")
@@ -157,9 +155,9 @@ class TestDiscover:
         assert document["config"]["sensors"] == ["gaze", "colour"]
         assert document["rows"][0]["p_adjusted"] == pytest.approx(4 / 200)
 
-    def test_other_measure_and_correction(self, visible):
+    def test_other_measure_and_correction(self, coding):
         options = DiscoverOptions(
-            visible,
+            coding,
             ("gaze", "colour"),
             ("turn", "hand"),
             ("object",),
@@ -174,9 +172,9 @@ class TestDiscover:
         assert "would do" not in text
         assert "--surrogates 79 would do" in run_discover(replace(options, correction="holm")).text()
 
-    def test_progress(self, visible):
+    def test_progress(self, coding):
         told = []
-        options = DiscoverOptions(visible, ("gaze",), ("turn",), ("object",), surrogates=20, resamples=10)
+        options = DiscoverOptions(coding, ("gaze",), ("turn",), ("object",), surrogates=20, resamples=10)
         assert len(run_discover(options, told.append).rows()) == 1
         assert sum(told) == options.draws
 
@@ -195,18 +193,18 @@ BAD = [
 
 
 @pytest.mark.parametrize(("options", "words"), BAD, ids=lambda value: str(value[-1]) if value else "nothing")
-def test_refuses(jointattn, visible, options, words):
-    refused(jointattn("measure", visible, *options), *words)
+def test_refuses(jointattn, coding, options, words):
+    refused(jointattn("measure", coding, *options), *words)
 
 
-def test_a_misspelt_column_never_aborts(visible):
+def test_a_misspelt_column_never_aborts(coding):
     """Native threads of a reader that were alive when Python ended aborted every second process on a busy machine."""
     command = [
         sys.executable,
         "-m",
         "jointattn_mj.cli.main",
         "measure",
-        visible,
+        coding,
         "--source",
         "gazes",
         "--target",
@@ -217,12 +215,12 @@ def test_a_misspelt_column_never_aborts(visible):
         refused(Outcome(done.returncode, done.stdout, done.stderr), "no column 'gazes'", "did you mean 'gaze'?")
 
 
-def test_more_surrogates_than_one_can_wait_for(visible, tmp_path, monkeypatch):
+def test_more_surrogates_than_one_can_wait_for(coding, tmp_path, monkeypatch):
     """Refused before anything is written; with ``yes`` they are drawn."""
     monkeypatch.setattr(patience, "KNOWN_AFTER_S", 0.0)
     monkeypatch.setattr(patience, "LONG_S", 0.0)
-    measure = MeasureOptions(visible, ("gaze",), ("object",), surrogates=200, out=tmp_path / "x")
-    discover = DiscoverOptions(visible, ("gaze",), ("turn",), ("object",), surrogates=200, out=tmp_path / "y")
+    measure = MeasureOptions(coding, ("gaze",), ("object",), surrogates=200, out=tmp_path / "x")
+    discover = DiscoverOptions(coding, ("gaze",), ("turn",), ("object",), surrogates=200, out=tmp_path / "y")
     for run, options in ((run_measure, measure), (run_discover, discover)):
         with pytest.raises(ConfigError, match=rf"{options.draws:,} surrogates and resamples would take .*--yes"):
             run(options)
@@ -231,29 +229,29 @@ def test_more_surrogates_than_one_can_wait_for(visible, tmp_path, monkeypatch):
     assert (tmp_path / "x.csv").exists()
 
 
-def test_refuses_files(jointattn, visible, tmp_path):
+def test_refuses_files(jointattn, coding, tmp_path):
     refused(jointattn("measure", tmp_path / "none.csv", *GAZE), "none.csv", "No such file")
     (tmp_path / "empty.csv").write_text("")
     refused(jointattn("discover", tmp_path / "empty.csv", *PARTS), "empty.csv", "empty")
     (tmp_path / "mine.json").write_text("mine")
-    refused(jointattn("measure", visible, *GAZE, *FEW, "--out", tmp_path / "mine"), "mine.json", "there already")
+    refused(jointattn("measure", coding, *GAZE, *FEW, "--out", tmp_path / "mine"), "mine.json", "there already")
     assert (tmp_path / "mine.json").read_text() == "mine"
     assert not (tmp_path / "mine.csv").exists()
-    refused(jointattn("measure", visible, *GAZE, *FEW, "--out", visible / "below" / "x"), "cannot make the folder")
-    refused(jointattn("measure", visible, *GAZE, *FEW, "--out", "x" * 10_000), "255 bytes", "out")
-    refused(jointattn("discover", visible, *PARTS, "--alpha", 2), "alpha")
-    refused(jointattn("discover", visible, "--sensors", "gaze", "--actions", "gaze", "--results", "object"), "both")
+    refused(jointattn("measure", coding, *GAZE, *FEW, "--out", coding / "below" / "x"), "cannot make the folder")
+    refused(jointattn("measure", coding, *GAZE, *FEW, "--out", "x" * 10_000), "255 bytes", "out")
+    refused(jointattn("discover", coding, *PARTS, "--alpha", 2), "alpha")
+    refused(jointattn("discover", coding, "--sensors", "gaze", "--actions", "gaze", "--results", "object"), "both")
 
 
-def test_named_errors(visible):
+def test_named_errors(coding):
     with pytest.raises(ConfigError):
-        MeasureOptions(visible, (), ("object",))
+        MeasureOptions(coding, (), ("object",))
     with pytest.raises(ConfigError):
-        DiscoverOptions(visible, ("gaze",), (), ("object",))
+        DiscoverOptions(coding, ("gaze",), (), ("object",))
     with pytest.raises(ConfigError, match="base"):
-        MeasureOptions(visible, ("gaze",), ("object",), base=0)
+        MeasureOptions(coding, ("gaze",), ("object",), base=0)
     with pytest.raises(OutputError):
-        run_measure(MeasureOptions(visible, ("gaze",), ("object",), out=visible))
+        run_measure(MeasureOptions(coding, ("gaze",), ("object",), out=coding))
 
 
 def test_numbers():

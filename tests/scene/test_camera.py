@@ -21,7 +21,7 @@ from jointattn_mj.scene.camera import (
     pixel_of,
     pixels_of_points,
 )
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.world import HEAD_JOINTS, WorldConfig, build_physics
 
 heads = st.tuples(st.floats(-45, 45), st.floats(-35, 15)).map(np.array)
@@ -72,7 +72,7 @@ def test_signs():
     assert off_centre(np.array([3.0, 4.0]), np.zeros(2)) == pytest.approx(5)
 
 
-def test_in_picture():
+def test_in_image():
     inside = in_image(np.array([[0, 0], [319, 239], [-1, 5], [320, 5], [5, 240], [np.nan, 5]]))
     np.testing.assert_array_equal(inside, [True, True, False, False, False, False])
 
@@ -90,9 +90,9 @@ def test_geometry_agrees_with_the_model(physics, head):
 @pytest.mark.parametrize("head", [(0, -5), (12, -12), (-15, -8), (5, 0)])
 def test_objects_appear_where_the_geometry_says(physics, head):
     turn(physics, np.array(head, float))
-    hsv = cv2.cvtColor(Eye(physics).look(), cv2.COLOR_RGB2HSV).astype(int)
-    locations = np.array([physics.named.data.xpos[f"object/{item.name}"] for item in OBJECTS[:4]])
-    expected = pixels_of_points(locations, np.array(head, float))
+    hsv = cv2.cvtColor(Eye(physics).render(), cv2.COLOR_RGB2HSV).astype(int)
+    positions = np.array([physics.named.data.xpos[f"object/{item.name}"] for item in OBJECTS[:4]])
+    expected = pixels_of_points(positions, np.array(head, float))
     checked = 0
     for item, pixel in zip(OBJECTS[:4], expected, strict=True):
         if not in_image(np.array([pixel - 15, pixel + 15])).all():
@@ -110,32 +110,32 @@ def test_objects_appear_where_the_geometry_says(physics, head):
 def test_every_look_fills_the_same_buffer(physics):
     turn(physics, np.zeros(2))
     eye = Eye(physics)
-    first = eye.look()
+    first = eye.render()
     before = first.copy()
     assert first.shape == (240, 320, 3)
     assert first.dtype == np.uint8
     turn(physics, np.array([10.0, 0.0]))
-    assert eye.look() is first
+    assert eye.render() is first
     assert not np.array_equal(first, before)
 
 
-def test_a_picture_is_a_function_of_the_state(physics):
+def test_a_image_is_a_function_of_the_state(physics):
     images = []
     for pan in (0.0, 8.0, 0.0):
         turn(physics, np.array([pan, -5.0]))
-        images.append(Eye(physics).look().copy())
+        images.append(Eye(physics).render().copy())
     np.testing.assert_array_equal(images[0], images[2])
     assert not np.array_equal(images[0], images[1])
 
 
 def test_other_cameras_and_sizes(physics):
-    assert Eye(physics, "third_person", 160, 120).look().shape == (120, 160, 3)
+    assert Eye(physics, "third_person", 160, 120).render().shape == (120, 160, 3)
 
 
 def test_without_opengl_the_error_says_what_to_install(physics, monkeypatch):
     monkeypatch.setenv("MUJOCO_GL", "disable")
     with pytest.raises(GLError, match="apt-get install"):
-        Eye(physics.copy()).look()
+        Eye(physics.copy()).render()
 
 
 def test_model_is_left_alone(physics):
@@ -144,6 +144,6 @@ def test_model_is_left_alone(physics):
     size = mujoco.mj_stateSize(physics.model.ptr, mujoco.mjtState.mjSTATE_INTEGRATION)
     before, after = np.empty(size), np.empty(size)
     mujoco.mj_getState(physics.model.ptr, physics.data.ptr, before, mujoco.mjtState.mjSTATE_INTEGRATION)
-    Eye(physics).look()
+    Eye(physics).render()
     mujoco.mj_getState(physics.model.ptr, physics.data.ptr, after, mujoco.mjtState.mjSTATE_INTEGRATION)
     np.testing.assert_array_equal(before, after)

@@ -95,7 +95,7 @@ def test_only_the_held_object_moves(run):
         assert set(moved) <= {after[2], before[2]}
 
 
-def test_the_object_is_brought_to_the_holding_place_and_stays_about_it(run):
+def test_the_object_is_brought_to_the_holding_location_and_stays_about_it(run):
     config = CaregiverConfig()
     for phase, _, held, objects, _ in run:
         if phase == Phase.OBSERVE:
@@ -154,6 +154,6 @@ def test_a_hand_that_is_back_within_a_frame():
     assert person._hand == pytest.approx(config.rest_location)
 
 
-def test_a_holding_place_on_the_table_is_an_error():
-    with pytest.raises(ConfigError, match="holding_place"):
+def test_a_holding_location_on_the_table_is_an_error():
+    with pytest.raises(ConfigError, match="holding_location"):
         caregiver(config=CaregiverConfig(holding_location=(1.2, 0.0, REST)))

@@ -120,7 +120,7 @@ def test_any_face_is_a_config_value():
     assert model.mesh("caregiver/head").vertnum[0] == len(build_face(face).vertices)
 
 
-def test_pose_changes_the_picture_gradually():
+def test_pose_changes_the_image_gradually():
     """Views of the face are alike for small turns and unlike for large ones: what template matching needs."""
     model = build_model()
     data = mujoco.MjData(model)

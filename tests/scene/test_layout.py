@@ -9,10 +9,10 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.layout import Layout, LayoutConfig
 
 
-def distances(locations: np.ndarray) -> np.ndarray:
-    """Distances of all pairs of places (n, 2)."""
-    upper = np.triu_indices(len(locations), 1)
-    return np.linalg.norm(locations[:, None] - locations[None], axis=2)[upper]
+def distances(positions: np.ndarray) -> np.ndarray:
+    """Distances of all pairs of positions (n, 2)."""
+    upper = np.triu_indices(len(positions), 1)
+    return np.linalg.norm(positions[:, None] - positions[None], axis=2)[upper]
 
 
 def unevenness(config: LayoutConfig, moves: int = 480, seed: int = 0) -> float:
@@ -25,7 +25,7 @@ def unevenness(config: LayoutConfig, moves: int = 480, seed: int = 0) -> float:
     size = np.array([config.x_range[1], config.y_range[1]]) - low
     for _ in range(moves):
         moved = rng.integers(4)
-        objects[moved] = layout.location(np.delete(objects, moved, axis=0))
+        objects[moved] = layout.draw(np.delete(objects, moved, axis=0))
         used[tuple(((objects[moved] - low) / size * used.shape).astype(int))] += 1
     expected = moves / used.size
     return float(((used - expected) ** 2 / expected).sum())
@@ -34,19 +34,19 @@ def unevenness(config: LayoutConfig, moves: int = 480, seed: int = 0) -> float:
 @given(st.integers(0, 2**32 - 1), st.integers(1, 8))
 def test_objects_lie_on_the_table_and_apart(seed, count):
     config = LayoutConfig()
-    locations = Layout(config, np.random.default_rng(seed)).fill(count)
-    assert locations.shape == (count, 2)
+    positions = Layout(config, np.random.default_rng(seed)).fill(count)
+    assert positions.shape == (count, 2)
     assert np.all(
-        (locations >= [config.x_range[0], config.y_range[0]]) & (locations <= [config.x_range[1], config.y_range[1]])
+        (positions >= [config.x_range[0], config.y_range[0]]) & (positions <= [config.x_range[1], config.y_range[1]])
     )
-    assert np.all(distances(locations) >= config.spacing)
+    assert np.all(distances(positions) >= config.spacing)
 
 
 def test_a_new_place_keeps_the_spacing():
     layout = Layout(LayoutConfig(), np.random.default_rng(1))
     objects = layout.fill(4)
     for _ in range(100):
-        objects[0] = layout.location(objects[1:])
+        objects[0] = layout.draw(objects[1:])
         assert distances(objects).min() >= layout.config.spacing
 
 
@@ -68,7 +68,7 @@ def test_a_table_that_is_too_full_is_an_error():
     with pytest.raises(ConfigError, match="no room for 4 objects"):
         Layout(LayoutConfig(spacing=0.5), np.random.default_rng(0)).fill(4)
     with pytest.raises(ConfigError, match="no room"):
-        Layout(LayoutConfig(spacing=2.0), np.random.default_rng(0)).location(np.array([[1.0, 0.0]]))
+        Layout(LayoutConfig(spacing=2.0), np.random.default_rng(0)).draw(np.array([[1.0, 0.0]]))
 
 
 @pytest.mark.parametrize("wrong", [{"spacing": 0}, {"evenness": 0}, {"x_range": (1.0, 1.0)}, {"y_range": (0.3, -0.3)}])

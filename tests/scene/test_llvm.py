@@ -72,7 +72,7 @@ def test_opengl_and_triton_meet_in_any_order(order):
 def compiled(tmp_path):
     """What stands for triton's compiled module: the finder looks at the name alone."""
     (tmp_path / f"libtriton{EXTENSION_SUFFIXES[0]}").touch()
-    return lambda: llvm._Finder().find_spec("triton._C.libtriton", [str(tmp_path)])
+    return lambda: llvm._TritonFinder().find_spec("triton._C.libtriton", [str(tmp_path)])
 
 
 def test_triton_is_bound_to_itself_beside_another_llvm(compiled, monkeypatch):

@@ -12,13 +12,12 @@ from jointattn_mj.scene.model import (
     HEAD_POSITION,
     IMAGE_HEIGHT,
     IMAGE_WIDTH,
-    OBJECTS,
     TABLE_Z,
-    ObjectConfig,
     SceneConfig,
     build_model,
     rest_positions,
 )
+from jointattn_mj.scene.objects import OBJECTS, ObjectConfig
 
 ARM = ("shoulder_yaw", "shoulder_pitch", "shoulder_roll", "elbow", "wrist_yaw", "wrist_pitch", "wrist_roll")
 NECK = ("neck_yaw", "neck_pitch", "eye_left_yaw", "eye_left_pitch", "eye_right_yaw", "eye_right_pitch")
@@ -62,9 +61,9 @@ def test_places_of_head_camera_and_objects(model, data):
     np.testing.assert_allclose(data.site("caregiver/face").xmat.reshape(3, 3)[:, 0], (-1, 0, 0), atol=1e-9)
     np.testing.assert_allclose(data.camera("robot/eye").xpos, (0, 0, 1.0), atol=1e-9)
     np.testing.assert_allclose(-data.camera("robot/eye").xmat.reshape(3, 3)[:, 2], (1, 0, 0), atol=1e-9)
-    for o, location in zip(OBJECTS[:4], rest_positions(SceneConfig()), strict=True):
-        np.testing.assert_allclose(data.body(f"object/{o.name}").xpos, location)
-        assert location[2] == pytest.approx(TABLE_Z + 0.031)
+    for o, position in zip(OBJECTS[:4], rest_positions(SceneConfig()), strict=True):
+        np.testing.assert_allclose(data.body(f"object/{o.name}").xpos, position)
+        assert position[2] == pytest.approx(TABLE_Z + 0.031)
 
 
 def test_signs_of_angles(model, data):
@@ -74,7 +73,7 @@ def test_signs_of_angles(model, data):
     ahead = -data.camera("robot/eye").xmat.reshape(3, 3)[:, 2]
     assert ahead[1] > 0 and ahead[2] > 0  # to the robot's left, and up
     nose = data.site("caregiver/face").xmat.reshape(3, 3)[:, 0]
-    assert nose[1] < 0 and nose[2] < 0  # to her left, and down
+    assert nose[1] < 0 and nose[2] < 0  # to the left of the caregiver, and down
     np.testing.assert_allclose(data.site("caregiver/face").xpos, HEAD_POSITION, atol=1e-9)  # turns in place
 
 
@@ -105,7 +104,7 @@ def test_scripted_joints_keep_the_velocity_that_was_set(model):
 
 
 def test_arm_is_long_enough(model):
-    """The grasp reaches every place of an object with the hand pitched down by 20 to 40 degrees."""
+    """The grasp reaches every position of an object with the hand pitched down by 20 to 40 degrees."""
     shoulder = model.body("caregiver/shoulder").pos
     reach = model.body("caregiver/elbow").pos[0] + model.body("caregiver/wrist").pos[0]
     grasp = model.site("caregiver/grasp").pos
@@ -113,8 +112,8 @@ def test_arm_is_long_enough(model):
         turn = np.array([[np.cos(pitch), 0, np.sin(pitch)], [0, 1, 0], [-np.sin(pitch), 0, np.cos(pitch)]])
         for x in (0.90, 1.12, 1.20):
             for y in (-0.36, 0.0, 0.36):
-                location = np.array([1.5 - x, -y, 0.745]) if x < 1.2 else np.array([0.3, 0.0, 0.895])
-                assert np.linalg.norm(location - turn @ grasp - shoulder) < reach
+                position = np.array([1.5 - x, -y, 0.745]) if x < 1.2 else np.array([0.3, 0.0, 0.895])
+                assert np.linalg.norm(position - turn @ grasp - shoulder) < reach
 
 
 def test_building_is_deterministic_and_quality_changes_only_looks(model):
@@ -128,8 +127,8 @@ def test_building_is_deterministic_and_quality_changes_only_looks(model):
 
 def test_ten_objects_stand_apart_in_place_and_hue():
     config = SceneConfig(objects=OBJECTS)
-    locations = rest_positions(config)[:, :2]
-    gaps = np.linalg.norm(locations[:, None] - locations[None], axis=2) + np.eye(10)
+    positions = rest_positions(config)[:, :2]
+    gaps = np.linalg.norm(positions[:, None] - positions[None], axis=2) + np.eye(10)
     assert gaps.min() >= 0.13
     hues = np.sort([colorsys.rgb_to_hsv(*o.rgb)[0] * 360 for o in OBJECTS])
     assert np.diff(np.append(hues, hues[0] + 360)).min() >= 25

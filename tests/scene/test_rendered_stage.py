@@ -8,7 +8,7 @@ import pytest
 from jointattn_mj.development.rendered.stage import Stage, StageConfig
 from jointattn_mj.development.table.world import CAREGIVER, ROBOT, TableConfig, step
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.scene.looker import locations
+from jointattn_mj.scene.looker import spot_positions
 from jointattn_mj.scene.movement import gaze_angles
 
 EXACT = StageConfig(variation="none", object_jitter_m=0, head_jitter_deg=0, motor_noise_deg=0)
@@ -29,7 +29,7 @@ def n_steps(config: StageConfig, count: int):
 
 
 def test_bodies_do_what_the_table_says():
-    spots = locations(3, EXACT.world.scene)
+    spots = spot_positions(3, EXACT.world.scene)
     for stage in n_steps(EXACT, 40):
         table, world = stage.table, stage.world
         lying = world.caregiver.objects[world.caregiver.objects[:, 2] > 0]
@@ -42,7 +42,7 @@ def test_bodies_do_what_the_table_says():
 
 
 def test_imprecision_is_as_large_as_asked_for():
-    config, spots = StageConfig(variation="none"), locations(3, EXACT.world.scene)
+    config, spots = StageConfig(variation="none"), spot_positions(3, EXACT.world.scene)
     heads, own, objects, eyes = [], [], [], []
     for stage, exact in zip(n_steps(config, 400), n_steps(EXACT, 400), strict=True):
         heads.append(stage.world.face_angles() - exact.world.face_angles())
@@ -53,7 +53,7 @@ def test_imprecision_is_as_large_as_asked_for():
     assert np.std(heads) == pytest.approx(np.radians(2.0), rel=0.1)
     assert np.std(own) == pytest.approx(np.radians(0.5), rel=0.1)
     assert 0.015 < np.max(objects) <= 0.02
-    assert np.abs(eyes).max() < 0.05  # eyes make up for the head: she looks where she should
+    assert np.abs(eyes).max() < 0.05  # the eyes make up for the head: the gaze is right
 
 
 def test_objects_have_colours_of_their_own_and_change_them_about():
@@ -78,7 +78,7 @@ def test_the_hand_gestures():
 
 
 @pytest.mark.parametrize("table", [TableConfig(kinds=3), TableConfig(order="robot_first")])
-def test_tables_that_pictures_cannot_show(table):
+def test_tables_that_images_cannot_show(table):
     with pytest.raises(ConfigError, match="kinds 1 and"):
         Stage(table, StageConfig(), np.random.SeedSequence(0))
 

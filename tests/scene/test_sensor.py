@@ -62,7 +62,7 @@ def test_impossible_sensors_are_errors(wrong):
         Sensor(**wrong)
 
 
-def test_pictures_come_late_and_nothing_else_changes():
+def test_images_come_late_and_nothing_else_changes():
     """At the beginning, what there was at first."""
     prompt, late = build(), build(delay=3)
     visible = [prompt.image().copy()]

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.scene.caregiver import DURATIONS
 from jointattn_mj.scene.dressing import Conditions, Lamp, Surfaces
-from jointattn_mj.scene.model import OBJECTS, SHAPES, SceneConfig
-from jointattn_mj.scene.variation import DURATIONS, PRESETS, VariationConfig, drawn, variation_of
+from jointattn_mj.scene.model import SceneConfig
+from jointattn_mj.scene.objects import OBJECTS, SHAPES
+from jointattn_mj.scene.variation import PRESETS, VariationConfig, drawn, variation_of
 from jointattn_mj.scene.world import AS_USUAL, World, WorldConfig
 
 SEED = np.random.SeedSequence(3, spawn_key=(5,))
@@ -192,7 +194,7 @@ def test_objects_of_any_size_stand_on_the_table():
         world.close()
 
 
-def test_a_pickled_varied_world_lives_on_as_it_would_have():
+def test_a_pickled_varied_world_goes_on_as_it_would_have():
     config, conditions = drawn(WorldConfig(), replace(PRESETS["all"], camera_delay=6), SEED)
     world = World.build(config, SEED, conditions)
     for _ in range(20):

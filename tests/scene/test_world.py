@@ -9,7 +9,7 @@ import pytest
 
 from jointattn_mj.scene.caregiver import FRAME_S, CaregiverConfig, Phase
 from jointattn_mj.scene.model import TABLE_Z, SceneConfig, rest_height
-from jointattn_mj.scene.world import SCRIPTED_JOINTS, Observation, World, WorldConfig
+from jointattn_mj.scene.world import SCRIPTED_JOINTS, World, WorldConfig, WorldObservation
 
 ARM_PARTS = ("upper_arm", "forearm", "hand")
 STILL = np.zeros(2)
@@ -141,7 +141,7 @@ def test_arm_and_carried_object_pass_over_the_others(run):
 
 
 def test_the_arm_leaves_the_face_free(run):
-    """Seen by the robot, and so for the detector and the face patterns, the arm hides next to nothing of her head."""
+    """Seen by the robot, and so for the detector and the face patterns, the arm hides next to nothing of the head."""
     physics, model = run.world.physics, run.world.model
     arm = [model.geom(f"caregiver/{name}").id for name in ARM_PARTS]
     head = model.geom("caregiver/head").id
@@ -184,7 +184,7 @@ def test_reset_is_a_new_beginning(world):
         np.testing.assert_array_equal(world.data.mocap_pos, fresh.data.mocap_pos)
 
 
-def test_a_pickled_world_lives_on_as_it_would_have(world):
+def test_a_pickled_world_goes_on_as_it_would_have(world):
     for _ in range(150):
         world.step(np.array([0.1, -0.1]))
     other = pickle.loads(pickle.dumps(world))
@@ -196,22 +196,20 @@ def test_a_pickled_world_lives_on_as_it_would_have(world):
         np.testing.assert_array_equal(world.candidate_points(), other.candidate_points())
 
 
-def test_a_picture_is_rendered_when_it_is_read_and_only_then(world):
-    observation = Observation(world)
-    assert set(observation) == {"camera", "head_angles", "head_moves"}
-    assert len(observation) == 3
+def test_an_image_is_rendered_when_it_is_read_and_only_then(world):
+    observation = WorldObservation(world)
     for _ in range(5):
         world.step(STILL)
-        observation["head_angles"], observation["head_moves"]
+        assert observation.head_angles.shape == (2,) and observation.head_moves in (True, False)
     assert world.rendered_frames == 0
-    image = observation["camera"]
+    image = observation.image
     assert image.shape == (240, 320, 3)
-    assert observation["camera"] is image
+    assert observation.image is image
     assert world.rendered_frames == 1
     before = copy.copy(image)
     world.step(np.array([0.3, 0.0]))
     world.step(np.array([0.3, 0.0]))
-    assert observation["camera"] is image  # the same buffer, filled anew
+    assert observation.image is image  # the same buffer, filled anew
     assert not np.array_equal(image, before)
     assert world.rendered_frames == 2
 

@@ -8,7 +8,7 @@ import pytest
 from jointattn_mj.adapters.registration import IDS
 from jointattn_mj.errors import ActionError, ClosedError, ConfigError, EpisodeError
 from jointattn_mj.tasks import ALL_TASKS, load
-from jointattn_mj.viewing.play import PlayOptions, play_episodes
+from jointattn_mj.viewing.play import play_episodes
 
 every_task = pytest.mark.parametrize("task", [task for _, task in ALL_TASKS])
 WRONG = {
@@ -131,7 +131,7 @@ def test_an_agent_of_one_s_own_is_told():
 
     environment = make("follow")
     with pytest.raises(ActionError, match="not finite"):
-        play_episodes(environment, Lost(), PlayOptions(task="follow", agent="zero", episodes=1))
+        play_episodes(environment, Lost(), 1)
 
 
 def test_a_step_after_the_end():

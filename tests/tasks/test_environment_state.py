@@ -4,6 +4,7 @@ import copy
 import pickle
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -158,7 +159,7 @@ def test_one_state_one_future(task):
 
 
 @every_task
-def test_one_state_one_picture(task):
+def test_one_state_one_image(task):
     environment = episodes_of(task)
     environment.reset()
     future(environment, 5, seed=1)
@@ -196,7 +197,7 @@ def test_a_state_is_taken_up_in_another_process(tmp_path):
     (tmp_path / "state").write_bytes(pickle.dumps(environment.get_state()))
     program = f"""
 import pickle, sys
-sys.path.insert(0, {str(sys.path[0])!r}); sys.path.insert(0, "tests")
+sys.path.insert(0, {str(Path(__file__).parent)!r})
 from pathlib import Path
 from test_environment_state import episodes_of, future
 environment = episodes_of("object_transfer_hard", camera=False, random=9)

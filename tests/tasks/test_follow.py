@@ -42,15 +42,15 @@ def test_she_looks_at_one_object_all_the_time(follow):
     assert targets == {0, 1, 2, 3}
 
 
-def test_her_head_tells_objects_apart(follow):
-    """Yaw of head and pan of the object lie on opposite sides: the robot's right is her left."""
+def test_the_head_tells_objects_apart(follow):
+    """Yaw of head and pan of the object lie on opposite sides: the robot's right is the caregiver's left."""
     for _ in range(20):
         yaw = follow.reset().observation["truth"][0]
-        location = follow.physics.object_positions()[follow.task.world.caregiver.target]
-        assert np.sign(yaw) == -np.sign(location[1]) or abs(location[1]) < 0.02
+        position = follow.physics.object_positions()[follow.task.world.caregiver.target]
+        assert np.sign(yaw) == -np.sign(position[1]) or abs(position[1]) < 0.02
 
 
-def test_her_hand_stays(follow):
+def test_the_hand_stays(follow):
     hands = []
     for _ in range(2):
         step = follow.reset()
@@ -85,7 +85,7 @@ def test_another_object_earns_little(follow):
 def test_the_hard_caregiver_looks_up_and_around(hard):
     step = hard.reset()
     assert hard.task.world.caregiver.target is None
-    assert hard.task.best_action(hard.physics)[1] > 0  # up, at her face
+    assert hard.task.best_action(hard.physics)[1] > 0  # up, at the face
     np.testing.assert_allclose(step.observation["truth"], 0)
     targets = []
     while not step.last():

@@ -69,7 +69,7 @@ def test_without_camera_nothing_is_rendered():
     assert environment.task.world.rendered_frames == 0
 
 
-def test_one_picture_a_step():
+def test_one_image_a_step():
     environment = load(*DOMAIN)
     environment.reset()
     for _ in range(5):
@@ -127,7 +127,7 @@ def test_the_robot_fixates_what_it_is_turned_to(target):
     assert physics.robot_fixates() == target
     assert physics.robot_to_targets()[target] < 1e-6
     assert physics.in_view()[target]
-    assert not physics.joint_attention()  # she still greets
+    assert not physics.joint_attention()  # the caregiver still greets
 
 
 def test_nothing_within_the_radius_is_nothing_fixated():
@@ -142,11 +142,11 @@ def test_nothing_within_the_radius_is_nothing_fixated():
     assert not physics.joint_attention()
 
 
-def test_the_caregiver_fixates_her_target():
+def test_the_caregiver_fixates_the_target():
     environment = blind(seed=5)
     environment.reset()
     physics, caregiver = environment.physics, environment.task.world.caregiver
-    assert physics.caregiver_fixates() == len(physics.object_names)  # she greets: it is the robot
+    assert physics.caregiver_fixates() == len(physics.object_names)  # greeting: it is the robot
     right = wrong = 0
     for _ in range(900):
         environment.step(np.zeros(2))

@@ -8,7 +8,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.faces import FaceDetectorConfig, haar_faces
 from jointattn_mj.perception.objects import ColourAreas
 from jointattn_mj.scene.camera import pixels_of_points
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.tasks import ALL_TASKS, load
 
@@ -28,7 +28,7 @@ def images(task: str, episodes: int = 2, **settings) -> list[np.ndarray]:
 
 
 @every_task
-def test_same_seed_same_pictures(domain, task):
+def test_same_seed_same_images(domain, task):
     np.testing.assert_array_equal(images(task, variation="all"), images(task, variation="all"))
 
 

@@ -1,7 +1,9 @@
 """Every task of the suite: dm_env's own conformance tests, determinism, memory, rewards, and dm_control's wrappers."""
 
+import doctest
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +12,9 @@ from dm_control.suite.wrappers import action_noise, action_scale, pixels
 from dm_env import StepType, test_utils
 
 import jointattn_mj
+from jointattn_mj import tasks
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.tasks import ALL_TASKS, BENCHMARKING, EASY, HARD, TASKS_BY_DOMAIN, load, tagged
+from jointattn_mj.tasks import ALL_TASKS, BENCHMARKING, EASY, HARD, TASKS_BY_DOMAIN, joint_attention, load, tagged
 
 every_task = pytest.mark.parametrize(("domain", "task"), ALL_TASKS, ids=lambda name: name)
 STEPS = 40
@@ -138,11 +141,11 @@ def test_observations_share_no_memory(domain, task):
 @every_task
 def test_every_episode_begins_differently(blind, domain, task):
     environment = blind(domain, task, seed=3)
-    locations = []
+    positions = []
     for _ in range(12):
         environment.reset()
-        locations.append(environment.physics.object_positions().ravel().copy())
-    assert len(np.unique(np.round(locations, 6), axis=0)) >= 3  # objects of turn_taking lie in one of three ways
+        positions.append(environment.physics.object_positions().ravel().copy())
+    assert len(np.unique(np.round(positions, 6), axis=0)) >= 3  # objects of turn_taking lie in one of three ways
 
 
 @every_task
@@ -284,3 +287,18 @@ def test_the_package_offers_the_suite_and_imports_mujoco_only_then():
         _ = jointattn_mj.peekaboo
     check = "import sys, jointattn_mj; assert not {'mujoco', 'dm_control', 'cv2', 'numba', 'numpy'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", check], check=True)
+
+
+@pytest.mark.parametrize(("domain", "task"), EASY, ids=lambda name: name)
+def test_docstrings_and_page_name_every_observation_with_its_shape(blind, domain, task):
+    """Of the easy forms; hard ones refer to these."""
+    described, page = getattr(joint_attention, task).__doc__, Path("docs/suite.md").read_text()
+    for name, spec in blind(domain, task).observation_spec().items():
+        shapes = [line.strip().split(" | ")[1] for line in described.splitlines() if f'observation["{name}"]' in line]
+        assert len(shapes) == 1 and str(spec.shape) in shapes[0]
+        assert f"`{name}`" in page
+    assert "| action | (2,) |" in described and "| reward | () |" in described and "| step, episode |" in described
+
+
+def test_the_example_of_load_works():
+    assert doctest.testmod(tasks).failed == 0

@@ -1,11 +1,11 @@
-"""Turn taking with bodies: it is the symbolic table, and bodies stand as it says."""
+"""Turn-taking as a 3D scene: it is the table of chapters 4 and 5, and bodies stand as the table says."""
 
 import numpy as np
 import pytest
 
-from jointattn_mj.development.table.world import CAREGIVER, ROBOT, TableConfig, new_table
+from jointattn_mj.development.table.world import CAREGIVER, ROBOT, TableConfig, new_table, step
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.scene.looker import locations
+from jointattn_mj.scene.looker import spot_positions
 from jointattn_mj.scene.model import SceneConfig
 from jointattn_mj.tasks import load
 
@@ -24,31 +24,31 @@ def actions(environment, count: int) -> np.ndarray:
     return np.random.default_rng(1).integers(spec.minimum, spec.maximum + 1, (count, 2))
 
 
-def test_it_is_the_symbolic_table(environment):
-    """The same sensors and results, turn after turn, as compiled lives have."""
-    step = environment.reset()
+def test_it_is_the_table(environment):
+    """The same sensors and results, step after step, as in a run at the table."""
+    timestep = environment.reset()
     (seed,) = np.random.SeedSequence(2).spawn(1)
     table = new_table(environment.task.table_config, seed)
-    s, r = (np.zeros_like(step.observation[name]) for name in ("sensors", "results"))
+    s, r = (np.zeros_like(timestep.observation[name]) for name in ("sensors", "results"))
     step(table, np.zeros(2, np.int64), s, r)
     for action in actions(environment, 100):
-        np.testing.assert_array_equal(step.observation["sensors"], s)
-        np.testing.assert_array_equal(step.observation["results"], r)
-        step = environment.step(action)
+        np.testing.assert_array_equal(timestep.observation["sensors"], s)
+        np.testing.assert_array_equal(timestep.observation["results"], r)
+        timestep = environment.step(action)
         step(table, action, s, r)
 
 
 def test_bodies_stand_as_the_table_says(environment):
-    """Objects on full places, the robot's gaze on its place to a tenth of a degree, the caregiver's on hers."""
+    """Objects on full spots, the robot's gaze on its spot within .1 degrees, the caregiver's nearest to its spot."""
     environment.reset()
     task, physics = environment.task, environment.physics
-    spots = locations(task.table_config.spots, task.world.config.scene)
+    spots = spot_positions(task.table_config.spots, task.world.config.scene)
     for action in (None, *actions(environment, 60)):
         if action is not None:
             environment.step(action)
-        lying = [location for location in physics.object_positions() if location[2] > 0]
-        full = {tuple(np.round(location, 6)) for location in spots[task.table.full]}
-        assert {tuple(np.round(location, 6)) for location in lying} == full
+        lying = [position for position in physics.object_positions() if position[2] > 0]
+        full = {tuple(np.round(position, 6)) for position in spots[task.table.full]}
+        assert {tuple(np.round(position, 6)) for position in lying} == full
         targets = np.vstack([spots, physics.face_position()])
         origin, ahead = physics.robot_sight()
         to_target = targets[task.table.state[ROBOT]] - origin
@@ -71,14 +71,14 @@ def test_kinds_are_seen(environment):
         assert len(names) == 2
         np.testing.assert_array_equal(*rgba)
         return
-    spots = locations(task.table_config.spots, task.world.config.scene)
-    for location in np.flatnonzero(task.table.full):
-        thing = names[task.table.kind[location]]
-        np.testing.assert_allclose(environment.physics.named.data.xpos[f"object/{thing}"], spots[location])
+    spots = spot_positions(task.table_config.spots, task.world.config.scene)
+    for spot in np.flatnonzero(task.table.full):
+        thing = names[task.table.kind[spot]]
+        np.testing.assert_allclose(environment.physics.named.data.xpos[f"object/{thing}"], spots[spot])
 
 
 def test_reward_is_joint_attention_by_either(environment):
-    """At an object that she looked at when the robot turned to it, or that it looked at when she did."""
+    """For an object that one looked at when the other turned to it."""
     environment.reset()
     table, face = environment.task.table, environment.task.table_config.spots
     kinds = set()
@@ -104,13 +104,13 @@ def test_gestures_change_nothing():
     for gesture in (0, 3):
         environment = load("joint_attention", "turn_taking", task_kwargs={"camera": False, "random": 0})
         environment.reset()
-        for location in (0, 1, 3, 2):
-            environment.step([location, gesture])
+        for spot in (0, 1, 3, 2):
+            environment.step([spot, gesture])
         states.append(environment.physics.get_state())
     np.testing.assert_array_equal(*states)
 
 
-def test_a_turn_lasts_a_second_and_shows_one_picture():
+def test_a_step_lasts_a_second_and_shows_one_image():
     environment = load("joint_attention", "turn_taking", task_kwargs={"random": 0})
     environment.reset()
     for _ in range(5):
@@ -134,8 +134,8 @@ def test_more_kinds_than_can_be_shown():
 
 
 @pytest.mark.parametrize("count", [2, 3, 9])
-def test_places_are_apart(count):
-    spots = locations(count, SceneConfig())
+def test_spots_are_apart(count):
+    spots = spot_positions(count, SceneConfig())
     assert spots.shape == (count, 3)
     assert np.diff(spots[:, 1]).max() < -0.08
     assert np.abs(spots[:, 1]).max() <= 0.36

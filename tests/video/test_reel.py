@@ -24,7 +24,7 @@ def brightness(path: Path) -> list[float]:
         found.append(float(image.mean()))
 
 
-def test_pictures_in_order(tmp_path):
+def test_images_in_order(tmp_path):
     with Reel(tmp_path / "a.mp4", 48, 64, 10) as reel:
         for level in range(0, 200, 10):
             reel.add(np.full((48, 64, 3), level, np.uint8))
@@ -48,7 +48,7 @@ with deferred() as interrupts, Reel(Path(sys.argv[1]), 48, 64, 30) as reel:
 
 
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
-def test_signals_to_all_leave_every_picture(tmp_path, name):
+def test_signals_to_all_leave_every_image(tmp_path, name):
     """A terminal sends Ctrl-C to ffmpeg as well, which would finish its file at once."""
     path = tmp_path / "a.mp4"
     done = subprocess.run([sys.executable, "-c", STOPPED, str(path), name], start_new_session=True, capture_output=True)

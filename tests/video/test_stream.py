@@ -38,7 +38,7 @@ def nowhere(monkeypatch):
 
 
 @needs_encoder
-def test_every_picture_becomes_a_unit(tmp_path):
+def test_every_image_becomes_a_unit(tmp_path):
     encoder = VideoEncoder(SHAPE[0], SHAPE[1], 10)
     units = []
     for image in images(64):
@@ -71,7 +71,7 @@ def test_nothing_to_encode():
 
 @needs_encoder
 @pytest.mark.parametrize("image", [np.zeros((48, 62, 3), np.uint8), np.zeros(SHAPE)], ids=["size", "type"])
-def test_other_pictures(image):
+def test_other_images(image):
     encoder = VideoEncoder(SHAPE[0], SHAPE[1], 10)
     with pytest.raises(VideoError, match="expected uint8"):
         encoder.add(image)

@@ -115,6 +115,6 @@ def test_the_trained_robot_earns_more_than_chance():
     """A quarter of an episode from images: it follows the caregiver now and then, which chance does not."""
     options = PlayOptions("object_transfer", "gaze_follower", 1, time_limit=20.0)
     environment = environment_for(options)
-    (episode,) = play_episodes(environment, AGENTS["gaze_follower"](environment, 0), options)
+    (episode,) = play_episodes(environment, AGENTS["gaze_follower"](environment, 0), 1)
     environment.close()
     assert episode.reward_a_step > 0.05  # random: .016

@@ -65,20 +65,20 @@ class TestAgents:
 
     @needs_gl
     def test_gaze_follower_goes_on_learning(self):
-        """Another episode, another mind, with what the last one had learned."""
+        """Another episode has another robot, with what the last one had learned."""
         show = show_of("object_transfer", "gaze_follower", camera=True, time_limit=8.0)
-        before = show.agent
+        before = show.robot
         for _ in range(239):
             show.advance()
-        assert show.agent is before
+        assert show.robot is before
         learned = before.weights()
         show.advance()
         assert show.episode == 2
-        assert show.agent is not before
-        for name, array in show.agent.weights().items():
+        assert show.robot is not before
+        for name, array in show.robot.weights().items():
             np.testing.assert_array_equal(array, learned[name])
 
-    def test_gaze_follower_needs_pictures_in_time(self):
+    def test_gaze_follower_needs_images_in_time(self):
         with pytest.raises(ConfigError, match="object_transfer"):
             show_of("follow", "gaze_follower", camera=True)
 
@@ -101,7 +101,7 @@ class TestShow:
     @needs_gl
     @pytest.mark.parametrize("task", ["object_transfer_hard", "turn_taking_hard"])
     def test_the_robots_view(self, task):
-        """It changes as the head turns, and when another person comes."""
+        """It changes as the head turns, and with another caregiver."""
         show = show_of(task, "oracle")
         first = show.eye().copy()
         assert first.shape == (480, 640, 3)
@@ -114,10 +114,10 @@ class TestShow:
         assert (show.eye() != later).mean() > 0.05
 
     @needs_gl
-    def test_what_a_mind_makes_of_it(self):
+    def test_percepts_are_drawn(self):
         show = show_of("object_transfer", "gaze_follower", camera=True)
         show.advance()
-        with_percept, agent = show.eye().copy(), show.agent
+        with_percept, agent = show.eye().copy(), show.robot
         agent.percept = None
         assert (show.eye() != with_percept).mean() > 0.001
 
@@ -268,7 +268,7 @@ class TestServer:
         process, address = served
         port = int(address.rsplit(":", 1)[1])
         assert address.startswith("http://127.0.0.1:")
-        assert {location for location in listening() if location.endswith(f":{port:04X}")} == {f"0100007F:{port:04X}"}
+        assert {address for address in listening() if address.endswith(f":{port:04X}")} == {f"0100007F:{port:04X}"}
         with urllib.request.urlopen(address, timeout=10) as answer:
             assert answer.status == 200
             assert b"<html" in answer.read().lower()

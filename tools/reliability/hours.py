@@ -26,7 +26,7 @@ class Day:
     an_hour: float
     """Length of a simulated hour, in minutes or steps."""
     hours: float = 24.0
-    """Of a whole day; less where pictures are rendered."""
+    """Of a whole day; less where images are rendered."""
 
 
 DAYS = (
@@ -37,10 +37,10 @@ DAYS = (
         "develop --world rendered --mode realtime --realtime.perception state --steps 200000 --minutes {n}",
         60,
     ),
-    Day("session, pictures", "session --minutes {n}", 60, hours=1.0),
+    Day("session, images", "session --minutes {n}", 60, hours=1.0),
     Day("develop, rendered", "develop --world rendered --steps {n}", 20_000, hours=1.0),
 )
-"""Steps of the table have no length: a million stand for an hour, and 20,000 where each is a picture."""
+"""Steps of the table have no length: a million stand for an hour, and 20,000 where each is an image."""
 
 
 RESULTS = (".png", ".parquet")

@@ -50,7 +50,7 @@ class Subject:
 ORDER = "experiment run 5.2 --setting 'caregiver first' --runs 12"
 SUBJECTS = (
     Subject("session, state", "session --perception state --minutes 8 --checkpoint-minutes 0.25"),
-    Subject("session, pictures", "session --minutes 0.8 --robot.familiarise.minutes 0.3 --checkpoint-minutes 0.1"),
+    Subject("session, images", "session --minutes 0.8 --robot.familiarise.minutes 0.3 --checkpoint-minutes 0.1"),
     Subject("develop, table", "develop --preset fast --steps 300000 --checkpoint-every 20000"),
     Subject(
         "develop, rendered",

@@ -1,4 +1,4 @@
-"""A session as a log for Rerun's viewer (rerun.io). Needs the extra ``rerun``; nothing else imports this."""
+"""A session as a log for Rerun's viewer (rerun.io); it needs the extra ``rerun``."""
 
 from jointattn_mj.adapters.rerun.log import SessionLog
 

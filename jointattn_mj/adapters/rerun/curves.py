@@ -1,4 +1,4 @@
-"""What goes on in the robot and in the person over time: curves, stripes, the map of faces, a line for a gaze shift."""
+"""Curves of the robot's interest and learning, who looks at what, the map of faces, and a line for each gaze shift."""
 
 from collections.abc import Callable
 from functools import partial
@@ -18,11 +18,11 @@ from jointattn_mj.gaze_following.summary import rate_of_success
 from jointattn_mj.video.paint import FAINT, GREEN, LEARNED, Colour
 
 TURNS = "turns its head"
-_FACES_PX = 216  # side of the image of the map of faces
+_FACES_PX = 216  # side of the image of the map, pixels
 
 
 class AgentCurves:
-    """Logs curves at every frame, and the rest when it changes."""
+    """Logs curves at every frame, and all else when it changes."""
 
     def __init__(self, rows: Rows, session: SessionRun, inks: list[Colour]):
         log = rows.log
@@ -42,7 +42,7 @@ class AgentCurves:
             log.log(path, look, static=True)
 
     def write(self, session: SessionRun) -> None:
-        """This frame's."""
+        """Log a frame."""
         robot = session.robot
         self._rows.add(at.INTEREST, rr.Scalars, scalars=robot.attention.interest.copy())
         self._rows.add(at.HEAD, rr.Scalars, scalars=np.degrees(session.world.head_angles()))
@@ -57,7 +57,7 @@ class AgentCurves:
             self._write_success(session)
 
     def _write_doings(self, session: SessionRun) -> None:
-        """Who looks at what, and what the person does."""
+        """Log who looks at what, and what the caregiver does."""
         robot, caregiver = session.robot, session.world.caregiver
         looks = TURNS if robot.shift is not None else self._name(robot.attended)
         target = self._name(caregiver.target)
@@ -70,7 +70,7 @@ class AgentCurves:
         return "" if number is None else self._names[number]
 
     def _write_map(self, session: SessionRun) -> None:
-        """Which faces the map knows again when the robot turns away from one."""
+        """Log the map's activations when the robot turns away from a face."""
         shift, som = session.robot.shift, session.robot.som
         known = None if shift is None else shift.activations
         if known is None or known is self._known or known.size != len(som.weights):  # a learner may read something else
@@ -82,7 +82,7 @@ class AgentCurves:
         self._rows.log.log(at.FACES, rr.Image(lit(self._cells, known, sheet.shape)).compress(jpeg_quality=85))
 
     def _write_success(self, session: SessionRun) -> None:
-        """eq. 6.9 up to now; later shifts do not change what is written."""
+        """Log the rate of success (eq. 6.9) up to now; later shifts do not change it."""
         counts = session.shifts.column("face_to_object") == 1
         if counts[-1]:
             now = np.array([session.frame / FRAMES_PER_MINUTE])
@@ -91,14 +91,14 @@ class AgentCurves:
             self._rows.log.log(at.SUCCESS, rr.Scalars(rate))
 
     def _write(self, path: str, value: Any, make: Callable[[], Any]) -> None:
-        """Log what ``make`` gives if ``value`` is another than it was."""
+        """Log what ``make`` gives if ``value`` has changed."""
         if path not in self._last or self._last[path] != value:
             self._last[path] = value
             self._rows.log.log(path, make())
 
 
 def _in_words(row: ShiftRow) -> str:
-    """How a gaze shift ended."""
+    """How a gaze shift ended, in words."""
     if row.face_to_object:
         who = "learner" if row.commanded_by == "learner" else "eyes"
         return f"{'✓' if row.success else '✗'} {verdict_in_words(row)} ({who})"

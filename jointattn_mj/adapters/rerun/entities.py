@@ -1,4 +1,22 @@
-"""Where in a log things are: paths of its entities, and its two timelines."""
+"""Entities of a log, and its two timelines, ``frame`` and ``time`` (seconds).
+
+| entity | what it shows |
+|---|---|
+| `world/<body>` | pose and shapes of a body; world frame, metres |
+| `world/robot_eye`, `.../image` | pose of the robot's camera, and its images |
+| `world/robot_eye/seen` | boxes around detected candidates |
+| `world/robot_eye/flow` | optical flow of textured blocks, enlarged |
+| `world/robot_eye/goal` | goal of the gaze shift, and the learner's guess |
+| `world/gaze/robot`, `world/gaze/person` | lines of sight of robot and caregiver, green on the same object |
+| `mind/interest` | interest of each candidate (eq. 6.1) |
+| `mind/faces`, `mind/activations` | the map's faces, and its activations when the robot turns away from a face |
+| `mind/decides/learner` | probability that the learner decides (eq. 6.8) |
+| `mind/decides/success` | rate of success (eq. 6.9) |
+| `head` | pan and tilt of the robot's head, degrees |
+| `doings/robot_looks_at`, `doings/person_looks_at` | what robot and caregiver look at |
+| `doings/person` | what the caregiver does |
+| `shifts` | a line for each gaze shift that ended |
+"""
 
 import numpy as np
 import rerun as rr
@@ -21,11 +39,11 @@ SHIFTS = "shifts"
 
 
 def go_to(log: rr.RecordingStream, frame: int) -> None:
-    """What is logged from now on belongs to this frame of a session."""
+    """Let what is logged from now on belong to this frame of the session."""
     log.set_time("frame", sequence=frame)
     log.set_time("time", duration=frame * FRAME_S)
 
 
 def columns_of(frames: list[int]) -> tuple[rr.TimeColumn, rr.TimeColumn]:
-    """Both timelines at many frames."""
+    """Both timelines at these frames."""
     return rr.TimeColumn("frame", sequence=frames), rr.TimeColumn("time", duration=np.array(frames) * FRAME_S)

@@ -1,4 +1,4 @@
-"""The robot's images in a log for Rerun: as H.264 where it can be encoded, else as JPEG, which is larger."""
+"""The robot's images in a log: as H.264 where ffmpeg can encode it, else as JPEG, which takes more space."""
 
 import cv2
 import numpy as np
@@ -10,11 +10,11 @@ from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 from jointattn_mj.video.stream import Unit, VideoEncoder, can_encode
 
 JPEG_QUALITY = 80
-"""0..100; an image takes some 5 KB."""
+"""0 to 100; an image takes some 5 KB."""
 
 
 class Images:
-    """Writes images, uint8 (240, 320, 3), to one entity; those of a second together."""
+    """Writes images to one entity, those of a second together."""
 
     def __init__(self, log: rr.RecordingStream, path: str):
         self._log, self._path = log, path
@@ -25,7 +25,11 @@ class Images:
             log.log(path, rr.VideoStream(codec=rr.VideoCodec.H264), static=True)
 
     def add(self, frame: int, image: np.ndarray) -> None:
-        """The image of one frame.
+        """Add the image of a frame.
+
+        Args:
+            frame: Its number in the session.
+            image: uint8 (240, 320, 3) RGB.
 
         Raises:
             VideoError: ffmpeg has given up.
@@ -42,7 +46,7 @@ class Images:
             self._write()
 
     def finish(self) -> None:
-        """Write what is left."""
+        """Write the images that are left."""
         if self._encoder is not None:
             self._units += self._encoder.finish()
             self._write()

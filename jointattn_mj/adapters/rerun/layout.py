@@ -1,4 +1,4 @@
-"""What Rerun's viewer shows of a session when its log is opened, and where."""
+"""The views that Rerun's viewer opens a log with."""
 
 import rerun.blueprint as rrb
 
@@ -6,11 +6,11 @@ from jointattn_mj.adapters.rerun import entities as at
 from jointattn_mj.video.paint import GROUND
 
 SECONDS = 20
-"""Curves show so many seconds before the moment that is looked at."""
+"""How many seconds before the cursor curves show."""
 
 
 def layout() -> rrb.Blueprint:
-    """The views of a session, and where each is."""
+    """Make the views and their arrangement."""
     last = rrb.VisibleTimeRange(
         "time",
         start=rrb.TimeRangeBoundary.cursor_relative(seconds=-SECONDS),
@@ -20,23 +20,30 @@ def layout() -> rrb.Blueprint:
     scene = [f"{at.WORLD}/**", f"- {at.FLOW}/**", f"- {at.VISIBLE}/**", f"- {at.GOAL}/**"]
     agent = rrb.Vertical(
         rrb.Spatial2DView(origin=at.EYE, name="What the robot sees", background=GROUND),
-        rrb.TimeSeriesView(origin=at.INTEREST, name="What interests it (eq. 6.1)", time_ranges=[last]),
+        rrb.TimeSeriesView(origin=at.INTEREST, name="Interest of each candidate (eq. 6.1)", time_ranges=[last]),
         rrb.StateTimelineView(origin=at.DOINGS, name="Who looks at what"),
         row_shares=[5, 3, 2],
     )
     words = rrb.TextLogColumns(timeline_columns=["time"], text_log_columns=["Body"])
     learning = rrb.Horizontal(
-        rrb.Spatial2DView(origin=at.FACES, name="Faces it knows"),
-        rrb.TensorView(origin=at.ACTIVATIONS, name="SOM activations"),
+        rrb.Spatial2DView(origin=at.FACES, name="Faces on the map"),
+        rrb.TensorView(origin=at.ACTIVATIONS, name="Activations of the map"),
         rrb.TextLogView(origin=at.SHIFTS, name="Gaze shifts", columns=words),
         column_shares=[2, 2, 4],
     )
     share = rrb.ScalarAxis(range=(-0.05, 1.05))
-    decides = rrb.TimeSeriesView(origin=at.DECIDES, name="Learner decides (eq. 6.8), success (eq. 6.9)", axis_y=share)
-    head = rrb.TimeSeriesView(origin=at.HEAD, name="Head, deg", time_ranges=[last])
+    decides = rrb.TimeSeriesView(
+        origin=at.DECIDES, name="How often the learner decides (eq. 6.8) and succeeds (eq. 6.9)", axis_y=share
+    )
+    head = rrb.TimeSeriesView(origin=at.HEAD, name="Robot's head, degrees", time_ranges=[last])
     outside = rrb.Vertical(
         rrb.Spatial3DView(
-            origin="/", contents=scene, name="From outside", eye_controls=eye, line_grid=False, background=GROUND
+            origin="/",
+            contents=scene,
+            name="From the side",
+            eye_controls=eye,
+            line_grid=False,
+            background=GROUND,
         ),
         learning,
         rrb.Horizontal(decides, head),

@@ -1,11 +1,11 @@
-"""Writes a session to a log as it goes. The session is only looked at: it goes on as without a log."""
+"""Writes a session to a log while it runs, without changing it."""
 
 from pathlib import Path
 from types import TracebackType
 
 import rerun as rr
 
-from jointattn_mj.adapters.rerun.agent import AgentState
+from jointattn_mj.adapters.rerun.curves import AgentCurves
 from jointattn_mj.adapters.rerun.entities import IMAGE
 from jointattn_mj.adapters.rerun.images import Images
 from jointattn_mj.adapters.rerun.layout import layout
@@ -21,20 +21,25 @@ from jointattn_mj.video.paint import PERSON, Colour, ink_of
 
 
 class SessionLog:
-    """Writes a log while it is shown a session: ``with SessionLog(path, session) as log: session.step(log)``.
+    """A log of a session: ``with SessionLog(path, session) as log: session.step(log)``.
 
-    Where the file cannot be written any more, such as on a full disk, it says so once and lets the session go on.
+    Where the file cannot be written any more, such as on a full disk, it says so once, and the session goes on.
     """
 
     def __init__(self, path: Path, session: SessionRun):
-        """Logs of the parts of a resumed session bear the same id: opened together, they are one."""
+        """Prepare a log.
+
+        Args:
+            path: File to write.
+            session: The session. Logs of the parts of a resumed one have the same id: opened together, they are one.
+        """
         self._path, self._session = path, session
         self._log = rr.RecordingStream("jointattn session", recording_id=fingerprint(session.config))
         self._rows = Rows(self._log)
         self._open = False
 
     def __enter__(self) -> "SessionLog":
-        """Open the file, and write what never changes.
+        """Open the file, and write what stays the same.
 
         Raises:
             OutputError: The file cannot be made, or is there already.
@@ -55,7 +60,7 @@ class SessionLog:
         self._parts = (
             Scene(self._rows, session.world),
             Percepts(self._rows, session.names, inks),
-            AgentState(self._rows, session, inks),
+            AgentCurves(self._rows, session, inks),
         )
         self._images = Images(self._log, IMAGE)
         return self

@@ -1,4 +1,4 @@
-"""The file of a log, behind a pipe: Rerun's own writer hangs or dies where a disk is full."""
+"""The file of a log, behind a pipe: Rerun's own writer hangs or crashes when a disk is full."""
 
 import os
 import threading
@@ -10,15 +10,15 @@ class Outlet:
     """Takes what Rerun writes to ``name`` and puts it into a file, until the disk is full; the rest is dropped.
 
     Attributes:
-        name: Path that Rerun is to open, once; ``opened`` has to be told of it.
-        error: Why the file could not be written any more, or None.
+        name: Path for Rerun to open, once; call ``opened`` afterwards.
+        error: Why the file could not be written any more; None while it can.
     """
 
     def __init__(self, path: Path):
-        """Make the file.
+        """Create the file.
 
         Raises:
-            OSError: It is there already, or cannot be made.
+            OSError: It exists already, or cannot be created.
         """
         self.error: str | None = None
         self._file = FileIO(path, "xb")
@@ -28,11 +28,11 @@ class Outlet:
         self._thread.start()
 
     def opened(self) -> None:
-        """Rerun has opened ``name``, or never will: the pipe ends when Rerun closes it."""
+        """Say that Rerun has opened ``name``, or never will: the pipe then ends when Rerun closes it."""
         os.close(self._beginning)
 
     def close(self) -> None:
-        """Wait until everything is in the file; Rerun has closed ``name``."""
+        """Wait until all is in the file, after Rerun has closed ``name``."""
         self._thread.join()
 
     def _copy(self) -> None:

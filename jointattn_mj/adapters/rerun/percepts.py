@@ -1,4 +1,4 @@
-"""What the robot makes of its image, as boxes and arrows on it. Coordinates are pixels of the image, 320x240."""
+"""The robot's percepts as boxes and arrows on its image, in its pixels, 320x240."""
 
 from typing import Any
 
@@ -14,12 +14,12 @@ from jointattn_mj.scene.camera import pixel_of
 from jointattn_mj.video.paint import LEARNED, WHITE, Colour, paler
 from jointattn_mj.video.percepts import FACE_HALF_PX, FLOW_FROM_PX, FLOW_GAIN, FLOW_TO_PX, OBJECT_HALF_PX
 
-_AHEAD_DEG = 60.0  # farther from the present direction no goal is drawn
+_AHEAD_DEG = 60.0  # goals further from the present direction are not drawn
 _NOBODY = np.zeros(0, int)
 
 
 class Percepts:
-    """Logs candidates (those that move have thicker boxes), flow, and the goal of a shift."""
+    """Logs detected candidates, with thicker boxes where they move; optical flow; and the goal of a gaze shift."""
 
     def __init__(self, rows: Rows, names: tuple[str, ...], inks: list[Colour]):
         self._rows, self._names = rows, np.array(names)
@@ -32,7 +32,7 @@ class Percepts:
         rows.log.log(GOAL, rr.Points2D.from_fields(radii=3.0, show_labels=True), static=True)
 
     def write(self, session: SessionRun) -> None:
-        """This frame's; nothing is perceived while the head turns."""
+        """Log a frame; there are no percepts while the head turns."""
         robot = session.robot
         self._write_visible(robot)
         self._write_flow(None if robot.percept is None else getattr(robot.perceiver, "motion", None))
@@ -64,7 +64,7 @@ class Percepts:
         self._add(FLOW, rr.Arrows2D, origins=blocks, vectors=flow, colors=self._pale[owner])
 
     def _write_goals(self, robot: GazeFollower, head: np.ndarray) -> None:
-        """Where the head turns, and, where its eyes decide, where the learner would have turned it."""
+        """Log where the head turns; where the eyes decide, also where the learner would have turned it."""
         shift = robot.shift if robot.percept is None else None
         goals: list[tuple[np.ndarray, Colour, str]] = []
         if shift is not None and shift.by_learner:
@@ -84,7 +84,7 @@ class Percepts:
         )
 
     def _add(self, path: str, kind: type, **values: Any) -> None:
-        """A row if there is something, or something is there no longer."""
+        """Add a row if there is something to show, or was in the row before."""
         some = len(next(iter(values.values()))) > 0
         if some or self._shown.get(path, False):
             self._rows.add(path, kind, **values)

@@ -1,4 +1,4 @@
-"""Rows of a log, many written together: one by one they take three times the space and twice the time."""
+"""Rows of a log, written many at a time: one by one they take three times the space and twice the time."""
 
 from typing import Any
 
@@ -8,11 +8,11 @@ import rerun as rr
 from jointattn_mj.adapters.rerun.entities import columns_of, go_to
 
 TOGETHER = 60
-"""Frames that are written together, two seconds: so much is lost by a kill."""
+"""Frames that are written together: two seconds, which are lost if the process is killed."""
 
 
 class Rows:
-    """Keeps what is added in a frame until enough frames are there."""
+    """Collects rows until there are enough frames."""
 
     def __init__(self, log: rr.RecordingStream):
         self.log = log
@@ -20,7 +20,7 @@ class Rows:
         self._kept: dict[str, tuple[type, list[int], list[dict[str, Any]]]] = {}
 
     def go_to(self, frame: int) -> None:
-        """What is added or logged from now on belongs to this frame."""
+        """Let what is added or logged from now on belong to this frame."""
         if self._first < 0 or frame - self._first >= TOGETHER:
             self.flush()
             self._first = frame
@@ -28,13 +28,19 @@ class Rows:
         go_to(self.log, frame)
 
     def add(self, path: str, kind: type, **values: Any) -> None:
-        """What is at an entity from this frame on: instances of an archetype, equally many in each of ``values``."""
+        """Add what an entity shows from this frame on.
+
+        Args:
+            path: The entity.
+            kind: An archetype of Rerun's.
+            values: Its components, equally many instances in each.
+        """
         _, frames, rows = self._kept.setdefault(path, (kind, [], []))
         frames.append(self._frame)
         rows.append(values)
 
     def flush(self) -> None:
-        """Write what is kept."""
+        """Write all that was collected."""
         kept, self._kept = self._kept, {}
         for path, (kind, frames, rows) in kept.items():
             lengths = [len(next(iter(row.values()))) for row in rows]

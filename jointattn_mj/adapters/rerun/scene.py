@@ -1,6 +1,6 @@
-"""The scene for the 3D view: shapes of all geoms, poses of what moves, lines of sight. Truth, not known to the robot.
+"""The scene for the 3D view: shapes, poses, and lines of sight. It is the ground truth, which the robot does not know.
 
-World frame, metres. A body's entity is ``world/<body>`` with slashes as underscores, its geoms' are below it.
+World frame, metres. A body's entity is ``world/<body>``, with underscores for slashes; those of its geoms are below it.
 """
 
 from typing import Any
@@ -19,7 +19,7 @@ from jointattn_mj.video.onlooker import sights
 from jointattn_mj.video.paint import GREEN, PERSON, ROBOT
 
 LEFT_OUT = ("room/wall", "room/side_walls")
-"""They would hide the scene from most sides."""
+"""Geoms that would hide the scene from most sides."""
 EYE_CAMERA = "robot/eye"
 _LINE_M = 0.005
 _GEOM = mujoco.mjtGeom
@@ -27,12 +27,12 @@ _OF_COLOUR_TEXTURE = int(mujoco.mjtTextureRole.mjTEXROLE_RGB)
 
 
 def entity(body: str) -> str:
-    """Path of a body in the log."""
+    """Entity of a body."""
     return WORLD if body == "world" else f"{WORLD}/{body.replace('/', '_')}"
 
 
 def log_shapes(log: rr.RecordingStream, model: mujoco.MjModel) -> None:
-    """Write all geoms, static, below their bodies."""
+    """Log all geoms, static, below their bodies."""
     log.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     for number in range(model.ngeom):
         name, body = model.geom(number).name, model.body(model.geom_bodyid[number]).name
@@ -46,7 +46,7 @@ def log_shapes(log: rr.RecordingStream, model: mujoco.MjModel) -> None:
 
 
 def shape(model: mujoco.MjModel, geom: int) -> Any:
-    """A geom as what Rerun draws, in its own frame."""
+    """A geom as an archetype of Rerun's, in its own frame."""
     size, material = model.geom_size[geom], model.geom_matid[geom]
     rgba = model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom]
     look: dict[str, Any] = {"colors": [np.round(255 * rgba).astype(np.uint8)], "fill_mode": "solid"}
@@ -67,7 +67,7 @@ def shape(model: mujoco.MjModel, geom: int) -> Any:
 
 
 def _mesh(model: mujoco.MjModel, mesh: int, rgba: np.ndarray, texture: int) -> rr.Mesh3D:
-    """A mesh with its texture if it has one; corners are vertices, for they have normals and texels of their own."""
+    """A mesh, with its texture if it has one; each corner is a vertex, since it has a normal and a texel of its own."""
     faces = slice(model.mesh_faceadr[mesh], model.mesh_faceadr[mesh] + model.mesh_facenum[mesh])
     corners = model.mesh_face[faces].ravel() + model.mesh_vertadr[mesh]
     normals = model.mesh_facenormal[faces].ravel() + model.mesh_normaladr[mesh]
@@ -87,7 +87,7 @@ def _mesh(model: mujoco.MjModel, mesh: int, rgba: np.ndarray, texture: int) -> r
 
 
 class Scene:
-    """Writes the shapes once, then poses of bodies that have moved, the eye's, and both lines of sight."""
+    """Logs shapes once, then the poses of bodies that moved, the eye's pose, and both lines of sight."""
 
     def __init__(self, rows: Rows, world: World):
         self._rows, log = rows, rows.log
@@ -104,13 +104,13 @@ class Scene:
             log.log(path, rr.Arrows3D.from_fields(radii=_LINE_M), static=True)
 
     def write(self, session: SessionRun) -> None:
-        """Everything as it is in this frame."""
+        """Log a frame."""
         world = session.world
         now = np.hstack([world.data.xpos, world.data.xquat])
         for number in np.flatnonzero((now != self._last).any(axis=1)):
             if number > 0:  # the world itself has no pose
-                location, turn = now[None, number, :3], _xyzw(now[None, number, 3:])
-                self._rows.add(self._paths[number], rr.Transform3D, translation=location, quaternion=turn)
+                position, rotation = now[None, number, :3], _xyzw(now[None, number, 3:])
+                self._rows.add(self._paths[number], rr.Transform3D, translation=position, quaternion=rotation)
         self._last = now
         eye = world.data.camera(EYE_CAMERA)
         self._rows.add(EYE, rr.Transform3D, translation=eye.xpos[None].copy(), mat3x3=_by_columns(eye.xmat)[None])
@@ -123,10 +123,10 @@ class Scene:
 
 
 def _by_columns(matrix: np.ndarray) -> np.ndarray:
-    """A rotation as MuJoCo keeps it, row by row (9,), as Rerun does."""
+    """A rotation (9,) from MuJoCo's order, row by row, to Rerun's, column by column."""
     return matrix.reshape(3, 3).T.ravel()
 
 
 def _xyzw(quaternion: np.ndarray) -> np.ndarray:
-    """MuJoCo's order (w, x, y, z) to Rerun's."""
+    """Quaternions (..., 4) from MuJoCo's order (w, x, y, z) to Rerun's."""
     return np.roll(quaternion, -1, axis=-1)

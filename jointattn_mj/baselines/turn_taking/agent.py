@@ -1,10 +1,10 @@
 """The robot of the earlier work (reference [19] of the dissertation): a three-layered network, visual feedback, a gate.
 
-It is told when to shift its gaze. It sees the caregiver's face once, then moves its head in several steps; at each
-step the gate takes the command of the network or that of visual feedback. When some object has come to the centre of
-view, right or wrong, the network learns what the attempt showed. Directions are pairs (pan, tilt) in degrees.
+It is told when to shift its gaze. It sees the caregiver's face once, then moves its head in several steps. In each step
+the gate takes the command of the network or that of visual feedback. When an object, right or wrong, has come to the
+centre of view, the network learns from the attempt. Directions are pairs (pan, tilt) in degrees.
 
-The functions are compiled, for a life is 300,000 attempts; they are plain enough to be called one by one.
+The functions are compiled, since a run has 300,000 attempts; each can be called by itself.
 """
 
 from dataclasses import dataclass
@@ -18,64 +18,67 @@ from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Angle, Checked, Positive, Real, Whole
 
 MOST = 1e6
-"""Faces, angles and movements beyond this are none."""
+"""Largest absolute value of faces, angles and movements."""
 FEEDBACK = ("nearest", "kept", "interest")
+"""Choices of ``TurnTakerConfig.feedback``."""
+NEAREST, KEPT, INTEREST = range(3)
+"""Their numbers in compiled code."""
 
 
 @dataclass(frozen=True)
 class TurnTakerConfig(Checked):
-    """Every place that our account of the earlier work leaves open, with what we chose."""
+    """Settings of the robot; all are choices that the account of the earlier work leaves open."""
 
     hidden: Annotated[int, Whole("[1, 10000]")] = 30
-    """Units of the one hidden layer (tanh). 10 to 40 were alike in trials."""
+    """Units of the hidden layer (tanh). 10 to 40 gave the same in trials."""
     rate: Annotated[float, Real("(0, 10]")] = 0.002
-    """Learning rate of plain backpropagation, one step an attempt. A large one follows the last object instead of the
-    average over many; with ten objects .003 already left some robots at chance."""
+    """Learning rate of backpropagation, one step an attempt. A large rate follows the last object instead of the
+    average over many; with ten objects .003 left some robots at chance."""
     face_length: Annotated[float, Real("(0, 1e6]")] = 10.0
-    """Root mean square length of the face input, less its mean; sets how fast the face's weights learn compared with
-    those of the two head angles."""
+    """Root mean square length of the face input after its mean is subtracted. It decides how fast the face's weights
+    learn compared with those of the two head angles."""
     angle_scale_deg: Annotated[float, Real("[0.01, 360]")] = 30.0
-    """Head angles and movements pass the network in units of this."""
+    """Unit of head angles and movements in the network, degrees."""
     first_face_weight: Annotated[float, Real("[0, 100]")] = 0.02
-    """Standard deviation of the face's first weights."""
+    """Standard deviation of the face's initial weights."""
     first_weight: Annotated[float, Real("[0, 100]")] = 0.1
-    """Standard deviation of all other first weights."""
+    """Standard deviation of all other initial weights."""
     gain: Annotated[float, Real("(0, 1]")] = 0.9
-    """g: share of the way that one step goes, for either command. With .5 and ten objects three of eight robots lost
-    everything when the gate opened, for they no longer came near any object."""
+    """g, share of the commanded movement that one step makes. With .5 and ten objects three of eight robots lost
+    everything when the gate opened, since they no longer came near any object."""
     steps: Annotated[int, Whole("[1, 10000]")] = 6
-    """Movements that make up an attempt."""
+    """Movements in an attempt."""
     centre_radius_deg: Annotated[float, Real("(0, 180]")] = 3.5
-    """d_th: an object this near to the centre of view is being gazed at; as for the chapter 6 robot."""
+    """d_th, degrees: an object so near to the centre of view is gazed at; as in chapter 6."""
     ends: Literal["last", "first"] = "last"
-    """When an attempt is judged: after the last step, or as soon as an object is within d_th of the centre. The latter
-    stops at whatever lies on the way: with ten objects .30 right in the end instead of .88."""
+    """When an attempt ends. ``last``: after the last step. ``first``: as soon as an object is within d_th of the
+    centre, which may be one on the way: with ten objects .30 right in the end instead of .88."""
     feedback: Literal["nearest", "kept", "interest"] = "nearest"
-    """Which of several equally interesting objects visual feedback moves to. As long as the network has not moved the
-    head: a random one in view when the attempt began, but for the last reading. Afterwards: the one nearest to the
-    centre of view; the first one as long as it stays in view; or, at each step, the most interesting in view, interests
-    being drawn anew for each attempt. All three rise; the first does so soonest (see ``experiments/turn_taking``)."""
+    """Object to which visual feedback moves the head. Interests are drawn for each attempt. ``nearest``: the most
+    interesting one until the network has moved the head, then the one nearest to the centre of view. ``kept``: the
+    first one as long as it is visible. ``interest``: in each step the most interesting one that is visible. All three
+    learn, ``nearest`` fastest (see ``experiments/turn_taking``)."""
     reference: Literal["object", "executed"] = "object"
-    """The movement that is learned: the one that would have centred the object, or the one that was made. The latter
-    confirms whatever the network does, and drifts until nothing is reached."""
+    """Movement that is learned. ``object``: the one that would have centred the object. ``executed``: the one that was
+    made, which confirms whatever the network does and drifts until nothing is reached."""
     learns_from: Literal["every_step", "first_step"] = "every_step"
-    """Pairs of an attempt: one for each place of the head on the way, or only the first. With the first alone the
-    network never learns what to do on the way, and nothing comes to the centre."""
+    """Pairs of an attempt: one for each head position, or only the first. With the first alone the network never learns
+    what to do on the way, and nothing comes to the centre."""
     without_target: Literal["stay", "network"] = "stay"
-    """What the head does when visual feedback is asked and no object is in view."""
+    """What happens when visual feedback commands and no object is visible: the head stays, or the network commands."""
     gate: Literal["sigmoid", "shut", "open"] = "sigmoid"
-    """Who commands: by learning time, always visual feedback, or always the network."""
+    """``sigmoid``: the gate opens with learning time. ``shut``: visual feedback commands. ``open``: the network."""
     gate_midpoint: Annotated[float, Real("[-1e9, 1e9]")] = 60_000.0
-    """Attempts at which either is as likely."""
+    """Attempts after which the network's command is taken with probability 1/2."""
     gate_width: Positive = 20_000.0
-    """Attempts over which that changes, as q in eq. 6.8."""
+    """Attempts over which the gate opens, as q in eq. 6.8."""
     gate_draws: Literal["step", "attempt"] = "step"
-    """The gate chooses anew at each step, or once for an attempt. With the latter all robots lost everything when it
-    opened: the network never gets visual feedback's help at the end of an attempt that it began."""
+    """Whether the gate chooses in each step, or once for an attempt. Once an attempt, all robots lost everything when
+    it opened: visual feedback never helps at the end of an attempt that the network began."""
     pan_limit_deg: Annotated[float, Real("[0, 180]")] = 60.0
-    """The head turns no further to either side."""
+    """Largest pan to either side, degrees."""
     tilt_limits_deg: tuple[Angle, Angle] = (-40.0, 20.0)
-    """Nor further down and up."""
+    """Lowest and highest tilt, degrees."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -85,7 +88,7 @@ class TurnTakerConfig(Checked):
 
 
 class Network(NamedTuple):
-    """Weights of the three-layered network, float32. Inputs: a face (d,) and the head's angles; output: a movement."""
+    """Weights of the three-layered network, float32. Inputs: a face (d,) and two head angles; output: a movement."""
 
     face: np.ndarray  # (hidden, d)
     head: np.ndarray  # (hidden, 2)
@@ -95,7 +98,7 @@ class Network(NamedTuple):
 
 
 class Options(NamedTuple):
-    """The config as numbers, for compiled code."""
+    """A ``TurnTakerConfig`` as numbers, for compiled code."""
 
     gain: float
     steps: int
@@ -117,12 +120,18 @@ class TurnTaker:
     """Network and learning time of one robot.
 
     Attributes:
-        network: What it has learned.
+        network: Its weights.
         time: Attempts so far, on which the gate depends.
     """
 
     def __init__(self, config: TurnTakerConfig, inputs: int, rng: np.random.Generator):
-        """``inputs`` is the size of a face; ``rng`` draws the first weights."""
+        """Draw the initial weights.
+
+        Args:
+            config: Settings.
+            inputs: Size of a face.
+            rng: For the weights.
+        """
         self.config, self.time = config, 0
 
         def draw(sd: float, *shape: int) -> np.ndarray:
@@ -147,20 +156,27 @@ class TurnTaker:
         )  # fmt: skip
 
     def gate(self, attempts: int) -> np.ndarray:
-        """(attempts,) chances that the network's command is taken, over the coming attempts."""
+        """(attempts,) probability that the network's command is taken in each of the next attempts."""
         config = self.config
         if config.gate != "sigmoid":
             return np.full(attempts, float(config.gate == "open"))
         time = self.time + np.arange(attempts)
-        return 1 / (1 + np.exp((config.gate_midpoint - time) / config.gate_width))
+        chance: np.ndarray = 1 / (1 + np.exp((config.gate_midpoint - time) / config.gate_width))
+        return chance
 
     def movement(self, face: np.ndarray, head: np.ndarray) -> np.ndarray:
-        """The way (2,) that the network thinks lies between a head at ``head`` and what this face looks at."""
+        """The network's command (2,), deg, for a ``face`` (d,) and a head at ``head`` (2,), deg."""
         drive = face_drive(self.network, face)
         return np.array(network_command(self.network, drive, head, self.config.angle_scale_deg))
 
     def learn(self, face: np.ndarray, heads: np.ndarray, movements: np.ndarray) -> None:
-        """One step of backpropagation on the pairs (face, ``heads`` (k, 2)) -> ``movements`` (k, 2)."""
+        """One step of backpropagation.
+
+        Args:
+            face: (d,) the same in all pairs.
+            heads: (k, 2) head angles, deg.
+            movements: (k, 2) movements that they should lead to, deg.
+        """
         drive = face_drive(self.network, face)
         backpropagate(self.network, face, drive, heads, movements, self.config.angle_scale_deg, self.config.rate)
 
@@ -172,7 +188,7 @@ def _check_face(network: Network, face: np.ndarray) -> None:
 @checked_by(_check_face)
 @njit(fastmath=True, cache=True)
 def face_drive(network: Network, face: np.ndarray) -> np.ndarray:
-    """What a face adds to the input of each hidden unit: (hidden,). It is the same all through an attempt."""
+    """Input of each hidden unit from the face, (hidden,); it is the same in all steps of an attempt."""
     drive = network.threshold.copy()
     for unit in range(drive.size):
         total = np.float32(0)
@@ -190,7 +206,17 @@ def _check_command(network: Network, drive: np.ndarray, head: np.ndarray, scale:
 @checked_by(_check_command)
 @njit(cache=True)
 def network_command(network: Network, drive: np.ndarray, head: np.ndarray, scale: float) -> tuple[float, float]:
-    """The network's output: pan and tilt still to go, deg."""
+    """The network's output.
+
+    Args:
+        network: Weights.
+        drive: (hidden,) of ``face_drive``.
+        head: (2,) head angles, deg.
+        scale: Unit of angles in the network, deg.
+
+    Returns:
+        Pan and tilt by which to move, deg.
+    """
     pan, tilt = float(network.out_threshold[0]), float(network.out_threshold[1])
     for unit in range(drive.size):
         active = np.tanh(drive[unit] + (network.head[unit, 0] * head[0] + network.head[unit, 1] * head[1]) / scale)
@@ -219,7 +245,17 @@ def backpropagate(
     scale: float,
     rate: float,
 ) -> None:
-    """One gradient step, in place, on half the squared error summed over the pairs of an attempt."""
+    """One gradient step on half the squared error, summed over the pairs of an attempt.
+
+    Args:
+        network: Weights, changed in place.
+        face: (d,) the same in all pairs.
+        drive: (hidden,) of ``face_drive``.
+        heads: (k, 2) head angles, deg.
+        movements: (k, 2) movements that they should lead to, deg.
+        scale: Unit of angles in the network, deg.
+        rate: Learning rate.
+    """
     hidden = drive.size
     to_face = np.zeros(hidden)
     to_head, to_out, to_out_threshold = np.zeros((hidden, 2)), np.zeros((2, hidden)), np.zeros(2)
@@ -255,7 +291,7 @@ def backpropagate(
 def _check_target(
     feedback: int, visible: np.ndarray, off: np.ndarray, interest: np.ndarray, kept: int, by_network: bool
 ) -> None:
-    require_array("seen", visible, (-1,), "b")
+    require_array("visible", visible, (-1,), "b")
     require_array("off", off, visible.shape, "f")
     require_array("interest", interest, visible.shape, "f")
     if not -1 <= kept < len(visible):
@@ -267,19 +303,27 @@ def _check_target(
 def feedback_target(
     feedback: int, visible: np.ndarray, off: np.ndarray, interest: np.ndarray, kept: int, by_network: bool
 ) -> int:
-    """The object that visual feedback moves to, or -1 when none is in view.
+    """The object to which visual feedback moves the head.
 
-    ``off`` (n,) are distances from the centre of view, deg; ``interest`` (n,) this attempt's draws; ``kept`` the last
-    target or -1; ``by_network`` whether the network has moved the head in this attempt.
+    Args:
+        feedback: Position in FEEDBACK.
+        visible: (n,) bool.
+        off: (n,) distances from the centre of view, deg.
+        interest: (n,) interests in this attempt.
+        kept: Target of the step before, or -1.
+        by_network: Whether the network has moved the head in this attempt.
+
+    Returns:
+        Number of the object; -1 when none is visible.
     """
-    keeps = feedback == 1 or (feedback == 0 and not by_network)
+    keeps = feedback == KEPT or (feedback == NEAREST and not by_network)
     if keeps and kept >= 0 and visible[kept]:
         return kept
     best = -1
     for i in range(visible.size):
         if not visible[i]:
             continue
-        if feedback == 0 and by_network:
+        if feedback == NEAREST and by_network:
             better = best < 0 or off[i] < off[best]
         else:
             better = best < 0 or interest[i] > interest[best]

@@ -1,11 +1,11 @@
 """The interaction of the earlier work, attempt by attempt.
 
-The caregiver looks at one of the objects and tells the robot to shift its gaze. The robot, which has looked at her
-face, moves its head step by step. The attempt ends when an object is at the centre of view, or fails when the steps
-are used up and the head points at nothing. Then everything is put elsewhere.
+The caregiver looks at one of the objects and tells the robot to shift its gaze. The robot, which has looked at the
+caregiver's face, moves its head step by step. The attempt ends when an object is at the centre of view; it fails when
+the steps are used up and the head points at nothing. Then all objects are placed anew.
 
-Objects are seen through the camera's geometry, with the pixel path's measured noise and misses; faces come from a bank
-of rendered ones (``turn_taking.faces``).
+Objects are perceived by the camera's geometry, with the noise and misses that were measured for images. Faces come from
+a bank of rendered ones (``turn_taking.faces``).
 """
 
 from dataclasses import dataclass
@@ -34,21 +34,28 @@ _pixel_of = njit(camera.pixel_of)
 _direction_of = njit(camera.direction_of)
 _off_centre = njit(camera.off_centre)
 BESIDE_DEG = 80.0
-"""Further to the side nothing is in the image, and a pixel is not defined."""
+"""Farther to the side, degrees, nothing is in the image and no pixel is defined."""
 
 
 @dataclass(frozen=True)
 class Situations:
-    """Tables to choose from: T of them with n objects each."""
+    """T layouts of n objects each."""
 
     directions: np.ndarray  # (T, n, 2) of the objects from the robot, deg
-    face: np.ndarray  # (T, n) index of the pattern for the caregiver looking at that object
+    face: np.ndarray  # (T, n) index of the face pattern of a caregiver who looks at that object
 
     @classmethod
     def of_locations(
         cls, locations: np.ndarray, faces: FaceInputs, jitter_deg: float, rng: np.random.Generator
     ) -> "Situations":
-        """From ``locations`` (T, n, 2) on the table."""
+        """Situations with the caregiver looking at each object in turn.
+
+        Args:
+            locations: (T, n, 2) of objects on the table, m.
+            faces: Bank of faces.
+            jitter_deg: Jitter of gaze before the nearest face is taken, degrees.
+            rng: For the jitter.
+        """
         height = np.full((*locations.shape[:-1], 1), rest_height(WorldConfig().scene))
         points = np.concatenate([locations, height], axis=-1)
         directions = camera.directions_to(points.reshape(-1, 3)).reshape(locations.shape)
@@ -57,15 +64,15 @@ class Situations:
 
 @dataclass(frozen=True)
 class Outcomes:
-    """What came of a attempts, each array (a,)."""
+    """Results of n attempts, each array (n,)."""
 
     right: np.ndarray  # bool: the caregiver's object is at the centre of view
     reached: np.ndarray  # bool: some object is
-    in_view: np.ndarray  # bool: hers was in view when the attempt began
+    in_view: np.ndarray  # bool: the caregiver's object was in view when the attempt began
     movements: np.ndarray  # int: steps of the head
 
 
-def live(
+def run_attempts(
     robot: TurnTaker,
     situations: Situations,
     faces: FaceInputs,
@@ -74,9 +81,16 @@ def live(
     learning: bool = True,
     senses: StateConfig | None = None,
 ) -> Outcomes:
-    """Let ``robot`` try ``attempts`` times, each at a table and an object at random; it learns, and its time goes on.
+    """Let a robot make some attempts, each with a random layout and a random object.
 
-    Without ``learning`` neither network nor time change.
+    Args:
+        robot: Robot, which learns.
+        situations: Layouts.
+        faces: Bank of faces.
+        attempts: How many.
+        rng: For all choices and noise.
+        learning: False to leave network and learning time as they are.
+        senses: Noise and misses; default as measured.
 
     Raises:
         ObservationError: There is no table, or faces and directions do not fit each other and the robot.
@@ -89,7 +103,7 @@ def live(
     if attempts < 0 or not situations.face.size:
         raise ObservationError(f"expected 0 attempts or more and a table with an object; got {attempts}, {tables}")
     results = np.zeros((attempts, 4), np.uint8)
-    _live(
+    _run_attempts(
         robot.network, robot.options(), robot.gate(attempts), situations.directions, situations.face, faces.patterns,
         FACE_DIRECTION, senses.object_noise_px, senses.object_miss, learning, rng, results,
     )  # fmt: skip
@@ -99,7 +113,7 @@ def live(
 
 
 @njit
-def _live(network, options, gate, directions, face_index, patterns, start, noise, miss, learning, rng, results):
+def _run_attempts(network, options, gate, directions, face_index, patterns, start, noise, miss, learning, rng, results):
     tables, objects = face_index.shape
     for k in range(len(gate)):
         table, target = int(rng.random() * tables), int(rng.random() * objects)
@@ -123,7 +137,7 @@ def _attempt(
     learning: bool,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """One attempt: right, reached, in view at first, movements made."""
+    """One attempt: (4,) right, reached, in view at first, number of movements."""
     heads = np.empty((options.steps + 1, 2))
     heads[0] = start
     interest = rng.random(len(directions))
@@ -164,7 +178,7 @@ def _attempt(
 
 @njit
 def _look(directions, head, noise, miss, rng):
-    """Which objects are seen (n,), in which direction (n, 2), and how far from the centre of view (n,), inf unseen."""
+    """Visible objects (n,), their directions (n, 2), deg, and distances from the centre of view (n,), deg or inf."""
     count = len(directions)
     visible, locations, off = np.zeros(count, np.bool_), np.zeros((count, 2)), np.full(count, np.inf)
     for i in range(count):

@@ -1,10 +1,9 @@
-"""Faces for turn taking: rendered once, found by the robot's own detector, drawn from many times.
+"""Faces for turn taking: rendered once, detected by the robot's own detector, used many times.
 
-A life of 300,000 attempts cannot render an image for each. So a bank of face patterns is made first: the caregiver
-looks at thousands of places on the table, the eye renders her, ``PixelPerception`` finds her face and cuts out the
-32x32 grey patch f_v, just as in a session. An attempt then takes the pattern whose gaze direction is nearest to that
-of the attempt's object, after a small jitter. No pattern is made up; what the robot lacks is only a fresh image of
-each place. How well this carries over to faces never seen is tested on a second bank.
+A run of 300,000 attempts cannot render an image for each. A bank of face patterns is made first: the caregiver looks at
+thousands of places on the table, the camera renders the face, and ``PixelPerception`` detects it and cuts out the
+32 x 32 grey patch f_v, as in a session. An attempt takes the pattern whose gaze direction is nearest to that of the
+attempt's object, after a small jitter. How well this carries over to new faces is tested on a second bank.
 """
 
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import numbers
 from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Spread, Whole
+from jointattn_mj.perception.percept import StillObservation
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.som import standardised
 from jointattn_mj.scene.camera import directions_to
@@ -31,30 +31,33 @@ FACE_DIRECTION = directions_to(np.array([HEAD_POSITION]))[0]
 
 @dataclass(frozen=True)
 class FaceBankConfig(Checked):
-    """How faces are collected."""
+    """How a bank of faces is made."""
 
     faces: Annotated[int, Whole("[2, 1e6]")] = 3000
-    """Patterns; over the table that is one for less than a degree of gaze."""
+    """Number of patterns; 3000 over the table are less than a degree of gaze apart."""
     familiar: Annotated[int, Whole("[1, 1e6]")] = 300
-    """Images before them, in which the detector gets to know the face's views."""
+    """Images before them, from which the detector learns views of the face."""
     head_noise_deg: Spread = 0.5
-    """Standard deviation of the robot's head about the face's direction, so that the face lies on all fractions of a
-    pixel."""
+    """Standard deviation of the robot's head about the face's direction, degrees: the face then lies on all fractions
+    of a pixel."""
     jitter_deg: Spread = 0.5
-    """Standard deviation of the jitter of a gaze direction before the nearest pattern is taken."""
+    """Standard deviation of the jitter of a gaze direction before the nearest pattern is taken, degrees."""
 
 
 @dataclass(frozen=True)
 class FaceBank:
-    """Face patterns and where the caregiver looked."""
+    """Face patterns and the gaze directions that they show."""
 
     patches: np.ndarray  # (m, 1024) float32 grey values 0..255, as cut out by the detector
-    gaze: np.ndarray  # (m, 2) yaw and pitch of her line of sight, deg
+    gaze: np.ndarray  # (m, 2) yaw and pitch of the line of sight, deg
 
     def inputs(self, length: float, mean: np.ndarray | None = None, scale: float | None = None) -> "FaceInputs":
-        """Network inputs: standardised patches less their mean, scaled to a root mean square of ``length``.
+        """Network inputs: standardised patches less their mean, scaled to a root mean square length.
 
-        ``mean`` and ``scale`` of another bank make this one's inputs what that robot would see.
+        Args:
+            length: Root mean square length of the inputs.
+            mean: (d,) mean of another bank, whose robot looks at this one.
+            scale: Scale of that bank.
         """
         patterns = np.stack([standardised(patch) for patch in self.patches])
         mean = patterns.mean(axis=0) if mean is None else mean
@@ -65,7 +68,7 @@ class FaceBank:
 
 @dataclass(frozen=True)
 class FaceInputs:
-    """A bank as the network sees it."""
+    """A bank as inputs of the network."""
 
     patterns: np.ndarray  # (m, d) float32
     gaze: np.ndarray  # (m, 2) deg
@@ -73,22 +76,31 @@ class FaceInputs:
     scale: float
 
     def of_locations(self, locations: np.ndarray, jitter_deg: float, rng: np.random.Generator) -> np.ndarray:
-        """Index of a pattern for each of ``locations`` (..., 2) on the table that she may look at: (...,) int."""
+        """Indices of patterns that look at places on the table.
+
+        Args:
+            locations: (..., 2) places, m.
+            jitter_deg: Standard deviation of the jitter of gaze, degrees.
+            rng: For the jitter.
+
+        Returns:
+            (...,) int.
+        """
         gaze = gaze_deg(locations).reshape(-1, 2)
         gaze = gaze + jitter_deg * rng.standard_normal(gaze.shape)
         numbers("gaze of the face bank", self.gaze, (-1, 2))
         if not len(self.gaze):
             raise ObservationError("a face bank needs a face or more; got none")
-        return _nearest(numbers("gaze", gaze, gaze.shape), np.ascontiguousarray(self.gaze)).reshape(
-            locations.shape[:-1]
-        )
+        nearest: np.ndarray = _nearest(numbers("gaze", gaze, gaze.shape), np.ascontiguousarray(self.gaze))
+        return nearest.reshape(locations.shape[:-1])
 
 
 def gaze_deg(locations: np.ndarray) -> np.ndarray:
     """Yaw and pitch (..., 2) of the caregiver's gaze at objects at ``locations`` (..., 2) on the table, deg."""
     height = np.full((*locations.shape[:-1], 1), rest_height(WorldConfig().scene))
     own = (np.concatenate([locations, height], axis=-1) - HEAD_POSITION) * (-1.0, -1.0, 1.0)
-    return np.degrees(gaze_angles(np.zeros(3), own))
+    gaze: np.ndarray = np.degrees(gaze_angles(np.zeros(3), own))
+    return gaze
 
 
 @njit(cache=True)
@@ -104,33 +116,38 @@ def _nearest(points: np.ndarray, bank: np.ndarray) -> np.ndarray:
 
 
 def render_faces(config: FaceBankConfig, rng: np.random.Generator, world: WorldConfig | None = None) -> FaceBank:
-    """Let the caregiver look at random places of the table and collect her face.
+    """Let the caregiver look at random places of the table, and collect the face.
+
+    Args:
+        config: Size and noise of the bank.
+        rng: For places and noise.
+        world: Scene; default as in a session.
 
     Raises:
         GLError: No image can be rendered here.
     """
     locations = draw_locations(TABLE, config.faces, rng)
     gaze = gaze_deg(locations)
-    locations, gaze = locations[np.argsort(gaze[:, 0])], gaze[np.argsort(gaze[:, 0])]  # she turns little by little
+    locations, gaze = locations[np.argsort(gaze[:, 0])], gaze[np.argsort(gaze[:, 0])]  # the head turns little by little
     config_of_world = world or WorldConfig()
     stage = World.build(config_of_world, np.random.SeedSequence(0))
     try:
         sitter = _Sitter(stage, config_of_world)
         middle = len(gaze) // 2
-        sitter.look(np.zeros(2), FACE_DIRECTION)  # a frontal face, which the detector needs to begin with
+        sitter.pattern(np.zeros(2), FACE_DIRECTION)  # a frontal face, which the detector needs to begin with
         for i in range(config.familiar):
-            sitter.look(gaze[middle + round((middle - 1) * np.sin(i / 20))], FACE_DIRECTION)
+            sitter.pattern(gaze[middle + round((middle - 1) * np.sin(i / 20))], FACE_DIRECTION)
         patches = [
-            sitter.look(sight, FACE_DIRECTION + config.head_noise_deg * rng.standard_normal(2)) for sight in gaze
+            sitter.pattern(sight, FACE_DIRECTION + config.head_noise_deg * rng.standard_normal(2)) for sight in gaze
         ]
     finally:
         stage.close()
-    found = np.array([patch is not None for patch in patches])
-    return FaceBank(np.array([patch for patch in patches if patch is not None], np.float32), gaze[found])
+    detected = np.array([patch is not None for patch in patches])
+    return FaceBank(np.array([patch for patch in patches if patch is not None], np.float32), gaze[detected])
 
 
 class _Sitter:
-    """The caregiver, posed: head and eyes turned as in ``scene.caregiver``, everything else at rest."""
+    """The caregiver with head and eyes turned as in ``scene.caregiver``, and all else at rest."""
 
     def __init__(self, stage: World, config: WorldConfig):
         self._stage, self._head_share = stage, config.behaviour.head_share
@@ -138,14 +155,13 @@ class _Sitter:
         self._robot = [stage.model.joint(name).qposadr[0] for name in HEAD_JOINTS]
         self._perception = PixelPerception(PixelConfig(), np.array([item.rgb for item in config.scene.objects]))
 
-    def look(self, gaze: np.ndarray, head: np.ndarray) -> np.ndarray | None:
-        """The face pattern (1024,) while she looks along ``gaze`` and the robot's head stands at ``head``, deg."""
+    def pattern(self, gaze: np.ndarray, head: np.ndarray) -> np.ndarray | None:
+        """Face pattern (1024,) for a ``gaze`` (2,) and the robot's ``head`` (2,), deg; None if no face was detected."""
         data = self._stage.data
         neck = self._head_share * gaze
         data.qpos[self._gaze] = np.radians(np.concatenate([neck, gaze - neck, gaze - neck]))
         data.qpos[self._robot] = np.radians(head)
         mujoco.mj_forward(self._stage.model, data)
-        visible = self._perception.look(
-            {"camera": self._stage.eye.look(), "head_angles": np.radians(head)}, landed=True
-        )
-        return self._perception.face_pattern() if visible.visible[-1] else None
+        observation = StillObservation(self._stage.eye.render(), np.radians(head))
+        percept = self._perception.perceive(observation, landed=True)
+        return self._perception.face_pattern() if percept.visible[-1] else None

@@ -1,4 +1,4 @@
-"""Where objects lie in turn taking: anywhere on the table, within the robot's first view, or outside it."""
+"""Layouts of objects in turn taking: anywhere on the table, within the robot's first view, or outside it."""
 
 from dataclasses import dataclass
 from typing import Annotated, Literal
@@ -12,39 +12,57 @@ from jointattn_mj.scene.layout import LayoutConfig
 Rectangle = tuple[float, float, float, float]  # x from, x to, y from, y to; world frame, metres
 
 IN_VIEW: tuple[Rectangle, ...] = ((*LayoutConfig.x_range, *LayoutConfig.y_range),)
-"""The part of the table that chapter 6 uses; all of it is seen while the robot looks at the face."""
+"""Part of the table that chapter 6 uses; all of it is in view while the robot looks at the face."""
 OUTSIDE: tuple[Rectangle, ...] = ((0.50, 0.70, 0.43, 0.55), (0.50, 0.70, -0.55, -0.43))
-"""The table's corners at the robot: more than 31 degrees to either side, beyond the image's edge."""
+"""Corners of the table near the robot, more than 31 degrees to either side, beyond the edge of the image."""
 TABLE: tuple[Rectangle, ...] = ((0.50, 1.12, -0.55, 0.55),)
-"""Both, and what lies between; near the robot it is also below the first view."""
+"""The whole table; its part near the robot is also below the first view."""
 REGIONS = {"in_view": IN_VIEW, "outside": OUTSIDE, "table": TABLE}
 
 TRIES = 300
-"""Draws for one object after which its table is begun anew."""
+"""Draws for one object after which its layout is begun anew."""
 
 
 @dataclass(frozen=True)
 class ObjectTableConfig(Checked):
-    """What lies on the table."""
+    """Number and region of objects."""
 
     objects: Annotated[int, Whole("[1, 1000]")] = 5
-    """How many objects."""
+    """Number of objects."""
     region: Literal["table", "in_view", "outside"] = "table"
-    """Where they may lie; ``table`` mixes places in view and outside."""
+    """Region of objects; ``table`` mixes places in view and outside."""
     spacing: Annotated[float, Real("[0, 10]")] = 0.13
-    """Least distance between two, metres, as in ``scene.layout``."""
+    """Least distance between two objects, metres, as in ``scene.layout``."""
 
 
 def draw_locations(region: tuple[Rectangle, ...], count: int, rng: np.random.Generator) -> np.ndarray:
-    """(count, 2) places, uniform over the rectangles together."""
+    """Random places, uniform over all rectangles together.
+
+    Args:
+        region: Rectangles.
+        count: How many places.
+        rng: For the draws.
+
+    Returns:
+        (count, 2) world frame, m.
+    """
     corners = np.array(region)
     size = corners[:, 1::2] - corners[:, ::2]
     which = rng.choice(len(corners), size=count, p=size.prod(axis=1) / size.prod(axis=1).sum())
-    return corners[which, ::2] + size[which] * rng.random((count, 2))
+    locations: np.ndarray = corners[which, ::2] + size[which] * rng.random((count, 2))
+    return locations
 
 
 def draw_tables(config: ObjectTableConfig, count: int, rng: np.random.Generator) -> np.ndarray:
-    """(count, objects, 2) places, each table's at least ``spacing`` apart.
+    """Random layouts whose objects are at least ``spacing`` apart.
+
+    Args:
+        config: Number and region of objects.
+        count: How many layouts.
+        rng: For the draws.
+
+    Returns:
+        (count, objects, 2) places, world frame, m.
 
     Raises:
         ConfigError: So many objects do not fit.
@@ -60,7 +78,7 @@ def draw_tables(config: ObjectTableConfig, count: int, rng: np.random.Generator)
 
 
 def _fill(config: ObjectTableConfig, region: tuple[Rectangle, ...], count: int, rng: np.random.Generator) -> np.ndarray:
-    """One go at ``count`` tables, object by object; those that got full stay NaN."""
+    """Try ``count`` layouts, object by object; those without room for all objects are NaN."""
     tables = np.full((count, config.objects, 2), np.nan)
     todo = np.arange(count)
     for i in range(config.objects):

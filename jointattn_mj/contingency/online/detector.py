@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
+from jointattn_mj.contingency.names import OF_EVENTS, measure_choice
 from jointattn_mj.contingency.online.counts import ALONE, OF_ACTION, OF_SENSOR, OWN, Counts, local_variance
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import checked_by
@@ -29,7 +30,7 @@ class DetectorConfig(Checked):
     contingency in a world, or on the number of values of its variables.
     """
 
-    measure: Literal["sac", "tc"] = "sac"
+    measure: Annotated[str, measure_choice(OF_EVENTS)] = "sac"
     """Measure that ranks the events: ``sac`` (eq. 5.2) or ``tc`` (eq. 4.3)."""
     correction: Literal["none", "miller_madow"] = "none"
     """Correction of the bias of estimates from few transitions: ``none`` or ``miller_madow``."""
@@ -159,7 +160,7 @@ def grown(watch: Watch, events: int, event: int, anew: bool) -> Watch:
 
 @njit(cache=True)
 def _squared_error(counts, event, single):
-    """Squared standard error of an event's estimate, nats squared; 0 without a transition."""
+    """Squared standard error of the estimate of ``event``, nats squared; 0 without a transition."""
     n = counts.contexts[counts.of_event[event, OWN]].n
     return local_variance(counts, event, single) / n if n > 0.0 else 0.0
 
@@ -180,15 +181,25 @@ def _is_confident(watch, counts):
     return True
 
 
-def _check_look(watch, counts):
+def _check_update(watch, counts):
     if not len(watch.values) == len(watch.modelled) == len(counts.of_event):
-        raise ObservationError(f"a detector of {len(watch.values)} events looks at counts of {len(counts.of_event)}")
+        raise ObservationError(
+            f"a detector of {len(watch.values)} events needs their counts; got those of {len(counts.of_event)}"
+        )
 
 
-@checked_by(_check_look)
+@checked_by(_check_update)
 @njit(cache=True, forceinline=True)
-def look(watch: Watch, counts: Counts) -> int:
-    """Work out all measures after a transition; the number of an event that has just been found, or NOTHING."""
+def update(watch: Watch, counts: Counts) -> int:
+    """Estimate all measures after a transition, and test the stop rule.
+
+    Args:
+        watch: State of the detector, changed in place.
+        counts: Counts of its events, the transition included.
+
+    Returns:
+        Number of the event that has just been found, or NOTHING.
+    """
     rule, values = watch.rule, watch.values
     of_event, contexts = counts.of_event, counts.contexts
     single, half, per_nat = rule.single, 0.5 * rule.corrected, rule.per_nat
@@ -200,8 +211,8 @@ def look(watch: Watch, counts: Counts) -> int:
         if own.n > 0.0:
             total = own.sum - of_action.sum - single * (of_sensor.sum - alone.sum)
             if half > 0.0:
-                cells = own.occupied - of_action.occupied - single * (of_sensor.occupied - alone.occupied)
-                total -= half * cells
+                entries = own.occupied - of_action.occupied - single * (of_sensor.occupied - alone.occupied)
+                total -= half * entries
             value = total / own.n * per_nat
         moved = abs(value - values[e])
         if moved > change:

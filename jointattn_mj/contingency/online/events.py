@@ -1,4 +1,4 @@
-"""What may be contingent on what: variables with finitely many values, and the events made of them (section 5.2.1)."""
+"""Variables with finitely many values, and events (S, A, R) made of them (section 5.2.1)."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -9,14 +9,14 @@ from jointattn_mj.errors import ConfigError
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable that takes one of finitely many values; in series a value is its position in ``values``."""
+    """A variable with a name and finitely many values; in series a value is its position in ``values``."""
 
     name: str
     values: tuple[str, ...]
 
     def __post_init__(self) -> None:
         if not self.values or len(set(self.values)) != len(self.values):
-            raise ConfigError(f"variable {self.name!r} needs values that differ, at least one; got {self.values}")
+            raise ConfigError(f"variable {self.name!r} needs at least one value, and no value twice; got {self.values}")
 
 
 class Event(NamedTuple):
@@ -29,17 +29,17 @@ class Event(NamedTuple):
 
 @dataclass(frozen=True)
 class Variables:
-    """All that a mind senses and does (Table 4.1, Table 5.1).
+    """All that an agent senses and does (Table 4.1, Table 5.1).
 
-    The joints come first among ``actions``, and what is sensed of the world first among ``sensors``; each module adds
-    one of each (S_Pi, A_Pi): whether it drove its joint in the turn before, and whether it drives it in this one.
+    Among ``sensors`` those of the world come first, among ``actions`` the joints. Each module adds one of each (S_Pi,
+    A_Pi): whether it drove its joint in the step before, and whether it drives it in this one.
     """
 
     sensors: tuple[Variable, ...]
     actions: tuple[Variable, ...]
     results: tuple[Variable, ...]
     modules: int = 0
-    """How many of the last sensors and actions belong to modules."""
+    """Number of modules; the last so many sensors and actions are theirs."""
 
     def __post_init__(self) -> None:
         if not (self.sensors and self.actions and self.results):
@@ -47,11 +47,11 @@ class Variables:
 
     @property
     def joints(self) -> tuple[Variable, ...]:
-        """The actions that are motor commands."""
+        """Actions that are motor commands."""
         return self.actions[: len(self.actions) - self.modules]
 
     def with_module(self, name: str) -> "Variables":
-        """These variables, and the two of a further module (section 5.2.1)."""
+        """These variables, and the two of a further module called ``name`` (section 5.2.1)."""
         used = ("not used", "used")
         return replace(
             self,
@@ -61,12 +61,12 @@ class Variables:
         )
 
     def without_modules(self) -> "Variables":
-        """These variables as they were before any module was made."""
+        """These variables without those of modules."""
         sensors, actions = self.sensors[: len(self.sensors) - self.modules], self.joints
         return replace(self, sensors=sensors, actions=actions, modules=0)
 
     def events(self) -> Iterator[Event]:
-        """Every (sensor, action, result), results innermost."""
+        """Every (sensor, action, result); results change fastest."""
         for sensor in range(len(self.sensors)):
             for action in range(len(self.actions)):
                 for result in range(len(self.results)):

@@ -1,4 +1,4 @@
-"""Contingency reproduction modules: what to do under which observables, read off a contingent event (section 5.2.2)."""
+"""Contingency reproduction modules (section 5.2.2): maps from observables to commands, made of contingent events."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -13,34 +13,44 @@ OFFERS_NOTHING = -1
 
 @dataclass(frozen=True)
 class ReproductionConfig(Checked):
-    """How a module is made from the counts of its event."""
+    """How the map of a module is made from the counts of its event."""
 
     reliability_gap: NotNegative = 0.5
-    """Z_theta, rule 4 of section 5.2.2: least distance of the two highest z-scores under a pair of observables."""
+    """Z_theta (rule 4 of section 5.2.2), least difference of the two highest z-scores."""
     mean_over: Literal["positive", "not_negative"] = "positive"
-    """What rule 1 averages. "Positive or null" taken by the word lets the many pairs that never happened pull the mean
-    to 0, so that chance passes rule 2; positive ones only is our default."""
+    """Saliencies of which rule 1 takes the mean. With "positive or null", as the text has it, the many pairs that never
+    occurred pull the mean to 0, and chance passes rule 2."""
 
 
 @dataclass(frozen=True)
 class Module:
-    """A map from observables to a motor command that reproduces a contingent event; CM(i, j, k)."""
+    """A contingency reproduction module CM(i, j, k): its map from observables to commands."""
 
     event: Event
     command: np.ndarray
-    """(R, S) value of the event's action to bring about (a*, eq. 5.4); -1 where the module offers nothing."""
+    """(R, S) command (a*, eq. 5.4); -1 where the module offers none."""
     reliability: np.ndarray
-    """(R, S) Z of eq. 5.5; 0 where the module offers nothing."""
+    """(R, S) reliability Z (eq. 5.5); 0 where the module offers no command."""
     expected: np.ndarray
-    """(R, S) the result that it expects (r*, eq. 5.4); -1 where it offers nothing."""
+    """(R, S) expected result (r*, eq. 5.4); -1 where the module offers no command."""
     saliency: np.ndarray
-    """(R, S, R', A) e of eq. 5.3, which all of this follows from, in nats."""
+    """(R, S, R', A) contingent saliency e (eq. 5.3), nats, from which all others follow."""
+
+    def __repr__(self) -> str:
+        offered = int((self.command != OFFERS_NOTHING).sum())
+        return f"Module({self.event}, a command under {offered} of {self.command.size} pairs of observables)"
 
 
 def contingent_saliency(table: np.ndarray) -> np.ndarray:
-    """e(r', a; r, s) of eq. 5.3 in nats, (R, S, R', A), from counts (R, S, A, R'); NaN under pairs (r, s) never seen.
+    """Contingent saliency e(r', a; r, s) of eq. 5.3.
 
-    What was never done, or never followed, contributes nothing to the first or to the second term.
+    An action that was never done, or a result that never followed, contributes 0 to the first or to the second term.
+
+    Args:
+        table: (R, S, A, R') counts.
+
+    Returns:
+        (R, S, R', A) nats; NaN under pairs (r, s) that never occurred.
     """
     counts = np.asarray(table, float)
     rs, ra = counts.sum(axis=(2, 3), keepdims=True), counts.sum(axis=(1, 3), keepdims=True)
@@ -54,7 +64,13 @@ def contingent_saliency(table: np.ndarray) -> np.ndarray:
 
 
 def make_module(event: Event, table: np.ndarray, config: ReproductionConfig) -> Module:
-    """The module of an event, by eq. 5.4, eq. 5.5 and the four rules below it, from counts (R, S, A, R')."""
+    """The module of an event, by eq. 5.4, eq. 5.5 and the four rules below it.
+
+    Args:
+        event: The contingent event.
+        table: (R, S, A, R') its counts.
+        config: Thresholds of the rules.
+    """
     saliency = contingent_saliency(table)
     results, sensors, _, actions = saliency.shape
     flat = np.nan_to_num(saliency.reshape(results, sensors, -1))

@@ -1,25 +1,28 @@
-"""Reactive modules: behaviour that a robot is born with (section 5.2.3). To write one, give it a ``table``."""
+"""Reactive modules (section 5.2.3): behaviour that a robot has from the beginning.
+
+Your own is a class with a method ``table``, as in ``ReactiveModule``.
+"""
 
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
-from jointattn_mj.contingency.online.events import Variables
+from jointattn_mj.contingency.online.events import Variable, Variables
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Positive, Share
 
 
 @dataclass(frozen=True)
 class ReactiveTable:
-    """How likely each command of a joint is under each value of a sensor."""
+    """Probability of each command of a joint under each value of a sensor."""
 
     joint: str
     sensor: str
     odds: np.ndarray
-    """(values, commands) rows that add up to 1."""
+    """(values, commands) probabilities; each row adds up to 1."""
     trust: float
-    """alpha, section 5.2.3: the module's reliability, the same under all observables; above 0."""
+    """alpha (section 5.2.3), the reliability of the module under all observables; above 0."""
 
     def __post_init__(self) -> None:
         odds = np.asarray(self.odds, float)
@@ -30,21 +33,23 @@ class ReactiveTable:
 
 
 class ReactiveModule(Protocol):
-    """What a reactive module must offer."""
+    """What a reactive module must have."""
 
     def table(self, variables: Variables) -> ReactiveTable:
-        """Its table for a mind with these variables."""
+        """Its table for an agent with these variables."""
 
 
 @dataclass(frozen=True)
 class RandomModule(Checked):
-    """Every command of a joint is as likely as every other: the one that section 5.3 uses."""
+    """Every command of a joint has the same probability (section 5.3)."""
 
     joint: str
+    """Name of the joint."""
     trust: Positive = 1.0
+    """alpha (section 5.2.3), the reliability of the module."""
 
     def table(self, variables: Variables) -> ReactiveTable:
-        """The same row for every value of the first sensor."""
+        """See ``ReactiveModule``; the row is the same for every value of the first sensor."""
         sensor, joint = variables.sensors[0], _named(variables.joints, self.joint)
         count = len(joint.values)
         return ReactiveTable(self.joint, sensor.name, np.full((len(sensor.values), count), 1 / count), self.trust)
@@ -52,17 +57,19 @@ class RandomModule(Checked):
 
 @dataclass(frozen=True)
 class AvoidingModule(Checked):
-    """Random, but one command is rarer than the others: with the gaze on faces, the autism model of section 5.4."""
+    """One command is rarer than the others; for looks at the face this is the autism model of section 5.4."""
 
     joint: str
+    """Name of the joint."""
     avoided: str
-    """Value of the joint, such as ``caregiver's face``."""
+    """The rarer command, such as ``caregiver``."""
     share: Share = 0.1
-    """How likely the avoided command is, in comparison with each of the others; 0 to 1."""
+    """Probability of the avoided command as a share of that of each other one, 0 to 1."""
     trust: Positive = 1.0
+    """alpha (section 5.2.3), the reliability of the module."""
 
     def table(self, variables: Variables) -> ReactiveTable:
-        """The same row for every value of the first sensor."""
+        """See ``ReactiveModule``; the row is the same for every value of the first sensor."""
         sensor, joint = variables.sensors[0], _named(variables.joints, self.joint)
         if self.avoided not in joint.values:
             raise ConfigError(f"{self.joint!r} has no value {self.avoided!r}; it has {joint.values}")
@@ -70,7 +77,7 @@ class AvoidingModule(Checked):
         return ReactiveTable(self.joint, sensor.name, np.tile(odds / odds.sum(), (len(sensor.values), 1)), self.trust)
 
 
-def _named(variables, name):
+def _named(variables: tuple[Variable, ...], name: str) -> Variable:
     for variable in variables:
         if variable.name == name:
             return variable

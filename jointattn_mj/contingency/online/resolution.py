@@ -1,11 +1,11 @@
-"""Resolution that grows (section 7.1): sensations and actions start coarse, and split where contingency rises.
+"""Growing resolution (section 7.1): sensations and actions start coarse, and split where contingency rises.
 
-A sensation falls on one of finitely many prototypes, in a tree of which is more like which; an action is a point in a
-space of commands, or one that has no place there. S starts with two values, something sensed or nothing, and A with
-two, some point or the other action. A value of S can be split into a branch of the tree and the rest, one of A by a
-cut through its box of commands. Of each such split, and of each pair of one of S and one of A, the gain of the
-event's contingency SAC (eq. 5.2) is asked, corrected for what finer histograms gain from nothing. Where S says
-nothing as long as A is coarse, and A nothing as long as S is, only a pair can begin.
+A sensation is one of finitely many prototypes, such as the units of a map of faces; a tree says which are alike. An
+action is a point in a space of commands, or the other action, which lies outside it. S starts with two values,
+something sensed or nothing; A starts with two, some point or the other action. A value of S is split into a branch of
+the tree and the rest, a value of A by a cut through its box of commands. For each split, and for each pair of one of S
+and one of A, the gain of the event's contingency SAC (eq. 5.2) is computed, corrected for the bias of finer histograms.
+Where S says nothing as long as A is coarse, and A nothing as long as S is, only a pair can begin.
 """
 
 from collections.abc import Iterator
@@ -23,70 +23,79 @@ NOTHING_SENSED = -1
 
 @dataclass(frozen=True)
 class ResolutionConfig(Checked):
-    """When a split is worth it."""
+    """When values are split."""
 
     deviations: NotNegative = 4.0
-    """A split's gain must exceed this many of its standard errors. Some ten thousand splits compete at each look, so
-    that the best of them gains three by chance."""
+    """Standard errors that a split's gain must exceed. Some ten thousand splits compete at each test, so that the best
+    of them gains three by chance."""
     least_gain: NotNegative = 0.1
-    """The gain must also exceed this share of the contingency that there is: with time any border could be followed
-    ever more closely."""
+    """Share of the present contingency that the gain must also exceed. Without it, any border would be followed ever
+    more closely with time."""
     cuts: Annotated[int, Whole("[1, 10000]")] = 15
-    """Places along each axis of a box of commands where a cut is tried, with as many commands between two of them."""
+    """Cuts that are tried along each axis of a box, with equally many commands between two of them."""
     look_again: Positive = 0.2
-    """It looks for splits when there are more transitions by this share than at the last look."""
+    """Share of further transitions after which splits are tested again."""
     warm_up: Count = 500
-    """Transitions before the first look."""
+    """Transitions before the first test."""
     linkage: Literal["average", "complete", "single", "ward"] = "average"
-    """Distance of two groups of prototypes, for the tree: ``average``, ``complete``, ``single`` or ``ward``."""
+    """Distance of two groups of prototypes in the tree; names as in scipy's ``linkage``."""
 
 
 class Transitions(NamedTuple):
-    """What a robot sensed and did in some turns, and what came of it."""
+    """What a robot sensed and did in n steps, and the result that followed."""
 
-    cells: np.ndarray
-    """(n,) prototype that the sensation was nearest to, or NOTHING_SENSED."""
+    units: np.ndarray
+    """(n,) nearest prototype of the sensation, or NOTHING_SENSED."""
     commands: np.ndarray
-    """(n, d) what was then commanded; NaN for the other action."""
+    """(n, d) command in that step; NaN for the other action."""
     before: np.ndarray
-    """(n,) result that was there with the sensation: 0, 1, ..."""
+    """(n,) result in that step: 0, 1, ..."""
     after: np.ndarray
-    """(n,) result that followed."""
+    """(n,) result in the next step."""
 
     def some(self, which: np.ndarray | slice) -> "Transitions":
-        """Those of them."""
+        """A part of them."""
         return Transitions(*(column[which] for column in self))
 
 
-def transitions(cells: np.ndarray, commands: np.ndarray, results: np.ndarray) -> Transitions:
-    """From series (T,), (T, d) and (T,), turn by turn.
+def transitions(units: np.ndarray, commands: np.ndarray, results: np.ndarray) -> Transitions:
+    """Transitions of T steps.
+
+    Args:
+        units: (T,) nearest prototype, or NOTHING_SENSED.
+        commands: (T, d) command; NaN for the other action.
+        results: (T,) result: 0, 1, ...
 
     Raises:
         SeriesError: They are not equally long.
     """
-    if commands.ndim != 2 or not len(commands) == len(results) == len(cells):
+    if commands.ndim != 2 or not len(commands) == len(results) == len(units):
         raise SeriesError(
-            "cells (T,), commands (T, d) and results (T,) of as many turns are needed; "
-            f"got {cells.shape}, {commands.shape}, {results.shape}"
+            "units (T,), commands (T, d) and results (T,) must be of equal length; "
+            f"got {units.shape}, {commands.shape}, {results.shape}"
         )
-    return Transitions(cells[:-1], commands[:-1], results[:-1], results[1:])
+    return Transitions(units[:-1], commands[:-1], results[:-1], results[1:])
 
 
 @dataclass(frozen=True)
 class Resolution:
-    """The values that S and A have."""
+    """Values of S and A."""
 
     sensed: tuple[frozenset[int], ...]
-    """Prototypes of each value of S but the last, which is nothing sensed."""
+    """Prototypes of each value of S but the last, which stands for nothing sensed."""
     boxes: tuple[np.ndarray, ...]
-    """(d, 2) lower and upper bounds of the commands of each value of A but the last, which is the other action."""
+    """(d, 2) bounds of the commands of each value of A but the last, which stands for the other action."""
 
-    def sensor(self, cells: np.ndarray) -> np.ndarray:
-        """(T,) value of S for each of ``cells`` (T,)."""
+    def __repr__(self) -> str:
+        return f"Resolution({len(self.sensed) + 1} values of S, {len(self.boxes) + 1} of A)"
+
+    def sensor(self, units: np.ndarray) -> np.ndarray:
+        """(T,) value of S for each prototype in ``units`` (T,)."""
         value = np.full(max([-1, *(max(leaf, default=-1) for leaf in self.sensed)]) + 2, len(self.sensed))
         for number, leaf in enumerate(self.sensed):
             value[list(leaf)] = number
-        return value[cells]  # NOTHING_SENSED finds the last place
+        looked_up: np.ndarray = value[units]  # NOTHING_SENSED, -1, is the last
+        return looked_up
 
     def action(self, commands: np.ndarray) -> np.ndarray:
         """(T,) value of A for each of ``commands`` (T, d)."""
@@ -97,43 +106,50 @@ class Resolution:
 
 
 class Split(NamedTuple):
-    """A way to refine a resolution."""
+    """A refinement of a resolution."""
 
     kind: str
     """``S``, ``A`` or ``S and A``."""
     leaf: int
     """Value of S that is split, or -1."""
     branch: frozenset[int]
-    """Prototypes that become a value of their own; the rest keeps the old place."""
+    """Prototypes that become a new value; the rest keeps the old one."""
     box: int
     """Value of A that is split, or -1."""
     axis: int
+    """Axis of the cut through the box."""
     at: float
+    """Position of the cut, in units of the command."""
     gain: float
-    """Of corrected contingency, nats."""
+    """Rise of corrected contingency, nats."""
     error: float = np.nan
-    """Its standard error."""
+    """Standard error of the gain, nats."""
 
 
 class Step(NamedTuple):
-    """A split that was made."""
+    """A split that was made, and what it led to."""
 
-    turns: int
-    """After how many transitions."""
+    n_transitions: int
+    """Transitions by then."""
     split: Split
     resolution: Resolution
-    """As it was then."""
+    """Values of S and A after it."""
     contingency: float
-    """Corrected, nats, then."""
+    """Corrected contingency after it, nats."""
 
 
 def coarse(prototypes: int, space: np.ndarray) -> Resolution:
-    """Something sensed or nothing, some command of the box ``space`` (d, 2) or the other action."""
+    """The first values: something sensed or nothing, some command or the other action.
+
+    Args:
+        prototypes: How many there are.
+        space: (d, 2) bounds of the commands.
+    """
     return Resolution((frozenset(range(prototypes)),), (np.array(space, float),))
 
 
 def branches(points: np.ndarray, method: str) -> list[frozenset[int]]:
-    """All branches, single prototypes included, of the tree of ``points`` (k, d); the whole is none."""
+    """All branches of the tree of ``points`` (k, d), single points included; ``method`` as in scipy's ``linkage``."""
     groups = [frozenset([number]) for number in range(len(points))]
     if len(points) > 1:
         for left, right in linkage(points, method)[:-1, :2].astype(int):
@@ -142,56 +158,65 @@ def branches(points: np.ndarray, method: str) -> list[frozenset[int]]:
 
 
 def contingency(given: Transitions, resolution: Resolution) -> float:
-    """SAC of S, A and the result at this resolution, nats, corrected by Miller and Madow."""
+    """SAC of S, A and the result at a resolution, nats, with the correction of Miller and Madow."""
     return _sac(np.moveaxis(_table(given, resolution), 0, 2))
 
 
 def local_contingency(given: Transitions, resolution: Resolution) -> np.ndarray:
-    """(n,) SAC transition by transition, nats, uncorrected."""
+    """(n,) local SAC of each transition, nats, uncorrected."""
     counts = _table(given, resolution)
     r, s, a, after = _coded(given, resolution)
 
     def share(axes: tuple[int, ...]) -> np.ndarray:
         joint = counts.sum(axis=axes, keepdims=True)
         with np.errstate(invalid="ignore"):
-            return np.broadcast_to(joint / joint.sum(axis=3, keepdims=True), counts.shape)[r, s, a, after]
+            shares: np.ndarray = joint / joint.sum(axis=3, keepdims=True)
+        of_each: np.ndarray = np.broadcast_to(shares, counts.shape)[r, s, a, after]
+        return of_each
 
-    return np.log(share(()) * share((1, 2)) / (share((1,)) * share((2,))))
+    local: np.ndarray = np.log(share(()) * share((1, 2)) / (share((1,)) * share((2,))))
+    return local
 
 
 class Growth:
     """A resolution that grows with experience.
 
     Attributes:
-        resolution: As it is now.
-        steps: How it came about.
+        resolution: Values of S and A now.
+        steps: Splits so far.
     """
 
     def __init__(self, prototypes: np.ndarray, space: np.ndarray, config: ResolutionConfig = ResolutionConfig()):
-        """``prototypes`` (k, n) of sensations; ``space`` (d, 2) lower and upper bounds of commands."""
+        """Begin with the coarsest values.
+
+        Args:
+            prototypes: (k, n) prototypes of sensations.
+            space: (d, 2) lower and upper bounds of commands.
+            config: When values are split.
+        """
         self.config = config
         self.resolution = coarse(len(prototypes), space)
         self.steps: list[Step] = []
         self._branches = branches(prototypes, config.linkage)
         self._next = config.warm_up
 
-    def due(self, turns: int) -> bool:
-        """Whether so many transitions are enough to look again."""
-        return turns >= self._next
+    def due(self, n_transitions: int) -> bool:
+        """Whether so many transitions are enough to test for splits again."""
+        return n_transitions >= self._next
 
     def update(self, given: Transitions) -> list[Step]:
-        """Split where all that was ``given`` so far says so, if enough of it is new; returns what was done."""
-        turns, known = len(given.cells), len(self.steps)
-        if not self.due(turns):
+        """Split values by all transitions ``given`` so far, if enough of them are new; returns the splits."""
+        n_transitions, known = len(given.units), len(self.steps)
+        if not self.due(n_transitions):
             return []
-        self._next = int(turns * (1 + self.config.look_again)) + 1
+        self._next = int(n_transitions * (1 + self.config.look_again)) + 1
         while (split := self._best(given)) is not None:
             self.resolution = refined(self.resolution, split)
-            self.steps.append(Step(turns, split, self.resolution, contingency(given, self.resolution)))
+            self.steps.append(Step(n_transitions, split, self.resolution, contingency(given, self.resolution)))
         return self.steps[known:]
 
     def _best(self, given: Transitions) -> Split | None:
-        """The split that is worth most; a pair only where neither of S nor of A alone is any."""
+        """The split with the highest gain; a pair only where no split of S or of A alone gains enough."""
         best: dict[str, Split] = {}
         for split in splits(given, self.resolution, self._branches, self.config.cuts):
             if split.kind not in best or split.gain > best[split.kind].gain:
@@ -210,7 +235,7 @@ class Growth:
 
 
 def refined(resolution: Resolution, split: Split) -> Resolution:
-    """The resolution after a split; what is new comes last."""
+    """The resolution after a split; new values come last."""
     sensed, boxes = list(resolution.sensed), list(resolution.boxes)
     if split.leaf >= 0:
         sensed[split.leaf] = sensed[split.leaf] - split.branch
@@ -224,13 +249,20 @@ def refined(resolution: Resolution, split: Split) -> Resolution:
 
 
 def splits(given: Transitions, resolution: Resolution, tree: list[frozenset[int]], cuts: int) -> Iterator[Split]:
-    """Every split of S, every cut of A, and with each cut the best split of S."""
-    counts, per_cell = _by_cell(given, resolution, 1 + max(max(branch) for branch in tree))
+    """Every split of S, every cut of A, and with each cut the best split of S.
+
+    Args:
+        given: All transitions.
+        resolution: Values of S and A.
+        tree: Branches, as sets of prototypes.
+        cuts: Cuts that are tried along each axis of a box.
+    """
+    counts, per_unit = _by_unit(given, resolution, 1 + max(max(branch) for branch in tree))
     own = _Branches(resolution, tree, counts)
     had = own.value(counts)
     for leaf, branch, value in own.splits(counts):
         yield Split("S", leaf, branch, -1, 0, 0.0, value - had)
-    for box, axis, at, above in _cuts(given, resolution, per_cell, counts.shape, cuts):
+    for box, axis, at, above in _cuts(given, resolution, per_unit, counts.shape, cuts):
         cut = np.concatenate([counts, above[:, None]], axis=1)
         cut[:, box] -= above
         yield Split("A", -1, frozenset(), box, axis, at, own.value(cut) - had)
@@ -240,12 +272,12 @@ def splits(given: Transitions, resolution: Resolution, tree: list[frozenset[int]
 
 
 class _Branches:
-    """Splits of S, whose contingencies are worked out together for any partition of A."""
+    """All splits of S, whose contingencies are computed together for any partition of A."""
 
-    def __init__(self, resolution: Resolution, tree: list[frozenset[int]], by_cell: np.ndarray):
-        """``by_cell`` (cells + 1, A, R, R') says on which prototypes anything has fallen."""
+    def __init__(self, resolution: Resolution, tree: list[frozenset[int]], by_unit: np.ndarray):
+        """``by_unit`` (units + 1, A, R, R'): counts by prototype; those that never occurred are not split off."""
         self._leaves = [np.array(sorted(leaf), int) for leaf in resolution.sensed]
-        used = set(np.flatnonzero(by_cell[:-1].sum(axis=(1, 2, 3))))
+        used = set(np.flatnonzero(by_unit[:-1].sum(axis=(1, 2, 3))))
         self._inside: list[tuple[int, frozenset[int]]] = []
         tried = set[tuple[int, frozenset[int]]]()
         for number, leaf in enumerate(resolution.sensed):
@@ -254,43 +286,46 @@ class _Branches:
                 if part and part != of and not {(number, part), (number, of - part)} & tried:
                     tried.add((number, part))
                     self._inside.append((number, branch & leaf))
-        self._member = np.zeros((len(self._inside), len(by_cell)))
+        self._member = np.zeros((len(self._inside), len(by_unit)))
         for row, (_, branch) in zip(self._member, self._inside, strict=True):
             row[list(branch)] = 1
         self._of = np.array([number for number, _ in self._inside], int)
 
-    def value(self, by_cell: np.ndarray) -> float:
-        """Corrected SAC, nats, at a partition of A."""
-        return _sac(self._by_leaf(by_cell))
+    def value(self, by_unit: np.ndarray) -> float:
+        """Corrected SAC, nats, at the partition of A in ``by_unit`` (units + 1, A, R, R')."""
+        return _sac(self._by_leaf(by_unit))
 
-    def splits(self, by_cell: np.ndarray) -> Iterator[tuple[int, frozenset[int], float]]:
-        """Value of S, branch, and corrected SAC after the split, of each."""
-        leaves = self._by_leaf(by_cell)
-        inside = (self._member @ by_cell.reshape(len(by_cell), -1)).reshape(len(self._of), *by_cell.shape[1:])
+    def splits(self, by_unit: np.ndarray) -> Iterator[tuple[int, frozenset[int], float]]:
+        """Of each split: value of S, branch, and corrected SAC after it, nats."""
+        leaves = self._by_leaf(by_unit)
+        inside = (self._member @ by_unit.reshape(len(by_unit), -1)).reshape(len(self._of), *by_unit.shape[1:])
         rise = _rise(inside, leaves[self._of])
         rise -= _rise(inside.sum(axis=1, keepdims=True), leaves[self._of].sum(axis=1, keepdims=True))
-        values = _sac(leaves) + rise / by_cell.sum()
+        values = _sac(leaves) + rise / by_unit.sum()
         for (number, branch), value in zip(self._inside, values, strict=True):
             yield number, branch, float(value)
 
-    def _by_leaf(self, by_cell: np.ndarray) -> np.ndarray:
-        """(S, A, R, R')."""
-        return np.stack([*(by_cell[leaf].sum(axis=0) for leaf in self._leaves), by_cell[-1]])
+    def _by_leaf(self, by_unit: np.ndarray) -> np.ndarray:
+        """Counts (S, A, R, R')."""
+        return np.stack([*(by_unit[leaf].sum(axis=0) for leaf in self._leaves), by_unit[-1]])
 
 
 def _h(counts: np.ndarray) -> np.ndarray:
     """c ln c - [c > 0] / 2: sums of it are the entropies of counts, as Miller and Madow correct them."""
-    return counts * np.log(np.maximum(counts, 1)) - 0.5 * (counts > 0)
+    corrected: np.ndarray = counts * np.log(np.maximum(counts, 1)) - 0.5 * (counts > 0)
+    return corrected
 
 
 def _p(counts: np.ndarray) -> np.ndarray:
     """P of ``contingency.counts``, corrected, of counts (..., A, R, R')."""
-    return _h(counts).sum(axis=(-3, -2, -1)) - _h(counts.sum(axis=-1)).sum(axis=(-2, -1))
+    p: np.ndarray = _h(counts).sum(axis=(-3, -2, -1)) - _h(counts.sum(axis=-1)).sum(axis=(-2, -1))
+    return p
 
 
 def _rise(inside: np.ndarray, whole: np.ndarray) -> np.ndarray:
-    """By how much P grows where counts (..., A, R, R') are told apart into those ``inside`` and the rest."""
-    return _p(inside) + _p(whole - inside) - _p(whole)
+    """Rise of P when counts (..., A, R, R') are told apart into those ``inside`` and the rest."""
+    rise: np.ndarray = _p(inside) + _p(whole - inside) - _p(whole)
+    return rise
 
 
 def _sac(counts: np.ndarray) -> float:
@@ -301,8 +336,8 @@ def _sac(counts: np.ndarray) -> float:
 
 
 def _coded(given: Transitions, resolution: Resolution) -> tuple[np.ndarray, ...]:
-    """r, s, a and r' (n,)."""
-    return given.before, resolution.sensor(given.cells), resolution.action(given.commands), given.after
+    """Series r, s, a and r', (n,) each."""
+    return given.before, resolution.sensor(given.units), resolution.action(given.commands), given.after
 
 
 def _counted(codes: tuple[np.ndarray, ...], shape: tuple[int, ...]) -> np.ndarray:
@@ -316,19 +351,19 @@ def _table(given: Transitions, resolution: Resolution) -> np.ndarray:
     return _counted(_coded(given, resolution), shape)
 
 
-def _by_cell(given: Transitions, resolution: Resolution, prototypes: int) -> tuple[np.ndarray, np.ndarray]:
+def _by_unit(given: Transitions, resolution: Resolution, prototypes: int) -> tuple[np.ndarray, np.ndarray]:
     """Counts (prototypes + 1, A, R, R'), and of each transition the number (n,) of its (prototype, r, r')."""
-    cells = np.where(given.cells == NOTHING_SENSED, prototypes, given.cells)
+    units = np.where(given.units == NOTHING_SENSED, prototypes, given.units)
     results = int(max(given.before.max(), given.after.max())) + 1
     shape = (prototypes + 1, len(resolution.boxes) + 1, results, results)
-    counts = _counted((cells, resolution.action(given.commands), given.before, given.after), shape)
-    return counts, np.ravel_multi_index((cells, given.before, given.after), (shape[0], results, results))
+    counts = _counted((units, resolution.action(given.commands), given.before, given.after), shape)
+    return counts, np.ravel_multi_index((units, given.before, given.after), (shape[0], results, results))
 
 
 def _cuts(
-    given: Transitions, resolution: Resolution, per_cell: np.ndarray, shape: tuple[int, ...], cuts: int
+    given: Transitions, resolution: Resolution, per_unit: np.ndarray, shape: tuple[int, ...], cuts: int
 ) -> Iterator[tuple[int, int, float, np.ndarray]]:
-    """Box, axis, place of a cut, and the counts (prototypes + 1, R, R') beyond it."""
+    """Of each cut: box, axis, position, and the counts (prototypes + 1, R, R') beyond it."""
     rest = shape[0], *shape[2:]
     action = resolution.action(given.commands)
     for box in range(len(resolution.boxes)):
@@ -337,10 +372,10 @@ def _cuts(
             along = given.commands[own, axis]
             if len(along) <= cuts:
                 continue
-            locations = np.unique(np.quantile(along, np.arange(1, cuts + 1) / (cuts + 1)))
-            between = np.searchsorted(locations, along, side="right")
+            positions = np.unique(np.quantile(along, np.arange(1, cuts + 1) / (cuts + 1)))
+            between = np.searchsorted(positions, along, side="right")
             size = int(np.prod(rest))
-            fine = np.bincount(between * size + per_cell[own], minlength=(len(locations) + 1) * size)
-            beyond = np.cumsum(fine.reshape(len(locations) + 1, *rest)[::-1], axis=0)[::-1]
-            for number, at in enumerate(locations, 1):
+            fine = np.bincount(between * size + per_unit[own], minlength=(len(positions) + 1) * size)
+            beyond = np.cumsum(fine.reshape(len(positions) + 1, *rest)[::-1], axis=0)[::-1]
+            for number, at in enumerate(positions, 1):
                 yield box, axis, float(at), beyond[number]

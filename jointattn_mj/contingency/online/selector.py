@@ -1,4 +1,4 @@
-"""The module selector: which module drives which joint (section 5.2.4, eq. 5.6); compiled, on flat arrays."""
+"""The module selector (section 5.2.4, eq. 5.6): chooses the module that drives each joint; compiled, on flat arrays."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,50 +22,60 @@ class SelectorConfig(Checked):
     """How modules compete for a joint."""
 
     habituation: NotNegative = 0.5
-    """beta, eq. 5.6: how fast a module loses reliability that goes on under the same observables; 0 turns it off."""
+    """beta (eq. 5.6), loss of a module's reliability per repetition under the same observables; 0 turns it off."""
     habituates: Literal["driven", "observed"] = "driven"
-    """What t' of eq. 5.6 counts: ``driven``, turns on end in which the module itself drove the joint under these very
-    observables ("producing the same behavior continuously"), or ``observed``, in which they were the same. Only
-    ``driven`` gives the behaviour of Fig. 5.5: with ``observed``, a module that has not acted yet tires of waiting."""
+    """Steps in a row that t' of eq. 5.6 counts. ``driven``: those in which the module drove the joint under the same
+    observables ("producing the same behavior continuously"). ``observed``: those with the same observables. Only
+    ``driven`` gives the behaviour of Fig. 5.5: with ``observed`` a module habituates before it has acted."""
 
 
 class Maps(NamedTuple):
-    """All modules in flat arrays: those that reproduce a contingency (CM), in their order, then the reactive ones."""
+    """Maps of all M modules in flat arrays: contingency reproduction modules (CM) in order, then reactive ones."""
 
     sensor: np.ndarray
-    """(M,) the sensor that a module looks at."""
+    """(M,) sensor that a module depends on."""
     result: np.ndarray
-    """(M,) and the result; NOBODY for a reactive module, which looks at none."""
+    """(M,) result that it depends on; NOBODY for a reactive module."""
     joint: np.ndarray
-    """(M,) the joint it drives."""
+    """(M,) joint that it drives."""
     uses: np.ndarray
-    """(M,) the module whose command it gives on, or NOBODY for a module with commands of its own."""
+    """(M,) module that it switches on or off, or NOBODY for a module with commands of its own."""
     size: np.ndarray
-    """(M,) how many values its sensor has."""
+    """(M,) number of values of its sensor."""
     offset: np.ndarray
-    """(M,) where its map begins in ``command`` and ``reliability``, for a reactive one in ``odds``."""
+    """(M,) where its map begins in ``command`` and ``reliability``; for a reactive module in ``odds``."""
     command: np.ndarray
+    """Commands (R, S) of all CMs, one after the other."""
     reliability: np.ndarray
-    """Maps (R, S) of all CMs, one after the other."""
+    """Reliabilities (R, S) of all CMs, likewise."""
     odds: np.ndarray
-    """Cumulative odds (S, commands) of all reactive modules, one after the other."""
+    """Cumulative probabilities (S, commands) of all reactive modules, likewise."""
     trust: np.ndarray
-    """(M,) alpha of a reactive module."""
+    """(M,) alpha of a reactive module; 0 for a CM."""
     commands: np.ndarray
-    """(joints,) how many commands a joint knows."""
+    """(joints,) number of commands of each joint."""
     repeats: np.ndarray
-    """(M,) t' of eq. 5.6, and under which observables it was counted: (M,) each, changed from turn to turn."""
+    """(M,) t' of eq. 5.6, changed in every step."""
     under: np.ndarray
+    """(M,) observables under which it was counted, likewise."""
     made: int
-    """How many of the modules are CMs."""
+    """Number of CMs."""
     habituation: float
+    """beta of eq. 5.6."""
     by_driver: bool
+    """Whether t' counts steps in which the module drove."""
 
 
 def flat_maps(
     variables: Variables, modules: Sequence[Module], reactive: Sequence[ReactiveModule], config: SelectorConfig
 ) -> Maps:
     """The modules as arrays, without habituation.
+
+    Args:
+        variables: Variables of the agent.
+        modules: Contingency reproduction modules, in the order in which they were made.
+        reactive: Reactive modules, one or more for each joint.
+        config: Settings of the selector.
 
     Raises:
         ConfigError: A reactive module's table does not fit the variables, or a joint has no reactive module.
@@ -106,7 +116,7 @@ def flat_maps(
 
 
 def _fitting(table: ReactiveTable, variables: Variables) -> ReactiveTable:
-    """The table, if compiled code can use it with these variables."""
+    """The table, checked against the variables."""
     shape = []
     for kind, name, group in (("sensor", table.sensor, variables.sensors), ("joint", table.joint, variables.joints)):
         sizes = {one.name: len(one.values) for one in group}
@@ -122,13 +132,13 @@ def _fitting(table: ReactiveTable, variables: Variables) -> ReactiveTable:
 
 @njit(cache=True, forceinline=True)
 def _offer(maps, m, s, r):
-    """Command of a module under these observables, or OFFERS_NOTHING; one that uses another offers what that does."""
+    """Command of module ``m`` under ``s`` and ``r``, or OFFERS_NOTHING; a switching module offers another's."""
     while True:
         location = maps.offset[m] + r[maps.result[m]] * maps.size[m] + s[maps.sensor[m]]
         command = maps.command[location]
         if maps.uses[m] == NOBODY or command == OFFERS_NOTHING:
             return command
-        if command == 0:  # it is better not to use that one: nothing to offer
+        if command == 0:  # it switches the other module off
             return OFFERS_NOTHING
         m = maps.uses[m]
 
@@ -150,16 +160,16 @@ def _check_select(maps, s, r, random, strength, a, driver):
 @checked_by(_check_select)
 @njit(cache=True, forceinline=True)
 def select(maps, s, r, random, strength, a, driver):
-    """Choose a module for each joint, and carry out what it offers.
+    """Choose a module for each joint, and the command that it offers.
 
     Args:
-        maps: The modules; their habituation goes on.
-        s: Values (sensors,) observed now, modules' S_Pi included.
-        r: Values (results,) observed now.
-        random: Generator of the mind.
-        strength: Working space (M,).
-        a: Values (actions,) are written here: the joints' commands, then 1 for each CM in use (A_Pi).
-        driver: (joints,) the modules that drive are written here.
+        maps: Modules; their habituation is updated.
+        s: (sensors,) values in this step, modules' S_Pi included.
+        r: (results,) values in this step.
+        random: Generator of the agent.
+        strength: (M,) working space.
+        a: (actions,) is written: the joints' commands, then 1 for each CM in use (A_Pi).
+        driver: (joints,) is written: the module that drives each joint.
     """
     joints, modules = len(maps.commands), len(maps.sensor)
     made = maps.made
@@ -186,7 +196,7 @@ def select(maps, s, r, random, strength, a, driver):
                 highest = strength[m]
         total = 0.0
         for m in range(modules):
-            strength[m] = np.exp(strength[m] - highest)  # the odds stay, and nothing overflows
+            strength[m] = np.exp(strength[m] - highest)  # the ratios stay, and nothing overflows
             total += strength[m]
         left = random.random() * total
         chosen = modules - 1

@@ -1,8 +1,8 @@
-"""The mind of chapter 5 in real time: attention decides when it has looked long enough, the mind where it looks next.
+"""The agent of chapter 5 in real time: attention ends a fixation, the agent chooses the next gaze target.
 
-A step is a fixation. The attention selector of chapter 6 (eq. 6.1 to 6.7) lives through it frame by frame; when it
-draws something else than what is fixated, the step is over: what the robot sees at that moment is observed, the mind
-chooses where to look and what gesture to make, and the head turns there. The caregiver goes on all the time.
+A step is a fixation. The attention selector of chapter 6 (eq. 6.1 to 6.7) is updated frame by frame. When it draws
+another candidate than the fixated one, the step ends: the agent observes what is at the centre of view, chooses a gaze
+target and a gesture, and the head turns there. The caregiver goes on all the time.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ from jointattn_mj.development.contingency_log import ContingencyLog
 from jointattn_mj.development.realtime.partner import PACE, PartnerConfig, PartnerWorld
 from jointattn_mj.development.rendered.body import Witnessed
 from jointattn_mj.development.rendered.observer import ObservedRun
-from jointattn_mj.development.rendered.senses import CentralView, Senses, SensesConfig
+from jointattn_mj.development.rendered.senses import CentralView, Senses, SensesConfig, px_off_centre
 from jointattn_mj.development.table.caregiver import NOWHERE
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
@@ -31,65 +31,66 @@ from jointattn_mj.perception.motion import MotionConfig
 from jointattn_mj.perception.percept import Perceiver, Percept
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.state import StateConfig, StatePerception
-from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX, direction_of, directions_to
+from jointattn_mj.scene.camera import FOCAL_PX, direction_of, directions_to
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
-from jointattn_mj.scene.looker import locations
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.looker import spot_positions
+from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.variation import Variation, drawn, variation_of
-from jointattn_mj.scene.world import Observation, WorldConfig, build_physics
+from jointattn_mj.scene.world import WorldConfig, WorldObservation, build_physics
 
 FRAMES_PER_MINUTE = round(60 / FRAME_S)
 AT_TEN_A_SECOND = MotionConfig(frames_back=1, face_px=0.0675, object_px=0.375)
-"""Ten images a second: the speeds of chapter 6 over the tenth of a second between two of them."""
+"""Thresholds of chapter 6 for ten images a second."""
 
 
 @dataclass(frozen=True)
 class RealtimeConfig(Checked):
-    """What lies between the caregiver's life and the mind's steps."""
+    """Settings of a real-time run: world, caregiver's pace, attention, perception."""
 
     world: WorldConfig = field(default_factory=lambda: WorldConfig(behaviour=PACE))
-    """What things look like and how she moves; its objects are replaced by as many as the table has."""
+    """Looks of the scene and movements of the caregiver. Its objects are replaced by as many as the table has."""
     variation: Variation = "people+lights"
-    """How each seed's world differs, by names of ``scene.variation``: she is one of six people, in her own light."""
+    """What differs between seeds, by names of ``scene.variation``; by default the caregiver and the light."""
     partner: PartnerConfig = field(default_factory=PartnerConfig)
-    """Her pace."""
+    """Pace of the caregiver."""
     attention: AttentionConfig = field(default_factory=lambda: AttentionConfig(selection_period=9))
-    """When a fixation is over (section 6.3.2); a draw each 0.3 s, the length of a human fixation, for steps are what
-    the mind needs. Chapter 6's 0.6 s gave its number of gaze shifts."""
+    """When a fixation ends (section 6.3.2): a draw each 0.3 s, the length of a human fixation. The 0.6 s of chapter 6
+    would give the agent half as many steps."""
     perception: Literal["pixels", "state"] = "pixels"
-    """Rendered images, or the simulator's state with the errors that the pixel path was measured to make."""
+    """What the robot perceives. ``pixels``: rendered images. ``state``: the simulator's state, with the errors
+    measured for images."""
     senses: SensesConfig = field(
         default_factory=lambda: SensesConfig(
             pixels=PixelConfig(motion=AT_TEN_A_SECOND), grouping=GroupingConfig(most=6)
         )
     )
-    """From percepts to sensations. In three minutes a face comes to rest some sixty times; in so few faces more than
-    six categories are chance, and a table of more than four places needs more minutes and more categories."""
+    """From percepts to values of sensors. In three minutes a face comes to rest some sixty times; more than six
+    categories of so few faces are chance. A table of more than four spots needs more minutes and more categories."""
     state: StateConfig = field(default_factory=StateConfig)
-    """What stands for images with ``perception state``."""
+    """Errors of ``perception state``."""
     looks_every: Annotated[int, Whole("[1, 10000]")] = 3
-    """Frames from one image to the next while the head is still: ten images a second."""
+    """Frames from one image to the next while the head is still; 3 are ten images a second."""
     shift_frames: Annotated[int, Whole("[1, 10000]")] = 6
-    """Frames over which the head's reference moves in a gaze shift. Chapter 6 takes a second; a mind that has an hour
-    needs steps."""
+    """Frames over which the head's reference moves in a gaze shift. Chapter 6 takes a second; an hour would then
+    have too few steps."""
     longest_s: Annotated[float, Real("(0, 1e6]")] = 5.0
-    """A fixation that nothing ends lasts so long."""
+    """Longest fixation, in seconds."""
     familiarise_minutes: Annotated[float, Real("(0, 1e6]")] = 3.0
-    """Minutes of looking at the caregiver's face before all else (section 6.4.1); she greets the robot first."""
+    """Minutes of looking at the caregiver's face before all else (section 6.4.1), with a greeting first and last."""
 
     RENAMED: ClassVar = {"truth": "state"}
     OLD_CHOICES: ClassVar = {"perception": {"truth": "state"}}
 
 
 class RealtimeRun(ObservedRun):
-    """A mind, a body and a caregiver who does not wait.
+    """An agent and a caregiver who does not wait.
 
     Attributes:
         world: Bodies, 30 frames a second.
-        attention: Says when a step is over.
-        senses: What is made of percepts.
-        heads: (spots + 1, 2) the robot's gaze commands: head angles for each place and for the caregiver's face, deg.
-        frame: Frames since the mind began.
+        attention: Attention selector, which ends a step.
+        senses: From percepts to values of sensors.
+        heads: (spots + 1, 2) gaze commands: head angles for each spot and for the caregiver's face, deg.
+        frame: Frames since the agent's first step.
         on_frame: Called after every frame; for films.
     """
 
@@ -105,12 +106,25 @@ class RealtimeRun(ObservedRun):
         reactive: Sequence[ReactiveModule] = (),
         sample_every: int = 100,
     ):
-        """The robot knows the caregiver's face when this returns. ``n_steps``: the most steps there can be."""
+        """Learn the caregiver's face.
+
+        Args:
+            table: Rules of the table and of the caregiver.
+            config: World, pace, attention and perception.
+            agent: Settings of detector, modules and selector.
+            seed: 0 or more.
+            n_steps: Longest possible run, in fixations.
+            reactive: Initial modules; a joint without any moves at random.
+            sample_every: Steps from one note of every event's contingency to the next.
+
+        Raises:
+            ConfigError: A number is out of range, or the robot found no face.
+        """
         if seed < 0:
             raise ConfigError(f"seed must be 0 or more; got {seed}")
         if table.objects > len(OBJECTS) or table.kinds > 1:
             raise ConfigError(
-                f"the scene knows {len(OBJECTS)} objects, all of one kind to the mind; "
+                f"the rendered table has at most {len(OBJECTS)} objects, all of one kind; "
                 f"got {table.objects}, {table.kinds} kinds"
             )
         of_look, of_agent, of_world, of_perception, of_attention, of_senses = np.random.SeedSequence(seed).spawn(6)
@@ -118,10 +132,10 @@ class RealtimeRun(ObservedRun):
         scene = replace(config.world.scene, objects=OBJECTS[: table.objects])
         world, conditions = drawn(replace(config.world, scene=scene), variation_of(config.variation), of_look)
         self.world = PartnerWorld(world, build_physics(world, conditions), of_world, conditions, config.partner, table)
-        self._observation = Observation(self.world)
+        self._observation = WorldObservation(self.world)
         self._perceiver = self._new_perceiver(np.random.default_rng(of_perception))
         self.attention = AttentionSelector(config.attention, table.objects, np.random.default_rng(of_attention))
-        self.heads = np.vstack([directions_to(locations(table.spots, world.scene)), np.zeros(2)])
+        self.heads = np.vstack([directions_to(spot_positions(table.spots, world.scene)), np.zeros(2)])
         self._held = np.zeros(2)
         self.frame, self._gazes_at = 0, NOWHERE
         patterns, greetings = self._familiarised()
@@ -132,12 +146,12 @@ class RealtimeRun(ObservedRun):
 
     @property
     def ended(self) -> np.ndarray:
-        """(lived,) frame in which each step was over."""
+        """(steps_done,) frame in which each step ended."""
         return self._ended.column(0)
 
     @property
     def minutes(self) -> float:
-        """Simulated minutes since the mind began."""
+        """Simulated minutes since the agent's first step."""
         return self.frame / FRAMES_PER_MINUTE
 
     @property
@@ -146,7 +160,7 @@ class RealtimeRun(ObservedRun):
         return self.minutes
 
     def run_until(self, minutes: float) -> None:
-        """Live until so many simulated minutes have passed, to the end of a step."""
+        """Go on until so many simulated minutes have passed, to the end of a step."""
         while self.steps_done < self.n_steps and self.minutes < minutes:
             self.advance(1)
 
@@ -157,7 +171,7 @@ class RealtimeRun(ObservedRun):
         self.world.check()
 
     def more(self) -> dict[str, Any]:
-        """See ``ObservedRun``; and how much time it took."""
+        """See ``ObservedRun``; and simulated times."""
         return {
             "caregiver": self.world.config.scene.caregiver,
             "minutes": self.minutes,
@@ -166,7 +180,7 @@ class RealtimeRun(ObservedRun):
         }
 
     def minutes_at(self, step: int) -> float:
-        """Simulated minutes that had passed when so many steps had been lived."""
+        """Simulated minutes after which so many steps were done."""
         return float(self._ended.column(0, step - 1, step)[0]) / FRAMES_PER_MINUTE
 
     def close(self) -> None:
@@ -188,7 +202,7 @@ class RealtimeRun(ObservedRun):
         return Witnessed(partner.looks_at, partner.option, there)
 
     def _shift(self, location: int) -> None:
-        """Turn the head; she sees it turn, and where it comes to rest."""
+        """Turn the head to a gaze target; the caregiver sees it turn, and where it comes to rest."""
         movement = HeadShift(self._held, self.heads[location], self.config.shift_frames)
         self.world.caregiver.watch(NOWHERE)
         while not movement.commanded or self.world.head_moves():
@@ -198,12 +212,12 @@ class RealtimeRun(ObservedRun):
         self.world.caregiver.watch(location)
 
     def _fixate(self) -> CentralView:
-        """Live until the attention selector would look at something else; what is then at the centre of view."""
+        """Fixate until the attention selector chooses another candidate; returns what is at the centre of view then."""
         self.attention.settle()
         longest = round(self.config.longest_s / FRAME_S)
         for frame in range(longest):
             if frame % self.config.looks_every == 0:
-                percept = self._perceiver.look(self._observation, frame == 0)
+                percept = self._perceiver.perceive(self._observation, frame == 0)
                 attended = self._at_centre(percept)
             chosen = attend(self.attention, attended, percept)
             self._step()
@@ -218,9 +232,8 @@ class RealtimeRun(ObservedRun):
             self.on_frame()
 
     def _at_centre(self, percept: Percept) -> int | None:
-        """The candidate that is nearest to the centre of view, if that is near enough to be gazed at."""
-        off = np.hypot(percept.px[:, 0] - CENTRE_X, percept.px[:, 1] - CENTRE_Y)
-        off[~percept.visible] = np.inf
+        """Candidate nearest to the centre of view, if it is within the radius of what is gazed at."""
+        off = px_off_centre(percept)
         nearest = int(off.argmin())
         return nearest if off[nearest] <= np.radians(self.config.senses.centre_radius_deg) * FOCAL_PX else None
 
@@ -237,17 +250,19 @@ class RealtimeRun(ObservedRun):
         return PixelPerception(self.config.senses.pixels, colours)
 
     def _familiarised(self) -> tuple[np.ndarray, int]:
-        """Minutes of looking at her face, with a greeting before and after; patterns (n, d) of it whenever it has come
-        to rest, those that greeted the robot first, and how many these are.
+        """Look at the caregiver's face for some minutes, with a greeting before and after.
 
-        A face that has not moved since is not another face: counted at every look, each rest of hers would be a
-        category. She greets again because a face is cut out a little otherwise when more of its views are known.
+        A face counts once each time it comes to rest; counted at every image, each rest would become a category. The
+        second greeting is needed because a face is cut out differently when more of its views are known.
+
+        Returns:
+            Patterns (n, d) of the face, those of greetings first, and the number of these.
         """
         greetings, others = list[np.ndarray](), list[np.ndarray]()
         partner, visible, moved, again = self.world.caregiver, 0, True, False
         partner.watch(self.spots)
         while partner.greeting or not again:
-            percept = self._perceiver.look(self._observation, visible == 0)
+            percept = self._perceiver.perceive(self._observation, visible == 0)
             if percept.visible[-1]:
                 visible += 1
                 there = direction_of(percept.px[-1], np.degrees(self.world.head_angles()))
@@ -263,7 +278,7 @@ class RealtimeRun(ObservedRun):
                 again = True
                 partner.greet()
         if not greetings:
-            raise ConfigError("the robot found no face that greeted it; change variation, or the scene")
+            raise ConfigError("the robot found no frontal face during the greeting; change variation, or the scene")
         self.heads[-1], self._gazes_at = self._held, self.spots
         return np.array(greetings + others), len(greetings)
 

@@ -14,7 +14,7 @@ from jointattn_mj.development.table.world import CAREGIVER, OPTION, TableConfig,
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.pixels import PixelPerception
 from jointattn_mj.scene.camera import direction_of
-from jointattn_mj.scene.world import Observation
+from jointattn_mj.scene.world import WorldObservation
 
 LOOKS_PER_FACE = 100
 """The calibration gives up after so many images for each face that it needs."""
@@ -52,7 +52,7 @@ class Body:
         self.stage = Stage(table, stage, seed)
         self.perception = PixelPerception(senses.pixels, np.array([item.rgb for item in self.stage.objects]))
         self.face = np.zeros(2)
-        self._observation = Observation(self.stage.world)
+        self._observation = WorldObservation(self.stage.world)
         self._radius_deg = senses.centre_radius_deg
 
     def perceive(self) -> CentralView:

@@ -37,7 +37,7 @@ from jointattn_mj.development.table.world import CAREGIVER, TableConfig, table_v
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.som import SOM
 from jointattn_mj.scene.camera import directions_to, off_centre
-from jointattn_mj.scene.looker import locations
+from jointattn_mj.scene.looker import spot_positions
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,8 @@ class FreeGazeBody(Body):
         """Where to look next: a direction (2,), deg, or None for the caregiver's face."""
         if self._moves.random() < self.config.face_share:
             return None
-        return self._moves.uniform(self.space[:, 0], self.space[:, 1])
+        direction: np.ndarray = self._moves.uniform(self.space[:, 0], self.space[:, 1])
+        return direction
 
     def looks_at(self) -> int:
         """Spot at which the caregiver looks, in truth; ``spots`` for the robot."""
@@ -173,7 +174,7 @@ class RecallingBody(FreeGazeBody):
         """See ``FreeGazeBody``; then fill the album."""
         super().__init__(table, config, seed)
         self._random = np.random.default_rng(seed.spawn(1)[0])
-        self._spots = locations(self.spots, self.stage.world.config.scene)
+        self._spots = spot_positions(self.spots, self.stage.world.config.scene)
         self._album = [list[int]() for _ in range(self.spots + 1)]
         while min(len(page) for page in self._album) < self.pages:
             direction = self.random_direction()

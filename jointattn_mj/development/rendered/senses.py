@@ -5,19 +5,19 @@ that the robot learned itself (``perception.categories``). A frontal face is one
 any other is a profile. Each part of perception can be replaced by ground truth, which shows what its errors cost.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
 from jointattn_mj.contingency.online.events import Variable, Variables
 from jointattn_mj.development.table.world import TableConfig, table_variables
 from jointattn_mj.guards.finite import check_finite
-from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Real
 from jointattn_mj.perception.categories import FaceCategories, GroupingConfig
 from jointattn_mj.perception.faces import FaceDetectorConfig
+from jointattn_mj.perception.percept import Observation, Percept
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.perception.som import SOM, SOMConfig
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX
@@ -51,6 +51,8 @@ class SensesConfig(Checked):
     truth: tuple[Literal["face", "category", "object"], ...] = ()
     """Parts of perception that are replaced by ground truth: face, category, object."""
 
+    ADVANCED: ClassVar = ("frontal_share",)
+
 
 class CentralView(NamedTuple):
     """What an image shows at its centre; pixels as in ``Percept``, NaN for what was not detected."""
@@ -71,7 +73,7 @@ UNDETECTED = np.full(2, np.nan)
 EMPTY_VIEW = CentralView(False, False, UNDETECTED, UNDETECTED, None)
 
 
-def central_view(perception: PixelPerception, observation: Mapping[str, np.ndarray], radius_deg: float) -> CentralView:
+def central_view(perception: PixelPerception, observation: Observation, radius_deg: float) -> CentralView:
     """Perceive an image.
 
     Args:
@@ -79,24 +81,23 @@ def central_view(perception: PixelPerception, observation: Mapping[str, np.ndarr
         observation: Image and head angles, as in ``Perceiver``.
         radius_deg: What is so near to the centre of view counts as being there.
     """
-    percept = perception.look(observation, True)
-    face, nearest, near = _centre(percept.visible, percept.px, np.radians(radius_deg) * FOCAL_PX)
+    percept = perception.perceive(observation, landed=True)
+    radius, off = np.radians(radius_deg) * FOCAL_PX, px_off_centre(percept)
+    face, nearest = bool(off[-1] <= radius), int(off[:-1].argmin())
     return CentralView(
-        face, near, percept.px[-1].copy(), UNDETECTED if nearest < 0 else percept.px[nearest].copy(),
-        perception.face_pattern() if face else None,
-    )  # fmt: skip
+        face=face,
+        object=bool(off[nearest] <= radius),
+        face_px=percept.px[-1].copy(),
+        object_px=percept.px[nearest].copy() if percept.visible[nearest] else UNDETECTED,
+        pattern=perception.face_pattern() if face else None,
+    )
 
 
-@njit(cache=True)
-def _centre(visible, px, radius):
-    """Whether the face is within ``radius`` of the centre; the nearest object, or -1, and whether that is."""
-    nearest, least = -1, np.inf
-    for k in range(len(visible)):
-        off = np.hypot(px[k, 0] - CENTRE_X, px[k, 1] - CENTRE_Y) if visible[k] else np.inf
-        if k == len(visible) - 1:
-            return off <= radius, nearest, least <= radius
-        if off < least:
-            nearest, least = k, off
+def px_off_centre(percept: Percept) -> np.ndarray:
+    """Distance (n + 1,) of each candidate from the centre of view, pixels; infinite for one that is not visible."""
+    off: np.ndarray = np.hypot(percept.px[:, 0] - CENTRE_X, percept.px[:, 1] - CENTRE_Y)
+    off[~percept.visible] = np.inf
+    return off
 
 
 class Senses:

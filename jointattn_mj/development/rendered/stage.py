@@ -13,8 +13,8 @@ from jointattn_mj.development.table.world import CAREGIVER, ROBOT, Table, TableC
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Real
 from jointattn_mj.scene.camera import directions_to
-from jointattn_mj.scene.looker import AWAY, TurnWorld, locations
-from jointattn_mj.scene.model import OBJECTS
+from jointattn_mj.scene.looker import AWAY, TableWorld, spot_positions
+from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.variation import Variation, drawn, variation_of
 from jointattn_mj.scene.world import WorldConfig
 
@@ -76,9 +76,9 @@ class Stage:
         self.objects = OBJECTS[: table.objects]
         scene = replace(config.world.scene, objects=self.objects)
         world, conditions = drawn(replace(config.world, scene=scene), variation_of(config.variation), of_look)
-        self.world = TurnWorld.build(world, np.random.SeedSequence(0), conditions)
+        self.world = TableWorld.build(world, np.random.SeedSequence(0), conditions)
         self._random = np.random.default_rng(of_bodies)
-        self._spots = locations(table.spots, world.scene)
+        self._spots = spot_positions(table.spots, world.scene)
         self.locations = np.radians(directions_to(self._spots))
         self._table_config = table
         self._noise = np.radians([[config.head_jitter_deg], [config.motor_noise_deg]])
@@ -100,7 +100,8 @@ class Stage:
         location = self.table.state[CAREGIVER]
         if location == len(self._spots):
             return None
-        return self._lie[location] if self.config.looks_at == "object" else self._spots[location]
+        point: np.ndarray = (self._lie if self.config.looks_at == "object" else self._spots)[location]
+        return point
 
     def show(self, gesture: int, heads: np.ndarray) -> None:
         """Move all bodies to where the table's last step has put them.
@@ -130,5 +131,5 @@ class Stage:
 
     def _pose(self, point: np.ndarray | None, head: np.ndarray) -> None:
         off = self._noise * self._random.standard_normal((2, 2))
-        self.world.caregiver.look(point, off[0])
+        self.world.caregiver.look_at(point, off[0])
         self.world.arrive(head + off[1])

@@ -1,4 +1,4 @@
-"""Where the caregiver looks next, in interaction by turns (sections 4.3.3 and 5.3.1), as one compiled function."""
+"""The caregiver's gaze shifts at the table (sections 4.3.3 and 5.3.1), as one compiled function."""
 
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
@@ -17,27 +17,27 @@ NOWHERE = -1
 
 @dataclass(frozen=True)
 class TableCaregiverConfig(Checked):
-    """How the caregiver shifts her gaze."""
+    """How the caregiver shifts gaze."""
 
     follow: Share = 0.5
-    """p_r: how likely she follows the robot's gaze (RJA) when it looks at a spot and she looks at it."""
+    """p_r, probability of following the robot's gaze (RJA) when it looks at a spot and the caregiver at the robot."""
     lead: Share = 0.5
-    """p_i: how likely she leads the robot (IJA) when she looks at an object: back to the robot, then there again."""
+    """p_i, probability of leading the robot (IJA) while looking at an object: look at the robot, then back there."""
     answer: Share = 1.0
-    """p_e: how likely she turns to the robot when both have looked at the same object (chapter 5)."""
+    """p_e, probability of looking at the robot after both have looked at the same object (chapter 5)."""
     at_objects: Share = 1.0
-    """p_c, section 4.5.3: how likely she behaves as described at all; else she looks at the robot or an empty spot."""
+    """p_c (section 4.5.3), probability of these rules; else the caregiver looks at the robot or an empty spot."""
     follows_eye_contact: bool = False
-    """Whether RJA can also be chosen while robot and caregiver look at each other, as in chapter 4; it then ends at
-    some object. In chapter 5 the robot must look at a spot for that."""
+    """Whether RJA is also possible while robot and caregiver look at each other, as in chapter 4; it then ends at some
+    object. In chapter 5 the robot must look at a spot."""
     eye_contact: Literal["stay", "leave", "any"] = "stay"
-    """What neutral means while the two look at each other: ``stay``, ``leave`` for some object, or ``any`` of these."""
+    """What the neutral option does during eye contact: ``stay``, ``leave`` for some object, or ``any`` of these."""
     neutral_follows: bool = False
-    """Whether a neutral shift from the robot may also end where the robot looks, "identical to RJA" by chance."""
+    """Whether a neutral shift away from the robot may end where the robot looks, "identical to RJA" by chance."""
 
 
 class Rules(NamedTuple):
-    """A ``TableCaregiverConfig`` for compiled code."""
+    """A ``TableCaregiverConfig`` as numbers, for compiled code."""
 
     follow: float
     lead: float
@@ -73,7 +73,7 @@ def _count(spots):
 
 @njit(cache=True, forceinline=True)
 def _some(allowed, random):
-    """One of the spots that are allowed, or NOWHERE."""
+    """A random one of the allowed spots, or NOWHERE."""
     count = _count(allowed)
     if count == 0:
         return NOWHERE
@@ -89,30 +89,33 @@ def _check_shift(rules, full, robot, gaze, returns_to, random, allowed):
     require_array("whether an object lies on a spot", full, (-1,), "b")
     require_array("working space", allowed, full.shape, "b")
     looks = np.array([robot, gaze, returns_to])
-    require_array("where robot and caregiver look, and where she returns to", looks, (3,), "iu", NOWHERE, len(full))
+    require_array(
+        "gaze targets of robot and caregiver, and the spot to return to", looks, (3,), "iu", NOWHERE, len(full)
+    )
     if min(robot, gaze) < 0 or returns_to == len(full):
-        raise ObservationError(f"nobody looks {NOWHERE}, and she returns to a spot; got {robot}, {gaze}, {returns_to}")
+        raise ObservationError(
+            f"gaze targets are 0 to {len(full)}, and the caregiver returns to a spot; got {robot}, {gaze}, {returns_to}"
+        )
 
 
 @checked_by(_check_shift)
 @njit(cache=True, forceinline=True)
 def shift_gaze(rules, full, robot, gaze, returns_to, random, allowed):
-    """Her next gaze shift.
+    """The caregiver's next gaze shift.
 
-    Spots are 0 to N - 1; N stands for the other's face.
+    Gaze targets are spots, 0 to N - 1, and N for the other's face.
 
     Args:
-        rules: Her ``Rules``.
-        full: (N,) whether an object lies on a spot.
-        robot: Where the robot looks, 0 to N.
-        gaze: Where she looks, 0 to N.
-        returns_to: Spot to which she will lead the robot in the second step of IJA, or NOWHERE. Where its object has
-            gone she chooses as if there had been none.
-        random: Her generator.
-        allowed: Working space (N,) bool.
+        rules: The caregiver's ``Rules``.
+        full: (N,) bool, whether an object lies on a spot.
+        robot: Gaze target of the robot.
+        gaze: Gaze target of the caregiver.
+        returns_to: Spot to which the second step of IJA leads, or NOWHERE. It is ignored if its object is gone.
+        random: The caregiver's generator.
+        allowed: (N,) bool, working space.
 
     Returns:
-        Where she looks now, the spot that she will come back to or NOWHERE, and which of OPTIONS she chose.
+        The caregiver's new gaze target, the spot to return to or NOWHERE, and a position in OPTIONS.
     """
     face = len(full)
     if rules.at_objects < 1.0 and random.random() >= rules.at_objects:

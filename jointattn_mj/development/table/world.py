@@ -1,4 +1,4 @@
-"""A table with spots, objects on some of them, a caregiver and a robot who look in turns (sections 4.3.1 and 5.3.1)."""
+"""The table without images: spots, objects on some of them, caregiver and robot (sections 4.3.1 and 5.3.1)."""
 
 from dataclasses import dataclass, field
 from typing import Annotated, Literal, NamedTuple
@@ -14,33 +14,36 @@ from jointattn_mj.guards.restored import check_alike, check_array
 from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Whole
 
-ROBOT, CAREGIVER, RETURNS_TO, OPTION, TURN = range(5)
-"""Places in ``Table.state``."""
+ROBOT, CAREGIVER, RETURNS_TO, OPTION, STEP = range(5)
+"""Positions in ``Table.state``."""
+OBJECTS, KINDS, REPLACED_EVERY, PROFILE, ROBOT_FIRST = range(5)
+"""Positions in ``Table.layout``."""
 LOOKS_AT, OPTION_TAKEN = "caregiver looks at", "caregiver's option"
-"""What an onlooker sees: of state, CAREGIVER and OPTION."""
+"""Columns of the log that the robot does not know: CAREGIVER and OPTION of ``Table.state``."""
 
 
 @dataclass(frozen=True)
 class TableConfig(Checked):
-    """What the world of chapters 4 and 5 consists of."""
+    """Settings of the world of chapters 4 and 5."""
 
     spots: Annotated[int, Whole("[2, 125]")] = 3
-    """N: places on the table."""
+    """N, number of spots on the table."""
     objects: Annotated[int, Whole("[1, 125]")] = 2
-    """M': how many objects lie on it."""
+    """M', number of objects on the table."""
     kinds: Annotated[int, Whole("[1, 125]")] = 1
-    """M: how many different objects there are; the robot tells them apart (S_2). Chapter 5 has one kind."""
+    """M, number of kinds of objects, which the robot tells apart (S_2). Chapter 5 has one kind."""
     gestures: Annotated[int, Whole("[1, 125]")] = 4
-    """N_h: hand gestures that the robot knows; nobody answers them."""
+    """N_h, number of the robot's hand gestures; nobody answers them."""
     replaced_every: Annotated[int, Whole("[1, 1e10]")] = 10
-    """L: turns after which the objects are placed anew."""
+    """L, steps after which the objects are placed anew."""
     profile: bool = True
     """Whether the caregiver's profile is a result of its own (R_2 of chapter 5; chapter 4 has none)."""
     order: Literal["caregiver_first", "robot_first"] = "caregiver_first"
-    """Order of a turn. ``caregiver_first``, the words of section 4.3.1: objects are placed, the caregiver shifts, the
-    robot observes sensors and results, the robot acts. ``robot_first``: the robot acts and observes the results,
-    objects are placed, the caregiver shifts, the robot observes the sensors."""
+    """Order within a step. ``caregiver_first``, section 4.3.1: objects are placed, the caregiver shifts, the robot
+    observes sensors and results, the robot acts. ``robot_first``: the robot acts and observes the results, objects are
+    placed, the caregiver shifts, the robot observes the sensors."""
     caregiver: TableCaregiverConfig = field(default_factory=TableCaregiverConfig)
+    """How the caregiver shifts gaze."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -60,7 +63,7 @@ CHAPTER_5 = TableConfig()
 
 
 def table_variables(config: TableConfig) -> Variables:
-    """What the robot senses and does there (Table 4.1, Table 5.1)."""
+    """Sensors, actions and results of the robot at a table (Table 4.1, Table 5.1)."""
     spots = [f"spot {number}" for number in range(1, config.spots + 1)]
     kinds = ["object"] if config.kinds == 1 else [f"object {number}" for number in range(1, config.kinds + 1)]
     binary = ("no", "yes")
@@ -82,33 +85,40 @@ def table_variables(config: TableConfig) -> Variables:
 
 @one_type
 class Table(NamedTuple):
-    """The world as it is, for compiled code; spots are 0 to N - 1, and N stands for the other's face."""
+    """State of the table, for compiled code. Spots are 0 to N - 1; as a gaze target, N is the other's face."""
 
     full: np.ndarray
     """(N,) whether an object lies on a spot."""
     kind: np.ndarray
-    """(N,) which one."""
+    """(N,) kind of the object on a spot."""
     state: np.ndarray
-    """(5,) ROBOT's and CAREGIVER's gaze, RETURNS_TO and OPTION of ``shift_gaze``, and the TURN."""
+    """(5,) gaze targets of ROBOT and CAREGIVER, RETURNS_TO and OPTION of ``shift_gaze``, number of the STEP."""
     rules: Rules
     layout: np.ndarray
-    """(5,) objects, kinds, turns between placings, whether profile is a result, whether the robot goes first."""
+    """(5,) OBJECTS, KINDS, REPLACED_EVERY, PROFILE and ROBOT_FIRST of ``TableConfig``."""
     order: np.ndarray
-    """Working space: (N,) spots and (kinds,) kinds to be shuffled, (N,) spots she may choose."""
+    """(N,) spots, shuffled when objects are placed."""
     kinds: np.ndarray
+    """(kinds,) likewise."""
     allowed: np.ndarray
+    """(N,) working space: spots that the caregiver may choose."""
     world_random: np.random.Generator
     caregiver_random: np.random.Generator
 
 
 def table_witnessed(config: TableConfig) -> dict[str, tuple[str, ...]]:
-    """What an onlooker sees and the robot does not, and what its values are called: two places of ``Table.state``."""
+    """Columns of the log that the robot does not know, and the names of their values."""
     spots = tuple(f"spot {number}" for number in range(1, config.spots + 1))
     return {LOOKS_AT: (*spots, "robot"), OPTION_TAKEN: OPTIONS}
 
 
 def new_table(config: TableConfig, seed: np.random.SeedSequence) -> Table:
-    """A table before the first turn; robot and caregiver look at each other."""
+    """A table before the first step; robot and caregiver look at each other.
+
+    Args:
+        config: Rules of the table.
+        seed: Of the places of objects and of the caregiver.
+    """
     world, caregiver = (np.random.default_rng(child) for child in seed.spawn(2))
     layout = (config.objects, config.kinds, config.replaced_every, config.profile, config.order == "robot_first")
     return Table(
@@ -126,36 +136,40 @@ def new_table(config: TableConfig, seed: np.random.SeedSequence) -> Table:
 
 
 def check_table(table: Table, config: TableConfig) -> None:
-    """Refuse a table from a checkpoint that compiled code cannot live with.
+    """Refuse a table from a checkpoint that compiled code cannot use.
+
+    Args:
+        table: State of the table.
+        config: Its rules.
 
     Raises:
-        ValueError: It is not one of ``config``, or things are where there is no place.
+        ValueError: It is not one of ``config``, or holds a spot that does not exist.
     """
     model = new_table(config, np.random.SeedSequence(0))
     check_alike(table, model)
     face = config.spots
     largest = [face, face, face - 1, len(OPTIONS) - 1, np.iinfo(np.int64).max]
     check_array("state of the table", table.state, (5,), np.int64, [0, 0, NOWHERE, 0, 0], largest)
-    check_array("kinds on the table", table.kind, (face,), np.int64, 0, config.kinds - 1)
+    check_array("kinds of objects", table.kind, (face,), np.int64, 0, config.kinds - 1)
     check_array("layout of the table", table.layout, (5,), np.int64, model.layout, model.layout)
     for name, order in (("spots", table.order), ("kinds", table.kinds)):
         if not np.array_equal(np.sort(order), np.arange(len(order))):
-            raise ValueError(f"{name} of the table must be there once each")
+            raise ValueError(f"{name} of the table must each occur once")
     if table.rules != model.rules:
         raise ValueError("rules of the table are others than its config's")
 
 
 @njit(cache=True, forceinline=True)
 def _shuffle_first(items, count, random):
-    for location in range(count):
-        other = location + int(random.random() * (len(items) - location))
-        items[location], items[other] = items[other], items[location]
+    for i in range(count):
+        other = i + int(random.random() * (len(items) - i))
+        items[i], items[other] = items[other], items[i]
 
 
 @njit(cache=True, forceinline=True)
 def place_objects(table):
-    """Put the objects on other spots."""
-    objects, kinds = table.layout[0], table.layout[1]
+    """Put the objects on random spots."""
+    objects, kinds = table.layout[OBJECTS], table.layout[KINDS]
     _shuffle_first(table.order, objects, table.world_random)
     if kinds > 1:
         _shuffle_first(table.kinds, objects, table.world_random)
@@ -167,42 +181,42 @@ def place_objects(table):
 
 
 @njit(cache=True, forceinline=True)
-def _see_results(table, r):
+def _write_results(table, r):
     state, face = table.state, len(table.full)
     at_face = state[ROBOT] == face
     frontal = at_face and state[CAREGIVER] == face
     r[0] = frontal
-    if table.layout[3]:
+    if table.layout[PROFILE]:
         r[1] = at_face and not frontal
     r[len(r) - 1] = not at_face and table.full[state[ROBOT]]
 
 
-def _check_turn(table, a, s, r):
+def _check_step(table, a, s, r):
     if not isinstance(table, Table):
         raise ObservationError(f"expected a Table, as new_table makes it; got {type(table).__name__}")
     require_array("where the robot looks, and its gesture", a, (2,), "iu")
     require_array("where the robot looks", a[:1], (1,), "iu", 0, len(table.full))
     require_array("sensors to be written", s, (2,), "i")
-    require_array("results to be written", r, (2 + int(table.layout[3]),), "i")
+    require_array("results to be written", r, (2 + int(table.layout[PROFILE]),), "i")
 
 
-@checked_by(_check_turn)
+@checked_by(_check_step)
 @njit(cache=True, forceinline=True)
 def step(table, a, s, r):
     """Let the robot act and the caregiver answer, in the configured order.
 
     Args:
-        table: The world, changed in place.
-        a: Values (actions,) of the robot: where it looks from now on, and its gesture.
-        s: Values (sensors,) that it then observes are written here.
-        r: Values (results,) likewise.
+        table: State of the table, changed in place.
+        a: (2,) the robot's actions: gaze target from now on, and gesture.
+        s: (2,) is written: values of the sensors then.
+        r: (results,) is written: values of the results.
     """
     state, face = table.state, len(table.full)
-    if state[TURN] > 0:
+    if state[STEP] > 0:
         state[ROBOT] = a[0]
-    if table.layout[4]:
-        _see_results(table, r)
-    if state[TURN] % table.layout[2] == 0:
+    if table.layout[ROBOT_FIRST]:
+        _write_results(table, r)
+    if state[STEP] % table.layout[REPLACED_EVERY] == 0:
         place_objects(table)
     state[CAREGIVER], state[RETURNS_TO], state[OPTION] = shift_gaze(
         table.rules,
@@ -215,10 +229,10 @@ def step(table, a, s, r):
     )
     if state[ROBOT] == face:
         s[0] = state[CAREGIVER]
-        s[1] = table.layout[1]
+        s[1] = table.layout[KINDS]
     else:
         s[0] = face + 1
-        s[1] = table.kind[state[ROBOT]] if table.full[state[ROBOT]] else table.layout[1]
-    if not table.layout[4]:
-        _see_results(table, r)
-    state[TURN] += 1
+        s[1] = table.kind[state[ROBOT]] if table.full[state[ROBOT]] else table.layout[KINDS]
+    if not table.layout[ROBOT_FIRST]:
+        _write_results(table, r)
+    state[STEP] += 1

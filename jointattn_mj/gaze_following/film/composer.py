@@ -1,13 +1,13 @@
-"""One image of the session's video: it explains itself to somebody who has never heard of the project.
+"""One image of a session's video, made for a viewer who has never heard of the project.
 
-Left what the robot perceives and what interests it, right the same moment from outside with both lines of sight, the
-map of faces, who decides where to look, and how often it was right.
+On the left are the robot's percept and its interest in things. On the right are the same moment from outside with both
+lines of sight, the map of faces, who decides where to look, and how often the robot looked where the person looked.
 """
 
 import numpy as np
 
 from jointattn_mj.gaze_following.film.interest import FRAMES, InterestPanel
-from jointattn_mj.gaze_following.film.overlay import RobotsView
+from jointattn_mj.gaze_following.film.overlay import BAR, STATUS, RobotsView
 from jointattn_mj.gaze_following.film.panels import GatePanel, MapPanel, SuccessPanel
 from jointattn_mj.gaze_following.session import SessionRun
 from jointattn_mj.gaze_following.shifts import ShiftRow
@@ -20,10 +20,12 @@ from jointattn_mj.video.paint import (
     GROUND,
     PERSON,
     RED,
+    TEXT,
     WHITE,
     Box,
     Colour,
     cross,
+    fitting,
     ink_of,
     shade,
     tick,
@@ -34,13 +36,14 @@ from jointattn_mj.video.percepts import SCALE
 
 WIDTH, HEIGHT = 1280, 720
 VERDICT_S = 1.2
-"""How long the verdict on a shift from the face to an object stays in the image."""
-_EYE = Box(16, 76, IMAGE_WIDTH * SCALE, IMAGE_HEIGHT * SCALE)
-_OUTSIDE = Box(672, 76, 592, 340)
-_INTEREST = Box(16, 564, 640, 148)
-_MAP = Box(672, 424, 212, 288)
-_GATE = Box(892, 424, 372, 110)
-_SUCCESS = Box(892, 542, 372, 170)
+"""Seconds for which the verdict on a shift from the face to an object stays in the image."""
+_EYE = Box(16, 84, IMAGE_WIDTH * SCALE, IMAGE_HEIGHT * SCALE)
+_OUTSIDE = Box(672, 84, 592, 340)
+_INTEREST = Box(16, 572, 640, 140)
+_MAP = Box(672, 432, 212, 280)
+_GATE = Box(892, 432, 372, 104)
+_SUCCESS = Box(892, 544, 372, 168)
+_VERDICT_SIZES = (22, 20, 18, 16)
 DOES = {
     Phase.GREET: ("greets the robot", ""),
     Phase.TURN: ("turns to", ""),
@@ -50,28 +53,27 @@ DOES = {
     Phase.PUT: ("puts", "elsewhere"),
     Phase.GAZE: ("gazes at", ""),
 }
-"""What the person does, in words, before and after the name of her target."""
+"""What the caregiver does, in words, before and after the name of the target."""
 
 
 class Composer:
     """Puts all parts into one image, uint8 (720, 1280, 3)."""
 
     def __init__(self, session: SessionRun):
+        """Draw what stays the same during ``session``."""
         config, self._names = session.config, session.names
         self._inks: list[Colour] = [*(ink_of(item.rgb) for item in config.world.scene.objects), PERSON]
         self._blank = blank = np.full((HEIGHT, WIDTH, 3), GROUND, np.uint8)
-        end = write(blank, 16, 11, "A robot learns to look where somebody else is looking", WHITE, 21, True)
-        write(blank, end + 16, 17, "Nobody tells it where: it only watches.", GREY, 14)
-        write(blank, _EYE.x, 50, "What the robot sees", WHITE, 16, True)
-        write(blank, _EYE.x + _EYE.width, 53, "30 images a second, 320 x 240", GREY, 13, align="right")
-        write(blank, _OUTSIDE.x, 50, "The same moment from outside", WHITE, 16, True)
-        write(blank, _OUTSIDE.x + _OUTSIDE.width, 53, "truth, not known to the robot", GREY, 13, align="right")
+        end = write(blank, 16, 8, "A robot learns to look where somebody else is looking", WHITE, 26, True)
+        write(blank, end + 18, 12, "Nobody tells it where.", GREY, 21)
+        write(blank, _EYE.x, 50, "What the robot sees", WHITE, 22, True)
+        write(blank, _OUTSIDE.x, 50, "From outside", WHITE, 22, True)
         self._eye = RobotsView(self._names, self._inks, _EYE)
         self._interest = InterestPanel(blank, _INTEREST, self._names, self._inks, config.robot.attention)
         self._parts = (
             self._eye,
             MapPanel(blank, _MAP),
-            GatePanel(blank, _GATE, self._names, self._inks),
+            GatePanel(blank, _GATE),
             SuccessPanel(blank, _SUCCESS, config.minutes, len(config.world.scene.objects)),
         )
         self._onlooker: Onlooker | None = None
@@ -82,8 +84,7 @@ class Composer:
         """The image of this frame; it holds until the next one."""
         canvas = self._canvas
         np.copyto(canvas, self._blank)
-        now = f"{_clock(session.frame * FRAME_S)} of {self._total} simulated"
-        write(canvas, WIDTH - 16, 14, now, WHITE, 16, align="right")
+        write(canvas, WIDTH - 16, 12, f"{_clock(session.frame * FRAME_S)} of {self._total}", WHITE, 21, align="right")
         for part in self._parts:
             part.draw(canvas, session)
         self._interest.draw(canvas, session.frames.recent(FRAMES))
@@ -103,21 +104,24 @@ class Composer:
         if self._onlooker is None:
             self._onlooker = Onlooker(session.world, _OUTSIDE.width, _OUTSIDE.height)
         area = _OUTSIDE.of(canvas)
-        area[:] = self._onlooker.look()
+        area[:] = self._onlooker.render()
         before, after = DOES[session.world.caregiver.phase]
-        bar = area[:28]
-        shade(bar, GROUND, 0.6)
-        x = write(bar, 12, 5, "The person", PERSON, 14, True) + 5
-        x = write(bar, x, 5, before, WHITE, 14) + 5
+        bar = area[-BAR:]
+        shade(bar, GROUND, 0.88)
+        x = write(bar, 12, 7, "The person", PERSON, STATUS, True) + 7
+        x = write(bar, x, 7, before, WHITE, STATUS) + 7
         target = session.world.caregiver.target
         if target is not None:
-            x = write(bar, x, 5, self._names[target], self._inks[target], 14, True) + 5
-        write(bar, x, 5, after, WHITE, 14)
+            x = write(bar, x, 7, self._names[target], self._inks[target], STATUS, True) + 7
+        write(bar, x, 7, after, WHITE, STATUS)
+        right = _OUTSIDE.x + _OUTSIDE.width
         if self._onlooker.together:
-            write(bar, _OUTSIDE.width - 12, 5, "both look at the same thing", GREEN, 14, True, align="right")
+            write(canvas, right, 52, "both look at the same thing", GREEN, STATUS, True, align="right")
+        else:
+            write(canvas, right, 54, "the robot does not know this view", GREY, TEXT, align="right")
 
     def _draw_verdict(self, canvas: np.ndarray, row: ShiftRow, still: bool) -> None:
-        """A line that says how the shift ended, and a frame around both views as long as the robot looks there."""
+        """Write how a shift ended; while the robot looks there (``still``), draw a frame around both views."""
         ink = GREEN if row.success else RED
         if still:
             for x, y, width, height in (_EYE, _OUTSIDE):
@@ -125,20 +129,20 @@ class Composer:
                 edge = 5 if row.success else 2
                 area[:edge], area[-edge:], area[:, :edge], area[:, -edge:] = ink, ink, ink, ink
         text = verdict_in_words(row)
-        wide = width_of(text, 16, True) + 56
-        x, y = _OUTSIDE.x + (_OUTSIDE.width - wide) // 2, _OUTSIDE.y + _OUTSIDE.height - 48
-        plate = canvas[y : y + 34, x : x + wide]
-        shade(plate, GROUND, 0.85)
+        size = fitting(text, _OUTSIDE.width - 84, _VERDICT_SIZES, True)
+        wide = width_of(text, size, True) + 68
+        x, y = _OUTSIDE.x + (_OUTSIDE.width - wide) // 2, _OUTSIDE.y + _OUTSIDE.height - BAR - 52
+        shade(canvas[y : y + 44, x : x + wide], GROUND, 0.88)
         mark = tick if row.success else cross
-        mark(canvas, np.array([x + 22.0, y + 17.0]), 17, ink, 4)
-        write(canvas, x + 42, y + 7, text, ink, 16, True)
+        mark(canvas, np.array([x + 28.0, y + 22.0]), 24, ink, 5)
+        write(canvas, x + 52, y + 21 - 0.6 * size, text, ink, size, True)
         if row.success and still:
             centre = np.array([_EYE.x + _EYE.width - 44.0, _EYE.y + 44.0])
             tick(canvas, centre, 50, GREEN, 8)
 
 
 def recent(session: SessionRun) -> ShiftRow | None:
-    """The last shift from the face to an object, if it landed just now."""
+    """The last shift from the face to an object, if it landed within ``VERDICT_S``; else None."""
     row = session.shifts[-1] if session.shifts else None
     if row is None or not row.face_to_object:
         return None
@@ -151,10 +155,10 @@ def verdict_in_words(row: ShiftRow) -> str:
     if row.success:
         if row.success_at_landing:
             return f"Joint attention at {at}"
-        return f"Joint attention: {row.target_at_launch} was there when the robot set out"
+        return f"Joint attention: {row.target_at_launch} was just there"
     if row.on_nothing:
-        return "The robot found nothing there"
-    return f"Missed: the robot looks at {at}, the person at {target or 'the robot'}"
+        return "Missed: nothing is there"
+    return f"Missed: robot at {at}, person at {target or 'the robot'}"
 
 
 def _clock(seconds: float) -> str:

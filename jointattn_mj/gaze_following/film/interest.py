@@ -1,6 +1,6 @@
-"""The video's panel on attention: everybody's interest measure over the last seconds, and who looked at what.
+"""The video's panel on attention: the interest of every candidate over the last seconds, and who looked at what.
 
-The two stripes below the curves have the colour of what the robot and the person look at: the same colour one above
+Two stripes below the curves have the colours of what the robot and what the person looks at. The same colour one above
 the other is joint attention.
 """
 
@@ -11,15 +11,29 @@ import numpy as np
 
 from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.scene.caregiver import FRAME_S
-from jointattn_mj.video.paint import FAINT, GREY, PANEL, PERSON, ROBOT, WHITE, Box, Colour, lines, width_of, write
+from jointattn_mj.video.paint import (
+    FAINT,
+    GREY,
+    PANEL,
+    PERSON,
+    ROBOT,
+    SMALL,
+    TITLE,
+    WHITE,
+    Box,
+    Colour,
+    lines,
+    width_of,
+    write,
+)
 
 SECONDS = 10
 FRAMES = round(SECONDS / FRAME_S)
-"""What is drawn at a time."""
+"""Frames that are drawn at a time."""
 _SPAN = 50  # the most over the least interest that is drawn
-_STRIPE = 13  # height of a stripe, pixels
-_MARGIN = 128  # left of the curves: what they are
-_LEGENDS = ((13, 16), (11, 8), (10, 5))  # size of text and gap, pixels; the first that fits
+_STRIPE = 15  # height of a stripe, pixels
+_MARGIN = 182  # left of the curves, for words; pixels
+_LEGENDS = ((17, 14), (15, 10), (12, 7), (10, 5))  # size of text and gap, pixels; the first that fits
 
 
 def _legend_width(names: tuple[str, ...], size: int, gap: int) -> int:
@@ -27,10 +41,10 @@ def _legend_width(names: tuple[str, ...], size: int, gap: int) -> int:
 
 
 class Columns(Protocol):
-    """A table with a row a frame, whose last rows are up to now."""
+    """A table with a row a frame; its last row is now."""
 
     def column(self, name: str, candidate: int | None = None) -> np.ndarray:
-        """Values of a column; per-candidate columns need the candidate's number."""
+        """Values (frames,) of a column; a column of candidates needs the candidate's number."""
 
 
 class InterestPanel:
@@ -40,14 +54,23 @@ class InterestPanel:
         self, canvas: np.ndarray, box: Box, names: tuple[str, ...], inks: list[Colour], attention: AttentionConfig,
         person: bool = True,
     ):  # fmt: skip
-        """``person``: whether it is known where she looks, for the second stripe."""
+        """Draw what stays the same.
+
+        Args:
+            canvas: Image of the film, in place.
+            box: Where on it the panel goes, pixels.
+            names: Of the candidates, the face last.
+            inks: Their colours.
+            attention: Settings that bound the interest.
+            person: Whether the table has the target of the caregiver's gaze, for the second stripe.
+        """
         box.of(canvas)[:] = PANEL
         self._knows_person = person
         self._inks = inks
         gain = 1 + attention.motion_gain if attention.motion_cues else 1.0
         self._most = max(attention.face_preference, attention.object_preference) * gain
         left, width = box.x + _MARGIN, box.width - _MARGIN - 12
-        self._plot = Box(left, box.y + 32, width, box.height - 32 - (1 + person) * (_STRIPE + 3) - 12)
+        self._plot = Box(left, box.y + 36, width, box.height - 36 - (1 + person) * (_STRIPE + 3) - 10)
         below = self._plot.y + self._plot.height
         self._robot = Box(left, below + 7, width, _STRIPE)
         self._person = Box(left, below + 7 + _STRIPE + 3, width, _STRIPE)
@@ -56,32 +79,30 @@ class InterestPanel:
         self._label(canvas, box, names)
 
     def _label(self, canvas: np.ndarray, box: Box, names: tuple[str, ...]) -> None:
-        x = write(canvas, box.x + 12, box.y + 7, f"What interests it, last {SECONDS} s", WHITE, 14, True) + 22
+        x = write(canvas, box.x + 12, box.y + 7, "What interests it", WHITE, TITLE, True) + 18
         end = box.x + box.width - 8
         size, gap = next((fit for fit in _LEGENDS if x + _legend_width(names, *fit) < end), _LEGENDS[-1])
         for name, ink in zip(names, self._inks, strict=True):
             if x + size + 4 + width_of(name, size) < end:
-                canvas[box.y + 13 : box.y + 18, x : x + size] = ink
-                x = write(canvas, x + size + 4, box.y + 21 - size, name, ink, size) + gap
+                canvas[box.y + 17 : box.y + 22, x : x + size] = ink
+                x = write(canvas, x + size + 4, box.y + 26 - size, name, ink, size) + gap
         x, y = box.x + 12, self._plot.y
-        write(canvas, x, y + 2, "moving things", GREY, 12)
-        write(canvas, x, y + 17, "gain interest,", GREY, 12)
-        write(canvas, x, y + 32, "what it looks at", GREY, 12)
-        write(canvas, x, y + 47, "grows boring", GREY, 12)
-        write(canvas, x, self._robot.y - 1, "robot looks at", ROBOT, 12)
+        write(canvas, x, y + 2, "rises when it moves,", GREY, SMALL)
+        write(canvas, x, y + 22, "falls when looked at", GREY, SMALL)
+        write(canvas, x, self._robot.y - 2, "robot looks at", ROBOT, SMALL)
         if self._knows_person:
-            write(canvas, x, self._person.y - 1, "person (truth)", PERSON, 12)
+            write(canvas, x, self._person.y - 2, "person looks at", PERSON, SMALL)
         self._plot.of(canvas)[-1] = FAINT
 
     def draw(self, canvas: np.ndarray, table: Columns) -> None:
-        """The last seconds up to now; now is at the right."""
+        """Draw the last seconds of ``table``; now is at the right."""
         frames = FRAMES
         turning = table.column("head_moves")[-frames:] > 0
         shown = len(turning)
         plot = self._plot.of(canvas)
         columns = np.round((frames - shown + np.arange(shown + 1)) * self._plot.width / frames).astype(int)
         edges = np.flatnonzero(np.diff(turning, prepend=False, append=False))
-        for start, end in edges.reshape(-1, 2):  # a turning head: nothing changes in its mind
+        for start, end in edges.reshape(-1, 2):  # while the head turns no interest changes
             band = plot[:, columns[start] : columns[end]]
             band[:] = np.minimum(band.astype(np.int16) + 9, 255)
         x = columns[1:].astype(float)

@@ -1,6 +1,6 @@
-"""The video's panels on learning: the map of faces, who decides, and success so far.
+"""The video's panels on learning: the map of faces, who decides where to look, and success so far.
 
-Each panel paints what never changes once, and what changes rarely into an image of its own.
+A panel paints once what never changes, and keeps an image of what changes rarely.
 """
 
 import cv2
@@ -8,7 +8,6 @@ import numpy as np
 
 from jointattn_mj.gaze_following.gate import gate_probability
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
-from jointattn_mj.gaze_following.shifts import ShiftRow
 from jointattn_mj.gaze_following.summary import rate_of_success
 from jointattn_mj.perception.som import SOM
 from jointattn_mj.video.paint import (
@@ -19,149 +18,180 @@ from jointattn_mj.video.paint import (
     LEARNED,
     PANEL,
     RED,
+    SMALL,
+    TEXT,
+    TITLE,
     WHITE,
     Box,
-    Colour,
-    cross,
+    fitting,
     lines,
-    tick,
     write,
 )
 
-_GLOW = np.array([255, 196, 92], np.float32)  # a cell that is fully active
+_GLOW = np.array([255, 196, 92], np.float32)  # colour of a unit that is fully active
+_GAMMA = 0.7  # brightens the middle tones of faces
+_TITLES = (TITLE, 18, 16, 14)
+"""Sizes of a panel's title; the first that fits."""
+
+
+def _begin(canvas: np.ndarray, box: Box, title: str) -> None:
+    """Paint a panel's ground and its title."""
+    box.of(canvas)[:] = PANEL
+    write(canvas, box.x + 12, box.y + 7, title, WHITE, fitting(title, box.width - 20, _TITLES, True), True)
 
 
 class MapPanel:
-    """The self-organising map with its face patterns, lit where the last face before a shift was recognised."""
+    """The self-organising map of faces, lit by its activation for the face from which the robot last turned away.
+
+    The most active unit stands below it, larger.
+    """
 
     def __init__(self, canvas: np.ndarray, box: Box):
-        canvas[box.y : box.y + box.height, box.x : box.x + box.width] = PANEL
-        write(canvas, box.x + 12, box.y + 8, "Faces it knows", WHITE, 14, True)
-        side = min(box.width - 24, box.height - 80)
-        self._box = Box(box.x + (box.width - side) // 2, box.y + 34, side, side)
-        for line, text in enumerate(("bright: like the face that", "it last turned away from")):
-            write(canvas, self._box.x, self._box.y + side + 8 + 16 * line, text, GREY, 12)
+        """Paint what stays the same on ``canvas``."""
+        _begin(canvas, box, "Faces it knows")
+        side = box.width - 24
+        self._box = Box(box.x + 12, box.y + 36, side, side)
+        below = box.y + 36 + side + 6
+        large = box.y + box.height - 8 - below
+        self._large = Box(box.x + 12, below, large, large)
+        for line, text in enumerate(("most like the", "last one it saw")):
+            write(canvas, self._large.x + large + 10, below + 1 + 20 * line, text, GREY, SMALL)
         self._shown: np.ndarray | None = None
         self._cells: np.ndarray | None = None
         self._image = np.zeros((side, side, 3), np.uint8)
+        self._winner = np.full((large, large, 3), FAINT, np.uint8)
 
     def draw(self, canvas: np.ndarray, session: SessionRun) -> None:
-        """Redraws only when the robot turns away from another face."""
+        """Draw the map; it is made anew only when the robot turns away from another face."""
         shift, som = session.robot.shift, session.robot.som
         activations = None if shift is None else shift.activations
         if activations is not None and activations.size != len(som.weights):
-            activations = None  # a robot whose learner reads something else than the map
+            activations = None  # a learner of another kind, which does not read the map
         if self._cells is None or (activations is not None and activations is not self._shown):
             if self._cells is None:
                 self._cells = face_cells(som, self._box.width)
             self._shown = activations
-            self._image = lit(self._cells, activations, (som.config.rows, som.config.columns))
+            shape = som.config.rows, som.config.columns
+            self._image = lit(self._cells, activations, shape)
+            if activations is not None:
+                self._winner = _unit(self._cells, int(np.argmax(activations)), shape, self._large.width)
         self._box.of(canvas)[:] = self._image
+        self._large.of(canvas)[:] = self._winner
 
 
 def face_cells(som: SOM, side: int) -> np.ndarray:
-    """(side, side) float32, 0..1: the cells' patterns side by side, or plain cells where they are no images."""
+    """The patterns of all units side by side, (side, side) float32 from 0 to 1; uniform where they are no images."""
     rows, columns = som.config.rows, som.config.columns
     dimension = som.weights.shape[1]
     pattern = round(dimension**0.5)
     if pattern < 4 or pattern * pattern != dimension:
         return np.full((side, side), 0.8, np.float32)
-    low, high = np.percentile(som.weights, (1, 99))
-    tones = np.clip((som.images() - low) / max(high - low, 1e-6), 0, 1)
+    low, high = np.percentile(som.weights, (2, 98))
+    tones = np.clip((som.images() - low) / max(high - low, 1e-6), 0, 1) ** _GAMMA
     whole = tones.transpose(0, 2, 1, 3).reshape(rows * pattern, columns * pattern).astype(np.float32)
-    return cv2.resize(whole, (side, side), interpolation=cv2.INTER_AREA)
+    cells: np.ndarray = cv2.resize(whole, (side, side), interpolation=cv2.INTER_AREA)
+    return cells
+
+
+def _edges(shape: tuple[int, int], side: int) -> tuple[np.ndarray, np.ndarray]:
+    """Borders of the units of a map of ``shape`` on an image (side, side): of its rows, and of its columns; pixels."""
+    rows, columns = (np.round(np.linspace(0, side, n + 1)).astype(int) for n in shape)
+    return rows, columns
 
 
 def lit(cells: np.ndarray, activations: np.ndarray | None, shape: tuple[int, int]) -> np.ndarray:
-    """The map as RGB, each cell as bright as it is active; a frame around the most active one."""
+    """The map of faces as an image: all units can be seen, active ones glow, a frame is around the most active one.
+
+    Args:
+        cells: What ``face_cells`` gives, (side, side).
+        activations: Of the units, (k,); None for none.
+        shape: Rows and columns of the map.
+
+    Returns:
+        (side, side, 3) uint8, RGB.
+    """
     side = len(cells)
     active = np.zeros(shape, np.float32)
     if activations is not None:
         active = (activations / activations.max()).reshape(shape).astype(np.float32)
     light = cv2.resize(active, (side, side), interpolation=cv2.INTER_NEAREST)[..., None]
-    tint = 255 + (_GLOW - 255) * light
-    image = (cells[..., None] * tint * (0.38 + 0.62 * light) + 40 * light * _GLOW / 255).clip(0, 255).astype(np.uint8)
-    edges_y, edges_x = (np.round(np.linspace(0, side, n + 1)).astype(int) for n in shape)
-    for edge in edges_y[1:-1]:
-        image[edge] = GROUND
-    for edge in edges_x[1:-1]:
-        image[:, edge] = GROUND
+    grey = 200 * cells[..., None] * np.ones(3, np.float32)
+    glowing = 70 + 0.9 * cells[..., None] * _GLOW
+    image: np.ndarray = (grey + light * (glowing - grey)).clip(0, 255).astype(np.uint8)
+    rows, columns = _edges(shape, side)
+    image[rows[1:-1]] = GROUND
+    image[:, columns[1:-1]] = GROUND
     if activations is not None:
-        row, column = np.unravel_index(np.argmax(active), shape)
-        corner, end = (edges_x[column], edges_y[row]), (edges_x[column + 1], edges_y[row + 1])
-        cv2.rectangle(image, corner, end, WHITE, 1)
+        row, column = divmod(int(np.argmax(active)), shape[1])
+        corner, end = (int(columns[column]), int(rows[row])), (int(columns[column + 1]), int(rows[row + 1]))
+        cv2.rectangle(image, corner, end, WHITE, 2)
     return image
 
 
-class GatePanel:
-    """Who decides where to look, eq. 6.8, and how the last shift from the face to an object ended."""
+def _unit(cells: np.ndarray, number: int, shape: tuple[int, int], side: int) -> np.ndarray:
+    """One unit of what ``face_cells`` gives, enlarged to (side, side, 3) uint8."""
+    rows, columns = _edges(shape, len(cells))
+    row, column = divmod(number, shape[1])
+    cell = cells[rows[row] : rows[row + 1], columns[column] : columns[column + 1]]
+    large = cv2.resize(cell, (side, side), interpolation=cv2.INTER_CUBIC).clip(0, 1)
+    return (large[..., None] * _GLOW).astype(np.uint8)
 
-    def __init__(self, canvas: np.ndarray, box: Box, names: tuple[str, ...], inks: list[Colour]):
-        canvas[box.y : box.y + box.height, box.x : box.x + box.width] = PANEL
-        write(canvas, box.x + 12, box.y + 8, "Who says where to look after the face?", WHITE, 14, True)
-        write(canvas, box.x + 12, box.y + 30, "its eyes (visual feedback)", GREY, 12)
-        write(canvas, box.x + box.width - 12, box.y + 30, "what it has learned", LEARNED, 12, align="right")
+
+class GatePanel:
+    """Who decides where to look after the face: the probability of the learner's command, eq. 6.8."""
+
+    def __init__(self, canvas: np.ndarray, box: Box):
+        """Paint what stays the same on ``canvas``."""
+        _begin(canvas, box, "Who decides where to look?")
+        write(canvas, box.x + 12, box.y + 34, "its eyes", GREY, TEXT)
+        write(canvas, box.x + box.width - 12, box.y + 34, "what it has learned", LEARNED, TEXT, align="right")
         self._box = box
-        self._inks = dict(zip(names, inks, strict=True))
-        self._last: ShiftRow | None = None
-        self._counted = 0
 
     def draw(self, canvas: np.ndarray, session: SessionRun) -> None:
-        """The bar is full when the learner always decides."""
+        """Draw the bar; it is full when the learner always decides."""
         x, y, width, _ = self._box
-        bar = Box(x + 12, y + 48, width - 24, 12)
+        bar = Box(x + 12, y + 59, width - 24, 14)
         chance = gate_probability(session.config.robot.gaze, session.robot.iterations)
         bar.of(canvas)[:] = FAINT
         filled = round(bar.width * chance)
         bar.of(canvas)[:, bar.width - filled :] = LEARNED
         lessons = session.robot.iterations
-        text = f"learning decides {round(100 * chance)} % of the time, after {lessons} lesson{'s' * (lessons != 1)}"
-        write(canvas, x + 12, y + 64, text, GREY, 12)
-        for row in session.shifts[self._counted :]:
-            self._last = row if row.face_to_object else self._last
-        self._counted = len(session.shifts)
-        if self._last is not None:
-            self._draw_last(canvas, self._last)
-
-    def _draw_last(self, canvas: np.ndarray, row: ShiftRow) -> None:
-        x, y = self._box.x + 12, self._box.y + 84
-        who, ink = ("learned guess", LEARNED) if row.commanded_by == "learner" else ("its eyes", WHITE)
-        x = write(canvas, x, y, "last time:", WHITE, 13) + 6
-        x = write(canvas, x, y, who, ink, 13, True) + 6
-        if row.on_nothing or row.nearest is None:
-            x = write(canvas, x, y, "led to nothing", GREY, 13) + 14
-        else:
-            x = write(canvas, x, y, "led to", WHITE, 13) + 6
-            x = write(canvas, x, y, row.nearest, self._inks[row.nearest], 13, True) + 14
-        mark, ink = (tick, GREEN) if row.success else (cross, RED)
-        mark(canvas, np.array([x, y + 9.0]), 13, ink, 3)
+        text = f"learning: {100 * chance:.0f} % of the time, {lessons} lesson{'s' * (lessons != 1)}"
+        write(canvas, x + 12, y + 78, text, GREY, SMALL)
 
 
 class SuccessPanel:
-    """Rate of success over the session so far, eq. 6.9, and every single shift as a small mark."""
+    """Rate of success over the session so far, eq. 6.9, and a small mark for every shift."""
 
     def __init__(self, canvas: np.ndarray, box: Box, minutes: float, objects: int):
-        canvas[box.y : box.y + box.height, box.x : box.x + box.width] = PANEL
-        write(canvas, box.x + 12, box.y + 8, "Does it look where the person looks?", WHITE, 14, True)
+        """Paint what stays the same.
+
+        Args:
+            canvas: Image of the film, in place.
+            box: Where on it the panel goes, pixels.
+            minutes: Length of the session.
+            objects: Number of objects, for the rate of chance.
+        """
+        _begin(canvas, box, "Does it look where the person looks?")
         self._box, self._minutes = box, minutes
-        self._plot = Box(box.x + 50, box.y + 54, box.width - 64, box.height - 92)
+        self._plot = Box(box.x + 62, box.y + 64, box.width - 76, box.height - 102)
         plot = self._plot
-        for rate, label in ((0.0, "0 %"), (0.5, "50 %"), (1.0, "100 %")):
+        for rate, label in ((0.0, "0 %"), (1.0, "100 %")):
             y = plot.y + round((1 - rate) * plot.height)
-            write(canvas, plot.x - 6, y - 8, label, GREY, 11, align="right")
+            write(canvas, plot.x - 6, y - 10, label, GREY, SMALL, align="right")
             canvas[y, plot.x : plot.x + plot.width] = FAINT
         chance = plot.y + round((1 - 1 / objects) * plot.height)
         for x in range(plot.x, plot.x + plot.width - 4, 9):
             canvas[chance, x : x + 4] = GREY
-        write(canvas, plot.x + plot.width, chance - 15, "by chance", GREY, 11, align="right")
-        write(canvas, plot.x, box.y + box.height - 18, "start", GREY, 11)
-        write(canvas, plot.x + plot.width, box.y + box.height - 18, f"{minutes:g} min", GREY, 11, align="right")
+        write(canvas, plot.x + plot.width, chance - 20, "by chance", GREY, SMALL, align="right")
+        write(canvas, plot.x - 6, box.y + box.height - 24, "start", GREY, SMALL, align="right")
+        write(canvas, plot.x + plot.width, box.y + box.height - 22, f"{minutes:g} min", GREY, SMALL, align="right")
         self._blank = box.of(canvas).copy()
         self._image = self._blank
         self._counted = -1
 
     def draw(self, canvas: np.ndarray, session: SessionRun) -> None:
-        """Redraws only when a shift has landed."""
+        """Draw the panel; it is made anew only when a shift has landed."""
         if len(session.shifts) != self._counted:
             self._counted = len(session.shifts)
             self._image = self._blank.copy()
@@ -171,16 +201,28 @@ class SuccessPanel:
         self._box.of(canvas)[:] = self._image
 
     def _redraw(self, image: np.ndarray, at: np.ndarray, success: np.ndarray, now: float) -> None:
-        x = write(image, 12, 30, f"{success.sum()} of {len(success)}", GREEN, 13, True) + 6
-        write(image, x, 30, "looks from the face to an object", WHITE, 13)
+        """Draw rate and marks up to now.
+
+        Args:
+            image: The panel, in place.
+            at: (k,) when the shifts landed, minutes.
+            success: (k,) bool.
+            now: Minutes.
+        """
+        if not len(success):
+            write(image, 12, 37, "not yet looked from the face to an object", GREY, SMALL)
+            return
+        times = "time" if len(success) == 1 else "times"
+        x = write(image, 12, 35, f"{success.sum()} of {len(success)} {times}", GREEN, TEXT, True) + 10
+        write(image, x, 37, "(line: within a minute)", GREY, SMALL)
         left, top = self._plot.x - self._box.x, self._plot.y - self._box.y
         scale = self._plot.width / self._minutes
         for minute, right in zip(at, success, strict=True):
-            x, y = left + minute * scale, top + self._plot.height + (5 if right else 10)
-            lines(image, [np.array([(x, y), (x, y + 5)])], GREEN if right else RED, 1)
-        times = np.linspace(0, now, max(2, round(4 * now)))
-        rate = rate_of_success(times, at, success)
+            x, y = left + minute * scale, top + self._plot.height + 5
+            lines(image, [np.array([(x, y), (x, y + 7)])], GREEN if right else RED, 2)
+        times_shown = np.linspace(0, now, max(2, round(4 * now)))
+        rate = rate_of_success(times_shown, at, success)
         known = ~np.isnan(rate)
         if known.any():
-            curve = np.column_stack([left + times * scale, top + (1 - rate) * self._plot.height])[known]
-            lines(image, [curve], GREEN, 2)
+            curve = np.column_stack([left + times_shown * scale, top + (1 - rate) * self._plot.height])[known]
+            lines(image, [curve], GREEN, 3)

@@ -1,7 +1,6 @@
 """The session's video as a file.
 
-``composer`` makes the images, ``reel`` brings them to ffmpeg. The session is only looked at: it goes on as without a
-film.
+``composer`` makes the images and ``reel`` sends them to ffmpeg. A film changes nothing in the session.
 """
 
 from pathlib import Path
@@ -14,10 +13,16 @@ from jointattn_mj.video.reel import Reel
 
 
 class Film:
-    """Writes a video while it is shown a session: ``with Film(path, session) as film: session.step(film)``."""
+    """Writes a video of a session: ``with Film(path, session) as film: session.step(film)``."""
 
     def __init__(self, path: Path, session: SessionRun, every: int = 1):
-        """``every``: only every so manieth frame is drawn and written; the video runs at real time all the same."""
+        """Prepare a film.
+
+        Args:
+            path: The mp4.
+            session: The session.
+            every: Draw one frame in N; the video runs in real time all the same.
+        """
         self._every = every
         self._composer = Composer(session)
         self._reel = Reel(path, HEIGHT, WIDTH, 1 / (FRAME_S * every))

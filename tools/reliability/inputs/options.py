@@ -1,4 +1,4 @@
-"""Values that make no sense, for every option of every command: options are read from what ``--help`` says."""
+"""Values that make no sense, for every option of every command: options are read from ``--help-all``."""
 
 import random
 import re
@@ -55,18 +55,18 @@ BASES = (
 
 @dataclass(frozen=True)
 class Option:
-    """An option as --help shows it."""
+    """An option as --help-all shows it."""
 
     name: str
     takes: str
-    """FLOAT, INT INT, {None}|PATH, [STR [STR ...]], {a,b}, or nothing."""
+    """FLOAT, INT INT, PATH, [STR [STR ...]], {a,b}, or nothing."""
     default: str
 
 
 def options_of(shell: Shell, base: Base, places: dict[str, str]) -> list[Option]:
     """Those that a command has."""
     arguments = [places.get(word, word) for word in shlex.split(base.command)]
-    said = shell(*arguments, "--help", env={"COLUMNS": COLUMNS}).out
+    said = shell(*arguments, "--help-all", env={"COLUMNS": COLUMNS}).out
     found = []
     lines = said.splitlines()
     for place, line in enumerate(lines):
@@ -79,7 +79,7 @@ def options_of(shell: Shell, base: Base, places: dict[str, str]) -> list[Option]
 
 def values_for(option: Option, chance: random.Random) -> list[tuple[tuple[str, ...], bool]]:
     """Words that may follow an option, and whether a run with them is wrong in any case."""
-    takes = option.takes.removeprefix("{None}|")
+    takes = option.takes
     if not takes:
         return [(("yes",), True)]
     if takes.startswith(("{", "[{")):
@@ -95,7 +95,7 @@ def values_for(option: Option, chance: random.Random) -> list[tuple[tuple[str, .
     for word in (*bad, *NOT_ONE, *(WHOLE if kind == "INT" else ())):
         words = ["1"] * count
         words[chance.randrange(count)] = word
-        found.append((tuple(words), word != "None" or not option.takes.startswith("{None}")))
+        found.append((tuple(words), word != "None" or option.default != "None"))
     return [*found, (("1",) * (count + 1), True)]
 
 

@@ -1,0 +1,47 @@
+"""The examples in the docstrings of public names do what they say."""
+
+import doctest
+from pathlib import Path
+
+import pytest
+from clips import Clip, encode
+
+import jointattn_mj
+from jointattn_mj.scene import gl
+
+STATE = [
+    "Session", "SessionResult", "Development", "DevelopmentResult", "Table", "load", "read_recordings", "run_claim",
+    "ClaimResult",
+]  # fmt: skip
+IMAGES = ["perceive", "PerceptionResult"]
+needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch) -> Path:
+    (tmp_path / "out").mkdir()
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def check(name: str) -> None:
+    """Run the examples of a name and of its methods."""
+    tried = 0
+    for test in doctest.DocTestFinder().find(getattr(jointattn_mj, name), name, globs={}):
+        told: list[str] = []
+        result = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(test, out=told.append)
+        assert not result.failed, "".join(told)
+        tried += result.attempted
+    assert tried, f"{name} has no example"
+
+
+@pytest.mark.parametrize("name", STATE)
+def test_an_example(name):
+    check(name)
+
+
+@needs_gl
+@pytest.mark.parametrize("name", IMAGES)
+def test_an_example_with_a_video(name, folder):
+    encode(folder / "out" / "clip.mp4", Clip.rendered("amara", 60, seed=3).images, "-c:v", "libx264")
+    check(name)

@@ -1,0 +1,40 @@
+"""Observations go into perception, percepts come out; both say in a line what they hold."""
+
+import numpy as np
+import pytest
+
+from jointattn_mj.errors import ObservationError
+from jointattn_mj.perception.percept import Percept, StillObservation
+from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
+from jointattn_mj.scene.objects import OBJECTS
+from jointattn_mj.tasks import load
+
+
+def perception() -> PixelPerception:
+    return PixelPerception(PixelConfig(), np.array([item.rgb for item in OBJECTS[:4]]))
+
+
+def test_lines():
+    image, head = np.zeros((240, 320, 3), np.uint8), np.array([0.1, -0.2])
+    line = "StillObservation(image=(240, 320, 3), pan=0.100 rad, tilt=-0.200 rad, head_moves=False)"
+    assert repr(StillObservation(image, head)) == line
+    percept = Percept(np.array([True, False, True]), np.zeros((3, 2)), np.array([False, False, True]))
+    assert repr(percept) == "Percept(3 candidates, visible=[0, 2], moves=[2])"
+
+
+@pytest.mark.parametrize("observation", [None, {}, "image", StillObservation(np.zeros((4, 4), np.uint8), np.zeros(2))])
+def test_what_is_no_observation_is_refused(observation):
+    with pytest.raises(ObservationError, match="image"):
+        perception().perceive(observation, landed=True)
+
+
+class TestObservationsOfTasks:
+    def test_one_without_an_image_says_what_there_is(self):
+        environment = load("joint_attention", "follow", task_kwargs={"camera": False})
+        observation = environment.reset().observation
+        assert observation.head_angles is observation["head_angles"]
+        with pytest.raises(ObservationError, match="expected an observation with camera; this task gives head_angles"):
+            perception().perceive(observation, landed=True)
+        with pytest.raises(ObservationError, match="head_moves"):
+            _ = observation.head_moves
+        environment.close()
