@@ -130,6 +130,9 @@ class DevelopmentRun(ABC):
         """
         self.agent.check()
 
+    def close(self) -> None:  # noqa: B027
+        """Free what the world holds; the log stays."""
+
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Restore a run.
 
