@@ -6,8 +6,8 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from jointattn_mj.development.loop import DevelopmentRun
-from jointattn_mj.development.rendered.body import Witnessed
 from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
+from jointattn_mj.development.rendered.senses import CentralView
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.scene.looker import Pose, TableWorld
@@ -39,11 +39,10 @@ class _Noted(RenderedRun):
 
     poses: list[Pose]
 
-    def sense(self, number: int) -> Witnessed:
-        """See ``ObservedRun``."""
-        witnessed = super().sense(number)
+    def read(self, view: CentralView) -> None:
+        """See ``RenderedRun``."""
+        super().read(view)
         self.poses.append(self.stage.world.pose())
-        return witnessed
 
 
 def run_steps_benchmark(blocks: int) -> StepsBenchmark:

@@ -10,10 +10,16 @@ from jointattn_mj.cli.given import typed_only
 from jointattn_mj.cli.help import HELP
 from jointattn_mj.cli.parsing import with_defaults
 from jointattn_mj.cli.running import going_on_from, one_thread
-from jointattn_mj.development.config import DevelopmentConfig, DevelopmentOptions, changed
+from jointattn_mj.development.config import (
+    DevelopmentConfig,
+    DevelopmentOptions,
+    changed,
+    check_world,
+    config_class,
+)
 from jointattn_mj.development.loop import DevelopmentRun, Found
 from jointattn_mj.development.meaning import Meaning
-from jointattn_mj.development.run import check_world, config_class, run_development
+from jointattn_mj.development.run import run_development
 from jointattn_mj.development.summary import DevelopmentSummary
 from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.development.table.presets import PRESETS

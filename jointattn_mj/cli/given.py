@@ -34,8 +34,9 @@ def typed_only(default: Config, variants: Mapping[str, Checked], make: Callable[
         make: Called with the options that were typed.
     """
     group = _Group(default, variants, make)
-    _GROUPS[id(group.default)] = group
-    return group.default
+    own: Config = group.default
+    _GROUPS[id(own)] = group
+    return own
 
 
 class _Group:

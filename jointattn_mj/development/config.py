@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
@@ -12,9 +13,15 @@ from jointattn_mj.development.meaning import CAREGIVER, GAZE
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.options import Checked, Choice, Seed, Whole, meant, with_new_names
+from jointattn_mj.options import Checked, Choice, Seed, Whole, meant, shown, with_new_names
 
 Config = TypeVar("Config", bound=Checked)
+WORLDS = {
+    "table": ("jointattn_mj.development.table.config", "TableDevelopmentConfig"),
+    "rendered": ("jointattn_mj.development.rendered.config", "RenderedDevelopmentConfig"),
+    "realtime": ("jointattn_mj.development.realtime.config", "RealtimeDevelopmentConfig"),
+}
+"""Module and class of each world's config; those with a 3D world take a second to import."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +35,7 @@ class DevelopmentConfig(Checked):
     thesis: chapter 5 as it is written. thesis_robot_first: the robot acts first in a step. fast: makes the same modules
     in a fraction of the steps, by standard errors. chapter4: finds events and makes no modules."""
     steps: Annotated[int, Whole("[1, 1e10]")] = 100_000
-    """Length of the run in steps: the caregiver shifts her gaze, the robot observes, the robot acts."""
+    """Length of the run in steps. In a step the caregiver shifts gaze, the robot observes, and the robot acts."""
     seed: Seed = 0
     """Random seed of table, caregiver and robot."""
     reactive: Literal["random", "face_avoiding"] = "random"
@@ -46,8 +53,6 @@ class DevelopmentConfig(Checked):
     """Steps from one call of ``progress`` to the next."""
     checkpoint_every: ClassVar[int]
     """Steps between checkpoints, where the options do not say."""
-    films: ClassVar[bool] = False
-    """Whether a run can be filmed."""
     unit: ClassVar[str] = "steps"
     """Unit of ``length`` and of ``DevelopmentRun.spent``."""
 
@@ -78,6 +83,11 @@ class DevelopmentConfig(Checked):
     def kind(self) -> type[DevelopmentRun]:
         """Class of the run, as a checkpoint holds it."""
         raise self._of_no_world()
+
+    @property
+    def films(self) -> bool:
+        """Whether a run can be filmed."""
+        return False
 
     @property
     def length(self) -> float:
@@ -140,3 +150,28 @@ def changed(config: Config, given: Mapping[str, Any], location: str = "") -> Con
         return replace(config, **values)  # type: ignore[type-var]  # every config is a dataclass
     except ConfigError as error:
         raise ConfigError(str(error).replace(f"{type(config).__name__}.", location, 1)) from error
+
+
+def config_class(world: str) -> type[DevelopmentConfig]:
+    """The class of the options of a world.
+
+    Args:
+        world: One of ``WORLDS``.
+
+    Raises:
+        ConfigError: There is no such world.
+    """
+    check_world(world)
+    module, name = WORLDS[world]
+    kind: type[DevelopmentConfig] = getattr(import_module(module), name)
+    return kind
+
+
+def check_world(world: str) -> None:
+    """Refuse a world that there is not.
+
+    Raises:
+        ConfigError: It is none of ``WORLDS``.
+    """
+    if world not in WORLDS:
+        raise ConfigError(f"world: expected one of {', '.join(WORLDS)}; got {shown(world)}{meant(world, WORLDS)}")

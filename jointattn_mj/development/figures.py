@@ -1,4 +1,4 @@
-"""Three images of a life: contingency over time (Fig. 5.3), behaviour over time (Fig. 5.5), and the learned maps."""
+"""Figures of a run: contingency over time (Fig. 5.3), behaviour over time (Fig. 5.5), and the learned maps."""
 
 import textwrap
 from collections.abc import Sequence
@@ -18,29 +18,34 @@ from jointattn_mj.io.figures import save
 from jointattn_mj.io.rows import PART_BYTES, spans
 
 INKS = ("#c0392b", "#2471a3", "#1e8449", "#b9770e", "#7d3c98", "#148f77", "#5d6d7e", "#d35400", "#2e4053", "#af7ac5")
-"""Of modules, in the order in which they were made."""
+"""Colours of modules, in the order in which they were made."""
 PALE = ("#7f8c8d", "#e6a5a0", "#9cc3e0", "#9ad3ae", "#e8cf8e", "#c9b1d9")
-"""Of events that never became one."""
+"""Colours of events without a module."""
+OTHER_INK = "#d0d3d4"
+"""Colour of events without a module that are not named."""
 BEHAVIOUR_INKS = ("#c0392b", "#e59866", "#d63384", "#2471a3", "#7f8c8d", "#a9cce3")
+WIDTH = 7.0
+"""Inches; with the sizes of text below it can still be read on a phone."""
+TITLE, TEXT, SMALL = 12, 10.5, 9.5
+"""Sizes of text, points."""
+MOST_NAMED = len(PALE)
+"""Largest number of events without a module that the legend names."""
 LEAST_SHARE = 1e-3
 """The logarithmic axis ends at this share of the highest value: a measure near 0 is noise, and can be negative."""
 MOST_POINTS = 2000
-"""Points of a curve: more than that many cannot be told apart in an image of this width."""
-
-
-ROW, MAP_WIDTH = 0.27, 3.4
+"""Points of a curve; more cannot be told apart at this width."""
+ROW, MAP_WIDTH = 0.29, 3.4
 """Inches: height of a map's row, width of a map."""
-
 AFTER = 2
-"""An image goes on for so many times the turns that the last module took."""
+"""A figure ends after this many times the steps until the last module."""
 
 
 @dataclass(frozen=True)
 class Made:
-    """A module and its place in time."""
+    """A module, and when it was made."""
 
     step: int
-    """Turns lived when it was made."""
+    """Steps done when it was made."""
     event: int
     """Number of its event."""
     label: str
@@ -50,7 +55,7 @@ class Made:
 def draw_contingency(
     path: Path, noted: ContingencyLog, names: Sequence[str], made: Sequence[Made], measure: str
 ) -> None:
-    """Contingency of every event that was ever one of the two highest (Fig. 5.3), on a logarithmic axis.
+    """Draw the contingency of every event that was ever one of the two highest (Fig. 5.3), on a logarithmic axis.
 
     Args:
         path: PNG file.
@@ -63,62 +68,60 @@ def draw_contingency(
     end = _end(made, last)
     few = np.unique(np.linspace(0, min(len(noted), (end - 1) // noted.every), MOST_POINTS).astype(int))
     few = few[few < len(noted)]
-    curves = _curves(noted, few)
-    shown, n_steps = curves.shown, (few + 1) * noted.every
-    figure = Figure(figsize=(9, 4 + 0.18 * -(-len(shown) // 2)), layout="constrained")
+    curves, steps = _curves(noted, few), (few + 1) * noted.every
+    modelled = {one.event: number for number, one in enumerate(made)}
+    others = [event for event in curves.shown if event not in modelled]
+    rows = len(made) + min(len(others), MOST_NAMED + 1)
+    figure = Figure(figsize=(WIDTH, 4.2 + 0.19 * rows), layout="constrained")
     axes = figure.subplots()
-    claimed = {one.event: number for number, one in enumerate(made)}
-    for event in [*(event for event in shown if event not in claimed), *claimed]:
-        number = claimed.get(event)
-        curve = np.where(curves.values[:, event] > 0, curves.values[:, event], np.nan)
-        if number is None:
-            others = len([other for other in axes.get_lines() if other.get_zorder() == 2])
-            ink, dash = PALE[others % len(PALE)], ("-", "--", ":")[others // len(PALE) % 3]
-            axes.plot(n_steps, curve, lw=1, ls=dash, color=ink, label=names[event], zorder=2)
-        else:
-            label = f"{number + 1}: {names[event]}"
-            axes.plot(n_steps, curve, lw=2.2, color=INKS[number % len(INKS)], label=label, zorder=3)
+    positive = np.where(curves.values > 0, curves.values, np.nan)
+    for number, event in enumerate(others[MOST_NAMED:]):
+        label = None if number else f"{len(others) - MOST_NAMED} other events"
+        axes.plot(steps, positive[:, event], lw=0.8, color=OTHER_INK, label=label, zorder=1.5)
+    for event, ink in zip(others, PALE, strict=False):
+        axes.plot(steps, positive[:, event], lw=1, color=ink, label=names[event], zorder=2)
+    for event, number in modelled.items():
+        label = f"{number + 1}: {names[event]}"
+        axes.plot(steps, positive[:, event], lw=2.2, color=INKS[number % len(INKS)], label=label, zorder=3)
+    above = axes.get_xaxis_transform()
     for number, one in enumerate(made):
         ink = INKS[number % len(INKS)]
         axes.axvline(one.step, color=ink, lw=0.8, ls=":", zorder=1)
-        axes.plot(one.step, 1.02, "kv", ms=8, transform=axes.get_xaxis_transform(), clip_on=False, zorder=4)
-        axes.text(
-            one.step, 1.05, str(number + 1), transform=axes.get_xaxis_transform(), ha="center", va="bottom",
-            color=ink, weight="bold",
-        )  # fmt: skip
+        axes.plot(one.step, 1.02, "kv", ms=8, transform=above, clip_on=False, zorder=4)
+        axes.text(one.step, 1.05, str(number + 1), transform=above, ha="center", va="bottom", color=ink, weight="bold")
     if curves.highest > 0:
         axes.set_yscale("log")
         axes.set_ylim(curves.highest * LEAST_SHARE, curves.highest * 1.6)
-    axes.set(xlabel=_step_label(end, last), ylabel=measure, xlim=(0, end))
-    _thousands(axes)
-    axes.grid(alpha=0.3)
+    axes.set(xlabel=_step_label(end, last), ylabel=f"contingency: {measure}", xlim=(0, end))
+    _finish(axes)
+    figure.suptitle("Which events are contingent, and when each became a module", fontsize=TITLE, weight="bold")
     handles, labels = axes.get_legend_handles_labels()
     order = sorted(range(len(labels)), key=lambda at: handles[at].get_zorder(), reverse=True)  # modules first
     figure.legend(
-        [handles[at] for at in order], [labels[at] for at in order], loc="outside lower center", ncols=2, fontsize=8,
-        frameon=False, title="events that were ever one of the two highest; triangles and numbers: a module was made",
-        title_fontsize=8,
+        [handles[at] for at in order], [labels[at] for at in order], loc="outside lower center", fontsize=SMALL,
+        frameon=False, title_fontsize=SMALL,
+        title="sensor, action -> result; triangles and numbers: a module was made of the event",
     )  # fmt: skip
     save(figure, path)
 
 
-def draw_behaviour(path: Path, found: Series, parts: Sequence[BehaviourPhase], made: Sequence[Made]) -> None:
-    """Rates of the six behaviours over the last WINDOW turns (Fig. 5.5), with the phases between modules.
+def draw_behaviour(path: Path, series: Series, parts: Sequence[BehaviourPhase], made: Sequence[Made]) -> None:
+    """Draw the rates of the six behaviours over the last WINDOW steps (Fig. 5.5), with the phases between modules.
 
     Args:
         path: PNG file.
-        found: (turns,) what each turn was.
+        series: (steps,) the behaviour in each step.
         parts: The phases.
         made: Modules in their order.
     """
-    figure = Figure(figsize=(9, 5.2), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 5.4), layout="constrained")
     axes = figure.subplots()
-    steps_done = len(found)
+    steps_done = len(series)
     end = _end(made, steps_done)
-    n_steps = np.unique(np.linspace(min(WINDOW, end), end, MOST_POINTS // 4).astype(int))
-    rates = moving_rates(found, n_steps)
+    steps = np.unique(np.linspace(min(WINDOW, end), end, MOST_POINTS // 4).astype(int))
+    rates = moving_rates(series, steps)
     for number, (short, words) in enumerate(zip(SHORT, BEHAVIOURS, strict=True)):
-        axes.plot(n_steps, rates[:, number], color=BEHAVIOUR_INKS[number], lw=1.6, label=f"{short}  {words}")
+        axes.plot(steps, rates[:, number], color=BEHAVIOUR_INKS[number], lw=1.6, label=f"{short}  {words}")
     for one in made:
         axes.axvline(one.step, color="#2c3e50", lw=1, ls="--")
     for number, part in enumerate(parts):
@@ -129,17 +132,17 @@ def draw_behaviour(path: Path, found: Series, parts: Sequence[BehaviourPhase], m
                 ha="center", va="bottom", weight="bold", color="#2c3e50",
             )  # fmt: skip
     top = max(0.1, float(rates.max(initial=0)) * 1.08)
-    axes.set(
-        xlabel=_step_label(end, steps_done), ylabel=f"rate over the last {WINDOW:,} turns", xlim=(0, end), ylim=(0, top)
-    )
-    _thousands(axes)
-    axes.grid(alpha=0.3)
+    axes.set(xlabel=_step_label(end, steps_done), ylabel=f"share of the last {WINDOW:,} steps", xlim=(0, end))
+    axes.set_ylim(0, top)
+    _finish(axes)
+    figure.suptitle("What the robot does with its gaze as modules are added", fontsize=TITLE, weight="bold")
     handles, labels = axes.get_legend_handles_labels()
     blank = Line2D([], [], linestyle="none")
     figure.legend(
         [blank, *handles[:SC], blank, *handles[SC:]],
         ["after looking at the caregiver:", *labels[:SC], "after looking at the table:", *labels[SC:]],
-        loc="outside lower center", ncols=2, columnspacing=4, fontsize=9, frameon=False,
+        loc="outside lower center", ncols=2, columnspacing=2, fontsize=SMALL, frameon=False, title_fontsize=SMALL,
+        title="dashed lines: a module was made; P1, P2, ...: the phases between",
     )  # fmt: skip
     save(figure, path)
 
@@ -154,22 +157,25 @@ class MapImage:
 
 
 def draw_maps(path: Path, maps: Sequence[MapImage]) -> None:
-    """Each module's map: observables down, commands across, the commands that it offers with their reliability."""
-    columns = min(2, max(1, len(maps)))
-    heights = [
-        max(one.module.command.size for one in maps[first : first + columns]) for first in range(0, len(maps), columns)
-    ] or [2]
-    inches = [ROW * height + 1.0 for height in heights]
-    figure = Figure(figsize=(5.6 * columns, sum(inches) + 0.2), layout="constrained")
-    grid = figure.subplots(len(heights), columns, squeeze=False, height_ratios=inches).ravel()
+    """Draw each module's map: observables down, commands across, offered commands with their reliability.
+
+    Args:
+        path: PNG file.
+        maps: In the order in which the modules were made.
+    """
+    inches = [ROW * one.module.command.size + 1.1 for one in maps] or [1.0]
+    figure = Figure(figsize=(WIDTH, sum(inches) + 1.0), layout="constrained")
+    grid = figure.subplots(len(inches), 1, squeeze=False, height_ratios=inches).ravel()
     for axes in grid:
         axes.set_axis_off()
     for axes, one in zip(grid, maps, strict=False):
         axes.set_axis_on()
         _draw_map(axes, one)
+    figure.suptitle("What each module does next, given what is sensed", fontsize=TITLE, weight="bold")
     if maps:
         figure.supxlabel(
-            "rows: what is seen before; numbers: reliability of the offered command (Z, eq. 5.5)", fontsize=8
+            "rows: result and sensor before; columns: the command\nnumbers: its reliability (Z, eq. 5.5); blank: none",
+            fontsize=SMALL,
         )
     else:
         grid[0].text(0.5, 0.5, "no module was made", ha="center", va="center", transform=grid[0].transAxes)
@@ -188,21 +194,14 @@ def _draw_map(axes: Axes, one: MapImage) -> None:
     strength[np.arange(height)[offered], command[offered]] = reliability[offered]
     axes.imshow(strength, cmap="Reds", vmin=0, vmax=max(2 * reliability.max(), 1e-9), aspect="auto")
     for row in np.flatnonzero(offered):
-        axes.text(
-            float(command[row]),
-            float(row),
-            f"{reliability[row]:.2f}",
-            ha="center",
-            va="center",
-            fontsize=9,
-            weight="bold",
-        )
-    axes.set_xticks(range(width), action.values, fontsize=8, rotation=0 if width <= 5 else 60)
+        text, x, y = f"{reliability[row]:.2f}", float(command[row]), float(row)
+        axes.text(x, y, text, ha="center", va="center", fontsize=SMALL, weight="bold")
+    axes.set_xticks(range(width), action.values, fontsize=SMALL, rotation=0 if width <= 5 else 60)
     axes.xaxis.tick_top()
     axes.set_yticks(
         range(height),
         [f"{result.name}: {r}, {sensed}: {s}" for r in result.values for s in sensor.values],
-        fontsize=8,
+        fontsize=SMALL,
     )
     axes.set_xticks(np.arange(width + 1) - 0.5, minor=True)
     axes.set_yticks(np.arange(height + 1) - 0.5, minor=True)
@@ -211,47 +210,51 @@ def _draw_map(axes: Axes, one: MapImage) -> None:
     axes.axhline(sensors - 0.5, color="#2c3e50", lw=1)
     axes.set_box_aspect(height * ROW / MAP_WIDTH)
     axes.set_anchor("N")
-    axes.set_title(f"{textwrap.fill(one.title, 48)}\n{one.variables.describe(event)}", fontsize=9)
+    axes.set_title(f"{textwrap.fill(one.title, 48)}\n{one.variables.describe(event)}", fontsize=TEXT)
 
 
 @dataclass(frozen=True)
 class _Curves:
-    """What there is to draw of the contingency of all events."""
+    """The contingency of all events, as far as it is drawn."""
 
     values: np.ndarray
     """(points, events)."""
     shown: list[int]
-    """Events that were among the two highest at any time, the highest at the end first."""
+    """Events that were among the two highest at any time, the most frequent first."""
     highest: float
     """The highest value of all, at least 0."""
 
 
 def _curves(noted: ContingencyLog, points: np.ndarray) -> _Curves:
-    """Go through all that was noted, a part at a time, and keep the rows ``points``."""
-    kept, two, highest = list[np.ndarray](), set[int](), 0.0
-    last = np.full((1, noted.events), np.nan)
+    """Go through the log, a part at a time, and keep the rows ``points``."""
+    kept, often, highest = list[np.ndarray](), np.zeros(noted.events, np.int64), 0.0
     for first, end in spans(len(noted), max(1, PART_BYTES // (8 * noted.events))):
         values = noted.values(first, end)
         kept.append(values[points[(points >= first) & (points < end)] - first])
         highest = np.nanmax(values, initial=highest)
         values[np.isnan(values)] = -np.inf
-        last = values[-1:].copy() if len(values) else last
         for _ in range(2):
             best = values.argmax(axis=1)
-            two.update(best.tolist())
+            often += np.bincount(best, minlength=noted.events)
             values[np.arange(len(values)), best] = -np.inf
-    shown = sorted(sorted(two), key=lambda event: -last[0, event])
+    shown = [event for event in np.argsort(-often, kind="stable").tolist() if often[event]]
     return _Curves(np.concatenate(kept), shown, highest)
 
 
 def _end(made: Sequence[Made], steps_done: int) -> int:
-    """Where an image ends: what comes long after the last module is more of the same."""
+    """Steps at which a figure ends; long after the last module nothing new comes."""
     return min(steps_done, AFTER * made[-1].step) if made else steps_done
 
 
 def _step_label(end: int, steps_done: int) -> str:
-    return "turns" if end == steps_done else f"turns (the first of {steps_done:,}; no module was made later)"
+    return "steps" if end == steps_done else f"steps (the first of {steps_done:,}; no module was made later)"
 
 
-def _thousands(axes: Axes) -> None:
+def _finish(axes: Axes) -> None:
+    """Grid, sizes of text, and thousands along the steps."""
     axes.xaxis.set_major_formatter(lambda value, location: f"{value:,.0f}")
+    axes.tick_params(labelsize=SMALL)
+    axes.xaxis.label.set_fontsize(TEXT)
+    axes.yaxis.label.set_fontsize(TEXT)
+    axes.locator_params(axis="x", nbins=6)
+    axes.grid(alpha=0.3)

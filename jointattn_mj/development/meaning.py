@@ -1,7 +1,7 @@
-"""What a module means, in words: a behaviour that the dissertation has a name for, or what its map says.
+"""Meaning of a module in words: the dissertation's name of a behaviour, or a description of the module's map.
 
-A name is given for the event and the map together: a module that was made of the event of gaze following, but whose map
-leads elsewhere, is described and not named.
+A name needs the event and the map. A module of the event of gaze following whose map leads elsewhere is described, not
+named.
 """
 
 from collections.abc import Sequence
@@ -15,33 +15,38 @@ from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 FACE, LOOKED_AT, GAZE, CAREGIVER = "caregiver's face", "object looked at", "shift gaze", "caregiver"
 FRONTAL, PROFILE, OBJECT = "frontal face", "profile", "object"
 GAZE_FOLLOWING = "gaze following"
-"""Names of ``table_variables``."""
+"""Names in ``table_variables``, and of the behaviour that comes first."""
 
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a module does."""
+    """What a module does, in words."""
 
     short: str
-    """What the dissertation calls it (section 5.3.2), such as FG-m; else its number, such as module 4."""
+    """The dissertation's name (section 5.3.2), such as FG-m; else its number, such as module 4."""
     name: str
-    """Such as ``gaze following``; what the map says, where there is no name for it."""
+    """Name of the behaviour, such as ``gaze following``; else a description of the map."""
     partly: str = ""
-    """How much of the map does not do what the name says."""
+    """Reservation: which share of the map does what the name says. Empty where all of it does."""
 
     @property
     def words(self) -> str:
-        """Name and reservation."""
+        """The name with its reservation."""
         return self.name + self.partly
 
     @property
     def label(self) -> str:
-        """The words, and what the dissertation calls it."""
+        """The words, and the dissertation's name in brackets."""
         return f"{self.words} ({self.short})" if self.short.endswith("-m") else self.words
 
 
 def meanings(variables: Variables, modules: Sequence[Module]) -> list[Meaning]:
-    """What each of the modules means, in the order in which they were made; later ones may build on earlier ones."""
+    """The meaning of each module; later modules may build on earlier ones.
+
+    Args:
+        variables: Of the agent, with the variables of its modules.
+        modules: In the order in which they were made.
+    """
     known: list[Meaning] = []
     for module in modules:
         known.append(
@@ -51,9 +56,12 @@ def meanings(variables: Variables, modules: Sequence[Module]) -> list[Meaning]:
 
 
 def in_words(variables: Variables, module: Module, most: int = 2) -> str:
-    """What the map says, the ``most`` most reliable commands first.
+    """Describe a map: ``shift gaze: caregiver after module 1 was used, expecting frontal face``.
 
-    Such as ``shift gaze: caregiver after module 1 was used, expecting frontal face``.
+    Args:
+        variables: Of the agent, with the variables of its modules.
+        module: The module.
+        most: Number of commands that are described, the most reliable first.
     """
     names = _Names(variables, module)
     offers: dict[tuple[int, int], dict[int, float]] = {}
@@ -71,31 +79,31 @@ def in_words(variables: Variables, module: Module, most: int = 2) -> str:
 
 
 def _named(variables: Variables, module: Module, known: Sequence[Meaning]) -> Meaning | None:
-    """One of the behaviours of section 5.3, or none."""
+    """The behaviour of section 5.3 that the module shows; None for any other."""
     sensor, action = variables.sensors[module.event.sensor], variables.actions[module.event.action]
     result = variables.results[module.event.result].name
     before = module.event.sensor - (len(variables.sensors) - variables.modules)
     if action.name != GAZE:
         return None
     offers = [(int(s), int(module.command[r, s])) for r, s in np.argwhere(module.command != OFFERS_NOTHING)]
-    to_her = [action.values[command] == CAREGIVER for s, command in offers]
+    to_caregiver = [action.values[command] == CAREGIVER for s, command in offers]
     if sensor.name == FACE and result == OBJECT:
         where = [(sensor.values[s], action.values[command]) for s, command in offers]
         follows = [face.partition(" (")[0] == f"at {spot}" for face, spot in where]
         if _most(follows):
             return Meaning("FG-m", GAZE_FOLLOWING, _share(follows))
-    if not _most(to_her):
+    if not _most(to_caregiver):
         return None
     if before >= 0 and result == FRONTAL:
         after = known[before].name if known[before].short.endswith("-m") else f"module {before + 1}"
         short = "SCf-m" if after == GAZE_FOLLOWING else f"module {len(known) + 1}"
-        return Meaning(short, f"looking back to the caregiver after {after}", _share(to_her))
+        return Meaning(short, f"looking back to the caregiver after {after}", _share(to_caregiver))
     if before >= 0 and result == PROFILE:
-        return Meaning("SC-m", "gaze alternation", _share(to_her))
+        return Meaning("SC-m", "gaze alternation", _share(to_caregiver))
     if sensor.name == FACE and result in (FRONTAL, PROFILE):
-        return Meaning(f"module {len(known) + 1}", "keeping eye contact", _share(to_her))
+        return Meaning(f"module {len(known) + 1}", "keeping eye contact", _share(to_caregiver))
     if sensor.name == LOOKED_AT and result in (FRONTAL, PROFILE):
-        return Meaning(f"module {len(known) + 1}", "shifting to the caregiver", _share(to_her))
+        return Meaning(f"module {len(known) + 1}", "shifting to the caregiver", _share(to_caregiver))
     return None
 
 
@@ -108,7 +116,7 @@ def _share(right: Sequence[bool]) -> str:
 
 
 class _Names:
-    """Values of one module's variables in words."""
+    """Values of a module's variables in words."""
 
     def __init__(self, variables: Variables, module: Module):
         self._sensor = variables.sensors[module.event.sensor]

@@ -3,17 +3,20 @@
 import json
 import shutil
 from functools import cached_property, partial
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from jointattn_mj.development.behaviour import BehaviourLog, BehaviourPhase, phases
-from jointattn_mj.development.config import DevelopmentConfig
+from jointattn_mj.development.config import DevelopmentConfig, config_class
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.meaning import meanings
 from jointattn_mj.development.summary import DevelopmentSummary, LearnedModule, map_name, summarise
 from jointattn_mj.errors import OutputError
+from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.files import claimed, write_whole
 from jointattn_mj.io.notices import notice
+from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import write_config
 
 if TYPE_CHECKING:  # pyarrow takes half a second to import
@@ -28,44 +31,67 @@ OLD_COLUMNS = {"turn": "step"}
 
 
 class DevelopmentResult:
-    """What a run came to.
+    """A finished run.
 
-    Two results are equal if their summaries, tables and maps are; a result that was saved and opened again equals the
-    first one.
+    Tables and maps of a result that lies in a folder are read from there when they are first asked for. Two results are
+    equal if config, summary, tables and maps are.
 
     Attributes:
         summary: Modules, behaviour rates by phase, final ranking of events.
+        folder: Where the results lie; None for a result in memory.
 
     Example:
-        >>> from jointattn_mj.development.run import Development
+        >>> from jointattn_mj import Development, DevelopmentResult
         >>> result = Development("fast", steps=2000, seed=1).run()
         >>> result
-        <DevelopmentResult: table, preset fast, seed 1, 2,000 steps; modules: gaze following>
-        >>> result.log["behaviour"][-1] in ("FG", "NFG", "KEC", "SC", "SS", "SO")
+        DevelopmentResult(table, fast, seed 1, 2,000 steps, no module, in memory)
+        >>> result.save("out/a_short_run")
+        >>> DevelopmentResult.open("out/a_short_run") == result
         True
+        >>> result.log.to_pandas()["behaviour"].iloc[-1]
+        'FG'
     """
 
     def __init__(self, summary: DevelopmentSummary, source: "_Source"):
-        self.summary, self._source = summary, source
-
-    @classmethod
-    def open(cls, folder: Path | str) -> "DevelopmentResult":
-        """The result in a folder, where a run or ``save`` has left it.
+        """Users get results from ``Development.run`` and ``DevelopmentResult.open``.
 
         Args:
-            folder: As it was given as ``out``.
+            summary: The run in words and numbers.
+            source: Gives config, tables and maps when they are asked for.
+        """
+        self.summary, self._source = summary, source
+        self.folder = source.folder
+
+    @classmethod
+    def open(cls, folder: str | PathLike[str]) -> "DevelopmentResult":
+        """The result of a run that has finished in ``folder``.
+
+        Args:
+            folder: What ``--out`` or ``run(out=...)`` named, or ``save``.
+
+        Returns:
+            The result, equal to the one that the run returned.
 
         Raises:
-            OutputError: There is no finished run in the folder.
+            OutputError: The folder holds no finished run.
         """
-        folder = Path(folder)
-        path = folder / SUMMARY
+        path = Path(folder) / SUMMARY
         try:
-            return cls(DevelopmentSummary.from_json(json.loads(path.read_text("utf-8"))), _Folder(folder))
+            summary = DevelopmentSummary.from_json(json.loads(path.read_text("utf-8")))
         except FileNotFoundError as error:
             raise OutputError(f"there is no finished run in {folder}: it has no {SUMMARY}") from error
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             raise OutputError(f"cannot read {path} ({error}); give the folder of a finished development") from error
+        return cls(summary, _Folder(path.parent, summary.world))
+
+    @cached_property
+    def config(self) -> DevelopmentConfig:
+        """All options of the run.
+
+        Raises:
+            ConfigError: The config.yaml of a folder cannot be read.
+        """
+        return self._source.config()
 
     @property
     def modules(self) -> tuple[LearnedModule, ...]:
@@ -87,7 +113,7 @@ class DevelopmentResult:
         """The map of each module: under which observables it gives which command, how reliably, and what it expects."""
         return tuple(self._source.map(one.number) for one in self.modules)
 
-    def save(self, folder: Path | str) -> None:
+    def save(self, folder: str | PathLike[str]) -> None:
         """Write summary, tables, maps, figures and config to a folder, as ``jointattn develop`` does.
 
         Args:
@@ -96,15 +122,15 @@ class DevelopmentResult:
         Raises:
             OutputError: The folder holds another run, or cannot be written.
         """
-        folder = Path(folder)
-        with claimed(folder):
-            self._source.save(folder)
+        with claimed(Path(folder)):
+            self._source.save(Path(folder))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, DevelopmentResult):
             return NotImplemented
         return (
             self.summary == other.summary
+            and self.config == other.config
             and self.log == other.log
             and self.contingency == other.contingency
             and self.maps == other.maps
@@ -113,11 +139,19 @@ class DevelopmentResult:
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        return f"<DevelopmentResult: {repr(self.summary).strip('<>')}>"
+        one, where = self.summary, "in memory" if self.folder is None else f"in {self.folder}"
+        names = ", ".join(module.name for module in one.modules)
+        modules = f"{count(len(one.modules), 'module')} ({names})" if names else "no module"
+        return f"DevelopmentResult({one.world}, {one.preset}, seed {one.seed}, {one.steps:,} steps, {modules}, {where})"
 
 
 class _Source(Protocol):
     """Where the parts of a result come from."""
+
+    @property
+    def folder(self) -> Path | None: ...
+
+    def config(self) -> DevelopmentConfig: ...
 
     def log(self) -> "Table": ...
 
@@ -131,8 +165,11 @@ class _Source(Protocol):
 class _Folder:
     """The files of a finished run."""
 
-    def __init__(self, folder: Path):
-        self._folder = folder
+    def __init__(self, folder: Path, world: str):
+        self.folder, self._world = folder, world
+
+    def config(self) -> DevelopmentConfig:
+        return read_config(self.folder / CONFIG, config_class(self._world))
 
     def log(self) -> "Table":
         return self._table(STEPS)
@@ -143,14 +180,14 @@ class _Folder:
     def map(self, number: int) -> "Table":
         from jointattn_mj.development.logbook import map_table, read_map
 
-        path = self._folder / map_name(number)
+        path = self.folder / map_name(number)
         try:
             return map_table(read_map(path))
         except (OSError, ValueError) as error:
             raise OutputError(f"cannot read the map {path} ({error}); give the folder of a finished run") from error
 
     def save(self, folder: Path) -> None:
-        maps = sorted(path.name for path in self._folder.glob("module_*.csv"))
+        maps = sorted(path.name for path in self.folder.glob("module_*.csv"))
         for name in (CONFIG, *FIGURES, STEPS, CONTINGENCY, *maps, SUMMARY):
             write_whole(folder / name, partial(shutil.copyfile, self._path(name)))
 
@@ -160,7 +197,7 @@ class _Folder:
         return Table.read(self._path(name), OLD_COLUMNS)
 
     def _path(self, name: str) -> Path:
-        path, old = self._folder / name, self._folder / OLD_NAMES.get(name, name)
+        path, old = self.folder / name, self.folder / OLD_NAMES.get(name, name)
         if path.exists() or path == old or not old.exists():
             return path
         notice(f"{old} was written by an earlier version; the file is now called {name}, its column turn step")
@@ -169,6 +206,8 @@ class _Folder:
 
 class Finished:
     """A run that has ended, as the source of its result."""
+
+    folder = None
 
     def __init__(self, config: DevelopmentConfig, run: DevelopmentRun):
         self._config, self._run = config, run
@@ -179,6 +218,10 @@ class Finished:
     def result(self) -> DevelopmentResult:
         """The result of the run."""
         return DevelopmentResult(self._summary(), self)
+
+    def config(self) -> DevelopmentConfig:
+        """See ``DevelopmentResult``."""
+        return self._config
 
     def log(self) -> "Table":
         """See ``DevelopmentResult``."""
@@ -230,7 +273,7 @@ class Finished:
         names = [self._variables.describe(event) for event in agent.events]
         detector = agent.config.detector
         unit = "bits" if detector.base == 2 else f"units of base {detector.base:g}"
-        measure = f"{'SAC' if detector.measure == 'sac' else 'T^C'} ({unit})"
+        measure = f"SAC (eq. 5.2), {unit}" if detector.measure == "sac" else f"T^C (eq. 4.3), {unit}"
         maps = [
             figures.MapImage(f"{number}: {mark.label}", module, self._variables)
             for number, (mark, module) in enumerate(zip(marks, agent.modules, strict=True), 1)

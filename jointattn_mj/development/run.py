@@ -1,11 +1,11 @@
 """``jointattn develop``, and the same from Python: a run in memory, or in a folder with checkpoints and results."""
 
 from collections.abc import Callable, Iterator, Sequence
-from importlib import import_module
+from os import PathLike
 from pathlib import Path
 from typing import Any, Literal
 
-from jointattn_mj.development.config import DevelopmentConfig, DevelopmentOptions
+from jointattn_mj.development.config import DevelopmentConfig, DevelopmentOptions, config_class
 from jointattn_mj.development.loop import DevelopmentRun, Found
 from jointattn_mj.development.meaning import Meaning, meanings
 from jointattn_mj.development.result import CONFIG, DevelopmentResult, Finished
@@ -16,59 +16,37 @@ from jointattn_mj.io.interrupts import deferred
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.rows import forget_log, log_folder, summary_of_ended
 from jointattn_mj.io.space import check_free
-from jointattn_mj.options import meant, shown
 
 LIKELY_MODULES = 8
 """For an estimate of the space on disk: few runs make more modules."""
-WORLDS = {
-    "table": ("jointattn_mj.development.table.config", "TableDevelopmentConfig"),
-    "rendered": ("jointattn_mj.development.rendered.config", "RenderedDevelopmentConfig"),
-    "realtime": ("jointattn_mj.development.realtime.config", "RealtimeDevelopmentConfig"),
-}
-"""Module and class of each world's config; those with a 3D world take a second to import."""
-
 Progress = Callable[[DevelopmentRun, Sequence[tuple[Found, Meaning | None]]], object]
 """Called now and then with the run, and with the events that were found since the last call and what they mean."""
 
 
-def config_class(world: str) -> type[DevelopmentConfig]:
-    """The class of the options of a world.
-
-    Args:
-        world: One of ``WORLDS``.
-
-    Raises:
-        ConfigError: There is no such world.
-    """
-    check_world(world)
-    module, name = WORLDS[world]
-    kind: type[DevelopmentConfig] = getattr(import_module(module), name)
-    return kind
-
-
-def check_world(world: str) -> None:
-    """Refuse a world that there is not.
-
-    Raises:
-        ConfigError: It is none of ``WORLDS``.
-    """
-    if world not in WORLDS:
-        raise ConfigError(f"world: expected one of {', '.join(WORLDS)}; got {shown(world)}{meant(world, WORLDS)}")
-
-
 class Development:
-    """A robot that finds what is contingent, makes modules of it, and so develops joint attention.
+    """A robot that finds what is contingent, makes modules of it, and so develops joint attention (chapters 4, 5, 7).
 
     The options are those of ``jointattn develop table|rendered|realtime`` under the same names.
 
+    Args:
+        preset: ``"thesis"`` (chapter 5 as it is written), ``"thesis_robot_first"``, ``"fast"`` (the same modules in a
+            fraction of the steps) or ``"chapter4"``; None: ``"thesis"`` at the table, else ``"fast"``.
+        world: ``"table"``: the state of the table is told in symbols. ``"rendered"``: the robot sees it, an image a
+            step. ``"realtime"``: the same at 30 frames a second; the caregiver does not wait.
+        options: Any other option by name, such as ``steps``, ``seed``, ``reactive`` or, in real time, ``minutes``; a
+            group as a mapping: ``table={"spots": 4}``.
+
     Attributes:
-        config: All options.
+        config: All options, typed.
+
+    Raises:
+        ConfigError: No such option, or a value that is not allowed; the message says which are.
 
     Example:
-        >>> from jointattn_mj.development.run import Development
-        >>> result = Development("fast", steps=3000, seed=1).run()
+        >>> from jointattn_mj import Development
+        >>> result = Development("fast", steps=6000, seed=1).run()
         >>> result.modules
-        (<module 1: gaze following (FG-m), step 1,597>,)
+        (<module 1: gaze following (FG-m), step 3,645>,)
         >>> result.maps[0].columns
         ('object', "caregiver's face", 'shift gaze', 'reliability', 'expected object')
     """
@@ -76,19 +54,6 @@ class Development:
     def __init__(
         self, preset: str | None = None, *, world: Literal["table", "rendered", "realtime"] = "table", **options: Any
     ):
-        """Choose what is run.
-
-        Args:
-            preset: ``thesis``, ``thesis_robot_first``, ``fast`` or ``chapter4``; None: ``thesis`` at the table, else
-                ``fast``.
-            world: ``table``: the state of the table is told in symbols. ``rendered``: the robot sees it, an image a
-                step. ``realtime``: the same at 30 frames a second; the caregiver does not wait.
-            options: Any other option by name, such as ``steps``, ``seed``, ``minutes`` (of world realtime) or
-                ``reactive``; a group as a mapping: ``table={"spots": 4}``.
-
-        Raises:
-            ConfigError: No such option, or a value that is not allowed.
-        """
         chosen = options if preset is None else {"preset": preset, **options}
         self.config: DevelopmentConfig = config_class(world).of(**chosen)
 
@@ -101,7 +66,7 @@ class Development:
 
     def run(
         self,
-        out: Path | str | None = None,
+        out: str | PathLike[str] | None = None,
         *,
         resume: bool = False,
         checkpoint_every: int | None = None,
@@ -126,6 +91,12 @@ class Development:
             CheckpointError: ``resume`` without a fitting checkpoint.
             NotFiniteError: Something learned or simulated has become NaN; the last checkpoint stays.
             GLError: Images are needed and cannot be rendered.
+
+        Example:
+            >>> from jointattn_mj import Development
+            >>> result = Development("chapter4", steps=500).run(out="out/chapter4")
+            >>> sorted(path.name for path in result.folder.glob("*.parquet"))
+            ['contingency.parquet', 'steps.parquet']
         """
         if out is not None:
             options = DevelopmentOptions(Path(out), resume, checkpoint_every, video)
@@ -167,7 +138,7 @@ def run_development(
     if not options.resume:
         check_space(config, options.out)
     if options.video and not config.films:
-        raise ConfigError(f"world {config.world} cannot be filmed; choose world rendered, or no --video")
+        raise ConfigError("only what is rendered can be filmed; choose world rendered with images, or no --video")
     with claimed(options.out, options.resume):
         return _run(config, options, progress)
 

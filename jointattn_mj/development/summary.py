@@ -11,6 +11,8 @@ from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.meaning import Meaning
 from jointattn_mj.io.provenance import plain
 
+OLD_KEYS = {"turns_watched_before": "exploration_steps"}
+"""Keys of ``summary.json`` by their names in the last version."""
 RANKED = 10
 """Events in the final ranking."""
 
@@ -128,7 +130,7 @@ class DevelopmentSummary:
             KeyError: Something is missing.
             TypeError: Something is of another kind.
         """
-        more = dict(document)
+        more = {OLD_KEYS.get(key, key): value for key, value in document.items()}
         modules = [
             LearnedModule(one["module"], one["step"], one["event"], one["symbol"], one["name"], one["means"])
             for one in more.pop("modules")

@@ -17,12 +17,11 @@ from jointattn_mj.io import files
 from jointattn_mj.io.files import held
 
 SESSION = ("session", "--perception", "state", "--minutes", 0.1, "--robot.familiarise.minutes", 0.05)
-RENDERED = ("develop", "--world", "rendered", "--steps", 20)
 COMMANDS = {
     "session": SESSION,
     "develop": ("develop", "--steps", 2000),
-    "rendered": RENDERED,
-    "realtime": (*RENDERED, "--mode", "realtime"),
+    "rendered": ("develop", "rendered", "--steps", 20),
+    "realtime": ("develop", "realtime", "--steps", 20),
     "perceive": ("perceive", "VIDEO", "--no-overlay", "--scale", 1, "--som.updates", 10),
     "play": ("play", "follow_hard", "--agent", "zero", "--episodes", 1),
     "measure": ("measure", "TABLE", "--source", "x", "--target", "y", "--surrogates", 10, "--resamples", 0),

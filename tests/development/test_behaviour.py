@@ -1,4 +1,4 @@
-"""The six behaviours of Fig. 5.5: each turn is one of them, and the rates are those of the last turns."""
+"""The six behaviours of Fig. 5.5: each step is one of them, and the rates are those of the last steps."""
 
 import numpy as np
 import pytest
@@ -10,45 +10,45 @@ from jointattn_mj.development.table.world import LOOKS_AT, TableConfig
 from jointattn_mj.errors import ConfigError
 
 SPOTS = 3
-AT_ROBOT, NOT_VISIBLE, TO_HER = 3, 4, 3
+AT_ROBOT, NOT_VISIBLE, TO_CAREGIVER = 3, 4, 3
 
 
 @pytest.mark.parametrize(
     ("face", "before", "gaze", "expected"),
     [
-        (0, TO_HER, 0, FG),
-        (2, TO_HER, 2, FG),
-        (2, TO_HER, 1, NFG),
-        (AT_ROBOT, TO_HER, 1, NFG),
-        (1, TO_HER, TO_HER, KEC),
-        (AT_ROBOT, TO_HER, TO_HER, KEC),
-        (NOT_VISIBLE, 1, TO_HER, SC),
+        (0, TO_CAREGIVER, 0, FG),
+        (2, TO_CAREGIVER, 2, FG),
+        (2, TO_CAREGIVER, 1, NFG),
+        (AT_ROBOT, TO_CAREGIVER, 1, NFG),
+        (1, TO_CAREGIVER, TO_CAREGIVER, KEC),
+        (AT_ROBOT, TO_CAREGIVER, TO_CAREGIVER, KEC),
+        (NOT_VISIBLE, 1, TO_CAREGIVER, SC),
         (NOT_VISIBLE, 1, 1, SS),
         (NOT_VISIBLE, 1, 2, SO),
     ],
 )
 def test_each(face, before, gaze, expected):
-    """Of two turns, the second one."""
+    """Of two steps, the second one."""
     assert behaviours(np.array([NOT_VISIBLE, face]), np.array([before, gaze]), SPOTS)[1] == expected
 
 
-def test_nothing_before_the_first_turn():
+def test_nothing_before_the_first_step():
     assert behaviours(np.array([NOT_VISIBLE]), np.array([0]), SPOTS).tolist() == [SO]
     assert behaviours(np.zeros(0, int), np.zeros(0, int), SPOTS).shape == (0,)
 
 
 @pytest.mark.parametrize("order", ["caregiver_first", "robot_first"])
 @pytest.mark.parametrize("spots", [3, 5])
-def test_a_life(order, spots):
+def test_a_run(order, spots):
     """From where both really look, told in another way."""
     run = TableRun(TableConfig(spots=spots, order=order), PRESETS["thesis"].agent, seed=3, n_steps=3000)
     run.advance(3000)
-    gaze, hers = run.log("shift gaze").tolist(), run.log(LOOKS_AT).tolist()
+    gaze, caregivers = run.log("shift gaze").tolist(), run.log(LOOKS_AT).tolist()
     found = behaviours(run.log("caregiver's face"), run.log("shift gaze"), spots)
-    before = spots  # a life begins face to face
-    for step, (now, her) in enumerate(zip(gaze, hers, strict=True)):
+    before = spots  # a run begins face to face
+    for step, (now, theirs) in enumerate(zip(gaze, caregivers, strict=True)):
         if before == spots:
-            expected = KEC if now == spots else FG if now == her else NFG
+            expected = KEC if now == spots else FG if now == theirs else NFG
         else:
             expected = SC if now == spots else SS if now == before else SO
         assert found[step] == expected, step
@@ -58,9 +58,9 @@ def test_a_life(order, spots):
 
 def test_rates():
     found = np.random.default_rng(0).integers(0, 6, 500)
-    n_steps = np.array([1, 7, 50, 51, 500])
-    rates = moving_rates(found, n_steps, window=50)
-    for row, step in zip(rates, n_steps, strict=True):
+    steps = np.array([1, 7, 50, 51, 500])
+    rates = moving_rates(found, steps, window=50)
+    for row, step in zip(rates, steps, strict=True):
         last = found[max(0, step - 50) : step]
         assert np.allclose(row, [(last == number).mean() for number in range(6)])
     assert np.allclose(rates.sum(axis=1), 1)
@@ -73,7 +73,7 @@ def test_phases():
     assert [part.rates.index(1.0) for part in parts] == [FG, SC, SO]
 
 
-def test_phases_take_their_own_turns_only():
+def test_phases_take_their_own_steps_only():
     """The second is shorter than the window."""
     found = np.repeat([FG, SC, SO], [30, 5, 50])
     assert phases(found, [30, 35], window=1000)[1].rates[SC] == 1.0
@@ -81,7 +81,7 @@ def test_phases_take_their_own_turns_only():
 
 @pytest.mark.parametrize(("made", "bounds"), [([], [(0, 40)]), ([40], [(0, 40)]), ([10, 10], [(0, 10), (10, 40)])])
 def test_phases_at_the_edges(made, bounds):
-    """No module, one with the last turn, two at once."""
+    """No module, one with the last step, two at once."""
     assert [(part.first, part.last) for part in phases(np.zeros(40, int), made)] == bounds
 
 

@@ -174,7 +174,7 @@ class TestGoingOn:
         assert results(tmp_path) == results(finished)
 
     @pytest.mark.parametrize("changes", [{"memory": "window", "horizon": 3000}, {"refresh_every": 700}])
-    def test_other_minds(self, tmp_path, changes, without_images):
+    def test_other_agents(self, tmp_path, changes, without_images):
         """What they remember besides counts is stored, too."""
         chosen = config(agent=changes, steps=6000)
         run_development(chosen, DevelopmentOptions(tmp_path / "whole"))

@@ -1,4 +1,4 @@
-"""Images of a life: the right curves and marks, names beside and not upon them, the same bytes every time."""
+"""Figures of a run: the right curves and marks, names beside and not upon them, the same bytes every time."""
 
 import cv2
 import numpy as np
@@ -26,7 +26,7 @@ def drawn(monkeypatch):
 
 
 def noted(table, every=100):
-    """As if it had been noted every 100 turns."""
+    """As if it had been noted every 100 steps."""
     log = ContingencyLog(every, table.shape[1])
     for row in table:
         log.free()[0] = row
@@ -64,7 +64,7 @@ class TestContingency:
     def test_axes(self, drawn, tmp_path):
         draw(tmp_path / "sac.png")
         axes = drawn[0].axes[0]
-        assert (axes.get_yscale(), axes.get_ylabel(), axes.get_xlabel()) == ("log", "SAC (bits)", "turns")
+        assert (axes.get_yscale(), axes.get_ylabel(), axes.get_xlabel()) == ("log", "contingency: SAC (bits)", "steps")
         assert axes.get_xlim() == (0, 6000)
 
     def test_triangles(self, drawn, tmp_path):
@@ -81,13 +81,22 @@ class TestContingency:
         assert "first of 6,000" in axes.get_xlabel()
 
     @pytest.mark.parametrize("n_steps", [0, 1, 2])
-    def test_short_lives(self, tmp_path, n_steps):
+    def test_short_runs(self, tmp_path, n_steps):
         draw(tmp_path / "sac.png", [], n_steps)
         assert cv2.imread(str(tmp_path / "sac.png")) is not None
 
     def test_nothing_above_zero(self, tmp_path):
         draw_contingency(tmp_path / "sac.png", noted(np.zeros((1, len(NAMES)))), NAMES, [], "SAC (bits)")
         assert cv2.imread(str(tmp_path / "sac.png")) is not None
+
+    def test_few_events_are_named(self, drawn, tmp_path):
+        """Of those without a module, as many as there are pale colours; the rest share one line of the legend."""
+        table = np.full((60, len(NAMES)), 1e-4)
+        for row in range(60):
+            table[row, row % 12] = 0.02
+        draw_contingency(tmp_path / "sac.png", noted(table), NAMES, [], "SAC (bits)")
+        assert len(legend_texts(drawn[0])) == figures.MOST_NAMED + 1
+        assert legend_texts(drawn[0])[-1] == "6 other events"
 
 
 class TestBehaviour:
@@ -110,7 +119,7 @@ class TestBehaviour:
         assert dashed == [1500, 4000]
 
     @pytest.mark.parametrize("n_steps", [1, 3, 999])
-    def test_short_lives(self, tmp_path, n_steps):
+    def test_short_runs(self, tmp_path, n_steps):
         self.draw(tmp_path / "behaviour.png", self.found[:n_steps], [])
         assert cv2.imread(str(tmp_path / "behaviour.png")) is not None
 
@@ -149,6 +158,19 @@ def test_legends_cover_no_curve(drawn, tmp_path):
         axes, legend = figure.axes[0].get_window_extent(), figure.legends[0].get_window_extent()
         assert not axes.overlaps(legend)
         assert legend.x0 >= 0 and legend.x1 <= figure.bbox.x1 and legend.y0 >= 0
+
+
+def test_titles_say_what_one_sees(drawn, tmp_path):
+    """Equations stand at the axes or below."""
+    draw(tmp_path / "sac.png")
+    TestBehaviour().draw(tmp_path / "behaviour.png")
+    draw_maps(tmp_path / "maps.png", [map_image({(0, 0): 1})])
+    titles = [figure.get_suptitle() for figure in drawn]
+    assert titles == [
+        "Which events are contingent, and when each became a module",
+        "What the robot does with its gaze as modules are added",
+        "What each module does next, given what is sensed",
+    ]
 
 
 def test_same_bytes(tmp_path):

@@ -33,7 +33,7 @@ def follow(variables, spots, wrong=0):
     return module(variables, (0, 0, OBJECT), {(0, s): (s + (s < wrong)) % spots for s in range(spots)})
 
 
-def to_her(variables, spots, event, pair=(0, 1)):
+def to_caregiver(variables, spots, event, pair=(0, 1)):
     return module(variables, event, {pair: spots})
 
 
@@ -41,8 +41,8 @@ def test_the_three_of_chapter_5(table):
     variables, spots = table
     modules = [
         follow(variables, spots),
-        to_her(variables, spots, (2, 0, FRONTAL)),
-        to_her(variables, spots, (3, 0, PROFILE)),
+        to_caregiver(variables, spots, (2, 0, FRONTAL)),
+        to_caregiver(variables, spots, (3, 0, PROFILE)),
     ]
     found = meanings(variables, modules)
     assert [one.short for one in found] == ["FG-m", "SCf-m", "SC-m"]
@@ -71,15 +71,15 @@ def test_a_map_that_leads_elsewhere(table):
 
 def test_looking_back_after_something_else(table):
     variables, spots = table
-    first = to_her(variables, spots, (0, 0, PROFILE), pair=(0, spots))
-    found = meanings(variables, [first, to_her(variables, spots, (2, 0, FRONTAL))])
+    first = to_caregiver(variables, spots, (0, 0, PROFILE), pair=(0, spots))
+    found = meanings(variables, [first, to_caregiver(variables, spots, (2, 0, FRONTAL))])
     assert [one.short for one in found] == ["module 1", "module 2"]
     assert [one.words for one in found] == ["keeping eye contact", "looking back to the caregiver after module 1"]
 
 
 def test_from_the_table_to_the_caregiver(table):
     variables, spots = table
-    found = meanings(variables, [to_her(variables, spots, (1, 0, PROFILE))])
+    found = meanings(variables, [to_caregiver(variables, spots, (1, 0, PROFILE))])
     assert found[0].label == "shifting to the caregiver"
 
 

@@ -192,7 +192,7 @@ def test_babbling_and_its_run_go_on_the_same_after_a_pickle(monkeypatch):
 
 
 def test_the_command_babbles_stops_and_goes_on_the_same(tmp_path, monkeypatch):
-    """Its options, its checkpoints, its film and its summary."""
+    """Its options, its checkpoints and its summary."""
     monkeypatch.setattr(RecallingBody, "pages", 6)
     config = RenderedDevelopmentConfig.of(
         resolution="growing", seed=5, steps=60, table={"spots": 2, "objects": 1},
@@ -200,8 +200,9 @@ def test_the_command_babbles_stops_and_goes_on_the_same(tmp_path, monkeypatch):
         babbling={"steps": 5000, "images": False, "resolution": {"warm_up": 1000}},
     )  # fmt: skip
     assert config.rendered.senses == GrowingConfig().senses
-    whole = run_development(config, DevelopmentOptions(tmp_path / "whole", video=True))
-    assert (tmp_path / "whole" / "video.mp4").stat().st_size > 10_000
+    whole = run_development(config, DevelopmentOptions(tmp_path / "whole"))
+    with pytest.raises(ConfigError, match="filmed"):
+        run_development(config, DevelopmentOptions(tmp_path / "film", video=True))
     more = whole.summary.more
     assert more["faces_told_apart"] > 1 and len(more["regions_of_gaze_deg"]) > 1 and more["splits"]
     stopped = DevelopmentOptions(tmp_path / "stopped", checkpoint_every=20)
@@ -213,3 +214,12 @@ def test_the_command_babbles_stops_and_goes_on_the_same(tmp_path, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         run_development(config, stopped, stop)
     assert run_development(config, replace(stopped, resume=True)) == whole
+
+
+def test_the_command_films_what_is_rendered(tmp_path):
+    config = RenderedDevelopmentConfig.of(
+        resolution="growing", seed=5, steps=12, table={"spots": 2, "objects": 1},
+        rendered={"calibration": 3, "exploration": 80}, babbling={"steps": 50},
+    )  # fmt: skip
+    run_development(config, DevelopmentOptions(tmp_path, video=True))
+    assert (tmp_path / "video.mp4").stat().st_size > 10_000

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from jointattn_mj.development.realtime.config import RealtimeDevelopConfig
-from jointattn_mj.development.rendered.config import RenderedDevelopConfig
-from jointattn_mj.development.run import DevelopConfig
+from jointattn_mj.development.realtime.config import RealtimeDevelopmentConfig
+from jointattn_mj.development.rendered.config import RenderedDevelopmentConfig
+from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.footage.config import PerceiveConfig
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig
@@ -21,7 +21,12 @@ CONFIGS = [
     SESSION,
     replace(SESSION, world=replace(SESSION.world, scene=SCENE)),
     PerceiveConfig("video.mp4", objects=("blue", "cup=#c03a2b"), fps=25.0),
-    *(kind.of("fast") for kind in (DevelopConfig, RenderedDevelopConfig, RealtimeDevelopConfig)),
+    *(
+        kind.of(preset="fast", steps=7)
+        for kind in (TableDevelopmentConfig, RenderedDevelopmentConfig, RealtimeDevelopmentConfig)
+    ),
+    RenderedDevelopmentConfig.of(maps="continuous"),
+    RenderedDevelopmentConfig.of(resolution="growing", babbling={"images": False}),
 ]
 
 

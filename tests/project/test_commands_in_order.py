@@ -52,6 +52,7 @@ def shortened(command: Command) -> list[str]:
         case "develop" if "rendered" in words:
             at_most("--steps", 20)
             words += ["--rendered.exploration", "100"]
+            words += ["--babbling.steps", "300"] if "growing" in words else []
         case "develop":
             at_most("--steps", 40_000)
             at_most("--checkpoint-every", 5_000, always=False)

@@ -31,14 +31,14 @@ class Day:
 
 DAYS = (
     Day("session, state", "session --perception state --minutes {n}", 60),
-    Day("develop, table", "develop --preset thesis --steps {n}", 1_000_000),
+    Day("develop, table", "develop table --preset thesis --steps {n}", 1_000_000),
     Day(
         "develop, realtime, state",
-        "develop --world rendered --mode realtime --realtime.perception state --steps 200000 --minutes {n}",
+        "develop realtime --realtime.perception state --steps 200000 --minutes {n}",
         60,
     ),
     Day("session, images", "session --minutes {n}", 60, hours=1.0),
-    Day("develop, rendered", "develop --world rendered --steps {n}", 20_000, hours=1.0),
+    Day("develop, rendered", "develop rendered --steps {n}", 20_000, hours=1.0),
 )
 """Steps of the table have no length: a million stand for an hour, and 20,000 where each is an image."""
 

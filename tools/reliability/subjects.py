@@ -51,15 +51,14 @@ ORDER = "experiment run 5.2 --setting 'caregiver first' --runs 12"
 SUBJECTS = (
     Subject("session, state", "session --perception state --minutes 8 --checkpoint-minutes 0.25"),
     Subject("session, images", "session --minutes 0.8 --robot.familiarise.minutes 0.3 --checkpoint-minutes 0.1"),
-    Subject("develop, table", "develop --preset fast --steps 300000 --checkpoint-every 20000"),
+    Subject("develop, table", "develop table --preset fast --steps 300000 --checkpoint-every 20000"),
     Subject(
         "develop, rendered",
-        "develop --world rendered --steps 800 --rendered.exploration 240 --checkpoint-every 100",
+        "develop rendered --steps 800 --rendered.exploration 240 --checkpoint-every 100",
     ),
     Subject(
         "develop, realtime",
-        "develop --world rendered --mode realtime --minutes 0.5 --realtime.familiarise-minutes 0.4 "
-        "--checkpoint-every 10",
+        "develop realtime --minutes 0.5 --realtime.familiarise-minutes 0.4 --checkpoint-every 10",
     ),
     Subject("experiment, loky", f"{ORDER} --jobs 2", resume=(), report=("experiment", "report"), workers=True),
     Subject(

@@ -10,11 +10,11 @@ The functions are compiled, since a run has 300,000 attempts; each can be called
 from dataclasses import dataclass
 from typing import Annotated, Literal, NamedTuple
 
+import numba
 import numpy as np
 
 from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.guards.border import checked_by, require_array
-from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Angle, Checked, Positive, Real, Whole
 
 MOST = 1e6
@@ -186,7 +186,7 @@ def _check_face(network: Network, face: np.ndarray) -> None:
 
 
 @checked_by(_check_face)
-@njit(fastmath=True, cache=True)
+@numba.njit(fastmath=True, cache=True)
 def face_drive(network: Network, face: np.ndarray) -> np.ndarray:
     """Input of each hidden unit from the face, (hidden,); it is the same in all steps of an attempt."""
     drive = network.threshold.copy()
@@ -204,7 +204,7 @@ def _check_command(network: Network, drive: np.ndarray, head: np.ndarray, scale:
 
 
 @checked_by(_check_command)
-@njit(cache=True)
+@numba.njit(cache=True)
 def network_command(network: Network, drive: np.ndarray, head: np.ndarray, scale: float) -> tuple[float, float]:
     """The network's output.
 
@@ -235,7 +235,7 @@ def _check_pairs(
 
 
 @checked_by(_check_pairs)
-@njit(fastmath=True, cache=True)
+@numba.njit(fastmath=True, cache=True)
 def backpropagate(
     network: Network,
     face: np.ndarray,
@@ -299,7 +299,7 @@ def _check_target(
 
 
 @checked_by(_check_target)
-@njit(cache=True)
+@numba.njit(cache=True)
 def feedback_target(
     feedback: int, visible: np.ndarray, off: np.ndarray, interest: np.ndarray, kept: int, by_network: bool
 ) -> int:

@@ -28,8 +28,8 @@ class BabblingConfig(Checked):
     steps: Annotated[int, Whole("[1, 1e10]")] = 20_000
     """Steps of babbling before the agent begins."""
     images: bool = True
-    """Render an image every step. Without it faces come from an album of images and objects from geometry; 20,000
-    steps then take seconds."""
+    """Render an image every step. Without it faces come from an album of images and objects from geometry: 20,000 steps
+    then take seconds, and nothing can be filmed."""
     face_share: Annotated[float, Real("(0, 1)")] = GROWING.face_share
     """Share of gaze shifts to the caregiver's face; the others go in a random direction."""
     margin: Annotated[float, Real("[0, 0.5)")] = GROWING.margin
@@ -62,7 +62,6 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
     CHOOSES: ClassVar[tuple[tuple[str, str], ...]] = (("maps", "continuous"), ("resolution", "growing"))
     steps_at_a_time: ClassVar[int] = 500
     checkpoint_every: ClassVar[int] = 10_000
-    films: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -78,6 +77,11 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
             rendered = replace(start.rendered, senses=senses, calibration=calibration, exploration=exploration)
             return replace(start, rendered=rendered)
         return replace(start, rendered=SCATTERED) if given.get("maps") == "continuous" else start
+
+    @property
+    def films(self) -> bool:
+        """See ``DevelopmentConfig``; without images bodies do not move."""
+        return self.resolution == "given" or self.babbling.images
 
     @property
     def kind(self) -> type[DevelopmentRun]:

@@ -295,7 +295,9 @@ class GrowingRun(ObservedRun):
         self.body = babbling.body
         self.resolution: Resolution = babbling.growth.resolution
         self.directions = babbling.commands()
-        self._splits = [(step.turns, step.split.kind, float(step.contingency)) for step in babbling.growth.steps]
+        self._splits = [
+            (step.n_transitions, step.split.kind, float(step.contingency)) for step in babbling.growth.steps
+        ]
         senses, faces = self.body.config.senses, len(self.resolution.sensed)
         frontal = self.resolution.sensor(self.body.frontal_units)
         self.frontal = frontal_categories(frontal, faces, senses.frontal_share)

@@ -94,7 +94,7 @@ class RenderedRun(ObservedRun):
 
     def more(self) -> dict[str, Any]:
         """See ``ObservedRun``; and which caregiver it was."""
-        who = {"caregiver": self.stage.world.config.scene.caregiver, "turns_watched_before": self.config.exploration}
+        who = {"caregiver": self.stage.world.config.scene.caregiver, "exploration_steps": self.config.exploration}
         return {**who, **super().more()}
 
     def sense(self, number: int) -> Witnessed:

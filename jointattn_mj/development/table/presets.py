@@ -1,4 +1,4 @@
-"""Whole readings of chapters 4 and 5 under a name: a table and the mind that develops at it."""
+"""Presets: readings of chapters 4 and 5, each a table and the agent that develops at it."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from jointattn_mj.development.table.world import CHAPTER_4, CHAPTER_5, TableConf
 
 @dataclass(frozen=True)
 class Preset:
-    """A world, a mind and why they are so."""
+    """A table and an agent, and why they are so."""
 
     world: TableConfig
     agent: DeveloperConfig
@@ -21,7 +21,7 @@ PRESETS = {
     "thesis": Preset(
         CHAPTER_5,
         DeveloperConfig(),
-        "Chapter 5 by the text's order of turns (the caregiver shifts, the robot observes, the robot acts); during eye "
+        "Chapter 5 in the text's order (the caregiver shifts, the robot observes, the robot acts); during eye "
         "contact the caregiver's neutral gaze stays.",
     ),
     "thesis_robot_first": Preset(

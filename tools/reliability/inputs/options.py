@@ -35,12 +35,9 @@ class Base:
 BASES = (
     Base("session --perception state --minutes 0.02"),
     Base("session --minutes 0.02 --robot.familiarise.minutes 0.02", asked="--pixels"),
-    Base("develop --preset fast --steps 2000"),
-    Base("develop --world rendered --steps 20 --rendered.exploration 60 --rendered.calibration 5"),
-    Base(
-        "develop --world rendered --mode realtime --minutes 0.02 --realtime.perception state "
-        "--realtime.familiarise-minutes 0.1"
-    ),
+    Base("develop table --preset fast --steps 2000"),
+    Base("develop rendered --steps 20 --rendered.exploration 60 --rendered.calibration 5"),
+    Base("develop realtime --minutes 0.02 --realtime.perception state --realtime.familiarise-minutes 0.1"),
     Base("perceive {video} --no-overlay --max-minutes 0.02"),
     Base("measure {table} --source her_gaze --condition my_gaze --target toy_seen", out=False),
     Base("discover {table} --sensors her_gaze --actions my_gaze --results toy_seen", out=False),
