@@ -1,6 +1,8 @@
-"""Pages that mkdocs makes from the repository: the claims from experiments/README.md, the API from docstrings."""
+"""Pages that mkdocs makes from the repository: the claims from experiments/, the API from docstrings."""
 
+import html
 import re
+import sys
 from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
@@ -8,20 +10,36 @@ from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "jointattn_mj"
-FIGURES = ROOT / "experiments" / "figures"
+EXPERIMENTS = ROOT / "experiments"
+if str(ROOT) not in sys.path:
+    sys.path.insert(0, str(ROOT))
+
+from experiments.pages import BEGIN, END  # noqa: E402
+from experiments.registry import REGISTRY  # noqa: E402
+
+LABELS = ("", "dissertation", "here", "n", "")
+"""What stands before the values of a row where the columns are stacked, on a phone."""
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
-    """List a page of the API for every folder of the package."""
-    section = next(part["API"] for part in config.nav if "API" in part)
-    section += [{_dotted(folder): _page(folder)} for folder in _folders()]
+    """List a page for every claim, and a page of the API for every folder of the package."""
+    sections = {title: pages for part in config.nav for title, pages in part.items()}
+    sections["What the dissertation claims"] += [
+        {f"{claim}: {entry.title}": f"claims/{entry.folder}.md"} for claim, entry in REGISTRY.entries.items()
+    ]
+    sections["API"] += [{_dotted(folder): _page(folder)} for folder in _folders()]
     return config
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add what is not in docs/."""
-    files.append(File.generated(config, "claims.md", content=_claims()))
-    for figure in sorted(FIGURES.iterdir()):
+    files.append(File.generated(config, "claims/index.md", content=_linked(EXPERIMENTS / "README.md")))
+    for entry in REGISTRY.entries.values():
+        page = _linked(EXPERIMENTS / entry.folder / "README.md")
+        files.append(File.generated(config, f"claims/{entry.folder}.md", content=_stacking(page)))
+    for film in sorted(EXPERIMENTS.glob("*/*.mp4")):
+        files.append(File.generated(config, f"claims/{film.name}", abs_src_path=str(film)))
+    for figure in sorted((EXPERIMENTS / "figures").iterdir()):
         files.append(File.generated(config, f"figures/{figure.name}", abs_src_path=str(figure)))
     for folder in _folders():
         files.append(File.generated(config, _page(folder), content=_api(folder)))
@@ -51,7 +69,32 @@ def _api(folder: Path) -> str:
     return "\n".join([head, *parts])
 
 
-def _claims() -> str:
-    """experiments/README.md; links to other files of the repository become their names."""
-    text = (ROOT / "experiments" / "README.md").read_text("utf-8")
-    return re.sub(r"(?<!!)\[([^]]+)\]\((?!figures/|https?:|#)[^)]+\)", r"`\1`", text)
+def _linked(page: Path) -> str:
+    """A page of experiments/, with its links as they are among the pages of the site."""
+
+    def link(found: re.Match[str]) -> str:
+        target = (page.parent / found[1]).resolve()
+        if target.name == "README.md":
+            return f"]({'index' if target.parent == EXPERIMENTS else target.parent.name}.md"
+        return f"](../{target.relative_to(ROOT / 'docs')}" if (ROOT / "docs") in target.parents else found[0]
+
+    text = re.sub(r"\]\((?!https?:|#)([^)#]+)", link, page.read_text("utf-8"))
+    return text.replace("](figures/", "](../figures/")
+
+
+def _stacking(page: str) -> str:
+    """A claim's page whose table of values is HTML with labels, so that its columns can stand below each other."""
+    before, _, rest = page.partition(BEGIN)
+    table, _, after = rest.partition(END)
+    head, _, *rows = [_cells(line) for line in table.strip().splitlines()]
+    lines = [f"<tr>{''.join(f'<th>{cell}</th>' for cell in head)}</tr>"]
+    for row in rows:
+        cells = (f'<td data-label="{label}">{cell}</td>' for label, cell in zip(LABELS, row, strict=True))
+        lines.append(f"<tr>{''.join(cells)}</tr>")
+    return f'{before}<table class="values">{"".join(lines)}</table>\n{after}'
+
+
+def _cells(line: str) -> list[str]:
+    """Cells of a row in Markdown, as HTML."""
+    cells = re.split(r"(?<!\\)\|", line.strip())[1:-1]
+    return [html.escape(html.unescape(re.sub(r"\\(.)", r"\1", cell.strip()))) for cell in cells]

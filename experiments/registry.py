@@ -1,8 +1,8 @@
-"""Every claim under its id. A claim is one entry here and one folder beside this file:
+"""All claims by id. A claim is one entry here and one folder beside this file.
 
-``sweep.py`` has ``SETTINGS`` and ``trial`` (and ``FIRST_SEED`` or ``VERSION`` where they are not 0 and 1, and ``FILM``,
-the path of a short video, where there is one), ``analysis.py`` has ``analyse`` and ``draw``. Nothing of them is
-imported before it is needed.
+In the folder, ``sweep.py`` has ``SETTINGS`` and ``trial``. It has ``FIRST_SEED`` and ``VERSION`` if they are not 0 and
+1, and ``FILM``, the path of a short video, if there is one. ``analysis.py`` has ``analyse`` and ``draw``. ``README.md``
+says what came out. The modules are imported when they are first needed.
 """
 
 from jointattn_mj.sweeps.registry import Entry, Registry
@@ -10,7 +10,7 @@ from jointattn_mj.sweeps.registry import Entry, Registry
 REGISTRY = Registry(
     __package__,
     Entry("4.4", "detection", "Which event is contingent", "section 4.5.2, Fig. 4.4",
-          "T^C of (S1, A1, R2) becomes the highest; after about 30,000 turns nothing changes any more."),
+          "T^C of (S1, A1, R2) becomes the highest; after about 30,000 steps nothing changes any more."),
     Entry("4.5", "many_objects", "More and fewer objects", "section 4.5.2, Fig. 4.5",
           "The right event leads unless 8 or 9 of 9 spots are full; p_r and p_i do not matter."),
     Entry("4.6", "careless_caregiver", "A caregiver who does not look at objects", "section 4.5.3, Fig. 4.6",
@@ -29,12 +29,12 @@ REGISTRY = Registry(
           "With p_e = 1 the three modules come for most p_r and p_i; with p_e = 0 others come after gaze following."),
     Entry("5.5", "behaviour", "How behaviour changes", "section 5.4, Fig. 5.5",
           "The first two modules change behaviour little; gaze alternation changes it drastically."),
-    Entry("fast", "fast", "Contingency in fewer turns", "section 7.1, asked for",
-          "More than 45,000 turns are more than a person can be asked for."),
-    Entry("ablations", "ablations", "What hangs on each open place of chapter 5", "sections 5.2 and 5.3",
+    Entry("fast", "fast", "Contingency in fewer steps", "section 7.1, asked for",
+          "More than 45,000 steps are more than a person can be asked for."),
+    Entry("ablations", "ablations", "What each open choice of chapter 5 changes", "sections 5.2 and 5.3",
           "The text leaves these open."),
     Entry("6.6", "som", "The map of face patterns", "section 6.4.1, Fig. 6.6",
-          "Faces seen in three minutes are ordered on a sheet of 9 x 9 cells: similar faces have neighbouring cells."),
+          "Faces seen in three minutes are ordered on a map of 9 x 9 units: similar faces have neighbouring units."),
     Entry("6.7", "synchronised", "The gate, and the synchronised run behind it", "section 6.4.1, Fig. 6.7",
           "The gate was set from a run in which robot and person keep time: half open at the 150th learning step."),
     Entry("6.8", "sessions", "Gaze following in real time", "section 6.4.3, Fig. 6.8",
@@ -46,16 +46,16 @@ REGISTRY = Registry(
           "Success starts at chance and becomes high with 1, 3, 5 and 10 objects; three stages appear, as in infants: "
           "any object, the right one in view, the right one outside the view."),
     Entry("follow", "follow", "Reward in place of contingency: PPO on the task follow", "not in the dissertation",
-          "Its robot is never told that it was right. What a learner makes of the same world that is told at every "
-          "step is a measure of the task."),
+          "Its robot is never told that it was right. A learner that is told at every step gives a measure of the "
+          "task."),
     Entry("continuous", "continuous", "Gaze following in continuous space", "section 7.1, asked for",
           "Once its event is found, a module learns a map from continuous data, by the pairs that contingent saliency "
           "marks as informative."),
-    Entry("rendered", "rendered_turns", "Development on a robot that sees, in turns", "sections 5.3 and 7.1",
+    Entry("rendered", "rendered_turns", "Development on a robot that sees, step by step", "sections 5.3 and 7.1",
           "To validate our mechanism, we need to implement our mechanism into a real robot."),
     Entry("resolution", "resolution", "Resolution that grows", "section 7.1, asked for",
           "How fine variables are influences contingency, and was set in advance; it should improve along with the "
           "robot's development."),
-    Entry("realtime", "realtime", "In real time, without turns", "section 7.1, asked for",
-          "A person can keep up an hour of interaction; 45,000 turns they cannot."),
+    Entry("realtime", "realtime", "Development in real time", "section 7.1, asked for",
+          "A person can keep up an hour of interaction; 45,000 steps they cannot."),
 )  # fmt: skip

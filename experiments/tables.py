@@ -1,4 +1,4 @@
-"""What the experiments of chapters 4 and 5 have in common: a mind lives at a table, and what is kept of that."""
+"""Shared by the experiments of chapters 4 and 5: a run at the symbolic table, and the result kept of it."""
 
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
@@ -21,19 +21,25 @@ STAGES = ("(S1, A1, R3)", "(Π1, A1, R1)", "(Π1, A1, R2)")
 
 @dataclass(frozen=True)
 class TableRunConfig(Checked):
-    """A mind at a table for some turns."""
+    """An agent at a table for a number of steps."""
 
     world: TableConfig
     agent: DeveloperConfig
     turns: Annotated[int, Whole("[1, 1e10]")] = 100_000
+    """Steps of the run."""
     stop_after: Annotated[int, Whole("[0, 1e10]")] = 100
-    """Modules after which it may stop."""
+    """Number of modules after which the run may stop."""
     avoids_faces: Share | None = field(default=None)
-    """Share of gaze shifts to the face that an avoiding reactive module leaves; None: the random module."""
+    """Share of gaze shifts to the face that a face-avoiding reactive module keeps; None: the random module."""
 
 
 def table_config(preset: str, **changes: Any) -> TableRunConfig:
-    """A preset with changes such as ``world.spots``, ``caregiver.lead``, ``detector.base`` or ``turns``."""
+    """A preset with some fields changed.
+
+    Args:
+        preset: Name of a preset.
+        changes: New values of fields such as ``world.spots``, ``caregiver.lead``, ``detector.base`` or ``turns``.
+    """
     chosen = TableRunConfig(PRESETS[preset].world, PRESETS[preset].agent)
     for name, value in changes.items():
         part, _, last = name.partition(".")
@@ -53,7 +59,13 @@ def table_config(preset: str, **changes: Any) -> TableRunConfig:
 
 
 def run_table(config: TableRunConfig, seed: int, sample_every: int = 0) -> TableRun:
-    """A run at the symbolic table, to its end; contingency is logged every ``sample_every`` steps, or never."""
+    """Run an agent at the symbolic table to the end.
+
+    Args:
+        config: World, agent and length.
+        seed: Seed of the run.
+        sample_every: Steps between two logs of contingency; 0 for none.
+    """
     avoiding = () if config.avoids_faces is None else (AvoidingModule("shift gaze", "caregiver", config.avoids_faces),)
     run = TableRun(config.world, config.agent, seed, config.turns, avoiding, sample_every or config.turns)
     while run.steps_done < config.turns and len(run.found) < config.stop_after:
@@ -62,7 +74,7 @@ def run_table(config: TableRunConfig, seed: int, sample_every: int = 0) -> Table
 
 
 def develop(config: TableRunConfig, seed: int) -> dict[str, Any]:
-    """Trial: which modules were made when, whether gaze following is right, and what the robot did in each phase."""
+    """Trial: modules and their steps, whether gaze following is right, and rates of behaviour in each phase."""
     run = run_table(config, seed)
     variables, spots = run.agent.variables, config.world.spots
     made = [found for found in run.found if found.module is not None]
@@ -82,7 +94,7 @@ def in_order(result: dict[str, Any]) -> bool:
 
 
 def time_of(result: dict[str, Any], stage: int) -> float:
-    """Turn at which the module number ``stage`` (from 0) was made, infinite where it never was."""
+    """Step at which module number ``stage`` (from 0) was made; infinite if it never was."""
     return result["turns"][stage] if len(result["turns"]) > stage else np.inf
 
 

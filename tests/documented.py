@@ -45,10 +45,11 @@ class Command:
 
 
 def pages() -> list[Path]:
-    """README, the site's pages in the order of its contents, and what the experiments showed."""
+    """README, the site's pages in the order of its contents, CONTRIBUTING, and the pages of the experiments."""
     contents = yaml.load((ROOT / "mkdocs.yml").read_text(), yaml.BaseLoader)["nav"]
     written = [ROOT / "docs" / name for name in _names(contents) if (ROOT / "docs" / name).exists()]
-    return [ROOT / "README.md", *written, ROOT / "experiments" / "README.md"]
+    claims = sorted((ROOT / "experiments").glob("*/README.md"))
+    return [ROOT / "README.md", *written, ROOT / "CONTRIBUTING.md", ROOT / "experiments" / "README.md", *claims]
 
 
 def _names(contents: object) -> list[str]:

@@ -19,7 +19,7 @@ def _results(trials: Trials, setting: str) -> list[dict[str, Any]]:
 
 
 def analyse(trials: Trials) -> list[Comparison]:
-    """Order kept, with modules a run, the median turn of the third, and eye contact after it."""
+    """Order kept, with modules a run, the median step of the third, and eye contact after it."""
     findings = []
     for setting in SETTINGS:
         results = _results(trials, setting)
@@ -30,12 +30,12 @@ def analyse(trials: Trials) -> list[Comparison]:
         notes = [f"modules a run {count}"]
         developed = [result for result in results if in_order(result)]
         if developed:
-            notes.append(f"third after {np.median([time_of(result, 2) for result in developed]):.0f} turns (median)")
+            notes.append(f"third after {np.median([time_of(result, 2) for result in developed]):.0f} steps (median)")
             contact = [result["phases"][3][KEC] for result in developed if len(result["phases"]) > 3]
             notes.append(f"eye contact then {np.mean(contact):.2f}" if contact else "no time left after it")
         if "avoids" in setting:
             first = [time_of(result, 0) for result in results]
-            notes.append(f"first module after {np.median(first):.0f} turns (median)")
+            notes.append(f"first module after {np.median(first):.0f} steps (median)")
         findings.append(Comparison(f"order kept: {setting}", "", order, Verdict.EXTENSION, "; ".join(notes)))
     return findings
 

@@ -32,7 +32,7 @@ def analyse(trials: Trials) -> list[Comparison]:
         drastic = per_module[2].low > max(per_module[0].high, per_module[1].high)
         for module, (name, said) in enumerate((("FG-m", "little"), ("SCf-m", "little"), ("SC-m", "drastic"))):
             findings.append(Comparison(
-                f"share of turns that become another behaviour with {name}; {setting}", said, per_module[module],
+                f"share of steps whose behaviour changes with {name}; {setting}", said, per_module[module],
                 Verdict.REPRODUCED if drastic else Verdict.NOT,
             ))  # fmt: skip
         for behaviour, name in ((FG, "gaze following"), (KEC, "eye contact")):
@@ -58,8 +58,11 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
             errors = [[e.mean - e.low for e in line], [e.high - e.mean for e in line]]
             axes.errorbar(range(PHASES), [e.mean for e in line], errors, marker="o", ms=4, capsize=3, label=name)
         axes.set_xticks(range(PHASES), ["P1\nborn", "P2\nFG-m", "P3\nSCf-m", "P4\nSC-m"])
-        axes.set(title=f"{setting}, {len(rates)} runs", xlabel="phase, and the module it begins with")
+        axes.set(
+            title=f"What the robot does in each phase\n({setting}, {len(rates)} runs)",
+            xlabel="phase, and the module it begins with",
+        )
         axes.grid(alpha=0.3)
-    panels[0].set_ylabel("rate over the phase's last 1000 turns")
+    panels[0].set_ylabel("share of the phase's last 1000 steps")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8)
     return {"behaviour": figure}

@@ -1,4 +1,4 @@
-"""Rates of six behaviours in the last 1000 turns of each phase between modules (Fig. 5.5)."""
+"""Rates of six behaviours in the last 1000 steps of each phase between modules (Fig. 5.5)."""
 
 from jointattn_mj.sweeps.claim import Setting
 

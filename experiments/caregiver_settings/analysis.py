@@ -23,11 +23,11 @@ def _results(trials: Trials, answer: float, follow: float, lead: float) -> list[
 
 
 def common(results: list[dict[str, Any]]) -> list[tuple[str, float, float]]:
-    """Modules that more than half of the runs made, as in Fig. 5.4: symbol, mean and deviation of their turns."""
+    """Modules that more than half of the runs made, as in Fig. 5.4: symbol, mean and deviation of their steps."""
     times: dict[str, list[float]] = {}
     for result in results:
-        for symbol, turn in zip(result["modules"], result["turns"], strict=True):
-            times.setdefault(symbol, []).append(turn)
+        for symbol, step in zip(result["modules"], result["turns"], strict=True):
+            times.setdefault(symbol, []).append(step)
     found = [(s, float(np.mean(t)), float(np.std(t))) for s, t in times.items() if len(t) > len(results) / 2]
     return sorted(found, key=lambda item: item[1])
 
@@ -80,7 +80,7 @@ def analyse(trials: Trials) -> list[Comparison]:
 
 
 def draw(trials: Trials) -> Mapping[str, Figure]:
-    """Fig. 5.4: a block for each caregiver, a bar for each module, from the mean turn minus to plus one deviation."""
+    """Fig. 5.4: a block for each caregiver, a bar for each module, from the mean step minus to plus one deviation."""
     figures = {}
     for answer in (1.0, 0.75, 0.5, 0.25, 0.0):
         if not any(_results(trials, answer, f, p) for f in CHANCES for p in CHANCES):
@@ -112,6 +112,9 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
                     axes.set_ylabel(f"$p_r$ = {follow}", fontsize=8)
         handles = {label: h for axes in grid.flat for h, label in zip(*axes.get_legend_handles_labels(), strict=True)}
         figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=5, fontsize=7)
-        figure.suptitle(f"$p_e$ = {answer}: turns at which modules are made (mean and deviation)", fontsize=10)
+        figure.suptitle(
+            f"When modules are made by the caregiver's probabilities, $p_e$ = {answer} (steps, mean and deviation)",
+            fontsize=10,
+        )
         figures[f"caregiver_settings_{answer}"] = figure
     return figures

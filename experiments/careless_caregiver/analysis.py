@@ -48,7 +48,9 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     for edge in (0.2, 0.6):
         axes.axvline(edge, color="C1", ls=":", label="sign changes in the dissertation" if edge == 0.2 else None)
     axes.set(
-        xlabel="$p_c$: how often the caregiver behaves as described", ylabel="lead of $(S_1, A_1, R_2)$ (millibits)"
+        xlabel="$p_c$: how often the caregiver behaves as described",
+        ylabel="lead of $(S_1, A_1, R_2)$ (millibits)",
+        title="How far the right event leads, by the caregiver's care",
     )
     axes.legend(fontsize=8)
     axes.grid(alpha=0.3)

@@ -1,4 +1,5 @@
-"""Lead of the right event after 30,000 turns; she behaves as described only with probability p_c (section 4.5.3)."""
+"""Lead of the right event after 30,000 steps with a caregiver who behaves as described with probability p_c only
+(section 4.5.3)."""
 
 from typing import Any
 

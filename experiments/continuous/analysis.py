@@ -21,7 +21,7 @@ LABELS = {
 
 
 def analyse(trials: Trials) -> list[Comparison]:
-    """Whether it was found; table, continuous map and chapter 6's learner on held-out faces; the same in the life."""
+    """Whether it was found; errors of table, map and chapter 6's learner, on held-out faces and in the run."""
     everything = [trial.result for trial in trials.get("scattered", ())]
     results = _found(everything)
     if not results:
@@ -29,7 +29,7 @@ def analyse(trials: Trials) -> list[Comparison]:
     last = CHECKPOINTS[-1]
     findings = [
         _row("gaze following is found among objects that lie anywhere", proportion(len(results), len(everything)),
-             f"after {np.median([r['found'] for r in results]):,.0f} turns (median), with "
+             f"after {np.median([r['found'] for r in results]):,.0f} steps (median), with "
              f"{np.median([r['categories'] for r in results]):.0f} categories of faces"),
         _row("error of the table on held-out faces, deg", _median(results, "table", 0, "median_deg")),
     ]  # fmt: skip
@@ -40,17 +40,17 @@ def analyse(trials: Trials) -> list[Comparison]:
         ("informative, two linear outputs", "two linear outputs from informative pairs"),
         ("all, two linear outputs", "two linear outputs from all face-to-object pairs"),
     ):
-        findings.append(_row(f"error of {what} after {last:,} turns, deg", _median(results, name, last, "median_deg")))
+        findings.append(_row(f"error of {what} after {last:,} steps, deg", _median(results, name, last, "median_deg")))
     for key, what in (
-        ("within", f"share within {WITHIN_DEG} deg of her object"),
-        ("nearest", "hers the nearest object"),
+        ("within", f"share within {WITHIN_DEG} deg of the caregiver's object"),
+        ("nearest", "the caregiver's object is nearest"),
     ):
         findings.append(_row(
-            f"held-out faces, {what}: continuous map after {last:,} turns less table",
+            f"held-out faces, {what}: continuous map after {last:,} steps less table",
             _difference(results, ("informative", last), ("table", 0), key),
         ))  # fmt: skip
     findings.append(_row(
-        f"error of informative pairs less that of chapter 6's, after {last:,} turns, deg",
+        f"error of informative pairs less that of chapter 6's, after {last:,} steps, deg",
         _difference(results, ("informative", last), ("chapter 6", last), "median_deg"),
     ))  # fmt: skip
     for turns in CHECKPOINTS:
@@ -59,8 +59,8 @@ def analyse(trials: Trials) -> list[Comparison]:
         )
         if gain.n > 1 and turns in (1000, 3500):
             findings.append(_row(
-                f"the same while the gaze still moves at random, {turns:,} turns", gain,
-                "the same turns, informative by the module that was made of them later",
+                f"the same while the gaze still moves at random, {turns:,} steps", gain,
+                "the same steps, informative by the module made later",
             ))  # fmt: skip
     both = [r for r in results if r["landings"]["table"]["n"] and r["landings"]["map"]["n"]]
     for key, what in (("median_deg", "median distance, deg"), ("within", f"share within {WITHIN_DEG} deg")):
@@ -72,7 +72,7 @@ def analyse(trials: Trials) -> list[Comparison]:
 
 
 def draw(trials: Trials) -> Mapping[str, Figure]:
-    """Errors over turns, with the module and with gaze at random; shifts before and after the map took over."""
+    """Errors over steps, with the module and with gaze at random; shifts before and after the map took over."""
     results = _found([trial.result for trial in trials.get("scattered", ())])
     if not results:
         return {}
@@ -84,11 +84,11 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         table = _median(results, "table", 0, "median_deg")
         axes.axhspan(*_interval(table), color="#7f8c8d", alpha=0.25, lw=0)
         axes.axhline(table.mean, color="#7f8c8d", ls="--", label="the module's table")
-        axes.set(xlabel="turns", ylim=(0, 7), xlim=(0, CHECKPOINTS[-1] * 1.03))
+        axes.set(xlabel="steps", ylim=(0, 7), xlim=(0, CHECKPOINTS[-1] * 1.03))
         axes.grid(alpha=0.3)
     first.set(ylabel="error on held-out faces, deg (median)")
-    first.set_title("once the module works", fontsize=10)
-    second.set_title("from turns before, gaze at random", fontsize=10)
+    first.set_title("How far the learned gaze is off, module in use", fontsize=10)
+    second.set_title("The same, learned while gaze is random", fontsize=10)
     first.legend(fontsize=7.5)
     shares = {name: [r["landings"][name] for r in results] for name in ("table", "map")}
     for result in results:
@@ -104,7 +104,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         )  # fmt: skip
     third.set(xticks=(0, 1), xlim=(-0.4, 1.4), ylim=(0, 1.02), ylabel=f"shifts of the module within {WITHIN_DEG} deg")
     third.set_xticklabels(("table moves\nthe head", "continuous map\nmoves it"))
-    third.set_title("in the life, a line a seed", fontsize=10)
+    third.set_title("Gaze shifts that hit, by table and by map\n(a line a run)", fontsize=10)
     third.grid(alpha=0.3)
     return {"continuous": figure}
 
@@ -118,7 +118,7 @@ def _row(what: str, ours: Estimate, note: str = "") -> Comparison:
 
 
 def _value(result: Result, name: str, turns: int, key: str) -> float:
-    """A number of a map at a checkpoint; NaN where the event was found before so many turns."""
+    """A number of a map at a checkpoint; NaN where the event was found before so many steps."""
     return next((row[key] for row in result["maps"][name] if row["turns"] == turns and row[key] is not None), np.nan)
 
 

@@ -1,5 +1,5 @@
-"""The film of claim continuous: ``python -m experiments.continuous.film``. One life: gaze at random, gaze following by
-its table, the same by its continuous map; of the latter two, moments in which the module moves the gaze."""
+"""The film of claim continuous: ``python -m experiments.continuous.film``. One run: gaze at random, gaze following
+by its table, then by its continuous map; of the latter two, moments in which the module moves the gaze."""
 
 import pickle
 from collections import deque
@@ -18,11 +18,11 @@ from .sweep import FILM, RunConfig
 
 SEED = 7
 LEAD = 2
-"""Turns shown before the module moves the gaze."""
+"""Steps shown before the module moves the gaze."""
 
 
 def moments(run: ContinuousRun, by_map: bool) -> Iterator[ContinuousRun]:
-    """The life as it was a few turns before each of the next times in which the module moved the gaze."""
+    """The run as it was a few steps before each of the next times at which the module moved the gaze."""
     before: deque[bytes] = deque(maxlen=LEAD)
     while run.steps_done < run.n_steps:
         before.append(pickle.dumps(run))
@@ -34,7 +34,7 @@ def moments(run: ContinuousRun, by_map: bool) -> Iterator[ContinuousRun]:
 
 
 def main() -> None:
-    """Live, and film."""
+    """Run and film."""
     preset, trial = PRESETS["fast"], RunConfig()
     run = ContinuousRun(
         preset.world, trial.world, preset.agent, SEED, trial.most + trial.after, trial.continuous, (RandomModule(GAZE),)

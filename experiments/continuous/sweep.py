@@ -1,5 +1,5 @@
-"""Lives from images in which the module of gaze following gets a continuous map, and what else could have been
-learned from what they saw."""
+"""Runs from images in which the module of gaze following gets a continuous map; other ways of learning from the same
+data, for comparison."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -24,20 +24,20 @@ from jointattn_mj.sweeps.claim import Setting
 WITHIN_DEG = 3.5
 """As in chapter 6."""
 CHECKPOINTS = (250, 500, 1000, 2000, 3500, 5000)
-"""Turns after the event was found, at which maps are examined."""
+"""Steps after the event was found at which maps are examined."""
 LINEAR = LearnerConfig(code="linear", rate=0.1)
 
 
 @dataclass(frozen=True)
 class RunConfig(Checked):
-    """A life, and what is asked of its maps."""
+    """A run and the examination of its maps."""
 
     world: RenderedConfig = SCATTERED
     continuous: ContinuousConfig = field(default_factory=ContinuousConfig)
     most: Annotated[int, Whole("[1, 1e10]")] = 20_000
-    """Turns in which gaze following may be found."""
+    """Most steps until gaze following is found."""
     after: Annotated[int, Whole("[1, 1e10]")] = CHECKPOINTS[-1]
-    """Turns that follow."""
+    """Steps after it was found."""
     looks: Annotated[int, Whole("[1, 1e6]")] = 200
     """Held-out faces."""
 
@@ -50,7 +50,7 @@ SETTINGS = {"scattered": Setting(RunConfig(), runs=20)}
 
 @dataclass(frozen=True)
 class Look:
-    """A held-out face, and where the caregiver's object and all others were."""
+    """A held-out face, with the directions (deg) of the caregiver's object and of all others."""
 
     activations: np.ndarray
     category: int
@@ -59,7 +59,7 @@ class Look:
 
 
 def trial(config: RunConfig, seed: int) -> dict[str, Any]:
-    """When the event was found, how the module followed with its table and with its map, and what maps know when."""
+    """Step of gaze following, landings by table and by map, and errors of every map at the checkpoints."""
     preset = PRESETS["fast"]
     run = ContinuousRun(
         preset.world, config.world, preset.agent, seed, config.most + config.after, config.continuous,
@@ -115,7 +115,7 @@ def _numbers(pairs: Sequence[Pair], found: int) -> dict[str, int]:
 
 
 def _looks(run: ContinuousRun, count: int, seed: np.random.SeedSequence) -> Iterable[Look]:
-    """Faces that look at objects, seen while the gaze moves at random at a table of their own."""
+    """Held-out faces that look at objects, seen at another table while the gaze moves at random."""
     of_table, of_moves = seed.spawn(2)
     stage, rng = run.stage, np.random.default_rng(of_moves)
     stage.begin(of_table)
@@ -135,7 +135,7 @@ def _looks(run: ContinuousRun, count: int, seed: np.random.SeedSequence) -> Iter
 
 
 def _maps(run: ContinuousRun, found: int, looks: Sequence[Look]) -> dict[str, list[dict[str, Any]]]:
-    """What each way of learning knows at the checkpoints; of turns before the event was found, gaze was random."""
+    """Errors of each way of learning at the checkpoints. Before the event was found, gaze was random."""
     following = run.following
     if following is None:
         return {}
@@ -175,7 +175,7 @@ def _maps(run: ContinuousRun, found: int, looks: Sequence[Look]) -> dict[str, li
 def _examined(
     learner: Learner, pairs: Sequence[Pair], start: int, end: float, looks: Sequence[Look]
 ) -> Iterable[dict[str, Any]]:
-    """What a learner knows of ``looks`` so many turns after ``start``, up to turn ``end``."""
+    """Errors of a learner on ``looks`` at each checkpoint after step ``start``, up to step ``end``."""
     left = list(pairs)
     for turns in CHECKPOINTS:
         if start + turns > end:

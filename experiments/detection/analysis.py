@@ -28,11 +28,11 @@ def analyse(trials: Trials) -> list[Comparison]:
             ))  # fmt: skip
             since = median_interval([np.inf if r["right_since"] is None else r["right_since"] for r in results])
             findings.append(
-                Comparison("turn since which it has had it (median)", "not given", since, Verdict.EXTENSION)
+                Comparison("step from which on it stays the highest (median)", "not given", since, Verdict.EXTENSION)
             )
         close = 25_000 <= stop.mean <= 35_000
         findings.append(Comparison(
-            f"turn at which no T^C changes by theta any more, {words}", "about 30,000", stop,
+            f"step from which on no T^C changes by theta, {words}", "about 30,000", stop,
             Verdict.REPRODUCED if close else Verdict.PARTLY,
             "the text does not say in which unit theta is",
         ))  # fmt: skip
@@ -41,7 +41,7 @@ def analyse(trials: Trials) -> list[Comparison]:
         target = mean_interval([1e3 * values[TARGET][-1] for values in long])
         others = mean_interval([1e3 * max(v[-1] for name, v in values.items() if name != TARGET) for values in long])
         findings.append(
-            Comparison("T^C of (S1, A1, R2) after 3 million turns, millibits", "not given", target, Verdict.EXTENSION)
+            Comparison("T^C of (S1, A1, R2) after 3 million steps, millibits", "not given", target, Verdict.EXTENSION)
         )
         findings.append(Comparison("the highest of all others then, millibits", "not given", others, Verdict.EXTENSION))
     return findings
@@ -62,7 +62,9 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         axes.fill_between(results[0]["turns"], low, high, color=colour, alpha=0.15, lw=0)
     stops = [result["stop"] for result in results if result["stop"] is not None]
     axes.plot(stops, np.full(len(stops), axes.get_ylim()[1]), "kv", ms=4, clip_on=False, label="the robot stops")
-    axes.set(xscale="log", yscale="log", xlabel="turns", ylabel="$T^C$ (bits)")
+    axes.set(
+        xscale="log", yscale="log", xlabel="steps", ylabel="$T^C$ (bits)", title="Contingency of each event over time"
+    )
     axes.legend(fontsize=8, ncols=2, loc="lower left")
     axes.grid(alpha=0.3)
     return {"detection": figure}

@@ -1,4 +1,4 @@
-"""The robot of chapter 4 acts at random and watches T^C of all events (section 4.5.2)."""
+"""The robot of chapter 4 acts at random and measures T^C of all events (section 4.5.2)."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from ..tables import TableRunConfig, run_table, table_config
 
 TARGET = "(S1, A1, R2)"
 POINTS = 80
-"""Turns, evenly spaced on a log axis, that are kept of a time course."""
+"""Number of steps, evenly spaced on a log axis, kept of a time course."""
 
 FIRST_SEED = 30_000
 SETTINGS = {

@@ -20,7 +20,10 @@ def analyse(trials: Trials) -> list[Comparison]:
     stands_out = Verdict.REPRODUCED if on.low > off.high else Verdict.NOT
     return [
         Comparison(
-            "objects found where she looked, for each spot in 30,000 turns", "the diagonal dominates", on, stands_out
+            "objects found where the caregiver looked, for each spot in 30,000 steps",
+            "the diagonal dominates",
+            on,
+            stands_out,
         ),
         Comparison("objects found elsewhere, for each pair of spots", "lower", off, stands_out),
         Comparison("share of rows whose highest count is on the diagonal", "not given", largest, Verdict.EXTENSION),
@@ -36,9 +39,13 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     figure = Figure(figsize=(5, 4.2), layout="constrained")
     axes = figure.subplots()
     image = axes.imshow(mean, cmap="viridis", vmin=0)
-    figure.colorbar(image, label="times an object was found in 30,000 turns")
+    figure.colorbar(image, label="times an object was found in 30,000 steps")
     ticks = range(len(mean))
     axes.set_xticks(ticks, [f"$g_{k + 1}$" for k in ticks])
     axes.set_yticks(ticks, [f"$f_{k + 1}$" for k in ticks])
-    axes.set(xlabel="where the robot looked", ylabel="where the caregiver looked", title=f"mean of {len(tables)} runs")
+    axes.set(
+        xlabel="where the robot looked",
+        ylabel="where the caregiver looked",
+        title=f"Where objects were found (mean of {len(tables)} runs)",
+    )
     return {"experience": figure}

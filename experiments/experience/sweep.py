@@ -1,4 +1,4 @@
-"""How often an object was found by looking where, after seeing the caregiver look where (section 4.5.4)."""
+"""How often the robot found an object, by where it looked and where the caregiver had looked (section 4.5.4)."""
 
 from typing import Any
 
@@ -14,13 +14,13 @@ SETTINGS = {"chapter4": Setting(table_config("chapter4", turns=30_000), runs=20)
 
 
 def found_objects(run: DevelopmentRun) -> tuple[np.ndarray, np.ndarray]:
-    """Caregiver's face (S1) and gaze shift (A1) of every turn after which the robot saw an object."""
+    """Caregiver's face (S1) and gaze shift (A1) of every step after which the robot saw an object."""
     found = run.log("object")[1:] == 1
     return run.log("caregiver's face")[:-1][found], run.log("shift gaze")[:-1][found]
 
 
 def trial(config: TableRunConfig, seed: int) -> dict[str, Any]:
-    """Counts (spots, spots): she looked at spot i, the robot looked at spot j and found an object."""
+    """Counts (spots, spots): the caregiver looked at spot i, the robot looked at spot j and found an object."""
     spots = config.world.spots
     face, gaze = found_objects(run_table(config, seed))
     counts = np.zeros((spots, spots), int)

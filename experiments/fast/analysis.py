@@ -35,7 +35,7 @@ def analyse(trials: Trials) -> list[Comparison]:
         if results:
             third, order = median_interval(_third(results)), proportion(sum(map(in_order, results)), len(results))
             findings.append(Comparison(
-                f"turn of gaze alternation (median), preset {preset}",
+                f"step of gaze alternation (median), preset {preset}",
                 "more than 45,000 in the example", third, Verdict.EXTENSION,
             ))  # fmt: skip
             findings.append(Comparison(f"order kept, preset {preset}", "90% of ten runs", order, Verdict.EXTENSION))
@@ -48,7 +48,7 @@ def analyse(trials: Trials) -> list[Comparison]:
             right = sum(r["directions_right"] == spots for r in results)
             third = np.median(_third(results))
             note = f"gaze following first and right for all spots in {right / len(results):.0%}"
-            note += f"; gaze alternation after {third:.0f} turns (median)" if np.isfinite(third) else ""
+            note += f"; gaze alternation after {third:.0f} steps (median)" if np.isfinite(third) else ""
             findings.append(Comparison(
                 f"order kept with {spots} spots, nine pairs of p_r, p_i, preset {preset}",
                 "not tried", order, Verdict.EXTENSION, note,
@@ -57,7 +57,7 @@ def analyse(trials: Trials) -> list[Comparison]:
         results = _results(trials, setting)
         if results and setting.startswith("fast ") and "spots" not in setting:
             order = proportion(sum(map(in_order, results)), len(results))
-            note = f"gaze alternation after {np.median(_third(results)):.0f} turns (median)"
+            note = f"gaze alternation after {np.median(_third(results)):.0f} steps (median)"
             findings.append(Comparison(f"order kept, {setting}", "not tried", order, Verdict.EXTENSION, note))
     return findings
 
@@ -73,7 +73,13 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         if len(times):
             left.step(times, (np.arange(len(times)) + 1) / len(times), where="post", color=f"C{number}", label=preset)
     left.axvline(10_000, color="k", ls=":", label="asked of the fast preset")
-    left.set(xscale="log", xlabel="turn at which gaze alternation is found", ylabel="share of runs", ylim=(0, 1.02))
+    left.set(
+        xscale="log",
+        xlabel="step at which gaze alternation is found",
+        ylabel="share of runs",
+        title="How soon gaze alternation is found",
+        ylim=(0, 1.02),
+    )
     ticks = (4_000, 7_000, 10_000, 20_000, 40_000)
     left.set_xticks(ticks, [f"{tick // 1000}k" for tick in ticks], minor=False)
     left.set_xticks([], minor=True)
@@ -91,7 +97,8 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
             )  # fmt: skip
     right.set(
         xlabel="spots on the table, 1 or 2 objects",
-        ylabel="FG, SCf, SC first and in order",
+        ylabel="share of runs with FG, SCf, SC in order",
+        title="How often the order is kept in other worlds",
         ylim=(0, 1.02),
         xticks=SPOTS,
     )

@@ -1,4 +1,4 @@
-"""The preset ``fast`` beside ``thesis``: in the world of chapter 5, and in others that nobody chose anything for."""
+"""The presets ``fast`` and ``thesis`` in the world of chapter 5, and in others for which nothing was tuned."""
 
 from jointattn_mj.sweeps.claim import Setting
 

@@ -46,7 +46,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     panels = figure.subplots(1, len(visible), sharey=True, squeeze=False)[0]
     for axes, name in zip(panels, visible, strict=True):
         _panel(axes, trials, *name.split("/"))
-    panels[0].set_ylabel("reward a step in test episodes")
+    panels[0].set_ylabel("reward per step in test episodes")
     legends = [zip(*axes.get_legend_handles_labels(), strict=True) for axes in panels]
     entries = {label: handle for legend in legends for handle, label in legend}
     figure.legend(
@@ -67,7 +67,7 @@ def steps_until(trial: Trial, level: float) -> float:
 
 
 def _above(task: str, observed: str, part: Sequence[Trial], blindfolded: Sequence[Trial]) -> list[Comparison]:
-    """What it is worth to see her, and when most of that is earned; runs with the same seed have the same tests."""
+    """What seeing the caregiver is worth, and when most of it is earned. The same seed means the same tests."""
     other = {trial.seed: trial.result["reward"][-1] for trial in blindfolded}
     pairs = [(trial.result["reward"][-1], other[trial.seed]) for trial in part if trial.seed in other]
     if not pairs:

@@ -17,20 +17,20 @@ class Training(Checked):
     environment: str
     """Name in Gymnasium's registry."""
     truth: bool
-    """Whether yaw and pitch of the caregiver's head are observed: which object she looks at follows from them."""
+    """Whether yaw and pitch of the caregiver's head are observed: the attended object follows from them."""
     image_height: Annotated[int, Whole("[1, 1000]")] | None = None
-    """Height of the grey image that is observed, in pixels; None: no image. Images are not stacked: her gaze
-    rests, and her face stays in view while the robot looks at the table."""
+    """Height of the grey image that is observed, in pixels; None: no image. Images are not stacked: the caregiver's
+    gaze rests, and the face stays in view while the robot looks at the table."""
     steps: Annotated[int, Whole("[0, 1e10]")] = 12_288
     """Of experience, over all copies of the environment."""
     every: Annotated[int, Whole("[1, 1e10]")] = 1024
     """Steps between two tests; a multiple of ``copies * rollout``."""
     episodes: Annotated[int, Whole("[1, 1e6]")] = 50
-    """Of each test, the same each time; the learner practises in others."""
+    """Episodes of each test, the same each time; the learner practises in others."""
     copies: Annotated[int, Whole("[1, 1024]")] = 8
     """Environments at once, one after the other in one process."""
     learning_rate: Annotated[float, Real("(0, 1]")] = 1e-3
-    """Three times the default: with the truth, little is to be learned."""
+    """Three times the default: with the state observed, little is to be learned."""
     rollout: Annotated[int, Whole("[1, 1e6]")] = 64
     """Steps in each copy between two updates: two episodes of ``follow``."""
     batch: Annotated[int, Whole("[1, 1e6]")] = 128

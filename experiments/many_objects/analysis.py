@@ -70,6 +70,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
                 )  # fmt: skip
     axes.axhline(0, color="k", lw=0.8)
     axes.set(xlabel="objects on 9 spots", ylabel="lead of $(S_1, A_1, R_2)$ in $T^C$ (millibits)")
+    axes.set_title("How far the right event leads, by number of objects")
     if axes.get_legend_handles_labels()[0]:
         axes.legend(fontsize=8, ncols=3, title="mean and standard deviation")
     axes.grid(alpha=0.3)

@@ -1,4 +1,4 @@
-"""Lead of the right event after 30,000 turns, for 1 to 9 objects and three values of p_r and p_i (section 4.5.2)."""
+"""Lead of the right event after 30,000 steps, for 1 to 9 objects and three values of p_r and p_i (section 4.5.2)."""
 
 from typing import Any
 

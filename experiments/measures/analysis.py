@@ -28,14 +28,14 @@ def analyse(trials: Trials) -> list[Comparison]:
         since = median_interval([right_since(result, measure) for result in results])
         end = proportion(sum(result["right"][measure][-1] for result in results), len(results))
         findings.append(Comparison(
-            f"turns after which {measure} keeps the right event first (median)", "T^C does; others not tried", since,
-            Verdict.EXTENSION, f"right after {results[0]['lengths'][-1]} turns in {end}",
+            f"steps after which {measure} keeps the right event first (median)", "T^C does; others not tried", since,
+            Verdict.EXTENSION, f"right after {results[0]['lengths'][-1]} steps in {end}",
         ))  # fmt: skip
     return findings
 
 
 def draw(trials: Trials) -> Mapping[str, Figure]:
-    """Share of runs in which each measure is right, over the length of the life."""
+    """Share of runs in which each measure is right, over the length of the run."""
     results = [trial.result for trial in trials.get("chapter4", ())]
     if not results:
         return {}
@@ -48,7 +48,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
             color=f"C{number % 10}", marker="osd^v"[number % 5], ms=3, label=measure,
         )  # fmt: skip
     axes.set(
-        xscale="log", ylim=(-0.03, 1.05), xlabel="turns", ylabel=f"share of {len(results)} runs, right event first"
+        xscale="log", ylim=(-0.03, 1.05), xlabel="steps", ylabel=f"share of {len(results)} runs, right event first"
     )
     axes.grid(alpha=0.3)
     axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1, 0.5))

@@ -1,4 +1,4 @@
-"""Every measure ranks the events of one and the same life, of growing length."""
+"""Each measure ranks the events of the same run, over growing lengths."""
 
 from collections.abc import Callable
 from itertools import product

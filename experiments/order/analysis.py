@@ -39,7 +39,7 @@ def analyse(trials: Trials) -> list[Comparison]:
             inside = times.low <= EXAMPLE[stage] <= times.high
             known = np.isfinite(times.low) and np.isfinite(times.high)
             findings.append(Comparison(
-                f"turn of {name} (median); {setting}", f"{EXAMPLE[stage]} in the one run shown", times,
+                f"step of {name} (median); {setting}", f"{EXAMPLE[stage]} in the one run shown", times,
                 Verdict.UNDECIDED if not known else Verdict.REPRODUCED if inside else Verdict.PARTLY,
                 "a single run; the interval is that of our median, not of single runs",
             ))  # fmt: skip
@@ -56,27 +56,27 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         results = sorted((trial.result for trial in trials[setting]), key=lambda result: time_of(result, 2))
         for number, symbol in enumerate([*STAGES, None]):
             points = [
-                (turn, row)
+                (step, row)
                 for row, result in enumerate(results)
-                for turn, made in zip(result["turns"], result["modules"], strict=True)
+                for step, made in zip(result["turns"], result["modules"], strict=True)
                 if made == symbol or (symbol is None and made not in STAGES)
             ]
             if points:
-                turns, rows = zip(*points, strict=True)
+                steps, rows = zip(*points, strict=True)
                 axes.plot(
-                    turns,
+                    steps,
                     np.add(rows, 1),
                     "os^."[number],
                     ms=3,
                     color=f"C{number}",
                     label=NAMES[number] if symbol else "other modules",
                 )
-        for turn in EXAMPLE:
+        for step in EXAMPLE:
             axes.axvline(
-                turn, color="k", lw=0.8, ls=":", label="the dissertation's example" if turn == EXAMPLE[0] else None
+                step, color="k", lw=0.8, ls=":", label="the dissertation's example" if step == EXAMPLE[0] else None
             )
-        axes.set(title=setting, ylabel="run", xlim=(0, 100_000), ylim=(0, len(results) + 1))
+        axes.set(title=f"Modules of each run: {setting}", ylabel="run", xlim=(0, 100_000), ylim=(0, len(results) + 1))
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set_xlabel("turn at which a module is made")
+    axes.set_xlabel("step at which a module is made")
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8)
     return {"order": figure}

@@ -1,4 +1,4 @@
-"""Which modules a robot makes in 100,000 turns, and when, under two orders of a turn (section 5.3.2)."""
+"""Modules of a robot in 100,000 steps, under two orders of acting within a step (section 5.3.2)."""
 
 from jointattn_mj.sweeps.claim import Setting
 

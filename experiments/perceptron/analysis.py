@@ -48,7 +48,13 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         axes.errorbar(RATES, means, errors, marker="o", ms=4, capsize=3, label=f"{epochs} epoch{'s' * (epochs > 1)}")
     axes.axhline(PUBLISHED, color="k", ls=":", label="dissertation, rate unknown")
     axes.axhline(0.1, color="grey", ls="--", lw=0.8, label="chance: one of ten outputs")
-    axes.set(xscale="log", ylim=(0, 1.03), xlabel="learning rate", ylabel="directions answered rightly")
+    axes.set(
+        xscale="log",
+        ylim=(0, 1.03),
+        xlabel="learning rate",
+        ylabel="share of right answers",
+        title="How often the perceptron looks right",
+    )
     axes.legend(fontsize=8)
     axes.grid(alpha=0.3)
     return {"perceptron": figure}

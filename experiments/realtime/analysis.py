@@ -1,4 +1,4 @@
-"""When gaze following, looking back and gaze alternation are found in an hour without turns, and what keeps them."""
+"""When gaze following, looking back and gaze alternation are found in an hour of real time, and what keeps them."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -22,13 +22,14 @@ WORDS = {
     "pixels/no_cues": "from images, without",
     "state/cues": "from the state, with motion cues",
     "state/no_cues": "from the state, without",
-    "table": f"at the symbolic table, {STEPS_AN_HOUR:,} turns",
-    "table, objects stay": f"at the symbolic table where objects stay four times as long, {STEPS_AN_HOUR:,} turns",
+    "table": f"at the symbolic table, {STEPS_AN_HOUR:,} steps",
+    "table, objects stay": f"at the symbolic table where objects stay four times as long, {STEPS_AN_HOUR:,} steps",
 }
+PERCEPTION = {"pixels": "images", "state": "the state"}
 COLOURS = {"pixels/cues": "#c0392b", "pixels/no_cues": "#2471a3", "state/cues": "#e59866", "state/no_cues": "#7fb3d5"}
 STYLES = {FOLLOWING: "-", BACK: "--", ALTERNATING: ":"}
 ANSWERED = 20
-"""Looks at her face after following that a share needs."""
+"""Fewest looks at the face after following from which a share is computed."""
 
 
 def minute_of(trial: Trial, event: str) -> float:
@@ -89,7 +90,7 @@ def _shares(name: str, part: Sequence[Trial]) -> list[Comparison]:
 
 
 def _at_the_table(name: str, part: Sequence[Trial], visible: str) -> list[Comparison]:
-    """The same in as many turns as an hour of real time has steps, about."""
+    """The same at the symbolic table, in about as many steps as an hour has."""
     n = len(part)
     following = proportion(sum(FOLLOWING in trial.result["modules"] for trial in part), n)
     both = proportion(sum(alternates(trial.result) for trial in part), n)
@@ -116,15 +117,15 @@ def _cues(trials: Trials) -> list[Comparison]:
             rates = [np.mean([part[seed].result["lived"] / part[seed].result["lived_minutes"] for seed in seeds])
                      for part in both]  # fmt: skip
             findings.append(Comparison(
-                f"minutes until gaze following, with motion cues less without, {perception}", "not tried",
-                paired_difference(*minutes), Verdict.EXTENSION,
+                f"minutes until gaze following, with motion cues less without, from {PERCEPTION[perception]}",
+                "not tried", paired_difference(*minutes), Verdict.EXTENSION,
                 f"{rates[0]:.0f} and {rates[1]:.0f} steps a minute",
             ))  # fmt: skip
     return findings
 
 
 def _links(name: str, part: Sequence[Trial]) -> list[Comparison]:
-    """Whether faces are told apart, whether the first map is right, and whether following shows in her face."""
+    """Whether faces are told apart, the first map is right, and following shows in the caregiver's face."""
     purity, whole, used, unused = [], [], [], []
     for trial in part:
         faces = np.array(trial.result["faces"])[:-1, :-1]
@@ -137,8 +138,10 @@ def _links(name: str, part: Sequence[Trial]) -> list[Comparison]:
             used.append(after["used"][1] / after["used"][0])
             unused.append(after["not used"][1] / after["not used"][0])
     findings = [
-        Comparison(f"faces whose category means where she looks, {WORDS[name]}", "not tried", median_interval(purity),
-                Verdict.EXTENSION)
+        Comparison(
+            f"faces whose category tells where the caregiver looks, {WORDS[name]}", "not tried",
+            median_interval(purity), Verdict.EXTENSION,
+        )
     ]  # fmt: skip
     if whole:
         reached = sum(alternates(c.result) for c in part if right_map(c.result["directions"]))
@@ -151,7 +154,7 @@ def _links(name: str, part: Sequence[Trial]) -> list[Comparison]:
         ))  # fmt: skip
     if used:
         findings.append(Comparison(
-            f"her face frontal when looked at after following, with such a map, {WORDS[name]}", "not tried",
+            f"caregiver's face frontal when looked at after following, with such a map, {WORDS[name]}", "not tried",
             median_interval(used), Verdict.EXTENSION, f"after anything else {np.median(unused):.2f}",
         ))  # fmt: skip
     return findings
@@ -164,7 +167,7 @@ def right_map(offered: Sequence[int] | None) -> bool:
 
 
 def draw(trials: Trials) -> Mapping[str, Figure]:
-    """Shares of lives that have found each event, over minutes; where she looks after having been followed."""
+    """Share of runs that found each event, over minutes; where the caregiver looks after being followed."""
     timed = [name for name in COLOURS if trials.get(name)]
     if not timed:
         return {}
@@ -175,7 +178,13 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     left.axvline(HOUR, color="k", lw=0.8)
     left.axhline(0.8, color="0.6", lw=0.8)
     longest = max(SETTINGS[name].config.minutes for name in timed)
-    left.set(xlabel="simulated minutes", ylabel="share of lives", ylim=(-0.02, 1.04), xlim=(0, longest))
+    left.set(
+        xlabel="simulated minutes",
+        ylabel="share of runs",
+        title="How many runs have found each event",
+        ylim=(-0.02, 1.04),
+        xlim=(0, longest),
+    )
     for event, style in STYLES.items():
         left.plot([], [], "k", ls=style, label=NAMES[event])
     figure.legend(*left.get_legend_handles_labels(), fontsize=7, loc="outside lower center", ncols=3)
@@ -194,7 +203,7 @@ def _draw_shares(axes: Axes, name: str, part: Sequence[Trial]) -> None:
 
 
 def _draw_answers(axes: Axes, trials: Trials, timed: Sequence[str]) -> None:
-    """Her face after following and after anything else, one line a life."""
+    """The caregiver's face after following and after anything else, one line a run."""
     for number, name in enumerate(timed):
         for trial in trials[name]:
             after = trial.result["after_following"]
@@ -208,5 +217,5 @@ def _draw_answers(axes: Axes, trials: Trials, timed: Sequence[str]) -> None:
             )  # fmt: skip
     ticks = [3 * number + side for number in range(len(timed)) for side in (0, 1)]
     axes.set_xticks(ticks, ["else", "followed"] * len(timed), fontsize=7, rotation=40)
-    axes.set(ylabel="her face frontal, looked at after", ylim=(-0.02, 1.02))
-    axes.set_title("dotted: map not whole; dots: gaze alternation", fontsize=8)
+    axes.set(ylabel="share of looks with a frontal face", ylim=(-0.02, 1.02))
+    axes.set_title("How often the caregiver looks back\n(dotted: map not whole; dots: gaze alternation)", fontsize=8)

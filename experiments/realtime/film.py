@@ -1,4 +1,4 @@
-"""``python -m experiments.realtime.film``: one life from images, before and after each of its first three modules."""
+"""``python -m experiments.realtime.film``: one run from images, before and after each of its first three modules."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ SECONDS = 10.0
 
 
 def film(path: Path = FILM, seed: int = FILMED, minutes: float = 90.0) -> None:
-    """Live a life of the setting pixels/cues and film some of its moments."""
+    """Run the setting pixels/cues and film some of its moments."""
     preset = PRESETS["fast"]
     run = RealtimeRun(preset.world, RealtimeConfig(), preset.agent, seed, MOST_STEPS, sample_every=MOST_STEPS)
     run.run_until(BEFORE_MINUTES)

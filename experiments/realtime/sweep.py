@@ -1,4 +1,4 @@
-"""An hour with a caregiver who waits for nobody, with motion cues and without; and what each link costs."""
+"""An hour in real time with a caregiver who does not wait, with and without motion cues; and the cost of each link."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,7 +16,7 @@ from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.sweeps.claim import Setting
 
 MODULES = 3
-"""A life may stop when it has so many: the third is gaze alternation, or it has gone another way."""
+"""Modules after which a run may stop: the third is gaze alternation, or the order is another."""
 MOST_STEPS = 40_000
 STEPS_AN_HOUR = 6_000
 """In real time it is some 5,400."""
@@ -24,7 +24,7 @@ STEPS_AN_HOUR = 6_000
 
 @dataclass(frozen=True)
 class Hour(Checked):
-    """A mind of the preset ``fast`` and a caregiver, for so many simulated minutes."""
+    """An agent of the preset ``fast`` and a caregiver, for a number of simulated minutes."""
 
     realtime: RealtimeConfig
     minutes: Annotated[float, Real("(0, 1e6]")] = 60.0
@@ -32,7 +32,7 @@ class Hour(Checked):
 
 @dataclass(frozen=True)
 class Turns(Checked):
-    """The same mind at the symbolic table for as many steps as real time has in ``Hour``."""
+    """The same agent at the symbolic table, for about as many steps as an ``Hour`` has."""
 
     table: TableConfig
     steps: Annotated[int, Whole("[1, 1e10]")]
@@ -46,7 +46,7 @@ def _hour(perception: Literal["pixels", "state"], cues: bool, minutes: float = 6
 
 FIRST_SEED = 40_000
 """The caregiver's pace was chosen while looking at seeds below 150, with perception taken from the state. Three mends
-of the robot's senses came after some lives on these very seeds had been seen."""
+of the robot's senses were made after some runs on these very seeds had been seen."""
 SETTINGS = {
     "pixels/cues": Setting(_hour("pixels", True), runs=20),
     "pixels/no_cues": Setting(_hour("pixels", False), runs=20),
@@ -55,7 +55,7 @@ SETTINGS = {
     "table": Setting(Turns(PRESETS["fast"].world, STEPS_AN_HOUR), runs=100),
     "table, objects stay": Setting(Turns(replace(PRESETS["fast"].world, replaced_every=40), STEPS_AN_HOUR), runs=100),
 }
-"""Perception, a slash, and whether there are motion cues; lives at the symbolic table."""
+"""Perception, a slash, and whether there are motion cues; then runs at the symbolic table."""
 
 
 def trial(config: Hour | Turns, seed: int) -> dict[str, Any]:
@@ -73,7 +73,7 @@ def trial(config: Hour | Turns, seed: int) -> dict[str, Any]:
             run.advance(1)
         return {
             **_made(run),
-            "minutes": [run.minutes_at(turn) for turn in _made(run)["turns"]],
+            "minutes": [run.minutes_at(step) for step in _made(run)["turns"]],
             "lived_minutes": run.minutes,
             "faces": run.confusion().tolist(),
             "directions": _directions(run),
@@ -96,7 +96,8 @@ def _made(run: DevelopmentRun) -> dict[str, Any]:
 
 
 def _directions(run: RealtimeRun) -> list[int] | None:
-    """Of gaze following's map, if it was found first: commands, and those that lead to where she mostly looks then."""
+    """Commands of gaze following's map, if it was found first: how many, and how many lead to where the caregiver then
+    mostly looks."""
     first = next((one.module for one in run.found if one.module is not None), None)
     if first is None or run.agent.variables.symbol(first.event) != "(S1, A1, R3)":
         return None
@@ -106,8 +107,8 @@ def _directions(run: RealtimeRun) -> list[int] | None:
 
 
 def _after_following(run: RealtimeRun) -> dict[str, list[int]] | None:
-    """Looks at her face, and how many of them showed it frontal, in the second step after gaze following was used, and
-    when it was not; until the second module."""
+    """Looks at the caregiver's face, and those that showed it frontal, in the second step after gaze following was used
+    and after it was not; until the second module."""
     if not run.found or run.agent.variables.symbol(run.found[0].event) != "(S1, A1, R3)":
         return None
     last = run.found[1].step if len(run.found) > 1 else run.steps_done
@@ -121,5 +122,5 @@ def _after_following(run: RealtimeRun) -> dict[str, list[int]] | None:
 
 
 FILM = Path(__file__).with_name("realtime.mp4")
-"""``python -m experiments.realtime.film``: the life of seed FILMED, in which all three are found."""
+"""``python -m experiments.realtime.film``: the run of seed FILMED, in which all three are found."""
 FILMED = FIRST_SEED + 5

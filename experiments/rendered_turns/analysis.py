@@ -22,27 +22,27 @@ def _results(trials: Trials, setting: str) -> list[dict[str, Any]]:
 
 
 def mixed(result: dict[str, Any]) -> float:
-    """Share of the faces sensed that fell into a category which mostly has another truth."""
+    """Share of the detected faces that fell into a category which mostly means another direction."""
     faces = np.array(result["faces"])[:-1, :-1]
     return float(1 - faces.max(axis=1).sum() / faces.sum())
 
 
 def missed(result: dict[str, Any]) -> float:
-    """Share of looks at her face in which none was sensed."""
+    """Share of looks at the caregiver's face in which none was detected."""
     faces = np.array(result["faces"])
     return float(faces[-1, :-1].sum() / faces[:, :-1].sum())
 
 
 def objects_wrong(result: dict[str, Any]) -> float:
-    """Share of turns in which an object was sensed and none was there, or the other way round."""
+    """Share of steps in which an object was detected and none was there, or the other way round."""
     objects = np.array(result["objects"])
     return float((objects[0, 1] + objects[1, 0]) / objects.sum())
 
 
 ERRORS = {
-    "faces in a category of another truth": mixed,
-    "looks at her that saw no face": missed,
-    "turns with a wrong object": objects_wrong,
+    "faces in a wrong category": mixed,
+    "looks at the caregiver without a face detected": missed,
+    "steps with a wrong object": objects_wrong,
 }
 
 
@@ -76,13 +76,13 @@ def _time(setting: str, results: list[dict[str, Any]], stage: int, name: str) ->
     ratios = [at / time_of(one["symbolic"], stage) for at, one in zip(times, results, strict=True)]
     published = {0: "5,748 in the example", 2: "47,686 in the example"}[stage]
     return Comparison(
-        f"turn of {name} (median), from images: {setting}", published, median_interval(times),
+        f"step of {name} (median), from images: {setting}", published, median_interval(times),
         Verdict.EXTENSION, f"times that at the symbolic table by the same seed: {median_interval(ratios)}",
     )  # fmt: skip
 
 
 def draw(trials: Trials) -> Mapping[str, Figure]:
-    """When the modules are made, seen and symbolic; what is sensed under each truth; order by replaced part."""
+    """When modules are made, from images and at the symbolic table; faces and their categories; order by exact part."""
     shown = [setting for setting in SETTINGS if _results(trials, setting)]
     if not shown:
         return {}
@@ -100,7 +100,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     ends = (500, 100_000)
     times.plot(ends, ends, "k:", lw=1)
     times.set(xscale="log", yscale="log", xlim=ends, ylim=ends)
-    times.set(xlabel="turn at the symbolic table", ylabel="turn from images", title="When a module is made, by seed")
+    times.set(xlabel="step at the symbolic table", ylabel="step from images", title="When each module is made")
     times.legend(fontsize=7)
     times.grid(alpha=0.3)
     _draw_confusion(confusion, _results(trials, "unsteady") or _results(trials, shown[0]))
@@ -117,14 +117,14 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         )
     order.axvline(ASKED, color="k", ls=":", lw=1)
     order.set_yticks([-location for location in range(len(shown))], shown, fontsize=8)
-    order.set(xlim=(0, 1.02), xlabel="share of runs in order, 95%", title="Which part's errors cost it")
+    order.set(xlim=(0, 1.02), xlabel="share of runs in order, 95%", title="How often the order is kept")
     order.grid(alpha=0.3, axis="x")
     return {"rendered": figure}
 
 
 def _draw_confusion(axes: Any, results: list[dict[str, Any]]) -> None:
-    """Categories of all runs, each under the name of its most frequent truth, against the truth."""
-    truths = ["place 1", "place 2", "place 3", "robot", "not looked at"]
+    """Categories of all runs, each named after its most frequent true direction, against the true direction."""
+    truths = ["spot 1", "spot 2", "spot 3", "robot", "not looked at"]
     total = np.zeros((5, 5))
     for result in results:
         faces = np.array(result["faces"])
@@ -138,4 +138,6 @@ def _draw_confusion(axes: Any, results: list[dict[str, Any]]) -> None:
                   color="w" if shares[i, j] > 0.5 else "k")  # fmt: skip
     axes.set_xticks(range(5), truths, rotation=40, ha="right", fontsize=8)
     axes.set_yticks(range(5), [*truths[:-1], "no face"], fontsize=8)
-    axes.set(xlabel="truth: she looks at", ylabel="sensed (category by its majority)", title="Faces, unsteady bodies")
+    axes.set(
+        xlabel="the caregiver looks at", ylabel="category (named by its majority)", title="What faces are taken for"
+    )

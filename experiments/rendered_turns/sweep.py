@@ -1,4 +1,4 @@
-"""The same mind, at the table that it sees and at the symbolic one, by the same seeds, until three modules are made."""
+"""The same agent at the rendered and at the symbolic table, by the same seeds, until three modules are made."""
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,17 +17,17 @@ from jointattn_mj.sweeps.claim import Setting
 
 @dataclass(frozen=True)
 class Visible(Checked):
-    """A mind of a preset at the table of chapter 5."""
+    """An agent of a preset at the table of chapter 5."""
 
     preset: Annotated[str, Choice(PRESETS)]
     turns: Annotated[int, Whole("[1, 1e10]")]
-    """It has so many to make three modules."""
+    """Most steps until three modules are made."""
     rendered: RenderedConfig = field(default_factory=RenderedConfig)
 
 
 UNSTEADY = StageConfig(head_jitter_deg=4.0, motor_noise_deg=1.0, object_jitter_m=0.03)
-"""Everybody's movements are up to twice as imprecise, so that perception errs. With 5 and 1.5 degrees and 4 cm nothing
-was found after gaze following in four lives of 20,000 turns, whichever part was true."""
+"""Movements of robot, caregiver and objects are up to twice as imprecise, so that perception errs. With 5 and 1.5
+degrees and 4 cm nothing was found after gaze following in four runs of 20,000 steps, whichever part was exact."""
 
 
 def _unsteady(*truth: str) -> Setting:
@@ -36,7 +36,7 @@ def _unsteady(*truth: str) -> Setting:
 
 
 FIRST_SEED = 61_000
-"""What makes a face frontal was mended after 20 lives on seeds 60,000 to 60,019; these are fresh."""
+"""The rule for frontal faces was mended after 20 runs on seeds 60,000 to 60,019; these seeds are fresh."""
 SETTINGS = {
     "fast": Setting(Visible("fast", 40_000), runs=20),
     "unsteady": _unsteady(),
@@ -46,11 +46,11 @@ SETTINGS = {
     "thesis": Setting(Visible("thesis", 60_000), runs=20),
 }
 FILM = Path(__file__).with_name("gaze_alternation.mp4")
-"""``jointattn develop rendered --steps 12000 --seed 3 --video``."""
+"""Made by ``jointattn develop rendered --steps 12000 --seed 3 --video``."""
 
 
 def trial(config: Visible, seed: int) -> dict[str, Any]:
-    """Modules and when they were made, seen and at the symbolic table; what was sensed under each truth."""
+    """Modules and their steps, from images and at the symbolic table; what was detected under each state."""
     preset = PRESETS[config.preset]
     run = RenderedRun(preset.world, config.rendered, preset.agent, seed, config.turns, sample_every=config.turns)
     try:
@@ -76,7 +76,8 @@ def _until_three_modules(run: DevelopmentRun) -> dict[str, Any]:
 
 
 def _directions(run: RenderedRun) -> list[int] | None:
-    """Of gaze following's map, if it was found first: commands, and those that lead to where she mostly looks then."""
+    """Commands of gaze following's map, if it was found first: how many, and how many lead to where the caregiver then
+    mostly looks."""
     first = next((one.module for one in run.found if one.module is not None), None)
     if first is None or run.agent.variables.symbol(first.event) != "(S1, A1, R3)":
         return None

@@ -1,4 +1,4 @@
-"""How many faces and regions are told apart against what there is, by which splits, and what a mind makes of them."""
+"""How many faces and regions are told apart against what there is, by which splits, and what an agent makes of them."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -28,20 +28,20 @@ def analyse(trials: Trials) -> list[Comparison]:
         kinds = [step["kind"] for result in results for step in result["steps"]]
         exact = f"{spots + 1} exactly in {sum(faces(result) == spots + 1 for result in results)} of {len(results)}"
         findings += [
-            _row(f"{setting}: faces told apart; she looks at {spots} spots or the robot",
+            _row(f"{setting}: face values; the caregiver looks at {spots} spots or the robot",
                  mean_interval([faces(result) for result in results]), exact),
             _row(f"{setting}: regions of gaze", mean_interval([regions(result) for result in results])),
-            _row(f"{setting}: her true targets that have a face value of their own",
+            _row(f"{setting}: caregiver's targets with a face value of their own",
                  mean_interval([covered(result) / (spots + 1) for result in results])),
             _row(f"{setting}: faces that fall under a value that mostly means their target",
                  mean_interval([purity(result) for result in results])),
-            _row(f"{setting}: turns until the last target had a value of its own (median)",
+            _row(f"{setting}: steps until the last target had a value of its own (median)",
                  median_interval([settled(result, spots) for result in results])),
             _row(f"{setting}: splits for which S and A had to split together",
                  proportion(kinds.count("S and A"), len(kinds)), _first(results)),
-            _row(f"{setting}: nothing split had her faces come in another order",
+            _row(f"{setting}: no split when the faces are shuffled",
                  proportion(sum(result["shuffled"] == 0 for result in results), len(results)),
-                 f"{np.mean([result['shuffled'] for result in results]):.2f} splits a life"),
+                 f"{np.mean([result['shuffled'] for result in results]):.2f} splits a run"),
             _row(f"{setting}: preset fast then finds gaze following",
                  proportion(sum(result["found"] is not None for result in results), len(results)),
                  _mind(results, spots)),
@@ -50,7 +50,7 @@ def analyse(trials: Trials) -> list[Comparison]:
 
 
 def draw(trials: Trials) -> Mapping[str, Figure]:
-    """Contingency against the number of values; faces against spots; turns; the regions of one robot for each table."""
+    """Contingency against the number of values; faces against spots; steps; the regions of one robot for each table."""
     by_spots = {spots: [trial.result for trial in trials.get(f"{spots} spots", ())] for spots in COLOURS}
     by_spots = {spots: results for spots, results in by_spots.items() if results}
     if not by_spots:
@@ -77,11 +77,16 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         _draw_plane(plane, spots, results[0])
     ticks = np.arange(2, 6)
     count.plot(ticks, ticks + 1, "k:", lw=1, label="spots and the robot")
-    path.set(xlabel="values of S and A together", ylabel="contingency SAC, corrected, bit", ylim=(0, None))
-    count.set(xlabel="spots on the table (the robot is not told)", ylabel="values after 40,000 turns", xticks=ticks)
-    time.set(xlabel="turns of moving the gaze at random", ylabel="values of S (mean, 80% of lives)", xscale="log")
+    path.set(
+        xlabel="values of S and A together",
+        ylabel="contingency SAC, corrected, bit",
+        title="Contingency grows with resolution",
+        ylim=(0, None),
+    )
+    count.set(xlabel="spots on the table (the robot is not told)", ylabel="values after 40,000 steps", xticks=ticks)
+    time.set(xlabel="steps of babbling", ylabel="values of S (mean, 80% of runs)", xscale="log")
     plane.set(xlabel="pan, deg", ylabel="spots", yticks=list(by_spots), ylim=(1.4, 5.6))
-    plane.set_title("regions of the first robot (dots: where places are)", fontsize=10)
+    plane.set_title("Regions of gaze of the first robot\n(dots: spots)", fontsize=10)
     plane.invert_xaxis()
     for axes in (path, count, time):
         axes.legend(fontsize=7.5)
@@ -95,12 +100,12 @@ def faces(result: Result) -> int:
 
 
 def faces_at(result: Result, turns: float) -> int:
-    """The same after so many turns of babbling."""
+    """The same after a number of steps of babbling."""
     return max((step["faces"] for step in result["steps"] if step["turns"] <= turns), default=1)
 
 
 def regions(result: Result) -> int:
-    """Values of A, but the look at her face."""
+    """Values of A without the look at the face."""
     return len(result["regions"])
 
 
@@ -134,7 +139,7 @@ def _mind(results: Sequence[Result], spots: int) -> str:
     right = sum(sum(result["right"]) == spots for result in found)
     first = sum(result["first"] == "(S1, A1, R3)" for result in results)
     return (
-        f"after {turns:,.0f} turns more (median); its map leads right for all spots in {right} of {len(found)}; "
+        f"after {turns:,.0f} steps more (median); its map leads right for all spots in {right} of {len(found)}; "
         f"the first event of all in {first} of {len(results)}"
     )
 

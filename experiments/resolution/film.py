@@ -1,5 +1,5 @@
-"""The film of claim resolution: ``python -m experiments.resolution.film``. Every turn of this life is seen: values are
-few, split where contingency rises, and with them a mind finds gaze following."""
+"""The film of claim resolution: ``python -m experiments.resolution.film``. Every step is rendered: values
+are few, split where contingency rises, and with them an agent finds gaze following."""
 
 import pickle
 from collections import deque
@@ -24,7 +24,7 @@ NATS_PER_BIT = 0.6931
 def _babbling(run: Babbling) -> list[str]:
     steps = run.growth.steps
     now = f"contingency of face, gaze and object: {steps[-1].contingency / NATS_PER_BIT:.4f} bit" if steps else ""
-    return ["Moves its gaze: at random", f"It was told of no places. Splits so far: {len(steps)}", now]
+    return ["Moves its gaze: at random", f"It was told of no spots. Splits so far: {len(steps)}", now]
 
 
 def _mover(run: GrowingRun) -> str:
@@ -40,23 +40,23 @@ def _driven(run: GrowingRun) -> list[str]:
 
 
 def main() -> None:
-    """Live, and film."""
+    """Run and film."""
     preset = PRESETS["fast"]
     run = Babbling(replace(preset.world, spots=SPOTS), RunConfig(SPOTS).growing, SEED)
     with GrowthFilm(FILM) as film:
         run.advance(50)
-        film.scene(run, run.growth.resolution, "Born: a face or none, somewhere or at her", _babbling, 4)
+        film.scene(run, run.growth.resolution, "At first: a face or none, somewhere or at the caregiver", _babbling, 4)
         while run.steps_done < MOST:
             known = len(run.growth.steps)
             run.advance(1)
             for number, step in enumerate(run.growth.steps[known:], known + 1):
                 what = {"S": "Faces split", "A": "Gaze splits"}.get(step.split.kind, "Faces and gaze split together")
                 film.scene(
-                    run, step.resolution, f"{what}: split {number}, after {step.n_transitions:,} turns", _babbling, 2
+                    run, step.resolution, f"{what}: split {number}, after {step.n_transitions:,} steps", _babbling, 2
                 )
         agent = GrowingRun(run, preset.agent, SEED, MOST, (RandomModule(GAZE),))
         agent.advance(1)
-        film.scene(agent, agent.resolution, "A mind with these values, before gaze following", _driven, 4)
+        film.scene(agent, agent.resolution, "An agent with these values, before gaze following", _driven, 4)
         while not agent.found and agent.steps_done < MOST:
             agent.advance(50)
         before: deque[bytes] = deque(maxlen=2)

@@ -1,4 +1,5 @@
-"""Tables of 2 to 5 spots, none of which the robot knows: what it comes to tell apart, and what a mind makes of that."""
+"""Tables of 2 to 5 spots that the robot does not know: the values it comes to tell apart, and what an agent finds with
+them."""
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -19,11 +20,11 @@ from jointattn_mj.sweeps.claim import Setting
 
 @dataclass(frozen=True)
 class RunConfig(Checked):
-    """Some turns of babbling, and then a mind for some turns."""
+    """Some steps of babbling, then an agent for some steps."""
 
     spots: Annotated[int, Whole("[2, 120]")]
     images: bool = False
-    """Whether every turn is seen; else her faces come from an album of images, objects from geometry."""
+    """Whether every step is rendered; else faces come from an album of images, and objects from geometry."""
     turns: Annotated[int, Whole("[1, 1e10]")] = 40_000
     agent_steps: Annotated[int, Whole("[0, 1e10]")] = 20_000
     growing: GrowingConfig = field(default_factory=GrowingConfig)
@@ -39,7 +40,7 @@ SETTINGS = {
 
 
 def trial(config: RunConfig, seed: int) -> dict[str, Any]:
-    """The path of the resolution, what its values came to mean, and what the preset ``fast`` found with them."""
+    """The splits, what the values mean in the end, and what the preset ``fast`` found with them."""
     preset = PRESETS["fast"]
     table = replace(preset.world, spots=config.spots, objects=min(2, config.spots - 1))
     babbling = Babbling(table, config.growing, seed, FreeGazeBody if config.images else RecallingBody)
@@ -78,7 +79,7 @@ def _step(step: Step) -> dict[str, Any]:
 
 
 def _confusion(babbling: Babbling) -> np.ndarray:
-    """(faces, spots + 1) how often each value of S, but the last, came with each true target of hers."""
+    """(faces, spots + 1) how often each value of S, but the last, came with each target of the caregiver."""
     given = babbling.experience()
     value = babbling.growth.resolution.sensor(given.units)
     counts = np.zeros((len(babbling.growth.resolution.sensed) + 1, babbling.body.spots + 1), np.int64)
@@ -87,7 +88,7 @@ def _confusion(babbling: Babbling) -> np.ndarray:
 
 
 def _shuffled(babbling: Babbling, rng: np.random.Generator) -> int:
-    """Splits made of the same experience, had her faces come in another order."""
+    """Number of splits made of the same experience with its faces shuffled."""
     given = babbling.experience()
     sensed, units = given.units >= 0, given.units.copy()
     units[sensed] = rng.permutation(units[sensed])
@@ -106,7 +107,7 @@ def _follows(variables: Variables, module: Module) -> bool:
 
 
 def _right(module: Module, confusion: np.ndarray, run: GrowingRun) -> list[int]:
-    """For each spot: 1 if most of her faces that look there send the robot's gaze there, else 0."""
+    """For each spot: 1 if most of the caregiver's faces that look there send the robot's gaze there, else 0."""
     spots, meant = confusion.shape[1] - 1, confusion.argmax(axis=1)
     right = []
     for spot in range(spots):

@@ -22,8 +22,8 @@ QUANTITIES = {
     "late_rate": "success rate over the last 6 minutes",
 }
 MORE = {
-    "successes_at_launch": "successes by her target when the robot set out",
-    "successes_at_landing": "successes by her target when it arrived",
+    "successes_at_launch": "successes by the caregiver's target at launch",
+    "successes_at_landing": "successes by the caregiver's target at landing",
     "landings_on_nothing": "landings more than 3.5 deg off everything",
     "successes_on_something": "successes within 3.5 deg",
     "map_error_deg.median": "error of the learned map, deg",
@@ -46,6 +46,14 @@ def value(trial: Trial, key: str) -> float:
 def estimate(trials: Sequence[Trial], key: str) -> Estimate:
     """Mean over sessions."""
     return mean_interval([value(trial, key) for trial in trials])
+
+
+def in_words(name: str) -> str:
+    """A setting for a reader: ``state/cues_linear`` is "from the state, with motion cues, linear"."""
+    perception, _, rest = name.partition("/")
+    condition = next(known for known in ("no_cues", "cues") if rest.startswith(known))
+    changed = rest.removeprefix(condition).strip("_").replace("_", " ")
+    return ", ".join(filter(None, [f"from {WORDS[perception]}", WORDS[condition], changed]))
 
 
 def near(ours: Estimate, published: float) -> Verdict:
@@ -110,24 +118,24 @@ def differences(trials: Trials, perception: str) -> list[Comparison]:
 
 def extension(part: Sequence[Trial], name: str, key: str, words: str) -> Comparison:
     """A number that the dissertation does not give."""
-    return Comparison(f"{words}, {name}", "not given", estimate(part, key), Verdict.EXTENSION)
+    return Comparison(f"{words}, {in_words(name)}", "not given", estimate(part, key), Verdict.EXTENSION)
 
 
 def axes_apart(part: Sequence[Trial], name: str) -> Comparison:
     """Whether following of horizontal displacement comes before vertical, as in infants."""
     pan, tilt = ([half_way(trial, axis) for trial in part] for axis in ("pan", "tilt"))
     return Comparison(
-        f"minutes by which half of the gain in tilt comes after half of that in pan, {name}",
+        f"minutes by which half of the gain in tilt comes after half of that in pan, {in_words(name)}",
         "in infants horizontal comes first (Silverstein et al.)",
         paired_difference(tilt, pan),
         Verdict.EXTENSION,
-        f"share of landings within {WITHIN_DEG} deg of her object along one axis; objects differ by up to 45 deg in "
-        "pan and by some 10 in tilt, so the axes are not equally hard",
+        f"share of landings within {WITHIN_DEG} deg of the caregiver's object along one axis; objects differ by "
+        "up to 45 deg in pan and by some 10 in tilt, so the axes are not equally hard",
     )
 
 
 def within(trial: Trial, axis: str, minutes: float = 1.0) -> np.ndarray:
-    """Share of landings within 3.5 deg of her object in pan or tilt, around every minute of ``MINUTES``."""
+    """Share of landings within 3.5 deg of the caregiver's object in pan or tilt, around every minute of ``MINUTES``."""
     shifts = trial.result["shifts"]
     error = np.array(shifts[f"{axis}_error_deg"], float)
     at = np.array(shifts["landing_s"], float) / 60
@@ -178,16 +186,17 @@ def draw_success(trials: Trials) -> Figure:
         numbers = [len(trials.get(f"{perception}/{condition}", ())) for condition in COLOURS]
         title = "from rendered images" if perception == "pixels" else "from the simulator's state"
         axes.set(xlabel="time (simulated minutes)", xlim=(0, 26), ylim=(0, 1))
-        axes.set_title(f"{title} ({numbers[0]} and {numbers[1]} sessions)")
+        axes.set_title(f"{title} ({numbers[0]} and {numbers[1]} sessions)", fontsize=10)
         axes.grid(alpha=0.3)
-    panels[0].set_ylabel("success of gaze following, eq. 6.9")
+    panels[0].set_ylabel("share of right gaze shifts (eq. 6.9)")
+    figure.suptitle("How often the robot looked where the caregiver looked")
     fullest = max(panels, key=lambda axes: len(axes.get_legend_handles_labels()[0]))
     figure.legend(*fullest.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=4, frameon=False)
     return figure
 
 
 def draw_axes(trials: Trials) -> Figure:
-    """Landings near her object in pan and in tilt, over time."""
+    """Landings near the caregiver's object in pan and in tilt, over time."""
     figure = Figure(figsize=(10, 3.8), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     for panel, condition in zip(panels, COLOURS, strict=True):
@@ -204,5 +213,5 @@ def draw_axes(trials: Trials) -> Figure:
         panel.grid(alpha=0.3)
         if part:
             panel.legend(fontsize=8, loc="lower right")
-    panels[0].set_ylabel(f"landings within {WITHIN_DEG} deg of her object")
+    panels[0].set_ylabel(f"landings within {WITHIN_DEG} deg\nof the caregiver's object")
     return figure

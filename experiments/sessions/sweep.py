@@ -1,4 +1,5 @@
-"""Sessions of chapter 6 under every condition that the text compares, and one open place at a time (section 6.4.3)."""
+"""Sessions of chapter 6 under the conditions that the text compares, and with one open choice changed at a time
+(section 6.4.3)."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,14 @@ from jointattn_mj.sweeps.claim import Setting
 def session_config(
     perception: str, cues: bool, gaze: dict[str, Any] | None = None, learner: dict[str, Any] | None = None
 ) -> SessionConfig:
-    """A session's config that differs from the default in these."""
+    """The default session with some settings changed.
+
+    Args:
+        perception: ``pixels`` or ``state``.
+        cues: Whether motion cues attract attention.
+        gaze: Changed fields of the robot's ``gaze``.
+        learner: Changed fields of the robot's ``learner``.
+    """
     config = SessionConfig(perception=perception)
     robot = replace(
         config.robot,
@@ -39,15 +47,15 @@ SETTINGS = {
 }
 """Under string ids: perception, a slash, and what the robot has or lacks."""
 FIRST_SEED = 1000
-"""Open places of the text were chosen while looking at seeds from 0 on; these are fresh."""
+"""Open choices were made while looking at seeds from 0 on; these seeds are fresh."""
 FILM = Path(__file__).with_name("gaze_following.mp4")
 """Half a minute after a session of learning, made smaller:
 ``jointattn session --minutes 0.5 --seed 7 --start-from assets/trained/robin.npz --video --video-every 2``."""
 
 
 def trial(config: SessionConfig, seed: int) -> dict[str, Any]:
-    """A session's summary, and of every shift from the face to an object when it landed, whether it was a success, and
-    its errors in pan and tilt (deg)."""
+    """Trial: a session's summary, and for every shift from the face to an object its landing time (s), success, and
+    errors in pan and tilt (deg)."""
     session = SessionRun(replace(config, seed=seed))
     try:
         session.begin()
@@ -59,7 +67,7 @@ def trial(config: SessionConfig, seed: int) -> dict[str, Any]:
 
 
 def result_of(session: SessionRun) -> dict[str, Any]:
-    """All that is kept of a session; nothing in it depends on how long it took."""
+    """The result kept of a session, without its wall time."""
     rows = [row for row in session.shifts if row.face_to_object]
     columns = ("landing_s", "success", "pan_error_deg", "tilt_error_deg")
     summary = session.summary(0.0).by_old_keys()

@@ -1,4 +1,4 @@
-"""Whether similar faces have neighbouring cells, and Fig. 6.6."""
+"""Whether similar faces have neighbouring units of the map, and Fig. 6.6."""
 
 from collections.abc import Mapping
 
@@ -14,7 +14,7 @@ from .sweep import unpacked
 TOUCHING = 0.1
 """Share of faces beyond which the sheet does not keep neighbours together."""
 QUANTITIES = {
-    "cells_used": "cells of 81 that some face is nearest to",
+    "cells_used": "units of 81 that are nearest to some face",
     "yaw_r2": "share of the variance of the head's yaw that the place on the sheet explains",
     "pitch_r2": "the same for its pitch",
 }
@@ -32,7 +32,7 @@ def analyse(trials: Trials) -> list[Comparison]:
     verdict = Verdict.REPRODUCED if error.high < TOUCHING else Verdict.NOT if error.low > TOUCHING else Verdict.PARTLY
     return [
         Comparison(
-            "share of new faces whose two nearest cells do not touch", "similar faces have neighbouring cells", error,
+            "share of new faces whose two nearest units do not touch", "similar faces have neighbouring units", error,
             verdict, f"sheets with less than {TOUCHING:.0%} count as ordered",
         ),
         Comparison("how much larger it is on a shuffled sheet", "not given", beside, Verdict.EXTENSION),

@@ -29,11 +29,11 @@ FIRST_SEED = 1000
 
 
 def trial(config: SessionConfig, seed: int) -> dict[str, Any]:
-    """How well the sheet keeps neighbours together, and what its place says about the face.
+    """Trial: how well the map keeps neighbours together, and what a position on it says about the face.
 
-    ``topographic_error`` is the share of new faces whose nearest and second nearest cells do not touch, and
-    ``shuffled_error`` the same with the cells shuffled; ``yaw_r2`` and ``pitch_r2`` the share of the variance of the
-    head's angles that a quadratic function of row and column explains; ``images`` the cells' patterns (Fig. 6.6).
+    ``topographic_error`` is the share of new faces whose nearest and second nearest units do not touch, and
+    ``shuffled_error`` the same with the units shuffled; ``yaw_r2`` and ``pitch_r2`` the share of the variance of the
+    head's angles that a quadratic function of row and column explains; ``pictures`` the units' patterns (Fig. 6.6).
     """
     session = SessionRun(replace(config, seed=seed))
     patterns, angles = [], []
@@ -53,17 +53,17 @@ def trial(config: SessionConfig, seed: int) -> dict[str, Any]:
         som, visible, turned = session.robot.som, np.array(patterns), np.array(angles)
     finally:
         session.close()
-    trials = np.array([som.winner(pattern) for pattern in visible])
+    winners = np.array([som.winner(pattern) for pattern in visible])
     nearest = np.array([np.argsort(np.square(som.weights - pattern).sum(axis=1))[:2] for pattern in visible])
     rng = np.random.default_rng(seed)
     shuffled = [apart(rng.permutation(len(som.weights))[nearest], som.config.columns) for _ in range(SHUFFLES)]
-    rows, columns = np.divmod(trials, som.config.columns)
+    rows, columns = np.divmod(winners, som.config.columns)
     yaw, pitch = turned.T
     return {
         "faces": len(visible),
         "topographic_error": som.topographic_error(visible),
         "shuffled_error": float(np.mean(shuffled)),
-        "cells_used": len(np.unique(trials)),
+        "cells_used": len(np.unique(winners)),
         "yaw_r2": explained(rows, columns, yaw),
         "pitch_r2": explained(rows, columns, pitch),
         "pictures": packed(som.images()),
@@ -71,13 +71,13 @@ def trial(config: SessionConfig, seed: int) -> dict[str, Any]:
 
 
 def apart(pairs: np.ndarray, columns: int) -> float:
-    """Share of ``pairs`` (n, 2) of cells that do not touch; diagonals count as touching."""
+    """Share of ``pairs`` (n, 2) of units that do not touch; diagonals count as touching."""
     location = np.stack(np.divmod(pairs, columns), axis=-1)
     return float(np.mean(np.abs(location[:, 0] - location[:, 1]).max(axis=1) > 1))
 
 
 def explained(rows: np.ndarray, columns: np.ndarray, angle: np.ndarray) -> float:
-    """R^2 of a quadratic function of the place on the sheet, (n,) each."""
+    """R^2 of a quadratic function of the position on the map, (n,) each."""
     terms = np.stack([np.ones(len(rows)), rows, columns, rows * columns, rows**2, columns**2], axis=1)
     rest = angle - terms @ np.linalg.lstsq(terms, angle, rcond=None)[0]
     return float(1 - rest.var() / angle.var())

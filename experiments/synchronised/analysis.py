@@ -62,7 +62,7 @@ def analyse(trials: Trials) -> list[Comparison]:
         findings.append(Comparison(what, f"gate half open at {HALF_OPEN}", ready, verdict, note))
         for at in (100, HALF_OPEN, 300):
             column = accuracy[:, int(np.argmin(np.abs(iterations - at)))]
-            what = f"share of gazes that suggest her object at l = {at}, {label}"
+            what = f"share of gazes for which the caregiver's object is suggested at l = {at}, {label}"
             findings.append(Comparison(what, "not given", mean_interval(column), Verdict.EXTENSION))
         what = f"share of right pairs, {label}"
         findings.append(Comparison(what, "not given", mean_interval(runs["right_pairs"][:, -1]), Verdict.EXTENSION))
@@ -90,9 +90,11 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         if np.isfinite(ready):
             rate.axvline(ready, color=colour, ls=":", lw=1)
     rate.axhline(0.25, color="#7f8c8d", ls=":", lw=0.8)
-    rate.set_title("her object is nearest to the suggestion\n(dotted: l of 90 % of the final share; chance)")
+    rate.set_title(
+        "How often the caregiver's object is nearest to the suggestion\n(dotted: l of 90% of the final share; chance)"
+    )
     rate.set(ylabel="share", ylim=(0, 1.02))
-    error.set(ylabel="degrees", ylim=(0, 15), title="median error of the suggested direction")
+    error.set(ylabel="degrees", ylim=(0, 15), title="How far the suggestion is off (median)")
     for axes in (rate, error):
         axes.title.set_fontsize(10)
         axes.set(xlabel="learning iterations l (face-to-object pairs)", xlim=(0, 400))

@@ -26,7 +26,7 @@ def analyse(trials: Trials) -> list[Comparison]:
         return []
     sinks = rises = 0
     for result in results:
-        at = [np.searchsorted(result["turns"], turn) for turn in result["made"][:3]]
+        at = [np.searchsorted(result["turns"], step) for step in result["made"][:3]]
         following, alternating = _course(result, STAGES[0]), _course(result, STAGES[2])
         sinks += bool(following[at[1] - 1] < following[at[0]])
         rises += bool(alternating[at[2] - 1] > alternating[at[1] - 1])
@@ -57,12 +57,18 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
             alpha=1 if found else 0.6, color=f"C{STAGES.index(symbol)}" if found else None,
         )  # fmt: skip
     top = axes.get_ylim()[1]
-    for turn, symbol in zip(result["made"], result["modules"], strict=True):
-        axes.plot(turn, top, "kv", clip_on=False)
+    for step, symbol in zip(result["made"], result["modules"], strict=True):
+        axes.plot(step, top, "kv", clip_on=False)
         axes.annotate(
-            symbol, (turn, top), xytext=(0, 6), textcoords="offset points", ha="left", fontsize=7, rotation=20
+            symbol, (step, top), xytext=(0, 6), textcoords="offset points", ha="left", fontsize=7, rotation=20
         )
-    axes.set(yscale="log", ylim=(1e-4, top), xlabel="turns", ylabel="state-action contingency (bits)")
+    axes.set(
+        yscale="log",
+        ylim=(1e-4, top),
+        xlabel="steps",
+        ylabel="state-action contingency (bits)",
+        title="Contingency of each event over time",
+    )
     axes.grid(alpha=0.3)
     axes.legend(fontsize=7, ncols=2, loc="upper left", bbox_to_anchor=(1, 1), title=f"seed {trial.seed}")
     return {"time_course": figure}

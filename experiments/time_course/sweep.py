@@ -1,4 +1,4 @@
-"""State-action contingency of all events every 200 turns (Fig. 5.3)."""
+"""State-action contingency of all events every 200 steps (Fig. 5.3)."""
 
 from typing import Any
 

@@ -9,24 +9,24 @@ from matplotlib.figure import Figure
 from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
 
-from .sweep import SETTINGS, DevelopmentRun
+from .sweep import SETTINGS, AttemptsConfig
 
 END = 6
-"""Stretches of a life, of 60, that count as its end: 30,000 attempts."""
+"""Stretches of a run, of 60, that count as its end: 30,000 attempts."""
 LEVEL = 0.75
 """Success at which a stage counts as reached."""
 COLOURS = {1: "#7f8c8d", 3: "#2471a3", 5: "#c0392b", 10: "#b7950b"}
-ATTEMPTS = DevelopmentRun().attempts
-STAGES = {"any": "some object", "right_in_view": "hers, in the first view", "right_outside": "hers, outside it"}
+ATTEMPTS = AttemptsConfig().attempts
+STAGES = {"any": "any object", "right_in_view": "the right one, in view", "right_outside": "the right one, out of view"}
 
 
 def columns(part: Sequence[Trial]) -> dict[str, np.ndarray]:
-    """Each count of all lives, (lives, stretches)."""
+    """Each count of all runs, (runs, stretches)."""
     return {key: np.array([trial.result[key] for trial in part]) for key in part[0].result}
 
 
 def rates(runs: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Rates (lives, stretches): any object, the right one, the right one where it was in view at first or was not.
+    """Rates (runs, stretches): any object, the right one, the right one where it was in view at first or was not.
 
     NaN where that was one attempt in a hundred or fewer (an object in view that was missed).
     """
@@ -42,7 +42,7 @@ def rates(runs: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def reaches(rate: np.ndarray, level: float) -> np.ndarray:
-    """(lives,) when a rate first gets to ``level``, in stretches (interpolated); infinite where it never does."""
+    """(runs,) when a rate first gets to ``level``, in stretches (interpolated); infinite where it never does."""
     reached = np.full(len(rate), np.inf)
     for run, values in enumerate(rate):
         above = np.flatnonzero(values >= level)
@@ -67,7 +67,14 @@ def analyse(trials: Trials) -> list[Comparison]:
     for name, part in trials.items():
         if name in SETTINGS and not name.startswith("objects_"):
             end = mean_interval(rates(columns(part))["right"][:, -END:].mean(axis=1))
-            findings.append(Comparison(f"her object at the end, {name}", "not given", end, Verdict.EXTENSION))
+            findings.append(
+                Comparison(
+                    f"the right object at the end, {name.replace('_', ' ').removeprefix('readings/')}",
+                    "not given",
+                    end,
+                    Verdict.EXTENSION,
+                )
+            )
     return findings
 
 
@@ -81,9 +88,13 @@ def rise(runs: dict[str, np.ndarray], objects: int) -> list[Comparison]:
     chance = Verdict.REPRODUCED if objects > 1 and abs(start.mean - 1 / objects) < 0.05 else Verdict.NOT
     missed = "objects outside the first view are missed at first, which 1/n leaves out"
     return [
-        Comparison(f"her object at the start, {of}", f"1/{objects}", start, chance, "" if objects > 1 else missed),
-        Comparison(f"her object at the end, {of}", "a high rate", end, risen, f"above {LEVEL:.0%} counts as high"),
-        Comparison(f"with faces that were not seen in the life, {of}", "not given", new, Verdict.EXTENSION),
+        Comparison(
+            f"the right object at the start, {of}", f"1/{objects}", start, chance, "" if objects > 1 else missed
+        ),
+        Comparison(
+            f"the right object at the end, {of}", "a high rate", end, risen, f"above {LEVEL:.0%} counts as high"
+        ),
+        Comparison(f"with new faces, {of}", "not given", new, Verdict.EXTENSION),
     ]
 
 
@@ -94,7 +105,7 @@ def stages(runs: dict[str, np.ndarray], objects: int) -> list[Comparison]:
     first, second, third = times.values()
     ordered = proportion(int(np.sum((first < second) & (second < third))), len(first))
     verdict = Verdict.REPRODUCED if ordered.low > 0.5 else Verdict.NOT if ordered.high < 0.5 else Verdict.UNDECIDED
-    what = f"lives in which some object, hers in the first view, hers outside it come in this order, {objects} objects"
+    what = f"runs with any object, the right one in view, the right one out of view in this order, {objects} objects"
     with np.errstate(invalid="ignore"):
         later = median_interval(third - second)
     return [
@@ -113,7 +124,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     for objects, colour in COLOURS.items():
         part = trials.get(f"objects_{objects}")
         if part:
-            band(by_number, rates(columns(part))["right"], f"{objects} objects ({len(part)} lives)", colour)
+            band(by_number, rates(columns(part))["right"], f"{objects} objects ({len(part)} runs)", colour)
             by_number.axhline(1 / objects, color=colour, ls=":", lw=0.8)
     locations = {
         "objects_5": ("five, anywhere on the table", "#c0392b"),
@@ -129,8 +140,8 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     draw_stages(five, trials, "objects_5")
     draw_stages(ten, trials, "objects_10")
     titles = {
-        by_number: "the object she looks at is reached (dotted: chance)",
-        by_location: "the same, by where objects may lie (thin: single lives)",
+        by_number: "How often the right object is reached (dotted: chance)",
+        by_location: "The same, by where objects lie (thin: single runs)",
         five: "three stages, five objects on the table",
         ten: "three stages, ten objects",
     }
@@ -148,7 +159,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
 
 
 def band(axes: Axes, rate: np.ndarray, label: str, colour: str) -> None:
-    """A curve over learning time: mean of all lives with its 95% interval."""
+    """A curve over learning time: mean of all runs with its 95% interval."""
     estimates = [mean_interval(column) for column in rate.T]
     at = _times(rate)
     axes.fill_between(at, [e.low for e in estimates], [e.high for e in estimates], color=colour, alpha=0.2, lw=0)
@@ -161,7 +172,7 @@ def _times(rate: np.ndarray) -> np.ndarray:
 
 
 def draw_stages(axes: Axes, trials: Trials, name: str) -> None:
-    """Any object; hers where it was in the first view; hers where it was not; the gate."""
+    """Any object; the right one where it was in the first view and where it was not; the gate."""
     if not trials.get(name):
         return
     rate = rates(columns(trials[name]))

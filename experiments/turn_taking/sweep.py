@@ -14,16 +14,16 @@ from jointattn_mj.options import Checked, Whole
 from jointattn_mj.sweeps.claim import Setting
 
 BINS = 60
-"""Stretches of a life over which successes are counted."""
+"""Stretches of a run over which successes are counted."""
 TEST_FACES = FaceBankConfig(faces=1000)
 
 
 @dataclass(frozen=True)
-class DevelopmentRun(Checked):
-    """A life."""
+class AttemptsConfig(Checked):
+    """Settings of a run of turn taking."""
 
     table: ObjectTableConfig = field(default_factory=ObjectTableConfig)
-    """What lies where."""
+    """Objects and where they lie."""
     robot: TurnTakerConfig = field(default_factory=TurnTakerConfig)
     """The robot."""
     faces: FaceBankConfig = field(default_factory=FaceBankConfig)
@@ -33,18 +33,18 @@ class DevelopmentRun(Checked):
     tables: Annotated[int, Whole("[1, 1e8]")] = 10_000
     """Tables that attempts draw from."""
     tests: Annotated[int, Whole("[1, 1e8]")] = 3000
-    """Attempts at the end of a life with the gate open, nothing learned, on new tables, before and with new faces."""
+    """Test attempts at the end, with the gate open and without learning, on new tables; then with new faces."""
 
 
 def reading(objects: int, **robot: object) -> Setting:
     """A robot that differs from the default."""
-    return Setting(DevelopmentRun(ObjectTableConfig(objects=objects), TurnTakerConfig(**robot)), 8)  # type: ignore[arg-type]
+    return Setting(AttemptsConfig(ObjectTableConfig(objects=objects), TurnTakerConfig(**robot)), 8)  # type: ignore[arg-type]
 
 
 SETTINGS = {
-    **{f"objects_{n}": Setting(DevelopmentRun(ObjectTableConfig(objects=n)), 20) for n in (1, 3, 5, 10)},
-    "in_view_5": Setting(DevelopmentRun(ObjectTableConfig(objects=5, region="in_view")), 20),
-    "outside_3": Setting(DevelopmentRun(ObjectTableConfig(objects=3, region="outside")), 20),
+    **{f"objects_{n}": Setting(AttemptsConfig(ObjectTableConfig(objects=n)), 20) for n in (1, 3, 5, 10)},
+    "in_view_5": Setting(AttemptsConfig(ObjectTableConfig(objects=5, region="in_view")), 20),
+    "outside_3": Setting(AttemptsConfig(ObjectTableConfig(objects=3, region="outside")), 20),
     "readings/feedback_alone_5": reading(5, gate="shut"),
     "readings/executed_5": reading(5, reference="executed"),
     "readings/first_step_5": reading(5, learns_from="first_step"),
@@ -77,8 +77,15 @@ def counts(outcomes: Outcomes, bins: int) -> dict[str, np.ndarray]:
     }
 
 
-def live_one(run: DevelopmentRun, faces: FaceBank, strange: FaceBank, seed: int) -> dict[str, np.ndarray]:
-    """A life and its tests, as counts; ``strange`` are images of the same face that the life does not hold."""
+def live_one(run: AttemptsConfig, faces: FaceBank, strange: FaceBank, seed: int) -> dict[str, np.ndarray]:
+    """A run and its tests, as counts.
+
+    Args:
+        run: Settings.
+        faces: Faces of the run.
+        strange: Other images of the same face, for the tests.
+        seed: Seed of the run.
+    """
     tables, weights, attempts, after = (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(4))
     known = faces.inputs(run.robot.face_length)
     new = strange.inputs(run.robot.face_length, known.mean, known.scale)
@@ -93,19 +100,19 @@ def live_one(run: DevelopmentRun, faces: FaceBank, strange: FaceBank, seed: int)
     return results
 
 
-def _situations(run: DevelopmentRun, count: int, faces: FaceInputs, rng: np.random.Generator) -> Situations:
+def _situations(run: AttemptsConfig, count: int, faces: FaceInputs, rng: np.random.Generator) -> Situations:
     locations = draw_tables(run.table, count, rng)
     return Situations.of_locations(locations, faces, run.faces.jitter_deg, rng)
 
 
 @cache
 def face_banks(config: FaceBankConfig) -> tuple[FaceBank, FaceBank]:
-    """The faces of a life, and others of the same caregiver; rendered once in every process."""
+    """The faces of a run, and others of the same caregiver; rendered once in every process."""
     known, new = (np.random.default_rng(child) for child in np.random.SeedSequence(0).spawn(2))
     return render_faces(config, known), render_faces(TEST_FACES, new)
 
 
-def trial(run: DevelopmentRun, seed: int) -> dict[str, list[int]]:
-    """Outcomes of a life, counted in stretches, and of its tests."""
+def trial(run: AttemptsConfig, seed: int) -> dict[str, list[int]]:
+    """Trial: outcomes of a run, counted in stretches, and of its tests."""
     found = live_one(run, *face_banks(run.faces), seed)
     return {name: values.astype(int).tolist() for name, values in found.items()}

@@ -24,9 +24,9 @@ from jointattn_mj.scene.world import World
 from jointattn_mj.tasks import load
 
 FRAMES = 12
-"""Of an episode, before an image is taken: she still looks at the robot."""
+"""Steps of an episode before an image is taken: the caregiver still looks at the robot."""
 FACE_PX, OBJECT_PX = 10.0, 8.0
-"""What is so near to its true place counts as found."""
+"""Distance (px) from the true position within which a detection counts."""
 SHOWN, WIDTH, HEIGHT = 6, 200, 150
 """Images a preset in the figure, and their size in pixels."""
 
@@ -58,7 +58,7 @@ def found(image: np.ndarray, world: World, colours: ColourAreas) -> tuple[bool, 
 
 
 def measure(preset: str, options: Options) -> tuple[dict[str, int], np.ndarray]:
-    """How much was found in so many draws, and the first images side by side."""
+    """Number of faces and objects found in a number of draws, and the first images side by side."""
     settings = {"random": options.seed, "variation": preset}
     environment = load("joint_attention", "object_transfer", task_kwargs=settings)
     colours = ColourAreas([item.rgb for item in OBJECTS[:4]])

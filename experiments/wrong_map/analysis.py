@@ -27,7 +27,7 @@ def analyse(trials: Trials) -> list[Comparison]:
         if not trials.get(name):
             continue
         errors = np.array([error(trial) for trial in trials[name]])
-        label = name.replace("_", " ")
+        label = name.replace("_", " ").replace("places", "positions")
         rows = {
             "error of the learned map, deg": mean_interval(errors),
             f"sessions with an error above {WRONG_DEG:g} deg": proportion(int(np.sum(errors > WRONG_DEG)), len(errors)),
@@ -51,6 +51,6 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         axes.hlines(np.nanmedian(errors), location - 0.3, location + 0.3, color="black")
     axes.set_xticks(range(len(names)), [name.replace("_", "\n") for name in names], fontsize=8)
     axes.set(ylabel="error of the learned map, last 6 min (deg)")
-    axes.set_title("A dot is a session of 26 minutes; bars are medians")
+    axes.set_title("How wrong the learned map is (a dot a session of 26 minutes; bars: medians)")
     axes.grid(alpha=0.3, axis="y")
     return {"wrong_map": figure}

@@ -1,4 +1,4 @@
-"""Why do some sessions without motion cues hold on to a wrong map? One component at a time is replaced by truth.
+"""Why do some sessions without motion cues hold on to a wrong map? One component at a time is made exact.
 
 Every setting is a session without cues, from the simulator's state, in which one thing is as good as it can be: one
 part of perception without errors, the time of the shifts, the pairs that are learned, or who commands. A setting that
@@ -50,7 +50,7 @@ def only_still_pairs(
 def wrong_pairs_scattered(
     session: SessionRun, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
 ) -> None:
-    """Send wrong pairs to a fresh random place on the table: as many wrong ones, but none that come again and again."""
+    """Send each wrong pair to a random position on the table: as many wrong pairs, but none that repeats."""
     if not _is_right(session, command):
         layout = session.config.world.layout
         spot = np.random.default_rng([session.config.seed, session.frame]).random(2)
@@ -101,7 +101,7 @@ SETTINGS = {
 
 
 def trial(condition: Condition, seed: int) -> dict[str, Any]:
-    """A session's numbers, and the share of its pairs that were right."""
+    """A session's summary, and the share of its pairs that were right."""
     session = SessionRun(replace(condition.config, seed=seed))
     right = _watch_pairs(session, session.robot, FILTERS.get(condition.pairs))
     try:

@@ -1,4 +1,4 @@
-"""What is stored, as one page to read, and as tables for programs. The same trials give the same bytes."""
+"""Reports of stored trials: one page to read, and tables for programs. The same trials give the same bytes."""
 
 import base64
 import csv
@@ -26,54 +26,68 @@ from jointattn_mj.sweeps.run import command
 from jointattn_mj.sweeps.store import Store, Stored
 
 FEWEST = 5
-"""With fewer runs, and fewer than a claim asks for, nothing is decided."""
+"""Runs below which the verdict is undecided, if the claim asks for more."""
 LARGEST_SVG = 300_000
-"""Bytes; a larger drawing is shown as PNG."""
+"""Size in bytes above which a figure is shown as PNG."""
 DPI = 150
+"""Resolution of PNG figures."""
 UNCHANGING: dict[Any, Any] = {"svg.hashsalt": "jointattn", "svg.fonttype": "path"}
 
 
 @dataclass(frozen=True)
 class Chapter:
-    """One claim on the page."""
+    """The part of the report on one claim."""
 
     entry: Entry
     findings: Sequence[Comparison] = ()
     figures: Mapping[str, Figure] = field(default_factory=dict)
     seeds: Mapping[str, Sequence[int]] = field(default_factory=dict)
-    """Stored seeds of every setting, an empty list where there is none."""
+    """Stored seeds of every setting; an empty list if there are none."""
     configs: Mapping[str, Any] = field(default_factory=dict)
+    """Config of every setting as plain data."""
     commands: Sequence[str] = ()
+    """Command lines that compute these trials."""
     versions: Sequence[Mapping[str, str]] = ()
     film: Path | None = None
     notes: Sequence[str] = ()
-    """What a reader should know of the trials: some failed, some are of other settings."""
+    """Remarks on the trials, such as how many failed."""
     trouble: Sequence[str] = ()
-    """Errors of the analysis itself."""
+    """Errors of the analysis."""
+
+    def __repr__(self) -> str:
+        return f"Chapter({self.entry.id}: {self.runs} trials; {self.tally or 'no findings'})"
 
     @property
     def verdict(self) -> Verdict:
-        """Of all findings together."""
+        """Verdict of all findings together."""
         return Verdict.of_all(finding.verdict for finding in self.findings)
 
     @property
     def tally(self) -> str:
-        """How many findings have which verdict, such as ``3 reproduced, 1 undecided``."""
+        """Number of findings by verdict, such as ``3 reproduced, 1 undecided``."""
         given = [finding.verdict for finding in self.findings]
         return ", ".join(f"{given.count(verdict)} {verdict}" for verdict in Verdict if verdict in given)
 
     @property
     def runs(self) -> int:
-        """Stored trials."""
+        """Number of stored trials."""
         return sum(map(len, self.seeds.values()))
 
 
 def write_report(registry: Registry, ids: Sequence[str], folder: Path) -> Path:
-    """Write report.html, claims.json, claims.csv, claims.md and figures/ into ``folder``; returns the page.
+    """Write report.html, claims.json, claims.csv, claims.md and figures/ into a folder of trials.
+
+    Args:
+        registry: All claims.
+        ids: Ids of the claims to report on; those without trials are listed as not run.
+        folder: The folder of trials.
+
+    Returns:
+        Path of report.html.
 
     Raises:
-        OutputError: No such folder, no trials in it, or it cannot be written.
-        LaboratoryError: An analysis failed; everything else has been written.
+        OutputError: The folder is missing, has no trials of these claims, or cannot be written.
+        SweepError: An analysis failed; the rest of the report has been written.
     """
     chapters = [chapter(registry, claim, Store(folder)) for claim in ids]
     if not any(one.runs for one in chapters):
@@ -94,7 +108,13 @@ def write_report(registry: Registry, ids: Sequence[str], folder: Path) -> Path:
 
 
 def chapter(registry: Registry, claim_id: str, store: Store) -> Chapter:
-    """All that is to be said about one claim; nothing is imported for one without trials."""
+    """Read and analyse the trials of one claim. The claim is imported only if it has trials.
+
+    Args:
+        registry: All claims.
+        claim_id: Id of the claim.
+        store: Folder of trials.
+    """
     entry = registry.entries[claim_id]
     if not store.known(claim_id):
         return Chapter(entry)
@@ -126,7 +146,13 @@ def chapter(registry: Registry, claim_id: str, store: Store) -> Chapter:
 
 
 def weighed(finding: Comparison, claim: Claim, runs: int) -> Comparison:
-    """The finding, undecided where too few runs stand behind it; ``runs``: the most that any setting has."""
+    """The finding, with the verdict undecided if it rests on too few runs.
+
+    Args:
+        finding: The finding.
+        claim: Its claim.
+        runs: The largest number of runs that any setting has.
+    """
     enough = min(FEWEST, max(setting.runs for setting in claim.settings.values()))
     n = runs if finding.ours is None else min(finding.ours.n, runs)
     if n >= enough or finding.verdict in (Verdict.EXTENSION, Verdict.UNDECIDED):
@@ -135,8 +161,14 @@ def weighed(finding: Comparison, claim: Claim, runs: int) -> Comparison:
 
 
 def commands(claim: Claim, seeds: Mapping[str, Sequence[int]], folder: Path) -> list[str]:
-    """Command lines that compute exactly the trials with these seeds into ``folder``."""
-    wanted = {name: _ranges(found) for name, found in seeds.items() if found}
+    """Command lines that compute exactly these trials.
+
+    Args:
+        claim: The claim.
+        seeds: Seeds of each setting.
+        folder: Folder of results.
+    """
+    wanted = {name: _ranges(stored) for name, stored in seeds.items() if stored}
     usual = {name: [range(claim.first_seed, claim.first_seed + one.runs)] for name, one in claim.settings.items()}
     if wanted == {name: ranges for name, ranges in usual.items() if ranges[0]}:
         return [command([claim.id], folder)]
@@ -154,13 +186,13 @@ def commands(claim: Claim, seeds: Mapping[str, Sequence[int]], folder: Path) -> 
 
 
 def _ranges(seeds: Sequence[int]) -> list[range]:
-    found: list[range] = []
+    ranges: list[range] = []
     for seed in seeds:
-        if found and seed == found[-1].stop:
-            found[-1] = range(found[-1].start, seed + 1)
+        if ranges and seed == ranges[-1].stop:
+            ranges[-1] = range(ranges[-1].start, seed + 1)
         else:
-            found.append(range(seed, seed + 1))
-    return found
+            ranges.append(range(seed, seed + 1))
+    return ranges
 
 
 def _notes(stored: Stored, failures: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -221,6 +253,7 @@ def finding_row(finding: Comparison) -> dict[str, Any]:
     return {
         "what": finding.what,
         "dissertation": finding.dissertation,
+        "here": "" if ours is None else str(ours),
         "value": None if ours is None else float(ours.mean),
         "low": None if ours is None else float(ours.low),
         "high": None if ours is None else float(ours.high),
@@ -232,7 +265,21 @@ def finding_row(finding: Comparison) -> dict[str, Any]:
 
 
 def _csv(chapters: Sequence[Chapter]) -> str:
-    columns = ("claim", "title", "source", "what", "dissertation", "value", "low", "high", "sd", "n", "verdict", "note")
+    columns = (
+        "claim",
+        "title",
+        "source",
+        "what",
+        "dissertation",
+        "value",
+        "low",
+        "high",
+        "sd",
+        "n",
+        "verdict",
+        "note",
+        "here",
+    )
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")
     writer.writeheader()
@@ -243,18 +290,28 @@ def _csv(chapters: Sequence[Chapter]) -> str:
 
 
 def _markdown(chapters: Sequence[Chapter]) -> str:
-    lines = ["| claim | what | dissertation | here, 95% interval | n | verdict |", "|---|---|---|---|---|---|"]
-    for one in chapters:
-        for finding in one.findings:
-            ours, n = ("", "") if finding.ours is None else (str(finding.ours), str(finding.ours.n))
-            verdict = f"{finding.verdict}: {finding.note}" if finding.note else str(finding.verdict)
-            columns = (one.entry.id, finding.what, finding.dissertation, ours, n, verdict)
-            lines.append(f"| {' | '.join(map(_plain_in_markdown, columns))} |")
+    """A heading and a table for every claim with findings."""
+    parts = [
+        f"## {_plain_in_markdown(f'{one.entry.id}: {one.entry.title}')}\n\n{table_of(_facts(one)['findings'])}"
+        for one in chapters
+        if one.findings
+    ]
+    return "\n".join(parts)
+
+
+def table_of(findings: Sequence[Mapping[str, Any]]) -> str:
+    """Findings, as claims.json has them, as a table in Markdown."""
+    lines = ["| what | dissertation | here, 95% interval | n | verdict |", "|---|---|---|---|---|"]
+    for finding in findings:
+        n = "" if finding["n"] is None else str(finding["n"])
+        verdict = f"{finding['verdict']}: {finding['note']}" if finding["note"] else finding["verdict"]
+        columns = (finding["what"], finding["dissertation"], finding["here"], n, verdict)
+        lines.append(f"| {' | '.join(map(_plain_in_markdown, columns))} |")
     return "\n".join(lines) + "\n"
 
 
 def _plain_in_markdown(text: str) -> str:
-    """On one line, and with nothing in it that would be read as a column, as code, as a link or as HTML."""
+    """``text`` on one line, with everything escaped that Markdown reads as a column, code, a link or HTML."""
     marks = str.maketrans({"\\": "\\\\", "|": "\\|", "`": "\\`", "&": "&amp;", "<": "&lt;"})
     return " ".join(text.split()).translate(marks).replace("](", "]\\(")
 
@@ -267,6 +324,7 @@ def _page(chapters: Sequence[Chapter], images: Mapping[str, Mapping[str, str]], 
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["count"] = count
     environment.filters["seeds"] = _seeds_in_words
     environment.filters["yaml"] = lambda config: yaml.safe_dump(config, sort_keys=False, default_flow_style=None)
     films = {one.entry.id: _uri("video/mp4", one.film.read_bytes()) for one in chapters if one.film is not None}

@@ -5,12 +5,12 @@ import traceback
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.options import Checked, Seed, Whole
+from jointattn_mj.options import Checked, Seed, Whole, warn_renamed
 from jointattn_mj.sweeps.backends import Backend, gone, lost_touch
 from jointattn_mj.sweeps.claim import Claim
 from jointattn_mj.sweeps.store import Keys, PlannedTrial, Store
@@ -18,6 +18,8 @@ from jointattn_mj.sweeps.worker import Outcome, compute, pack
 
 GOLDEN = 0.618
 """Runs that share a folder begin this share of the queue apart, which spreads any number of them."""
+FORMER_STATE = "truth/"
+"""Beginning of settings that version 0.1 called so; they now begin with ``state/``."""
 WAIT_S = 1.0
 """Seconds after which progress is reported though no trial has ended."""
 
@@ -86,7 +88,13 @@ class Selection(Checked):
             return list(claim.settings)
         if self.setting in claim.settings:
             return [self.setting]
-        return [name for name in claim.settings if name.startswith(self.setting)]
+        chosen = [name for name in claim.settings if name.startswith(self.setting)]
+        if not chosen and self.setting.startswith(FORMER_STATE):
+            current = self.setting.replace(FORMER_STATE, "state/", 1)
+            chosen = replace(self, setting=current).names(claim)
+            if chosen:
+                warn_renamed(f"setting {self.setting}", current)
+        return chosen
 
     def seeds(self, claim: Claim, names: Iterable[str]) -> dict[str, range]:
         """Chosen seeds of each of these settings."""

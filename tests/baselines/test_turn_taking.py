@@ -185,7 +185,7 @@ def test_a_life_in_counts(monkeypatch, bank):
     from experiments.turn_taking import analysis, sweep
     from jointattn_mj.sweeps.claim import Trial
 
-    run = sweep.DevelopmentRun(TABLE_3, replace(SHORT, hidden=5), attempts=600, tables=50, tests=60)
+    run = sweep.AttemptsConfig(TABLE_3, replace(SHORT, hidden=5), attempts=600, tables=50, tests=60)
     monkeypatch.setattr(sweep, "face_banks", lambda config: (bank, bank))
     result = sweep.trial(run, 4)
     assert result == sweep.trial(run, 4) != sweep.trial(run, 5)

@@ -1,4 +1,4 @@
-"""Every claim of the registry: it can be stored, its cells are told apart, and it reads what little there may be."""
+"""Every claim of the registry: it can be stored, its trials are told apart, and it reads what little there may be."""
 
 import json
 import sys
@@ -65,30 +65,32 @@ def session(successes: int, late: float, pan_learns: float, tilt_learns: float, 
 def test_sessions_are_held_against_the_published_means():
     claim = REGISTRY["6.8"]
     trials = {
-        "truth/cues": [Trial("truth/cues", seed, session(195 + seed, 0.8, 8, 12)) for seed in range(6)],
-        "truth/no_cues": [Trial("truth/no_cues", seed, session(80 + seed, 0.5, 12, 12)) for seed in range(6)],
-        "truth/cues_linear": [Trial("truth/cues_linear", 0, session(100, 0.3, 12, 12))],
+        "state/cues": [Trial("state/cues", seed, session(195 + seed, 0.8, 8, 12)) for seed in range(6)],
+        "state/no_cues": [Trial("state/no_cues", seed, session(80 + seed, 0.5, 12, 12)) for seed in range(6)],
+        "state/cues_linear": [Trial("state/cues_linear", 0, session(100, 0.3, 12, 12))],
     }
     found = {finding.what: finding for finding in claim.analyse(trials)}
     assert found["successes, with motion cues, from the state"].verdict is Verdict.REPRODUCED
     assert found["successes, without motion cues, from the state"].verdict is Verdict.NOT
     difference = found["successes, with motion cues less without, from the state"]
     assert (difference.ours.mean, difference.verdict) == (115, Verdict.REPRODUCED)
-    apart = found["minutes by which half of the gain in tilt comes after half of that in pan, truth/cues"]
+    apart = found[
+        "minutes by which half of the gain in tilt comes after half of that in pan, from the state, with motion cues"
+    ]
     assert apart.ours.mean == pytest.approx(4, abs=1)
-    assert found["successes, truth/cues_linear"].ours.n == 1
+    assert found["successes, from the state, with motion cues, linear"].ours.n == 1
     assert set(claim.draw(trials)) == {"sessions", "pan_and_tilt"}
 
 
 def test_one_session_decides_nothing():
     claim = REGISTRY["6.8"]
-    one = {f"truth/{name}": [Trial(name, 0, session(190, 0.8, 8, 8))] for name in ("cues", "no_cues")}
+    one = {f"state/{name}": [Trial(name, 0, session(190, 0.8, 8, 8))] for name in ("cues", "no_cues")}
     found = {finding.what: finding for finding in claim.analyse(one)}
     assert found["successes, with motion cues less without, from the state"].verdict is Verdict.UNDECIDED
 
 
 def test_a_session_says_what_it_did():
-    config = sweep.SETTINGS["truth/cues"].config
+    config = sweep.SETTINGS["state/cues"].config
     robot = replace(config.robot, familiarise=replace(config.robot.familiarise, minutes=0.1))
     config = replace(config, minutes=1.0, robot=robot)
     result = sweep.trial(config, 3)
@@ -98,7 +100,7 @@ def test_a_session_says_what_it_did():
     assert "wall_seconds" not in result
 
 
-def test_pictures_of_a_map_come_back():
+def test_images_of_a_map_come_back():
     images = np.random.default_rng(0).random((3, 2, 4, 4))
     back = unpacked(packed(images), 3, 2)
     assert back.shape == (3, 2, 4, 4)

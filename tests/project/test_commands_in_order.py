@@ -21,6 +21,7 @@ from shell import Shell
 NOT_RUN = {
     "installs, builds or tests": lambda words: words[0] in ("apt-get", "pip", "make", "pytest"),
     "shows something until it is closed": lambda words: words[0] == "rerun" or words[:2] == ("jointattn", "view"),
+    "writes into the checkout": lambda words: words[:3] == ("python", "-m", "experiments.pages"),
     "tries for hours what can go wrong": lambda words: words[:3] == ("python", "-m", "tools.reliability"),
 }
 SHORT_CLAIM = "5.2"
@@ -81,8 +82,8 @@ def documented() -> list[Command]:
 
 
 def guides() -> list[Path]:
-    """Pages that say what to type; experiments/README.md says what came out, in hours."""
-    return [page for page in pages() if page.parent.name != "experiments"]
+    """Pages that say what to type; those of experiments/ say what came out, in hours."""
+    return [page for page in pages() if page.relative_to(ROOT).parts[0] != "experiments"]
 
 
 def clone_into(folder: Path) -> None:

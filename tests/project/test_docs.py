@@ -86,8 +86,9 @@ def test_what_could_not_be_typed_is_found():
 
 
 def test_links_between_files_lead_somewhere():
-    """Within README and experiments; mkdocs checks those of docs."""
-    for page in (ROOT / "README.md", ROOT / "experiments" / "README.md"):
+    """Of the pages outside docs; mkdocs checks those of docs."""
+    outside = [page for page in pages() if page.parent.name != "docs"]
+    for page in [*outside, ROOT / "CHANGELOG.md"]:
         for target in re.findall(r"\]\(([^)#]+)", page.read_text("utf-8")):
             if not target.startswith("http"):
-                assert (page.parent / target).exists(), f"{page.name}: {target}"
+                assert (page.parent / target).exists(), f"{page.relative_to(ROOT)}: {target}"

@@ -33,9 +33,9 @@ def test_its_code_runs(notebook):
         if cell.cell_type == "code":
             exec(compile(cell.source, cell.id, "exec"), namespace)
     matplotlib.use(before)
-    names = [module["name"] for module in namespace["life"]["modules"]]
+    names = [module.name for module in namespace["development"].modules]
     assert names[:3] == ["FG-m", "SCf-m", "SC-m"]
-    assert namespace["summary"]["late_rate"] > 0.6
+    assert namespace["summary"].late_success_rate > 0.6
 
 
 @pytest.mark.slow

@@ -88,7 +88,8 @@ def test_tables_for_programs(folder):
     assert facts["settings"]["loaded"] == {"config": {"heads": 0.8, "throws": 50}, "n": 6, "seeds": "0-5"}
     assert (folder / facts["figures"][0]).is_file()
     table = (folder / "claims.md").read_text().splitlines()
-    assert len(table) == 5
+    assert table[0] == "## 1.1: Coins &amp; &lt;luck>"
+    assert len(table) == 7
     assert r"so \| so" in table[-1]
 
 
@@ -97,7 +98,7 @@ def test_claims_without_trials_are_named_and_not_imported(folder):
     write_report(REGISTRY, list(REGISTRY), folder)
     page = (folder / "report.html").read_text()
     assert "A claim that cannot be read" in page
-    assert "not run" in page
+    assert "Not run here: 1 claim" in page and "Run here: 1 claim of 2, 12 trials in all." in page
     assert 'id="claim-1.2"' not in page
     write_report(REGISTRY, ["1.1"], folder)
 
@@ -206,13 +207,13 @@ def test_nothing_is_taken_for_markup(tmp_path, monkeypatch):
     assert "<script" not in (tmp_path / "report.html").read_text()
     table = (tmp_path / "claims.md").read_text()
     assert "<" not in table
-    (row,) = table.splitlines()[2:]
-    assert len(re.findall(r"(?<!\\)(?:\\\\)*\|", row)) == 7  # bars that no odd number of backslashes escapes
+    (row,) = table.splitlines()[4:]
+    assert len(re.findall(r"(?<!\\)(?:\\\\)*\|", row)) == 6  # bars that no odd number of backslashes escapes
     assert not re.search(r"(?<!\\)`", row)
     assert "](" not in row
 
 
-def test_large_drawings_are_pictures_and_films_are_inside(tmp_path, monkeypatch):
+def test_large_drawings_are_images_and_films_are_inside(tmp_path, monkeypatch):
     from toys.coin import analysis, sweep
 
     def draw(trials):

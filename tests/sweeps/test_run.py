@@ -8,6 +8,7 @@ import pytest
 from toys.registry import REGISTRY
 
 from jointattn_mj.errors import ConfigError, OutputError, SweepError
+from jointattn_mj.options import RenamedWarning
 from jointattn_mj.sweeps.claim import Setting
 from jointattn_mj.sweeps.run import Selection, SweepWatcher, Tally, command, plan, run
 from jointattn_mj.sweeps.store import Store
@@ -81,6 +82,12 @@ def test_a_setting_by_its_id_or_how_it_begins():
     assert Selection("a/").names(claim) == ["a/b", "a/c"]
     with pytest.raises(ConfigError, match="no setting is called 'x' or begins so; there are a, a/b, a/c, d"):
         list(plan([claim], Selection("x")))
+
+
+def test_settings_by_their_names_of_the_last_version():
+    claim = replace(COIN, settings={name: Setting({"of": name}, 1) for name in ("state/cues", "pixels/cues")})
+    with pytest.warns(RenamedWarning, match=r"truth/cues is now called state/cues"):
+        assert Selection("truth/cues").names(claim) == ["state/cues"]
 
 
 @pytest.mark.parametrize("bad", [{"runs": 0}, {"first_seed": -1}])

@@ -17,12 +17,12 @@ def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iter
     for number in range(many):
         out = folder / f"store{number}"
         shutil.copytree(folder / "good", out)
-        (cell := sorted(out.glob("cells/*/*.json"))[0]).with_name("odd.json").write_text("{}")
+        (trial := sorted(out.glob("trials/*/*.json"))[0]).with_name("odd.json").write_text("{}")
         if number % 3 == 0:
             note = write(out / "failed" / "5.2" / f"{'a' * 32}.json", b'{"setting": "robot first", "seed": 1}')
             path = note
         else:
-            path = cell
+            path = trial
         what, made = damaged(path.read_bytes(), chance)
         if number % 4 == 3:
             path.unlink()
@@ -31,4 +31,4 @@ def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iter
         else:
             path.write_bytes(made)
         command = (("experiment", "list", "--out", str(out)), ("experiment", "report", str(out)))[number % 2]
-        yield Input("stored cells", f"{command[1]}: {path.parent.parent.name} {what}", command)
+        yield Input("stored trials", f"{command[1]}: {path.parent.parent.name} {what}", command)
