@@ -16,7 +16,7 @@ BLOCK = 8  # pixels; section 6.4.1 names block matching without a size
 
 
 @njit(cache=True)
-def _difference(now, before, y, x, dy, dx):
+def _difference(now: np.ndarray, before: np.ndarray, y: int, x: int, dy: int, dx: int) -> int:
     """Sum of squared differences between the block at (x, y) now and the one at (x - dx, y - dy) before."""
     total = np.int32(0)
     row_now, row_before = uintp(y), uintp(y - dy)
@@ -25,16 +25,17 @@ def _difference(now, before, y, x, dy, dx):
         for j in range(uintp(BLOCK)):
             off = np.int32(now[row_now + i, column_now + j]) - np.int32(before[row_before + i, column_before + j])
             total += off * off
-    return total
+    return int(total)
 
 
 @njit(cache=True)
-def _inside(y, x, part):
-    return part[1] <= y <= part[3] - BLOCK and part[0] <= x <= part[2] - BLOCK
+def _inside(y: int, x: int, part: np.ndarray) -> bool:
+    inside: bool = part[1] <= y <= part[3] - BLOCK and part[0] <= x <= part[2] - BLOCK
+    return inside
 
 
 @njit(cache=True)
-def _fraction(before, here, after, floor):
+def _fraction(before: float, here: float, after: float, floor: float) -> float:
     """Vertex of the parabola through three sums, -.5 to .5; NaN if it is flatter than ``floor``."""
     curve = before - 2 * here + after
     if curve < floor:
@@ -43,7 +44,10 @@ def _fraction(before, here, after, floor):
 
 
 @njit(cache=True)
-def _block_flow(now, before, part, y, x, start_y, start_x, reach, floor, out):
+def _block_flow(
+    now: np.ndarray, before: np.ndarray, part: np.ndarray, y: int, x: int, start_y: int, start_x: int, reach: int,
+    floor: float, out: np.ndarray,
+) -> bool:  # fmt: skip
     """Write the displacement (x, y) of one block to ``out``, by descent from a start. False if it has no texture."""
     if not _inside(y - start_y, x - start_x, part):
         start_y, start_x = 0, 0
@@ -83,8 +87,10 @@ def _block_flow(now, before, part, y, x, start_y, start_x, reach, floor, out):
 
 @njit(cache=True)
 def region_flow(
-    now, before, part, box, step, margin, start_y, start_x, reach, floor, owner, count, blocks, flow, owners
-):
+    now: np.ndarray, before: np.ndarray, part: np.ndarray, box: np.ndarray, step: int, margin: int, start_y: int,
+    start_x: int, reach: int, floor: float, owner: int, count: int, blocks: np.ndarray, flow: np.ndarray,
+    owners: np.ndarray,
+) -> int:  # fmt: skip
     """Append the flow of the textured blocks of one region to the arrays.
 
     Args:

@@ -52,7 +52,7 @@ def _check_fill(image: Any, gray: Any, x0: Any, y0: Any, x1: Any, y1: Any) -> No
 
 @checked_by(_check_fill)
 @njit(cache=True)
-def fill_gray(image, gray, x0, y0, x1, y1):
+def fill_gray(image: np.ndarray, gray: np.ndarray, x0: int, y0: int, x1: int, y1: int) -> None:
     """Work out part of a grey image, as OpenCV does to the bit.
 
     Args:

@@ -87,7 +87,9 @@ class Motion:
 
 
 @njit(cache=True)
-def _changed(mask, corner, before, corner_before, shift_x, shift_y):
+def _changed(
+    mask: np.ndarray, corner: np.ndarray, before: np.ndarray, corner_before: np.ndarray, shift_x: int, shift_y: int
+) -> tuple[int, int]:
     """Numbers of pixels gained and lost from the old mask, moved by a shift, to the new one."""
     side = mask.shape[0]
     right, down = corner[0] - corner_before[0] - shift_x, corner[1] - corner_before[1] - shift_y
@@ -103,7 +105,10 @@ def _changed(mask, corner, before, corner_before, shift_x, shift_y):
 
 
 @njit(cache=True)
-def _moved_as_one(mask, corner, box, before, corner_before, box_before, shift_x, shift_y, refit_ratio):
+def _moved_as_one(
+    mask: np.ndarray, corner: np.ndarray, box: np.ndarray, before: np.ndarray, corner_before: np.ndarray,
+    box_before: np.ndarray, shift_x: float, shift_y: float, refit_ratio: float,
+) -> bool:  # fmt: skip
     """Whether an object's pixels changed because it moved, and not because something passed before it.
 
     A small move gains pixels on one side and loses some on the other; or, for a box seen straight on, gains or loses
@@ -116,13 +121,13 @@ def _moved_as_one(mask, corner, box, before, corner_before, box_before, shift_x,
         rows = abs(wide * high - wide_before * high_before)
         one_row = max(abs(wide - wide_before), abs(high - high_before)) == 1
         return min(gained, lost) >= 1 or (one_row and abs(max(gained, lost) - rows) <= 0.1 * rows)
-    x, y = np.int64(np.rint(shift_x)), np.int64(np.rint(shift_y))
+    x, y = int(np.rint(shift_x)), int(np.rint(shift_y))
     gained_still, lost_still = _changed(mask, corner, before, corner_before, x, y)
     return gained_still + lost_still <= refit_ratio * (gained + lost)
 
 
 @njit(cache=True)
-def _mean_length(flow, start, count):
+def _mean_length(flow: np.ndarray, start: int, count: int) -> float:
     """Length of the mean of the flow vectors from ``start`` to ``count``; 0 without any."""
     x, y = 0.0, 0.0
     for i in range(start, count):
@@ -132,7 +137,7 @@ def _mean_length(flow, start, count):
 
 
 @njit(cache=True)
-def _common(corner, other, side, shape, part):
+def _common(corner: np.ndarray, other: np.ndarray, side: int, shape: tuple[int, ...], part: np.ndarray) -> None:
     """Write the part that two windows of ``side`` pixels have in common within the image."""
     for axis in range(2):
         part[axis] = max(corner[axis], other[axis], 0)
@@ -140,7 +145,7 @@ def _common(corner, other, side, shape, part):
 
 
 @njit(cache=True)
-def _equal(now, before, part):
+def _equal(now: np.ndarray, before: np.ndarray, part: np.ndarray) -> bool:
     """Whether a part is the same in two images."""
     for y in range(part[1], part[3]):
         for x in range(part[0], part[2]):
@@ -151,10 +156,12 @@ def _equal(now, before, part):
 
 @njit(cache=True)
 def _measure(
-    now, before, face_box, face_part, visible, px, box, mask, corner,
-    visible_before, px_before, box_before, mask_before, corner_before,
-    inset, step, margin, reach, floor, least, refit_ratio, blocks, flow, owners, strength,
-):  # fmt: skip
+    now: np.ndarray, before: np.ndarray, face_box: Box, face_part: Box, visible: np.ndarray, px: np.ndarray,
+    box: np.ndarray, mask: np.ndarray, corner: np.ndarray, visible_before: np.ndarray, px_before: np.ndarray,
+    box_before: np.ndarray, mask_before: np.ndarray, corner_before: np.ndarray, inset: int, step: int, margin: int,
+    reach: int, floor: float, least: float, refit_ratio: float, blocks: np.ndarray, flow: np.ndarray,
+    owners: np.ndarray, strength: np.ndarray,
+) -> int:  # fmt: skip
     """Work out the flow of the face and of objects that may have moved, and each one's strength of motion, pixels.
 
     An object whose centroid moved less than ``least`` has no flow, nor has a face without any changed grey value.
@@ -169,7 +176,7 @@ def _measure(
             if np.hypot(x, y) > least and _moved_as_one(
                 mask[k], corner[k], box[k], mask_before[k], corner_before[k], box_before[k], x, y, refit_ratio
             ):
-                start, start_x, start_y = count, np.int64(np.rint(x)), np.int64(np.rint(y))
+                start, start_x, start_y = count, int(np.rint(x)), int(np.rint(y))
                 _common(corner[k], corner_before[k], mask.shape[1], now.shape, part)
                 count = region_flow(
                     now, before, part, box[k], step, margin, start_y, start_x, reach, floor, k,
@@ -188,7 +195,10 @@ def _measure(
 
 
 @njit(cache=True)
-def _raise_flags(strength, flow, scale, face_px, object_px, stay_ratio, linger, on, left):
+def _raise_flags(
+    strength: np.ndarray, flow: np.ndarray, scale: float, face_px: float, object_px: float, stay_ratio: float,
+    linger: int, on: np.ndarray, left: np.ndarray,
+) -> None:  # fmt: skip
     """Apply thresholds with hysteresis, |f_i| > epsilon_i (eq. 6.3), after scaling up strength and flow."""
     strength *= scale
     flow *= scale

@@ -140,16 +140,18 @@ def colour_table(rgb: np.ndarray, config: ColourConfig) -> np.ndarray:
 
 
 @njit(cache=True)
-def _label(channels, table, at):
+def _label(channels: np.ndarray, table: np.ndarray, at: np.uintp) -> int:
     """Label of the pixel whose red is ``channels[at]``. Unsigned throughout: no wrap-around checks, half the time."""
     red, green, blue = uintp(channels[at]), uintp(channels[at + uintp(1)]), uintp(channels[at + uintp(2)])
-    return table[red >> uintp(2) << uintp(12) | green >> uintp(2) << uintp(6) | blue >> uintp(2)]
+    label: int = table[red >> uintp(2) << uintp(12) | green >> uintp(2) << uintp(6) | blue >> uintp(2)]
+    return label
 
 
 @njit(cache=True)
-def _read_coarsely(image, table, hits):
+def _read_coarsely(image: np.ndarray, table: np.ndarray, hits: np.ndarray) -> int:
     """First pass: write (label - 1, x, y) of the pixels read that have a label. Returns their number."""
-    height, width = image.shape[0], image.shape[1]
+    height: int = image.shape[0]
+    width: int = image.shape[1]
     channels, count = image.ravel(), 0
     for y in range(0, height, STRIDE):
         start = uintp(3 * y * width)
@@ -162,7 +164,7 @@ def _read_coarsely(image, table, hits):
 
 
 @njit(cache=True)
-def _find_clusters(hits, votes, clusters):
+def _find_clusters(hits: np.ndarray, votes: np.ndarray, clusters: np.ndarray) -> None:
     """Write each label's fullest 2x2 cells to clusters (n, 3): hits, mean x, y. ``votes`` is working space."""
     votes[:] = 0
     for label, x, y in hits:
@@ -186,7 +188,7 @@ def _find_clusters(hits, votes, clusters):
 
 
 @njit(cache=True)
-def _surround(hits, k, cx, cy, reach, out):
+def _surround(hits: np.ndarray, k: int, cx: int, cy: int, reach: int, out: np.ndarray) -> None:
     """Write the box x0, y0, x1, y1 (the last two exclusive) of a label's hits within ``reach``, plus a stride."""
     out[0], out[1], out[2], out[3] = cx, cy, cx + 1, cy + 1
     for label, x, y in hits:
@@ -198,7 +200,11 @@ def _surround(hits, k, cx, cy, reach, out):
 
 
 @njit(cache=True)
-def _find(image, table, hits, votes, clusters, reach, min_area, gray, visible, area, px, box, mask, corner):
+def _find(
+    image: np.ndarray, table: np.ndarray, hits: np.ndarray, votes: np.ndarray, clusters: np.ndarray, reach: int,
+    min_area: int, gray: np.ndarray, visible: np.ndarray, area: np.ndarray, px: np.ndarray, box: np.ndarray,
+    mask: np.ndarray, corner: np.ndarray,
+) -> None:  # fmt: skip
     """Both passes: write area, centroid, box and mask of each label around its cluster, and ``gray`` there."""
     height, width = image.shape[0], image.shape[1]
     hits = hits[: _read_coarsely(image, table, hits)]

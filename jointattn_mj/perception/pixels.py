@@ -29,7 +29,9 @@ _direction_of = njit(cache=True)(camera.direction_of)
 
 
 @njit(cache=True)
-def _expect(direction, head, image, gray, reach):
+def _expect(
+    direction: np.ndarray, head: np.ndarray, image: np.ndarray, gray: np.ndarray, reach: int
+) -> tuple[float, float]:
     """Pixel x, y of a remembered direction (2,), degrees, for a head at (2,), rad; fills ``gray`` around it."""
     x, y = _pixel_of(direction, np.degrees(head))
     column, row = round(x), round(y)
@@ -38,13 +40,16 @@ def _expect(direction, head, image, gray, reach):
 
 
 @njit(cache=True)
-def _remember(direction, x, y, head, rate):
+def _remember(direction: np.ndarray, x: float, y: float, head: np.ndarray, rate: float) -> None:
     """Move a remembered direction (2,), degrees, by ``rate`` towards that of pixel (x, y), for a head at (2,), rad."""
     direction += rate * (_direction_of(np.array([x, y]), np.degrees(head)) - direction)
 
 
 @njit(cache=True)
-def _gather(visible, px, moves, areas_visible, areas_px, objects_move, face_found, x, y, face_moves):
+def _gather(
+    visible: np.ndarray, px: np.ndarray, moves: np.ndarray, areas_visible: np.ndarray, areas_px: np.ndarray,
+    objects_move: np.ndarray, face_found: bool, x: float, y: float, face_moves: bool,
+) -> None:  # fmt: skip
     """Write the percept of the objects and, last, of the face."""
     n = len(areas_visible)
     visible[:n], px[:n], moves[:n] = areas_visible, areas_px, objects_move

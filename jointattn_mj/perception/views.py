@@ -22,7 +22,10 @@ NEAR = 0.05  # a view that scores this much less than the best at a position may
 
 
 @njit(cache=True, fastmath=True)
-def _read_window(gray, left, top, columns, rows, side, least_norm, region, shifted, norm):
+def _read_window(
+    gray: np.ndarray, left: int, top: int, columns: int, rows: int, side: int, least_norm: float, region: np.ndarray,
+    shifted: np.ndarray, norm: np.ndarray,
+) -> None:  # fmt: skip
     """Copy the window's pixels to ``region`` and ``shifted``, and the norm of the pattern at each offset to ``norm``.
 
     ``shifted`` has a copy for each column offset, ``side`` wide, in which the pixels under a view are contiguous. A
@@ -60,16 +63,22 @@ def _read_window(gray, left, top, columns, rows, side, least_norm, region, shift
 
 
 @njit(cache=True, fastmath=True)
-def _correlate(shifted, norm, penalty, view, side, row, column):
+def _correlate(
+    shifted: np.ndarray, norm: np.ndarray, penalty: np.ndarray, view: np.ndarray, side: int, row: int, column: int
+) -> np.float32:
     """Normalised cross-correlation of ``view`` (zero mean, unit norm) with the region at one offset, less penalty."""
     pixels, start, dot = shifted[column], uintp(row * side), np.float32(0)
     for k in range(uintp(view.size)):  # unsigned: no wrap-around checks
         dot += view[k] * pixels[start + k]
-    return dot / norm[row, column] - penalty[row, column]
+    score: np.float32 = dot / norm[row, column] - penalty[row, column]
+    return score
 
 
 @njit(cache=True, fastmath=True)
-def _climb(shifted, norm, penalty, view, side, rows, columns, best, row, column):
+def _climb(
+    shifted: np.ndarray, norm: np.ndarray, penalty: np.ndarray, view: np.ndarray, side: int, rows: int, columns: int,
+    best: np.float32, row: int, column: int,
+) -> tuple[np.float32, int, int]:  # fmt: skip
     """The nearest peak of the correlation: best score, row, column."""
     climbing = True
     while climbing:
@@ -85,7 +94,16 @@ def _climb(shifted, norm, penalty, view, side, rows, columns, best, row, column)
 
 
 @njit(cache=True, fastmath=True)
-def _scan(shifted, norm, penalty, view, side, rows, columns, step):
+def _scan(
+    shifted: np.ndarray,
+    norm: np.ndarray,
+    penalty: np.ndarray,
+    view: np.ndarray,
+    side: int,
+    rows: int,
+    columns: int,
+    step: int,
+) -> tuple[np.float32, int, int]:
     """Best score, row, column among every ``step``-th offset, the middle one included."""
     best, row, column = np.float32(-2), 0, 0
     for i in range((rows // 2) % step, rows, step):
@@ -97,7 +115,7 @@ def _scan(shifted, norm, penalty, view, side, rows, columns, step):
 
 
 @njit(cache=True, fastmath=True)
-def _vertex(before, here, after):
+def _vertex(before: np.float32, here: np.float32, after: np.float32) -> np.float32:
     """Position of a parabola's peak, -.5 to .5, through three neighbouring values, the highest of which is ``here``."""
     curve = before - 2 * here + after
     return np.float32(0.5) * (before - after) / curve if curve < 0 else np.float32(0)
@@ -105,9 +123,10 @@ def _vertex(before, here, after):
 
 @njit(cache=True, fastmath=True)
 def _match(
-    gray, views, n, last, side, x, y, radius, distance_penalty, search_all_below, least_norm,
-    region, shifted, norm, penalty, out,
-):  # fmt: skip
+    gray: np.ndarray, views: np.ndarray, n: int, last: int, side: int, x: float, y: float, radius: int,
+    distance_penalty: float, search_all_below: float, least_norm: float, region: np.ndarray, shifted: np.ndarray,
+    norm: np.ndarray, penalty: np.ndarray, out: np.ndarray,
+) -> int:  # fmt: skip
     """The view that fits best with its centre within ``radius`` of (x, y); -1 where that lies outside the image.
 
     The view that fitted last climbs from the position next to (x, y). The others are tried where it arrives, and those

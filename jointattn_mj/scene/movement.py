@@ -58,7 +58,7 @@ def _check_rotation(rotation: Any) -> None:
 
 @checked_by(_check_rotation)
 @njit(cache=True)
-def rotation_to_zyx(rotation):
+def rotation_to_zyx(rotation: np.ndarray) -> np.ndarray:
     """Angles (3,), rad, of three hinges about z, then y, then x that make up ``rotation`` (3, 3)."""
     yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
     pitch = np.arctan2(-rotation[2, 0], np.hypot(rotation[0, 0], rotation[1, 0]))
@@ -66,7 +66,7 @@ def rotation_to_zyx(rotation):
 
 
 @njit(cache=True)
-def _times(a, b):
+def _times(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Product of two matrices (3, 3); numba's own would need scipy."""
     product = np.zeros((3, 3))
     for i in range(3):
@@ -77,7 +77,15 @@ def _times(a, b):
 
 
 @njit(cache=True)
-def _reach(points, swing, shoulder, upper, fore, grasp, hand):
+def _reach(
+    points: np.ndarray,
+    swing: np.ndarray,
+    shoulder: np.ndarray,
+    upper: float,
+    fore: float,
+    grasp: np.ndarray,
+    hand: np.ndarray,
+) -> np.ndarray:
     """``Arm.reach``, point by point. Compiled: in numpy it takes most of the planning, which falls into one frame."""
     joints = np.empty((len(points), 7))
     for t in range(len(points)):
