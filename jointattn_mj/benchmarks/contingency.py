@@ -17,8 +17,8 @@ from itertools import count
 import numpy as np
 
 from jointattn_mj.contingency.measures import transfer_entropy
-from jointattn_mj.contingency.online.counts import add, empty_counts
-from jointattn_mj.contingency.online.detector import DetectorConfig, new_watch, update
+from jointattn_mj.contingency.online.counts import Counts, add, empty_counts
+from jointattn_mj.contingency.online.detector import DetectorConfig, Watch, new_watch, update
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.development.table.presets import PRESETS, Preset
 from jointattn_mj.development.table.run import TableRun
@@ -142,7 +142,7 @@ class _Detecting:
 
 
 @njit(cache=True)
-def _detect(watch, counts, s, a, r):
+def _detect(watch: Watch, counts: Counts, s: np.ndarray, a: np.ndarray, r: np.ndarray) -> None:
     for t in range(len(s) - 1):
         add(counts, s[t], a[t], r[t], r[t + 1], 1, len(counts.contexts))
         update(watch, counts)

@@ -155,20 +155,23 @@ def set_joint_table(counts: Counts, event: int, table: np.ndarray) -> None:
 
 
 @njit(cache=True, forceinline=True)
-def _one_more(count, gains):
+def _one_more(count: float, gains: np.ndarray) -> float:
     """(c+1) ln(c+1) - c ln c of a whole count c; beyond the list by a series that is exact to the last digits."""
     if count < LISTED:
-        return gains[np.uint64(np.int64(count))]  # unsigned: no test for negative ones, 0.1 microseconds a step
-    return np.log(count) + 1.0 + (0.5 - (1.0 / 6.0 - 1.0 / (12.0 * count)) / count) / count
+        gain: float = gains[np.uint64(np.int64(count))]  # unsigned: no test for negative ones, 0.1 microseconds a step
+        return gain
+    series: float = np.log(count) + 1.0 + (0.5 - (1.0 / 6.0 - 1.0 / (12.0 * count)) / count) / count
+    return series
 
 
 @njit(cache=True, forceinline=True)
-def _c_ln_c(count):
-    return count * np.log(count) if count > 0.0 else 0.0
+def _c_ln_c(count: float) -> float:
+    value: float = count * np.log(count) if count > 0.0 else 0.0
+    return value
 
 
 @njit(cache=True, forceinline=True)
-def _change(entries, location, weight, gains):
+def _change(entries: np.ndarray, location: int, weight: float, gains: np.ndarray) -> tuple[float, int]:
     """Add ``weight`` to an entry; returns the change of c ln c and of the number of entries above 0."""
     before = entries[np.uint64(location)]
     after = before + weight
@@ -180,12 +183,15 @@ def _change(entries, location, weight, gains):
 
 
 @njit(cache=True, forceinline=True)
-def _location(context, r, s, a):
+def _location(context: np.record, r: int, s: int, a: int) -> int:
     """Where in ``entries`` the row of (r, v) begins."""
-    return context.offset + r * context.per_result + s * context.per_sensor + a * context.per_action
+    location: int = context.offset + r * context.per_result + s * context.per_sensor + a * context.per_action
+    return location
 
 
-def _check_add(counts, s, a, r, r_next, weight, contexts):
+def _check_add(
+    counts: Counts, s: np.ndarray, a: np.ndarray, r: np.ndarray, r_next: np.ndarray, weight: float, contexts: int
+) -> None:
     if not 0 <= contexts <= len(counts.contexts):
         raise ObservationError(f"there are {len(counts.contexts)} contexts; got {contexts}")
     of = counts.contexts[: int(contexts)]
@@ -219,7 +225,9 @@ def _check_add(counts, s, a, r, r_next, weight, contexts):
 
 @checked_by(_check_add)
 @njit(cache=True, forceinline=True)
-def add(counts, s, a, r, r_next, weight, contexts):
+def add(
+    counts: Counts, s: np.ndarray, a: np.ndarray, r: np.ndarray, r_next: np.ndarray, weight: float, contexts: int
+) -> None:
     """Count a transition.
 
     Args:
@@ -242,14 +250,14 @@ def add(counts, s, a, r, r_next, weight, contexts):
         c.n += weight
 
 
-def _check_divide(counts, weight):
+def _check_divide(counts: Counts, weight: float) -> None:
     if not 0 < weight < np.inf:
         raise ObservationError(f"weight: expected a number above 0; got {weight!r}")
 
 
 @checked_by(_check_divide)
 @njit(cache=True)
-def divide(counts, weight):
+def divide(counts: Counts, weight: float) -> None:
     """Divide all counts by ``weight``; the measures stay, since its logarithms cancel in each difference."""
     for location in range(len(counts.entries)):
         counts.entries[location] /= weight
@@ -258,14 +266,14 @@ def divide(counts, weight):
         counts.contexts[number].n /= weight
 
 
-def _check_event(counts, event, single):
+def _check_event(counts: Counts, event: int, single: int) -> None:
     if not (isinstance(event, (int, np.integer)) and 0 <= event < len(counts.of_event)):
         raise ObservationError(f"events are numbered from 0 to {len(counts.of_event) - 1}; got {event!r}")
 
 
 @checked_by(_check_event)
 @njit(cache=True)
-def local_variance(counts, event, single):
+def local_variance(counts: Counts, event: int, single: int) -> float:
     """Variance of the measure's value from transition to transition, nats squared: n times that of the estimate.
 
     Args:
@@ -297,11 +305,13 @@ def local_variance(counts, event, single):
                     count = counts.entries[_location(own, k, i, j) + 1 + k_next]
                     mean += count * local
                     square += count * local * local
-    return square / own.n - (mean / own.n) ** 2
+    variance: float = square / own.n - (mean / own.n) ** 2
+    return variance
 
 
 @njit(cache=True, forceinline=True)
-def _share(entries, context, r, s, a, r_next):
+def _share(entries: np.ndarray, context: np.record, r: int, s: int, a: int, r_next: int) -> float:
     """p(r' | r, v); 0 where it never occurred."""
     location = _location(context, r, s, a)
-    return entries[location + 1 + r_next] / entries[location] if entries[location] > 0.0 else 0.0
+    share: float = entries[location + 1 + r_next] / entries[location] if entries[location] > 0.0 else 0.0
+    return share

@@ -159,14 +159,15 @@ def grown(watch: Watch, events: int, event: int, anew: bool) -> Watch:
 
 
 @njit(cache=True)
-def _squared_error(counts, event, single):
+def _squared_error(counts: Counts, event: int, single: int) -> float:
     """Squared standard error of the estimate of ``event``, nats squared; 0 without a transition."""
     n = counts.contexts[counts.of_event[event, OWN]].n
-    return local_variance(counts, event, single) / n if n > 0.0 else 0.0
+    square: float = local_variance(counts, event, single) / n if n > 0.0 else 0.0
+    return square
 
 
 @njit(cache=True)
-def _is_confident(watch, counts):
+def _is_confident(watch: Watch, counts: Counts) -> bool:
     """Stop rule confidence: whether the first estimate is precise enough and no other can be much higher."""
     rule, values, first = watch.rule, watch.values, watch.first[0]
     scale = rule.deviations * rule.per_nat
@@ -181,7 +182,7 @@ def _is_confident(watch, counts):
     return True
 
 
-def _check_update(watch, counts):
+def _check_update(watch: Watch, counts: Counts) -> None:
     if not len(watch.values) == len(watch.modelled) == len(counts.of_event):
         raise ObservationError(
             f"a detector of {len(watch.values)} events needs their counts; got those of {len(counts.of_event)}"

@@ -131,11 +131,11 @@ def _fitting(table: ReactiveTable, variables: Variables) -> ReactiveTable:
 
 
 @njit(cache=True, forceinline=True)
-def _offer(maps, m, s, r):
+def _offer(maps: Maps, m: int, s: np.ndarray, r: np.ndarray) -> int:
     """Command of module ``m`` under ``s`` and ``r``, or OFFERS_NOTHING; a switching module offers another's."""
     while True:
         location = maps.offset[m] + r[maps.result[m]] * maps.size[m] + s[maps.sensor[m]]
-        command = maps.command[location]
+        command: int = maps.command[location]
         if maps.uses[m] == NOBODY or command == OFFERS_NOTHING:
             return command
         if command == 0:  # it switches the other module off
@@ -143,7 +143,15 @@ def _offer(maps, m, s, r):
         m = maps.uses[m]
 
 
-def _check_select(maps, s, r, random, strength, a, driver):
+def _check_select(
+    maps: Maps,
+    s: np.ndarray,
+    r: np.ndarray,
+    random: np.random.Generator,
+    strength: np.ndarray,
+    a: np.ndarray,
+    driver: np.ndarray,
+) -> None:
     joints, made = len(maps.commands), maps.made
     require_array("s", s, (-1,), "iu")
     require_array("r", r, (-1,), "iu")
@@ -159,7 +167,15 @@ def _check_select(maps, s, r, random, strength, a, driver):
 
 @checked_by(_check_select)
 @njit(cache=True, forceinline=True)
-def select(maps, s, r, random, strength, a, driver):
+def select(
+    maps: Maps,
+    s: np.ndarray,
+    r: np.ndarray,
+    random: np.random.Generator,
+    strength: np.ndarray,
+    a: np.ndarray,
+    driver: np.ndarray,
+) -> None:
     """Choose a module for each joint, and the command that it offers.
 
     Args:
