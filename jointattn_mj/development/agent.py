@@ -111,14 +111,14 @@ FADED = 1e9
 
 
 @njit(cache=True, forceinline=True)
-def _copy(values, to):
+def _copy(values: np.ndarray, to: np.ndarray) -> None:
     """Copy into the first elements of ``to``."""
     for i in range(len(values)):
         to[i] = values[i]
 
 
 @njit(cache=True)
-def _remember_for_a_while(state, r_next):
+def _remember_for_a_while(state: AgentState, r_next: np.ndarray) -> None:
     """Count the last transition, and let older ones fade or take the oldest out."""
     counts, past = state.counts, state.past
     contexts = len(counts.contexts)
@@ -141,7 +141,7 @@ def _remember_for_a_while(state, r_next):
 
 
 @njit(cache=True, forceinline=True)
-def think(state, s, r):
+def think(state: AgentState, s: np.ndarray, r: np.ndarray) -> int:
     """A step: count the last transition, look for a contingent event, then choose ``state.a``.
 
     Args:

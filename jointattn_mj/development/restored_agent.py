@@ -4,14 +4,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from jointattn_mj.contingency.online.counts import add
+from jointattn_mj.contingency.online.counts import Counts, add
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.guards.restored import check_alike, check_array
 from jointattn_mj.io.compiled import njit
 
 if TYPE_CHECKING:
-    from jointattn_mj.development.agent import AgentState
+    from jointattn_mj.development.agent import AgentState, RecentSteps
 
 LAYOUT = ("sensor", "action", "result", "per_sensor", "per_action", "per_result", "width", "offset")
 """Fields of ``counts.CONTEXT`` that say where counts lie."""
@@ -78,7 +78,7 @@ def check_agent(state: "AgentState", model: "AgentState", variables: Variables) 
 
 
 @njit(cache=True)
-def _remember(counts, past):
+def _remember(counts: Counts, past: "RecentSteps") -> None:
     """Count all transitions of a ring buffer."""
     for location in range(len(past.contexts)):
         if past.contexts[location] > 0:

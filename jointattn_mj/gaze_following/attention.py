@@ -63,8 +63,10 @@ def motion_saliency(motion: float, gain: float, delay: float, width: float) -> f
 
 @njit(cache=True)
 def _advance(
-    saliency, motion, interest, attended, moves, preference, decay, growth, toward_preference, gain, delay, width
-):
+    saliency: np.ndarray, motion: np.ndarray, interest: np.ndarray, attended: int, moves: np.ndarray,
+    preference: np.ndarray, decay: np.ndarray, growth: np.ndarray, toward_preference: bool, gain: float, delay: float,
+    width: float,
+) -> None:  # fmt: skip
     if moves.size != saliency.size:
         raise ValueError("attention needs to know of each candidate whether it moves")
     for i in range(saliency.size):

@@ -32,7 +32,16 @@ _BOOL = ("head_moves", "rendered", "perceived", "landed", "visible", "moves", "r
 
 
 @njit(cache=True)
-def _write(row, numbers, head, face, objects, saliency, motion, interest):
+def _write(
+    row: np.ndarray,
+    numbers: tuple[int, ...],
+    head: np.ndarray,
+    face: np.ndarray,
+    objects: np.ndarray,
+    saliency: np.ndarray,
+    motion: np.ndarray,
+    interest: np.ndarray,
+) -> None:
     """Write the columns up to interest, in their order; -1 stands for None. Compiled, for it runs in every frame."""
     for column, number in enumerate(numbers):
         row[column] = number if number >= 0 else np.nan
@@ -53,7 +62,7 @@ def _write(row, numbers, head, face, objects, saliency, motion, interest):
 
 
 @njit(cache=True)
-def _write_percept(row, visible, moves, px):
+def _write_percept(row: np.ndarray, visible: np.ndarray, moves: np.ndarray, px: np.ndarray) -> None:
     """Write the columns of the percept, the last of a row."""
     n = len(visible)
     if 4 * n > len(row) or n > len(moves) or n > len(px):

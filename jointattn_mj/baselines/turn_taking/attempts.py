@@ -113,7 +113,11 @@ def run_attempts(
 
 
 @njit
-def _run_attempts(network, options, gate, directions, face_index, patterns, start, noise, miss, learning, rng, results):
+def _run_attempts(
+    network: Network, options: Options, gate: np.ndarray, directions: np.ndarray, face_index: np.ndarray,
+    patterns: np.ndarray, start: np.ndarray, noise: float, miss: float, learning: bool, rng: np.random.Generator,
+    results: np.ndarray,
+) -> None:  # fmt: skip
     tables, objects = face_index.shape
     for k in range(len(gate)):
         table, target = int(rng.random() * tables), int(rng.random() * objects)
@@ -177,7 +181,9 @@ def _attempt(
 
 
 @njit
-def _look(directions, head, noise, miss, rng):
+def _look(
+    directions: np.ndarray, head: np.ndarray, noise: float, miss: float, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Visible objects (n,), their directions (n, 2), deg, and distances from the centre of view (n,), deg or inf."""
     count = len(directions)
     visible, locations, off = np.zeros(count, np.bool_), np.zeros((count, 2)), np.full(count, np.inf)

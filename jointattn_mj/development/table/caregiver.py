@@ -64,7 +64,7 @@ def rules(config: TableCaregiverConfig) -> Rules:
 
 
 @njit(cache=True, forceinline=True)
-def _count(spots):
+def _count(spots: np.ndarray) -> int:
     count = 0
     for spot in range(len(spots)):
         count += spots[spot]
@@ -72,7 +72,7 @@ def _count(spots):
 
 
 @njit(cache=True, forceinline=True)
-def _some(allowed, random):
+def _some(allowed: np.ndarray, random: np.random.Generator) -> int:
     """A random one of the allowed spots, or NOWHERE."""
     count = _count(allowed)
     if count == 0:
@@ -85,7 +85,15 @@ def _some(allowed, random):
     return NOWHERE
 
 
-def _check_shift(rules, full, robot, gaze, returns_to, random, allowed):
+def _check_shift(
+    rules: Rules,
+    full: np.ndarray,
+    robot: int,
+    gaze: int,
+    returns_to: int,
+    random: np.random.Generator,
+    allowed: np.ndarray,
+) -> None:
     require_array("whether an object lies on a spot", full, (-1,), "b")
     require_array("working space", allowed, full.shape, "b")
     looks = np.array([robot, gaze, returns_to])
@@ -100,7 +108,15 @@ def _check_shift(rules, full, robot, gaze, returns_to, random, allowed):
 
 @checked_by(_check_shift)
 @njit(cache=True, forceinline=True)
-def shift_gaze(rules, full, robot, gaze, returns_to, random, allowed):
+def shift_gaze(
+    rules: Rules,
+    full: np.ndarray,
+    robot: int,
+    gaze: int,
+    returns_to: int,
+    random: np.random.Generator,
+    allowed: np.ndarray,
+) -> tuple[int, int, int]:
     """The caregiver's next gaze shift.
 
     Gaze targets are spots, 0 to N - 1, and N for the other's face.

@@ -8,12 +8,13 @@ import numpy as np
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.contingency.online.reactive import ReactiveModule
-from jointattn_mj.development.agent import Developer, DeveloperConfig
+from jointattn_mj.development.agent import AgentState, Developer, DeveloperConfig
 from jointattn_mj.development.loop import DevelopmentRun, think_and_note
 from jointattn_mj.development.meaning import FACE
 from jointattn_mj.development.table.world import (
     CAREGIVER,
     OPTION,
+    Table,
     TableConfig,
     check_table,
     new_table,
@@ -86,7 +87,10 @@ class TableRun(DevelopmentRun):
 
 
 @njit(cache=True)
-def _advance(table, agent, first, last, s, r, log, samples, every):
+def _advance(
+    table: Table, agent: AgentState, first: int, last: int, s: np.ndarray, r: np.ndarray, log: np.ndarray,
+    samples: np.ndarray, every: int,
+) -> tuple[int, int]:  # fmt: skip
     """See ``DevelopmentRun._advance``; 2 microseconds a step, where a call from Python for each would take 70."""
     for t in range(first, last):
         step(table, agent.a, s, r)

@@ -1,7 +1,7 @@
 """The table without images: spots, objects on some of them, caregiver and robot (sections 4.3.1 and 5.3.1)."""
 
 from dataclasses import dataclass, field
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -160,14 +160,14 @@ def check_table(table: Table, config: TableConfig) -> None:
 
 
 @njit(cache=True, forceinline=True)
-def _shuffle_first(items, count, random):
+def _shuffle_first(items: np.ndarray, count: int, random: np.random.Generator) -> None:
     for i in range(count):
         other = i + int(random.random() * (len(items) - i))
         items[i], items[other] = items[other], items[i]
 
 
 @njit(cache=True, forceinline=True)
-def place_objects(table):
+def place_objects(table: Table) -> None:
     """Put the objects on random spots."""
     objects, kinds = table.layout[OBJECTS], table.layout[KINDS]
     _shuffle_first(table.order, objects, table.world_random)
@@ -181,7 +181,7 @@ def place_objects(table):
 
 
 @njit(cache=True, forceinline=True)
-def _write_results(table, r):
+def _write_results(table: Table, r: np.ndarray) -> None:
     state, face = table.state, len(table.full)
     at_face = state[ROBOT] == face
     frontal = at_face and state[CAREGIVER] == face
@@ -191,7 +191,7 @@ def _write_results(table, r):
     r[len(r) - 1] = not at_face and table.full[state[ROBOT]]
 
 
-def _check_step(table, a, s, r):
+def _check_step(table: Any, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
     if not isinstance(table, Table):
         raise ObservationError(f"expected a Table, as new_table makes it; got {type(table).__name__}")
     require_array("where the robot looks, and its gesture", a, (2,), "iu")
@@ -202,7 +202,7 @@ def _check_step(table, a, s, r):
 
 @checked_by(_check_step)
 @njit(cache=True, forceinline=True)
-def step(table, a, s, r):
+def step(table: Table, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
     """Let the robot act and the caregiver answer, in the configured order.
 
     Args:
