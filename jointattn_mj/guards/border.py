@@ -4,11 +4,13 @@ A function behind it is called from compiled code as it is, at no cost.
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
 from jointattn_mj.errors import ObservationError
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 
 class Border:
@@ -28,9 +30,13 @@ class Border:
         return self._compiled(*arguments)
 
 
-def checked_by(check: Callable[..., None]) -> Callable[[Any], Border]:
+def checked_by(check: Callable[..., None]) -> Callable[[F], F]:
     """Decorate a compiled function whose arguments ``check`` takes too, and refuses by an ``ObservationError``."""
-    return lambda compiled: Border(compiled, check)
+
+    def border(compiled: F) -> F:
+        return cast(F, Border(compiled, check))
+
+    return border
 
 
 def require_array(
