@@ -31,7 +31,7 @@ class PerceptionResult:
         >>> perceive("out/clip.mp4", out="out/perceived", overlay=False)
         PerceptionResult(2.0 s of clip.mp4, face in 100%, 1 fixation, in out/perceived)
         >>> result = PerceptionResult.open("out/perceived")
-        >>> [frame.fixation for frame in result][-1]
+        >>> list(result)[-1].fixation
         'face'
     """
 
