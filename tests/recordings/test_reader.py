@@ -8,6 +8,7 @@ from pyarrow import csv, parquet
 import jointattn_mj.contingency as c
 from jointattn_mj import read_recordings
 from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.options import RenamedWarning
 
 
 @pytest.fixture
