@@ -40,7 +40,7 @@ class Doors:
 
 
 class Diary:
-    """What an agent has observed and done, S_Pi and A_Pi included, as if all variables had been there from the start."""
+    """What an agent observed and did, S_Pi and A_Pi included, as if all variables had been there from the start."""
 
     def __init__(self, config, n_steps, world=None, seed=1):
         world = world or Doors(noise=0.2)
