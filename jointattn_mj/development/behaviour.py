@@ -1,7 +1,7 @@
 """Behaviour of a robot at a table: the six behaviours of Fig. 5.5, and how often each occurs.
 
-After looking at the caregiver the robot follows her gaze, does not, or keeps looking at her. After looking at a spot of
-the table it shifts to the caregiver, stays, or shifts to another spot. Each step is exactly one of these.
+After looking at the caregiver the robot follows the gaze, does not, or keeps looking at the face. After looking at a
+spot of the table it shifts to the caregiver, stays, or shifts to another spot. Each step is exactly one of these.
 """
 
 from collections.abc import Sequence

@@ -15,6 +15,7 @@ from jointattn_mj.development.summary import DevelopmentSummary, LearnedModule, 
 from jointattn_mj.errors import OutputError
 from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.files import claimed, write_whole
+from jointattn_mj.io.former_columns import present_name
 from jointattn_mj.io.notices import notice
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import write_config
@@ -26,8 +27,6 @@ STEPS, CONTINGENCY, SUMMARY, CONFIG = "steps.parquet", "contingency.parquet", "s
 FIGURES = "sac.png", "behaviour.png", "maps.png"
 OLD_NAMES = {STEPS: "turns.parquet"}
 """Names of files in the last version."""
-OLD_COLUMNS = {"turn": "step"}
-"""Columns of both tables by their names in the last version."""
 
 
 class DevelopmentResult:
@@ -194,7 +193,7 @@ class _Folder:
     def _table(self, name: str) -> "Table":
         from jointattn_mj.io.table import Table
 
-        return Table.read(self._path(name), OLD_COLUMNS)
+        return Table.read(self._path(name), present_name)
 
     def _path(self, name: str) -> Path:
         path, old = self.folder / name, self.folder / OLD_NAMES.get(name, name)

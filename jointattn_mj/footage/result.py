@@ -10,8 +10,8 @@ from jointattn_mj.footage.colours import object_colours
 from jointattn_mj.footage.config import PerceiveConfig
 from jointattn_mj.footage.frames import PerceivedFrame, frames_of
 from jointattn_mj.footage.run import read_summary
-from jointattn_mj.gaze_following.columns import present_name
 from jointattn_mj.io.configs import read_config
+from jointattn_mj.io.former_columns import present_name
 from jointattn_mj.io.table import Table
 
 
@@ -31,7 +31,7 @@ class PerceptionResult:
         >>> perceive("out/clip.mp4", out="out/perceived", overlay=False)
         PerceptionResult(2.0 s of clip.mp4, face in 100%, 1 fixation, in out/perceived)
         >>> result = PerceptionResult.open("out/perceived")
-        >>> [frame.fixation for frame in result][-1]
+        >>> list(result)[-1].fixation
         'face'
     """
 

@@ -71,16 +71,6 @@ SHIFT = {
 }
 
 
-OLD_COLUMNS = {"looked": "perceived", "seen": "visible"}
-"""Names of columns, or of a candidate's after its own, that earlier versions wrote, and what they are called now."""
-
-
-def present_name(column: str) -> str:
-    """The present name of a column of an earlier version: ``red_visible`` for ``red_seen``."""
-    candidate, joint, name = column.rpartition("_")
-    return candidate + joint + OLD_COLUMNS.get(name, name)
-
-
 def described(table: pa.Table, meanings: Mapping[str, str], candidates: tuple[str, ...] = ()) -> pa.Table:
     """The table with each column's meaning as its field's description.
 

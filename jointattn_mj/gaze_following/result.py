@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from jointattn_mj.gaze_following import figures
-from jointattn_mj.gaze_following.columns import present_name
 from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts
 from jointattn_mj.gaze_following.summary import SessionSummary
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig
 from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.files import claimed
+from jointattn_mj.io.former_columns import present_name
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.table import Table
 from jointattn_mj.io.weights import read_weights, write_weights

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from jointattn_mj.errors import SeriesError
+from jointattn_mj.io.former_columns import present_name
+from jointattn_mj.options import warn_renamed
 from jointattn_mj.recordings.text_files import as_utf8, layout, line_of_header
 
 EVENTS = (
@@ -109,7 +111,7 @@ def _read_parquet(data: bytes, path: Path, wanted: Sequence[str], rows_are_steps
 def _locations(header: Sequence[str], wanted: Sequence[str], path: Path, rows_are_steps: bool) -> list[int]:
     """Where the wanted columns stand; blanks around their names do not count."""
     names = [" ".join(name.split()) for name in header]
-    meant = [" ".join(name.split()) for name in wanted]
+    meant = [_present(" ".join(name.split()), names) for name in wanted]
     for name in meant:
         if names.count(name) == 0:
             close = get_close_matches(name, names, 1)
@@ -125,6 +127,15 @@ def _locations(header: Sequence[str], wanted: Sequence[str], path: Path, rows_ar
             "of one length, say --rows-are-steps"
         )
     return [names.index(name) for name in meant]
+
+
+def _present(name: str, names: Sequence[str]) -> str:
+    """The name of a column as it is in the file, where it was asked for by the name that it had in the last version."""
+    present = present_name(name)
+    if name in names or present not in names:
+        return name
+    warn_renamed(f"column {name!r}", repr(present))
+    return present
 
 
 def _event_columns(names: Sequence[str]) -> tuple[str, str] | None:

@@ -82,13 +82,13 @@ class TestLog:
 
     def test_curves(self, logged):
         path, session, _ = logged
-        interest = np.array(column(path, "mind/interest", "Scalars:scalars"))
+        interest = np.array(column(path, "agent/interest", "Scalars:scalars"))
         assert interest.shape == (FRAMES, len(session.names))
         for number in range(len(session.names)):
             np.testing.assert_allclose(interest[:, number], session.frames.column("interest", number), rtol=1e-5)
         head = np.array(column(path, "head", "Scalars:scalars"))
         np.testing.assert_allclose(head[:, 0], session.frames.column("pan_deg"), atol=1e-4)
-        assert 0.9 < column(path, "mind/decides/learner", "Scalars:scalars")[0][0] < 1
+        assert 0.9 < column(path, "agent/decides/learner", "Scalars:scalars")[0][0] < 1
 
     def test_images(self, logged, tmp_path):
         path = logged[0]
@@ -139,7 +139,7 @@ class TestLog:
         assert ["turns its head"] in robot
         assert all(before != after for before, after in pairwise(robot))
         from_face = [row for row in session.shifts if row.source == "face" and row.map_error_deg is not None]
-        sheets = column(path, "mind/activations", "Tensor:data")
+        sheets = column(path, "agent/activations", "Tensor:data")
         assert len(sheets) >= len(from_face) > 0
 
     def test_layout_is_in_the_file(self, logged):

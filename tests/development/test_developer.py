@@ -1,4 +1,4 @@
-"""The mind of chapter 5 in worlds that it has never heard of: what it remembers, finds and makes of it."""
+"""The agent of chapter 5 in worlds that it has never heard of: what it remembers, finds and makes of it."""
 
 import pickle
 from dataclasses import replace
@@ -40,7 +40,7 @@ class Doors:
 
 
 class Diary:
-    """What a mind has observed and done, S_Pi and A_Pi included, as if all variables had been there from the start."""
+    """What an agent observed and did, S_Pi and A_Pi included, as if all variables had been there from the start."""
 
     def __init__(self, config, n_steps, world=None, seed=1):
         world = world or Doors(noise=0.2)

@@ -1,4 +1,4 @@
-"""A life from images: the mind is that of the symbolic table, and what it senses comes from what its camera shows."""
+"""A run from images: the agent is that of the symbolic table, and its sensors read what its camera shows."""
 
 import pickle
 from dataclasses import replace
@@ -49,7 +49,7 @@ def assert_same(one, other):
 
 
 def test_with_the_truth_it_is_the_life_at_the_symbolic_table():
-    """The mind is the same, and so is the table; only perception lies between them."""
+    """The agent is the same, and so is the table; only perception lies between them."""
     n_steps = 1500
     visible, symbolic = steps_done(TRUE, n_steps), TableRun(TABLE, HASTY, 2, n_steps)
     symbolic.advance(n_steps)

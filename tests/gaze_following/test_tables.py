@@ -11,7 +11,6 @@ import pytest
 
 from jointattn_mj.gaze_following import columns, tables
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeShift, RobotConfig
-from jointattn_mj.gaze_following.columns import CANDIDATE, FRAME, OLD_COLUMNS, present_name
 from jointattn_mj.gaze_following.scoring import Judgement, Moment
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts, shift_row, write_shifts
@@ -214,13 +213,6 @@ def test_rows_are_plain_values():
     assert row() == row()
     assert replace(row(), success=False) != row()
     assert {type(value) for value in vars(row()).values()} <= {float, int, bool, str, type(None)}
-
-
-def test_columns_of_earlier_versions():
-    assert present_name("looked") == "perceived"
-    assert present_name("red_seen") == "red_visible"
-    assert present_name("light_red_x_m") == "light_red_x_m"
-    assert {present_name(old) for old in OLD_COLUMNS} <= {*FRAME, *CANDIDATE}
 
 
 def test_what_a_shift_and_tables_are_fits_a_line(session):

@@ -62,7 +62,7 @@ def codes() -> Iterator[Case]:
 
 
 def agents() -> Iterator[Case]:
-    """Counts, detector, selector and minds, transition by transition."""
+    """Counts, detector, selector and agents, transition by transition."""
     from jointattn_mj.contingency.online.counts import add, divide, empty_counts, local_variance, set_joint_table
     from jointattn_mj.contingency.online.detector import DetectorConfig, new_watch, update
     from jointattn_mj.contingency.online.events import Variable, Variables

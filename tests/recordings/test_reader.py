@@ -8,6 +8,7 @@ from pyarrow import csv, parquet
 import jointattn_mj.contingency as c
 from jointattn_mj import read_recordings
 from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.options import RenamedWarning
 
 
 @pytest.fixture
@@ -297,3 +298,11 @@ def test_a_million_rows(tmp_path):
     assessed = c.assess("transfer_entropy", gaze, found, options=c.TestOptions(200, resamples=0))
     assert assessed.value == pytest.approx(c.transfer_entropy(*(data.columns[name] for name in ("gaze", "found"))))
     assert assessed.null_mean == pytest.approx(4 / (2 * n) / np.log(2), rel=0.3)  # chi squared: df / 2n
+
+
+def test_columns_by_the_names_that_they_had(write):
+    """A column of the package's own tables that has been renamed; somebody's own column of the old name comes first."""
+    path = write("step,red_visible,seen\n1,yes,a\n2,no,b\n3,yes,a\n")
+    with pytest.warns(RenamedWarning, match="'red_seen' is now called 'red_visible'"):
+        data = read_recordings(path, ["red_seen", "seen"])
+    assert data.labels == {"red_seen": ("no", "yes"), "seen": ("a", "b")}

@@ -8,10 +8,10 @@
 | `world/robot_eye/flow` | optical flow of textured blocks, enlarged |
 | `world/robot_eye/goal` | goal of the gaze shift, and the learner's guess |
 | `world/gaze/robot`, `world/gaze/person` | lines of sight of robot and caregiver, green on the same object |
-| `mind/interest` | interest of each candidate (eq. 6.1) |
-| `mind/faces`, `mind/activations` | the map's faces, and its activations when the robot turns away from a face |
-| `mind/decides/learner` | probability that the learner decides (eq. 6.8) |
-| `mind/decides/success` | rate of success (eq. 6.9) |
+| `agent/interest` | interest of each candidate (eq. 6.1) |
+| `agent/faces`, `agent/activations` | the map's faces, and its activations when the robot turns away from a face |
+| `agent/decides/learner` | probability that the learner decides (eq. 6.8) |
+| `agent/decides/success` | rate of success (eq. 6.9) |
 | `head` | pan and tilt of the robot's head, degrees |
 | `doings/robot_looks_at`, `doings/person_looks_at` | what robot and caregiver look at |
 | `doings/person` | what the caregiver does |
@@ -27,8 +27,8 @@ WORLD = "world"
 EYE = f"{WORLD}/robot_eye"
 IMAGE, VISIBLE, FLOW, GOAL = (f"{EYE}/{name}" for name in ("image", "seen", "flow", "goal"))
 ROBOTS_GAZE, PERSONS_GAZE = f"{WORLD}/gaze/robot", f"{WORLD}/gaze/person"
-INTEREST, FACES, ACTIVATIONS = "mind/interest", "mind/faces", "mind/activations"
-DECIDES = "mind/decides"
+INTEREST, FACES, ACTIVATIONS = "agent/interest", "agent/faces", "agent/activations"
+DECIDES = "agent/decides"
 GATE, SUCCESS = f"{DECIDES}/learner", f"{DECIDES}/success"
 HEAD = "head"
 DOINGS = "doings"

@@ -147,7 +147,7 @@ class FreeGazeBody(Body):
         return int(self.stage.table.state[CAREGIVER])
 
     def _explored(self) -> list[np.ndarray]:
-        """Look at the caregiver, and where objects have been seen; returns the patterns (d,) of her faces."""
+        """Look at the caregiver, and where objects have been seen; returns the patterns (d,) of the faces."""
         faces, objects = list[np.ndarray](), list[np.ndarray]()
         for _ in range(self.config.exploration):
             away = objects and self._moves.random() >= self.config.face_share
@@ -168,7 +168,7 @@ class RecallingBody(FreeGazeBody):
     """
 
     pages = 40
-    """Fewest images of the caregiver for each of her gaze targets."""
+    """Fewest images for each of the caregiver's gaze targets."""
 
     def __init__(self, table: TableConfig, config: GrowingConfig, seed: np.random.SeedSequence):
         """See ``FreeGazeBody``; then fill the album."""

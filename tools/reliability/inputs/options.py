@@ -9,7 +9,7 @@ from pathlib import Path
 from tools.reliability.malformed import Input, anything, refused
 from tools.shell import Shell
 
-LINE = re.compile(r"^[\s│|]*(--[a-z][\w.-]*)((?:, --[\w.-]+)*)(?: (\S.*?))?(?:\s{2,}.*)?[\s│|]*$")
+LINE = re.compile(r"^[\s│|]{1,6}(--[a-z][\w.-]*)((?:, --[\w.-]+)*)(?: (\S.*?))?(?:\s{2,}.*)?[\s│|]*$")
 COLUMNS = "90"
 """Wide enough for every option with what it takes, too narrow for two beside each other."""
 NUMBERS = ("nan", "inf", "-inf", "1e308", "-1e308", "9223372036854775808", "1" + "0" * 400)
