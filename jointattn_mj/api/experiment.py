@@ -50,7 +50,7 @@ def run_claim(
         OutputError: The folder cannot be written.
         SweepError: Trials failed, workers cannot be reached, or an analysis failed.
 
-    Example:
+    Examples:
         >>> from jointattn_mj import run_claim
         >>> result = run_claim("5.2", out="out/claims", runs=1, jobs=1)
         >>> result.report.name, sorted(result.figures)

@@ -88,7 +88,7 @@ def perceive(
         CheckpointError: ``resume`` without a fitting checkpoint.
         VideoError: The overlay cannot be written.
 
-    Example:
+    Examples:
         >>> from jointattn_mj import perceive
         >>> frames = perceive("out/clip.mp4")
         >>> next(frames).time_s

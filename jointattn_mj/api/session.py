@@ -46,7 +46,7 @@ class Session(VariedSessionConfig):
     Raises:
         ConfigError: A value that is not allowed; the message says which are.
 
-    Example:
+    Examples:
         >>> from jointattn_mj import Session
         >>> result = Session(minutes=2, perception="state", seed=0).run()
         >>> result.summary.frames
@@ -97,7 +97,7 @@ class Session(VariedSessionConfig):
             ExtraError: ``rerun`` is asked for and not installed.
             NotFiniteError: What is learned or simulated has become NaN.
 
-        Example:
+        Examples:
             >>> from jointattn_mj import Session
             >>> result = Session(minutes=0.5, perception="state").run(out="out/in_a_folder")
             >>> sorted(path.name for path in result.folder.glob("*.parquet"))

@@ -87,7 +87,7 @@ def discover(
         SeriesError: Unknown names, names that play two parts of one event, series that cannot be measured, or bad
             options.
 
-    Example:
+    Examples:
         >>> rng = np.random.default_rng(0)
         >>> face, gaze = rng.integers(0, 3, (2, 400))  # where somebody looks, and where one looks oneself
         >>> found_object = np.append(0, face == gaze)[:-1].astype(int)  # a step later

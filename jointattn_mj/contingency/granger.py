@@ -30,7 +30,7 @@ def linear_granger(source: Series, target: Series, condition: Series | None = No
     Raises:
         SeriesError: Series that cannot be measured, or variables of more than ``MOST_VALUES`` values together.
 
-    Example:
+    Examples:
         >>> linear_granger([0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0])
         inf
     """

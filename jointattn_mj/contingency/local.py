@@ -97,7 +97,7 @@ def local_contingency(
     Raises:
         SeriesError: Series that cannot be measured, or a measure without an action.
 
-    Example:
+    Examples:
         >>> s, a, r = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0], [0, 0, 1, 0, 1, 1, 1, 0]
         >>> first = local_contingency(s, a, r)[0]
         >>> first.sensor, first.action, first.result, first.count

@@ -53,7 +53,7 @@ def transfer_entropy(
     Raises:
         SeriesError: The series cannot be measured, or an option is none of its choices.
 
-    Example:
+    Examples:
         >>> source = [0, 1, 1, 0, 1, 0, 0, 1]
         >>> target = [0, 0, 1, 1, 0, 1, 0, 0]  # what the source was a step before
         >>> round(transfer_entropy(source, target), 3)
@@ -94,7 +94,7 @@ def combined_transfer_entropy(
     Raises:
         SeriesError: The series cannot be measured, or an option is none of its choices.
 
-    Example:
+    Examples:
         >>> s, a = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0]
         >>> r = [0, 0, 1, 0, 1, 1, 1, 0]  # whether s and a differed a step before
         >>> round(combined_transfer_entropy(s, a, r), 3)
@@ -134,7 +134,7 @@ def state_action_contingency(
     Raises:
         SeriesError: The series cannot be measured, or an option is none of its choices.
 
-    Example:
+    Examples:
         >>> s, a = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0]
         >>> r = [0, 0, 1, 0, 1, 1, 1, 0]  # whether s and a differed a step before
         >>> round(state_action_contingency(s, a, r), 3)
@@ -170,7 +170,7 @@ def mutual_information(
     Raises:
         SeriesError: The series cannot be measured, or an option is none of its choices.
 
-    Example:
+    Examples:
         >>> round(mutual_information([0, 1, 0, 1, 0], [1, 0, 1, 0, 1]), 3)
         1.0
     """
@@ -206,7 +206,7 @@ def conditional_mutual_information(
     Raises:
         SeriesError: The series cannot be measured, or an option is none of its choices.
 
-    Example:
+    Examples:
         >>> round(conditional_mutual_information([0, 1, 0, 1, 0], [1, 0, 1, 0, 1], [0, 0, 0, 0, 0]), 3)
         1.0
     """
@@ -232,7 +232,7 @@ def pointwise_transfer_entropy(
     Raises:
         SeriesError: The series cannot be measured.
 
-    Example:
+    Examples:
         >>> local = pointwise_transfer_entropy([0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0])
         >>> local.shape, float(local.mean().round(3))
         ((7,), 0.965)
@@ -258,7 +258,7 @@ def pointwise_combined_transfer_entropy(
     Raises:
         SeriesError: The series cannot be measured.
 
-    Example:
+    Examples:
         >>> s, a, r = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0], [0, 0, 1, 0, 1, 1, 1, 0]
         >>> float(pointwise_combined_transfer_entropy(s, a, r).mean().round(3))
         0.857
@@ -283,7 +283,7 @@ def pointwise_state_action_contingency(
     Raises:
         SeriesError: The series cannot be measured.
 
-    Example:
+    Examples:
         >>> s, a, r = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0], [0, 0, 1, 0, 1, 1, 1, 0]
         >>> float(pointwise_state_action_contingency(s, a, r).mean().round(3))
         0.749
@@ -305,7 +305,7 @@ def pointwise_mutual_information(s: Series, r: Series, base: float = 2) -> np.nd
     Raises:
         SeriesError: The series cannot be measured.
 
-    Example:
+    Examples:
         >>> pointwise_mutual_information([0, 1, 0, 1, 0], [1, 0, 1, 0, 1]).round(3).tolist()
         [1.0, 1.0, 1.0, 1.0]
     """
@@ -329,7 +329,7 @@ def pointwise_conditional_mutual_information(
     Raises:
         SeriesError: The series cannot be measured.
 
-    Example:
+    Examples:
         >>> pointwise_conditional_mutual_information([0, 1, 0, 1], [1, 0, 1, 0], [0, 0, 0, 0]).shape
         (3,)
     """
@@ -356,7 +356,7 @@ def contingent_saliency(s: Series, a: Series, r: Series, base: float = 2) -> np.
         SeriesError: The series cannot be measured, or their codes are so large that the array would be huge: number
             them anew with ``recode`` first.
 
-    Example:
+    Examples:
         >>> s, a, r = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0], [0, 0, 1, 0, 1, 1, 1, 0]
         >>> contingent_saliency(s, a, r).shape
         (2, 2, 2, 2)

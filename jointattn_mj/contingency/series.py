@@ -101,7 +101,7 @@ def joint(*series: Series) -> np.ndarray | list[np.ndarray]:
     Raises:
         SeriesError: Series that cannot be measured, different lengths, or no series at all.
 
-    Example:
+    Examples:
         >>> joint([0, 0, 1, 1], [0, 5, 0, 5]).tolist()
         [0, 1, 2, 3]
     """
@@ -125,7 +125,7 @@ def recode(series: Series) -> tuple[np.ndarray | list[np.ndarray], np.ndarray]:
     Raises:
         SeriesError: The series cannot be measured.
 
-    Example:
+    Examples:
         >>> codes, values = recode([7, 3, 7])
         >>> codes.tolist(), values.tolist()
         ([1, 0, 1], [3, 7])

@@ -116,7 +116,7 @@ def assess(
     Raises:
         SeriesError: Series that cannot be measured, an unknown measure, or a condition missing or superfluous.
 
-    Example:
+    Examples:
         >>> rng = np.random.default_rng(0)
         >>> source = rng.integers(0, 2, 200)
         >>> target = np.roll(source, 1)  # what the source was a step before
@@ -191,7 +191,7 @@ def adjust(p: Sequence[float] | np.ndarray, how: Adjust = "holm") -> np.ndarray:
     Raises:
         SeriesError: ``how`` is unknown.
 
-    Example:
+    Examples:
         >>> adjust([0.01, 0.04, 0.03]).tolist()
         [0.03, 0.06, 0.06]
     """
@@ -205,7 +205,7 @@ def adjust(p: Sequence[float] | np.ndarray, how: Adjust = "holm") -> np.ndarray:
 def holm(p: Sequence[float] | np.ndarray) -> np.ndarray:
     """Adjust p-values (k,) by Holm's step-down method, which keeps the chance of any false alarm below alpha.
 
-    Example:
+    Examples:
         >>> holm([0.01, 0.04, 0.03]).tolist()
         [0.03, 0.06, 0.06]
     """
@@ -218,7 +218,7 @@ def holm(p: Sequence[float] | np.ndarray) -> np.ndarray:
 def benjamini_hochberg(p: Sequence[float] | np.ndarray) -> np.ndarray:
     """Adjust p-values (k,) by Benjamini and Hochberg's step-up method, which keeps the rate of false discoveries.
 
-    Example:
+    Examples:
         >>> benjamini_hochberg([0.01, 0.04, 0.03]).round(3).tolist()
         [0.03, 0.04, 0.04]
     """

@@ -39,7 +39,7 @@ class DevelopmentResult:
         summary: Modules, behaviour rates by phase, final ranking of events.
         folder: Where the results lie; None for a result in memory.
 
-    Example:
+    Examples:
         >>> from jointattn_mj import Development, DevelopmentResult
         >>> result = Development("fast", steps=2000, seed=1).run()
         >>> result

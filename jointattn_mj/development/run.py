@@ -42,7 +42,7 @@ class Development:
     Raises:
         ConfigError: No such option, or a value that is not allowed; the message says which are.
 
-    Example:
+    Examples:
         >>> from jointattn_mj import Development
         >>> result = Development("fast", steps=6000, seed=1).run()
         >>> result.modules
@@ -92,7 +92,7 @@ class Development:
             NotFiniteError: Something learned or simulated has become NaN; the last checkpoint stays.
             GLError: Images are needed and cannot be rendered.
 
-        Example:
+        Examples:
             >>> from jointattn_mj import Development
             >>> result = Development("chapter4", steps=500).run(out="out/chapter4")
             >>> sorted(path.name for path in result.folder.glob("*.parquet"))

@@ -26,7 +26,7 @@ class PerceptionResult:
         summary: The viewing in numbers, as in ``summary.json``.
         folder: Where the results lie.
 
-    Example:
+    Examples:
         >>> from jointattn_mj import PerceptionResult, perceive
         >>> perceive("out/clip.mp4", out="out/perceived", overlay=False)
         PerceptionResult(2.0 s of clip.mp4, face in 100%, 1 fixation, in out/perceived)

@@ -32,7 +32,7 @@ class SessionResult:
         summary: The session in numbers.
         folder: Where the results lie; None for a result in memory.
 
-    Example:
+    Examples:
         >>> from jointattn_mj import Session, SessionResult
         >>> result = Session(minutes=0.5, perception="state").run()
         >>> result.save("out/half_a_minute")

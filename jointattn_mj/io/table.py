@@ -28,7 +28,7 @@ class Table:
     Attributes:
         arrow: The same table as ``pyarrow.Table``; its schema says what each column means.
 
-    Example:
+    Examples:
         >>> import pyarrow
         >>> from jointattn_mj.io.table import Table
         >>> table = Table(pyarrow.table({"time_s": [0.0, 0.5], "name": ["red", None]}))

@@ -116,7 +116,7 @@ def read_recordings(
         SeriesError: No such file or column, nothing in it, another encoding, missing values, numbers with fractions,
             a list of events, or no transition.
 
-    Example:
+    Examples:
         >>> from pathlib import Path
         >>> from jointattn_mj import read_recordings
         >>> _ = Path("gaze.csv").write_text("gaze,toy\\nleft,no\\nright,no\\nleft,yes\\n")

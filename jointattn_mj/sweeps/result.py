@@ -34,7 +34,7 @@ class ClaimResult:
         notes: What a reader should know, such as failed trials.
         folder: Where trials, figures and report lie.
 
-    Example:
+    Examples:
         >>> from jointattn_mj import ClaimResult, run_claim
         >>> result = run_claim("5.2", out="out/claims", runs=1)
         >>> ClaimResult.open("out/claims", "5.2") == result

@@ -59,7 +59,7 @@ def load(
         ConfigError: There is no such domain, task or argument, or an argument is of the wrong kind (a ``ValueError``,
             as in dm_control's suite).
 
-    Example:
+    Examples:
         >>> import jointattn_mj
         >>> env = jointattn_mj.load("joint_attention", "follow", task_kwargs={"random": 0, "camera": False})
         >>> timestep = env.reset()

@@ -57,7 +57,7 @@ def test_help_has_its_sections(name):
     """Args, Returns (of what returns), Raises, Example; every argument is named."""
     value = public(name)
     text = inspect.getdoc(value)
-    sections = ["Args:", "Raises:", "Example:", *([] if inspect.isclass(value) else ["Returns:"])]
+    sections = ["Args:", "Raises:", "Examples:", *([] if inspect.isclass(value) else ["Returns:"])]
     assert [section for section in sections if section not in text] == []
     for argument in inspect.signature(value).parameters:
         if argument != "self":
@@ -67,7 +67,7 @@ def test_help_has_its_sections(name):
 @pytest.mark.parametrize("name", RESULTS)
 def test_results_open_from_a_folder(name):
     kind = public(name)
-    assert "Example:" in inspect.getdoc(kind)
+    assert "Examples:" in inspect.getdoc(kind)
     text = inspect.getdoc(kind.open)
     assert "Args:" in text and "Raises:" in text and "folder" in inspect.signature(kind.open).parameters
     for member, value in vars(kind).items():

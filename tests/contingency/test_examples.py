@@ -21,6 +21,6 @@ def test_examples(name):
 @pytest.mark.parametrize("name", [name for name in contingency.__all__ if name.islower() and "recordings" not in name])
 def test_every_function_is_documented(name):
     function = getattr(contingency, name)
-    assert "Example:" in function.__doc__
+    assert "Examples:" in function.__doc__
     if len(inspect.signature(function).parameters) > 2:
         assert {"Args:", "Returns:", "Raises:"} <= set(function.__doc__.split())

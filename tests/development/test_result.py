@@ -154,4 +154,4 @@ def test_tables_of_the_last_version_are_read(result, folder, tmp_path, capsys):
 def test_examples(module, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert doctest.testmod(module).failed == 0
-    assert "Example:" in inspect.getdoc(Development) and "Example:" in inspect.getdoc(DevelopmentResult)
+    assert "Examples:" in inspect.getdoc(Development) and "Examples:" in inspect.getdoc(DevelopmentResult)
