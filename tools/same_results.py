@@ -49,6 +49,7 @@ COMMANDS = {
 }
 """Commands by a name that never changes; ``{NAME}`` stands for the folder of one that ran before."""
 RENAMED: tuple[tuple[str, str], ...] = (
+    (r"^state/", "truth/"),
     (r"^steps\.parquet", "turns.parquet"),
     (r"^(turns|contingency)\.parquet/step$", r"\1.parquet/turn"),
     (r"^frames\.parquet/perceived$", "frames.parquet/looked"),

@@ -30,7 +30,7 @@ OLD_NAMES = {STEPS: "turns.parquet"}
 
 
 class DevelopmentResult:
-    """A finished run.
+    """Result of a finished run: modules, log, contingency and maps.
 
     Tables and maps of a result that lies in a folder are read from there when they are first asked for. Two results are
     equal if config, summary, tables and maps are.

@@ -116,7 +116,7 @@ def colour_table(rgb: np.ndarray, config: ColourConfig) -> np.ndarray:
     between = np.abs((hue[:, None] - hue[None] + 180) % 360 - 180) + 360 * np.eye(len(hue))
     tolerance = np.minimum(config.hue_tolerance_deg, between.min(axis=1) / 2)
     if tolerance.min() < 4:
-        raise ConfigError(f"object colours: expected hues 8 degrees apart or more; got {np.round(hue).tolist()}")
+        raise ConfigError(f"object colours: expected hues 8 deg apart or more; got {np.round(hue).tolist()} deg")
 
     level = (np.arange(1 << LEVEL_BITS, dtype=np.float32) + 0.5) * (256 >> LEVEL_BITS) / 255
     red, green, blue = (axis.ravel() for axis in np.meshgrid(level, level, level, indexing="ij"))

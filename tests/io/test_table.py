@@ -44,7 +44,7 @@ def test_a_table_is_the_same_after_writing_and_reading(tmp_path):
     table().write(tmp_path / "table.parquet")
     assert Table.read(tmp_path / "table.parquet") == table()
     for new_names in ({"n": "count"}, lambda name: "count" if name == "n" else name):
-        with pytest.warns(RenamedWarning, match="now called: count .n."):
+        with pytest.warns(RenamedWarning, match="by their new ones: count .n."):
             assert Table.read(tmp_path / "table.parquet", new_names).columns[-1] == "count"
 
 

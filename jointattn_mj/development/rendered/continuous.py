@@ -164,8 +164,9 @@ class ContinuousRun(RenderedRun):
     def pairs(self) -> list[Pair]:
         """All pairs so far, informative or not."""
         return [
-            Pair(int(row[0]), row[5:], row[3:5], FORWARD if row[1] else BACKWARD, bool(row[2]))
+            Pair(int(row[0]), activations, row[3:5], FORWARD if row[1] else BACKWARD, bool(row[2]))
             for row in self._pairs.read()
+            for activations in (row[5:].astype(np.float32),)  # as the map of faces gave them
         ]
 
     @property
