@@ -10,6 +10,8 @@ import pytest
 from jointattn_mj.adapters.registration import IDS
 from jointattn_mj.tasks import ALL_TASKS, load
 
+pytestmark = pytest.mark.integration
+
 gymnasium = pytest.importorskip("gymnasium")
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 from gymnasium.wrappers import RecordVideo  # noqa: E402

@@ -23,6 +23,8 @@ from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.scene import gl
 
+pytestmark = pytest.mark.integration
+
 FRAMES = 240
 TRAINED = Path(__file__).parents[2] / "assets" / "trained" / "robin.npz"
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")

@@ -9,6 +9,8 @@ from clips import Clip, encode
 import jointattn_mj
 from jointattn_mj.scene import gl
 
+pytestmark = pytest.mark.integration
+
 STATE = [
     "Session", "SessionResult", "Development", "DevelopmentResult", "Table", "load", "read_recordings", "run_claim",
     "ClaimResult",

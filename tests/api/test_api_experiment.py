@@ -10,6 +10,8 @@ from jointattn_mj.errors import ConfigError, OutputError, SweepError
 from jointattn_mj.sweeps.claim import Comparison, Verdict
 from jointattn_mj.sweeps.run import SweepWatcher, Tally
 
+pytestmark = pytest.mark.integration
+
 
 class Counts(SweepWatcher):
     """Remembers the last tally."""

@@ -15,7 +15,10 @@ from jointattn_mj.footage.run import run_perceive
 from jointattn_mj.perception.som import SOMConfig
 from jointattn_mj.scene import gl
 
-pytestmark = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
+pytestmark = [
+    pytest.mark.integration,
+    pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with"),
+]
 SOM = SOMConfig(updates=100)
 FRAMES = 60
 

@@ -19,6 +19,8 @@ from jointattn_mj.gaze_following.session import SessionRun
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.options import RenamedWarning
 
+pytestmark = pytest.mark.integration
+
 SHORT = RobotConfig(familiarise=FamiliariseConfig(minutes=0.05))
 SESSION = Session(minutes=1, perception="state", seed=3, robot=SHORT)
 

@@ -21,6 +21,8 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.state import StateConfig
 from jointattn_mj.scene.camera import in_image, pixels_of_points
 
+pytestmark = pytest.mark.integration
+
 HEIGHT = 0.741  # of an object's centre, metres
 SHORT = TurnTakerConfig(hidden=20, rate=0.004, gate_midpoint=4000.0, gate_width=1000.0)
 TABLE_3, VIEW_3 = ObjectTableConfig(objects=3), ObjectTableConfig(objects=3, region="in_view")

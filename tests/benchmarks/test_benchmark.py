@@ -15,6 +15,8 @@ from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
 from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.scene import gl
 
+pytestmark = pytest.mark.integration
+
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
 
 

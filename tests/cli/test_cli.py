@@ -18,6 +18,8 @@ from jointattn_mj.cli import main as cli
 from jointattn_mj.cli import parsing
 from jointattn_mj.scene import gl
 
+pytestmark = pytest.mark.integration
+
 SHORT = ("--minutes", 0.2, "--perception", "state", "--robot.familiarise.minutes", 0.05)
 
 

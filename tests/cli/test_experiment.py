@@ -13,6 +13,8 @@ from shell import Outcome, Shell
 
 from experiments.registry import REGISTRY
 
+pytestmark = pytest.mark.integration
+
 HERE = Path(__file__).parents[1]
 ROOT = HERE.parent
 FILES = ("report.html", "claims.json", "claims.csv", "claims.md", "figures/1.1-heads.png")

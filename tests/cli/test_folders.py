@@ -16,6 +16,8 @@ from shell import Outcome, Shell
 from jointattn_mj.io import files
 from jointattn_mj.io.files import held
 
+pytestmark = pytest.mark.integration
+
 SESSION = ("session", "--perception", "state", "--minutes", 0.1, "--robot.familiarise.minutes", 0.05)
 COMMANDS = {
     "session": SESSION,

@@ -12,6 +12,8 @@ from jointattn_mj import __version__
 from jointattn_mj.cli.commands import COMMANDS, overview
 from jointattn_mj.cli.help import ADVANCED
 
+pytestmark = pytest.mark.integration
+
 SCREENS, LINES, COLUMNS = 2, 45, 100
 OPTION = re.compile(r"^ +(?:-h, )?(--[\w.-]+)", re.M)
 PARTS = {"session": ("--robot.", "--pixels.", "--world."), "perceive": ("--attention.", "--pixels.", "--som.")}

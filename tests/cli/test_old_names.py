@@ -11,6 +11,8 @@ from shell import Shell
 from jointattn_mj.cli.old_names import with_names_of_today
 from jointattn_mj.options import FLAT, TOP_LEVEL, Checked, RenamedWarning, Share
 
+pytestmark = pytest.mark.integration
+
 GONE = "; the old name goes with the next version"
 
 

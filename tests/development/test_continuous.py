@@ -25,6 +25,8 @@ from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.io import checkpoint
 
+pytestmark = pytest.mark.integration
+
 FOLLOWS = Event(0, 0, 2)
 """(S1, A1, R3)"""
 TABLE = np.zeros((2, 2, 2, 2))

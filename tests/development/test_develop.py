@@ -24,6 +24,8 @@ from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
 from jointattn_mj.io import space
 from jointattn_mj.options import RenamedWarning
 
+pytestmark = pytest.mark.integration
+
 STEPS = 12_000
 SHORT = ("--preset", "fast", "--seed", 1, "--steps", STEPS)
 ALWAYS = {

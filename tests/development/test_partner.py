@@ -22,6 +22,8 @@ from jointattn_mj.scene.looker import spot_positions
 from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.world import AS_USUAL, WorldConfig, build_physics
 
+pytestmark = pytest.mark.integration
+
 SPOTS = 3
 PACE_OF_HERS = PartnerConfig()
 STILL = np.zeros(2)

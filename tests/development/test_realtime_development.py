@@ -12,6 +12,8 @@ from jointattn_mj.development.run import run_development
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.io import rows
 
+pytestmark = pytest.mark.integration
+
 SHORT = RealtimeDevelopmentConfig(minutes=0.6, realtime=RealtimeConfig(perception="state", familiarise_minutes=1.0))
 
 

@@ -13,6 +13,8 @@ from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
 
+pytestmark = pytest.mark.integration
+
 TRUTH = RealtimeConfig(perception="state", familiarise_minutes=1.0)
 FAST = PRESETS["fast"]
 

@@ -22,6 +22,8 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.io import rows
 from jointattn_mj.perception.percept import Percept
 
+pytestmark = pytest.mark.integration
+
 HASTY = DeveloperConfig(detector=DetectorConfig(threshold=5e-3), most_modules=2)
 SHORT = RenderedConfig(exploration=240)
 PLAIN = replace(SHORT, stage=StageConfig(variation="none"))

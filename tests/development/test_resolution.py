@@ -31,6 +31,8 @@ from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.io import checkpoint
 
+pytestmark = pytest.mark.integration
+
 SPACE = np.array([[-20.0, 20.0], [-15.0, -14.0]])
 PROTOTYPES = 12
 

@@ -17,6 +17,8 @@ from jointattn_mj.development.summary import DevelopmentSummary
 from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
 
+pytestmark = pytest.mark.integration
+
 STEPS = 6000
 
 

@@ -16,6 +16,7 @@ from jointattn_mj.errors import ExtraError
 from jointattn_mj.sweeps.claim import Trial, Verdict
 from jointattn_mj.sweeps.store import text_of
 
+pytestmark = pytest.mark.integration
 SHORT = {"steps": 128, "every": 64, "copies": 2, "rollout": 32, "batch": 32, "epochs": 2, "episodes": 2}
 CLAIM = REGISTRY["follow"]
 

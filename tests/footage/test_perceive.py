@@ -23,6 +23,8 @@ from jointattn_mj.footage.run import run_perceive
 from jointattn_mj.perception.som import SOMConfig
 from jointattn_mj.scene import gl
 
+pytestmark = pytest.mark.integration
+
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
 FRAMES = 120
 NAMES = ("red", "yellow", "blue", "green", "face")

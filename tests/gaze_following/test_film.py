@@ -28,6 +28,8 @@ from jointattn_mj.video import paint
 from jointattn_mj.video.onlooker import Onlooker, line_of_sight, sights
 from jointattn_mj.video.percepts import caption
 
+pytestmark = pytest.mark.integration
+
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
 ROW = ShiftRow(
     launch_s=0, landing_s=0, source="face", chosen="blue", reached="red", commanded_by="learner",

@@ -15,6 +15,8 @@ from jointattn_mj.gaze_following.run import SessionOptions, run_session
 from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.io.checkpoint import load, save
 
+pytestmark = pytest.mark.integration
+
 CONFIG = LearnerConfig(code="network")
 LEFT, RIGHT = np.array([15.0, -12.0]), np.array([-15.0, -20.0])
 

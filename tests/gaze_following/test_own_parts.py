@@ -16,6 +16,8 @@ from jointattn_mj.scene.caregiver import TransferScript
 from jointattn_mj.scene.model import rest_height
 from jointattn_mj.scene.world import World
 
+pytestmark = pytest.mark.integration
+
 CONFIG = SessionConfig(
     minutes=1, seed=5, perception="state", robot=RobotConfig(familiarise=FamiliariseConfig(minutes=0.05))
 )

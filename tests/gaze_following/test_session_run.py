@@ -16,6 +16,8 @@ from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.io import checkpoint, rows, space
 from jointattn_mj.scene import gl
 
+pytestmark = pytest.mark.integration
+
 RESULTS = ("frames.parquet", "gaze_shifts.parquet", "weights.npz", "success.png", "som.png")
 FOLDER = {*RESULTS, "summary.json", "config.yaml", "checkpoint.bin"}
 MINUTES = {"state": 2.0, "pixels": 0.6}

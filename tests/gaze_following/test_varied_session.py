@@ -13,6 +13,8 @@ from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, Vari
 from jointattn_mj.io import checkpoint
 from jointattn_mj.scene.world import AS_USUAL
 
+pytestmark = pytest.mark.integration
+
 ROBOT = RobotConfig(familiarise=FamiliariseConfig(minutes=0.02))
 VARIED = VariedSessionConfig(minutes=0.05, seed=4, robot=ROBOT, variation="all")
 

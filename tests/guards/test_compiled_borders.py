@@ -10,6 +10,9 @@ import sys
 from collections.abc import Callable, Iterator
 
 import numpy as np
+import pytest
+
+pytestmark = pytest.mark.integration
 
 NAN, HUGE = float("nan"), 2**62
 Case = tuple[str, Callable[[], object]]

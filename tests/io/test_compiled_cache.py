@@ -10,6 +10,8 @@ import pytest
 
 from jointattn_mj.io import compiled
 
+pytestmark = pytest.mark.integration
+
 INNER = "from toy.compiled import njit\n\n@njit(cache=True)\ndef inner():\n    return {}\n"
 OUTER = """
 from toy.compiled import njit

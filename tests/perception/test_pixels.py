@@ -13,6 +13,8 @@ from jointattn_mj.scene import gl
 from jointattn_mj.scene.camera import pixels_of_points
 from jointattn_mj.scene.world import World, WorldConfig
 
+pytestmark = pytest.mark.integration
+
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
 WORLD_SIDE = ("world", "caregiver", "movement", "layout")
 

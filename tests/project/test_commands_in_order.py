@@ -15,8 +15,11 @@ from contextlib import ExitStack
 from pathlib import Path
 from types import ModuleType
 
+import pytest
 from documented import ROOT, Block, Command, blocks, commands, pages
 from shell import Shell
+
+pytestmark = pytest.mark.integration
 
 NOT_RUN = {
     "installs, builds or tests": lambda words: words[0] in ("apt-get", "pip", "make", "pytest"),

@@ -8,6 +8,8 @@ import pytest
 
 from jointattn_mj.cli.main import main
 
+pytestmark = pytest.mark.integration
+
 HEAVY = ("numpy", "mujoco", "dm_control", "OpenGL", "torch", "cv2", "numba", "scipy", "matplotlib", "pyarrow", "tyro")
 EXTRAS = ("gymnasium", "stable_baselines3", "rerun", "dask", "distributed", "mkdocs", "IPython")
 IMPORT = """

@@ -5,6 +5,8 @@ from pathlib import Path
 import matplotlib
 import pytest
 
+pytestmark = pytest.mark.integration
+
 PATH = Path(__file__).parents[2] / "docs" / "joint_attention.ipynb"
 nbformat = pytest.importorskip("nbformat", reason="the extra notebook brings it")
 

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.integration
+
 ROOT = Path(__file__).parents[2]
 wheels = pytest.importorskip("hatchling.builders.wheel", reason="the extra dev brings it")
 archives = pytest.importorskip("hatchling.builders.sdist")

@@ -16,6 +16,8 @@ from tools.reliability.results import load, save, table
 from tools.reliability.subjects import Subject
 from tools.shell import HUNG, Outcome, Shell
 
+pytestmark = pytest.mark.integration
+
 TOY = """
 import json, os, sys, time
 from pathlib import Path

@@ -13,7 +13,10 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = ROOT / "tools" / "setup.py"
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="locks and environments as on POSIX")
+pytestmark = [
+    pytest.mark.integration,
+    pytest.mark.skipif(sys.platform == "win32", reason="locks and environments as on POSIX"),
+]
 OPENGL_LINE = "apt-get install --no-install-recommends libegl1 libopengl0 libgl1-mesa-dri"
 
 

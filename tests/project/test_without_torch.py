@@ -5,7 +5,10 @@ import subprocess
 import sys
 
 import numpy as np
+import pytest
 from clips import encode
+
+pytestmark = pytest.mark.integration
 
 ROOT = os.path.dirname(os.path.dirname(__file__))
 WITHOUT = """

@@ -19,6 +19,8 @@ from jointattn_mj.recordings import patience
 from jointattn_mj.recordings.discover import DiscoverOptions, run_discover
 from jointattn_mj.recordings.measure import MeasureOptions, run_measure
 
+pytestmark = pytest.mark.integration
+
 FEW = ("--surrogates", 199, "--resamples", 30)
 PARTS = ("--sensors", "gaze", "colour", "--actions", "turn", "hand", "--results", "object")
 

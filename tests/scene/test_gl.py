@@ -8,6 +8,8 @@ import pytest
 
 from jointattn_mj.scene import gl
 
+pytestmark = pytest.mark.integration
+
 LOOK = """
 import numpy as np
 from jointattn_mj.scene.world import World, WorldConfig

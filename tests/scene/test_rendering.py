@@ -17,6 +17,8 @@ from jointattn_mj.scene.rendering import RenderingPhysics
 from jointattn_mj.scene.world import World, WorldConfig
 from jointattn_mj.tasks import load
 
+pytestmark = pytest.mark.integration
+
 
 @pytest.fixture
 def elsewhere():

@@ -15,6 +15,8 @@ from jointattn_mj.sweeps.backends import Dask, Loky, new_backend
 from jointattn_mj.sweeps.run import Selection, run
 from jointattn_mj.sweeps.store import Store
 
+pytestmark = pytest.mark.integration
+
 COIN = REGISTRY["1.1"]
 
 

@@ -10,6 +10,8 @@ from jointattn_mj.errors import ActionError, ClosedError, ConfigError, EpisodeEr
 from jointattn_mj.tasks import ALL_TASKS, load
 from jointattn_mj.viewing.play import play_episodes
 
+pytestmark = pytest.mark.integration
+
 every_task = pytest.mark.parametrize("task", [task for _, task in ALL_TASKS])
 WRONG = {
     "NaN": [0.1, np.nan],

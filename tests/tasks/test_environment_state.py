@@ -17,6 +17,8 @@ from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.scene.world import WorldConfig
 from jointattn_mj.tasks import ALL_TASKS, load
 
+pytestmark = pytest.mark.integration
+
 every_task = pytest.mark.parametrize("task", [task for _, task in ALL_TASKS])
 STEPS = 60
 VARIED = VariationConfig(

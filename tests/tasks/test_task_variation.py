@@ -12,6 +12,8 @@ from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.variation import VariationConfig
 from jointattn_mj.tasks import ALL_TASKS, load
 
+pytestmark = pytest.mark.integration
+
 every_task = pytest.mark.parametrize(("domain", "task"), ALL_TASKS, ids=lambda name: name)
 
 

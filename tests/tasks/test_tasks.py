@@ -16,6 +16,8 @@ from jointattn_mj import tasks
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.tasks import ALL_TASKS, BENCHMARKING, EASY, HARD, TASKS_BY_DOMAIN, joint_attention, load, tagged
 
+pytestmark = pytest.mark.integration
+
 every_task = pytest.mark.parametrize(("domain", "task"), ALL_TASKS, ids=lambda name: name)
 STEPS = 40
 

@@ -11,6 +11,8 @@ from jointattn_mj.cli.play import PlayOptions, environment_for, table
 from jointattn_mj.tasks.agents import AGENTS
 from jointattn_mj.viewing.play import Episode, play_episodes
 
+pytestmark = pytest.mark.integration
+
 
 @pytest.fixture(scope="module")
 def jointattn():

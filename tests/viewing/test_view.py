@@ -24,6 +24,8 @@ from jointattn_mj.video.paint import GREEN
 from jointattn_mj.viewing.guard import names_of, refusal
 from jointattn_mj.viewing.show import Show, in_real_time
 
+pytestmark = pytest.mark.integration
+
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
 needs_mjviser = pytest.mark.skipif(find_spec("mjviser") is None, reason="no mjviser")
 
