@@ -29,11 +29,14 @@ from jointattn_mj.contingency.significance import (
     benjamini_hochberg,
     holm,
 )
+from jointattn_mj.contingency.situations import PosteriorOptions, Situations, situation_contingency
 
 __all__ = [
     "Finding",
     "LocalContingency",
+    "PosteriorOptions",
     "Significance",
+    "Situations",
     "TestOptions",
     "adjust",
     "assess",
@@ -53,6 +56,7 @@ __all__ = [
     "pointwise_state_action_contingency",
     "pointwise_transfer_entropy",
     "recode",
+    "situation_contingency",
     "state_action_contingency",
     "transfer_entropy",
 ]
