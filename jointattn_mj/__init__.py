@@ -38,7 +38,7 @@ _gl.choose_when_needed()
 _llvm.keep_apart()
 _registration.register_when_needed()
 
-__version__ = "0.1.0"
+__version__ = "0.2.0.dev0"
 
 __all__ = [
     "ALL_TASKS",
