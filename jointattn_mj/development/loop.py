@@ -77,7 +77,7 @@ class DevelopmentRun(ABC):
         self._s = np.zeros(len(variables.sensors), np.int64)
         self._r = np.zeros(len(variables.results), np.int64)
         self.columns = self._columns()
-        self._log = RowStore("steps", np.int8, len(self.columns))
+        self._log = RowStore("log", np.int8, len(self.columns))
         self.noted = ContingencyLog(sample_every, len(agent.events))
 
     def __repr__(self) -> str:

@@ -140,7 +140,7 @@ class RealtimeRun(ObservedRun):
         self.frame, self._gazes_at = 0, NOWHERE
         patterns, greetings = self._familiarised()
         self.senses = Senses(config.senses, table, patterns, greetings, np.random.default_rng(of_senses))
-        self.frame, self._ended = 0, RowStore("steps", np.int32, 1)
+        self.frame, self._ended = 0, RowStore("ends", np.int32, 1)
         developer = Developer(self.senses.variables, agent, of_agent, reactive)
         super().__init__(developer, table, n_steps, sample_every)
 
