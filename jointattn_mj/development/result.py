@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import dataclass
 from functools import cached_property, partial
 from os import PathLike
 from pathlib import Path
@@ -29,6 +30,7 @@ OLD_NAMES = {STEPS: "turns.parquet"}
 """Names of files in the last version."""
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class DevelopmentResult:
     """Result of a finished run: modules, log, contingency and maps.
 
@@ -51,15 +53,8 @@ class DevelopmentResult:
         'FG'
     """
 
-    def __init__(self, summary: DevelopmentSummary, source: "_Source"):
-        """Users get results from ``Development.run`` and ``DevelopmentResult.open``.
-
-        Args:
-            summary: The run in words and numbers.
-            source: Gives config, tables and maps when they are asked for.
-        """
-        self.summary, self._source = summary, source
-        self.folder = source.folder
+    summary: DevelopmentSummary
+    _source: "_Source"
 
     @classmethod
     def open(cls, folder: str | PathLike[str]) -> "DevelopmentResult":
@@ -82,6 +77,11 @@ class DevelopmentResult:
         except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             raise OutputError(f"cannot read {path} ({error}); give the folder of a finished development") from error
         return cls(summary, _Folder(path.parent, summary.world))
+
+    @property
+    def folder(self) -> Path | None:
+        """Where the results lie; None for a result in memory."""
+        return self._source.folder
 
     @cached_property
     def config(self) -> DevelopmentConfig:

@@ -1,6 +1,7 @@
 """What watching a video leaves in a folder: percepts, fixations, faces, and a summary."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -15,6 +16,7 @@ from jointattn_mj.io.former_columns import present_name
 from jointattn_mj.io.table import Table
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class PerceptionResult:
     """A video that was watched. Iterating gives its frames, as ``perceive`` does without a folder, but for their flow.
 
@@ -35,15 +37,9 @@ class PerceptionResult:
         'face'
     """
 
-    def __init__(self, config: PerceiveConfig, summary: dict[str, Any], folder: Path):
-        """Users get results from ``perceive`` and ``PerceptionResult.open``.
-
-        Args:
-            config: What decided what was perceived.
-            summary: The viewing in numbers.
-            folder: Where the results lie.
-        """
-        self.config, self.summary, self.folder = config, summary, folder
+    config: PerceiveConfig
+    summary: dict[str, Any]
+    folder: Path
 
     @classmethod
     def open(cls, folder: str | PathLike[str]) -> "PerceptionResult":

@@ -1,9 +1,10 @@
 """What a session leaves: tables, summary and weights, in memory or in a folder."""
 
-from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,6 +22,39 @@ from jointattn_mj.io.weights import read_weights, write_weights
 from jointattn_mj.perception.som import SOM
 
 
+@dataclass(frozen=True)
+class SessionInMemory:
+    """Tables and weights of a session that left no files."""
+
+    frames: Table
+    shifts: Table
+    weights: dict[str, np.ndarray]
+    folder: ClassVar[None] = None
+
+
+@dataclass(frozen=True)
+class SessionFolder:
+    """Tables and weights in the folder of a session, read when they are first asked for."""
+
+    folder: Path
+
+    @cached_property
+    def frames(self) -> Table:
+        """See ``SessionResult``."""
+        return Table.read(self.folder / "frames.parquet", present_name)
+
+    @cached_property
+    def shifts(self) -> Table:
+        """See ``SessionResult``."""
+        return Table.read(self.folder / "gaze_shifts.parquet", present_name)
+
+    @cached_property
+    def weights(self) -> dict[str, np.ndarray]:
+        """See ``SessionResult``."""
+        return read_weights(self.folder / "weights.npz")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class SessionResult:
     """A finished session of gaze following: summary, tables, and what the robot learned.
 
@@ -44,27 +78,9 @@ class SessionResult:
         'observe'
     """
 
-    def __init__(
-        self,
-        config: SessionConfig,
-        summary: SessionSummary,
-        frames: Callable[[], Table],
-        shifts: Callable[[], Table],
-        weights: Callable[[], dict[str, np.ndarray]],
-        folder: Path | None = None,
-    ):
-        """Users get results from ``Session.run`` and ``SessionResult.open``.
-
-        Args:
-            config: What decided the session.
-            summary: The session in numbers.
-            frames: Gives the table of frames; called once, when it is first asked for.
-            shifts: Gives the table of gaze shifts.
-            weights: Gives what the robot learned.
-            folder: Where the results lie, if anywhere.
-        """
-        self.config, self.summary, self.folder = config, summary, folder
-        self._read_frames, self._read_shifts, self._read_weights = frames, shifts, weights
+    config: SessionConfig
+    summary: SessionSummary
+    _parts: SessionInMemory | SessionFolder
 
     @classmethod
     def open(cls, folder: str | PathLike[str]) -> "SessionResult":
@@ -81,32 +97,31 @@ class SessionResult:
             ConfigError: Its config.yaml cannot be read.
         """
         path = Path(folder)
-        return cls(
-            summary=SessionSummary.read(path / "summary.json"),
-            config=read_config(path / "config.yaml", VariedSessionConfig),
-            frames=lambda: Table.read(path / "frames.parquet", present_name),
-            shifts=lambda: Table.read(path / "gaze_shifts.parquet", present_name),
-            weights=lambda: read_weights(path / "weights.npz"),
-            folder=path,
-        )
+        summary = SessionSummary.read(path / "summary.json")
+        return cls(read_config(path / "config.yaml", VariedSessionConfig), summary, SessionFolder(path))
 
-    @cached_property
+    @property
+    def folder(self) -> Path | None:
+        """Where the results lie; None for a result in memory."""
+        return self._parts.folder
+
+    @property
     def frames(self) -> Table:
         """A row a frame: the scene, what the robot perceived, and the interest of every candidate."""
-        return self._read_frames()
+        return self._parts.frames
 
-    @cached_property
+    @property
     def shifts(self) -> Table:
         """A row a gaze shift: from where to where, who commanded it, and whether it was a success."""
-        return self._read_shifts()
+        return self._parts.shifts
 
-    @cached_property
+    @property
     def weights(self) -> dict[str, np.ndarray]:
         """What the robot learned, arrays by name: the map of faces, the map from faces to commands, and l of eq. 6.8.
 
         ``weights.npz`` in the result's folder holds them; ``start_from`` begins another session with it.
         """
-        return self._read_weights()
+        return self._parts.weights
 
     def save(self, folder: str | PathLike[str]) -> None:
         """Leave the result in a folder, as the command ``jointattn session`` does, but for its checkpoint.

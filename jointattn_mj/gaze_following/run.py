@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Annotated
 
 from jointattn_mj.gaze_following import figures
-from jointattn_mj.gaze_following.result import SessionResult
+from jointattn_mj.gaze_following.result import SessionInMemory, SessionResult
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, FRAMES_PER_SECOND, SessionConfig, SessionRun
 from jointattn_mj.gaze_following.shifts import write_shifts
 from jointattn_mj.gaze_following.summary import SessionSummary
@@ -107,7 +107,7 @@ def run_in_memory(
         session.check()
         frames, shifts, weights = Table(session.frames.table()), Table(session.shifts.table()), session.weights()
         summary = session.summary(time.perf_counter() - started)
-        return SessionResult(config, summary, lambda: frames, lambda: shifts, lambda: weights)
+        return SessionResult(config, summary, SessionInMemory(frames, shifts, weights))
     finally:
         session.close()
 

@@ -1,8 +1,10 @@
 """What has been closed says so in one line, whatever it is asked for; until then that costs nothing."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from jointattn_mj.errors import ClosedError
+
+Kind = TypeVar("Kind", bound="Closable")
 
 
 class Closable:
@@ -25,3 +27,10 @@ class Closable:
             if self.closed and not name.startswith("__"):
                 raise ClosedError(f"this {type(self).__name__} is closed; make another")
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+
+def closed_one(kind: type[Kind]) -> Kind:
+    """One of a class that is closed from the start: the copy of another."""
+    made = kind.__new__(kind)
+    made._shut()
+    return made

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ WIDTH = 100
 """Characters of a table's repr."""
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Table:
     """A table that does not change, kept in Arrow's columns.
 
@@ -38,8 +40,7 @@ class Table:
         array([0. , 0.5])
     """
 
-    def __init__(self, arrow: pa.Table):
-        self.arrow = arrow
+    arrow: pa.Table
 
     @classmethod
     def read(cls, path: Path, new_names: Mapping[str, str] | Callable[[str], str] | None = None) -> "Table":

@@ -13,7 +13,7 @@ from dm_control.mujoco import Physics
 from dm_control.mujoco.wrapper import MjModel
 
 from jointattn_mj.errors import NotFiniteError
-from jointattn_mj.guards.closing import Closable
+from jointattn_mj.guards.closing import Closable, closed_one
 from jointattn_mj.guards.finite import check_finite
 from jointattn_mj.guards.restored import check_array
 from jointattn_mj.io.compiled import njit
@@ -272,6 +272,10 @@ class World(Closable):
         if not self.closed:
             self.physics.free()
             self._shut()
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        """A copy of a closed world is closed, so that results of finished runs can be copied."""
+        return (closed_one, (type(self),)) if self.closed else super().__reduce_ex__(protocol)
 
     def get_state(self) -> dict[str, Any]:
         """Everything that the future depends on, as plain data, which nothing that happens later changes."""

@@ -60,7 +60,8 @@ def contingent_saliency(table: np.ndarray) -> np.ndarray:
     with np.errstate(divide="ignore", invalid="ignore"):
         together = np.where(counts > 0, counts / rs * np.log(counts * rs / (rsa * next_rs)), 0.0)
         alone = np.where(next_ra > 0, next_ra / r * np.log(next_ra * r / (ra * next_r)), 0.0)
-    return np.where(rs > 0, together - alone, np.nan).swapaxes(2, 3)
+    saliency = np.where(rs > 0, together - alone, np.nan).swapaxes(2, 3)
+    return np.ascontiguousarray(saliency)  # a copy is restored only if it lies in memory row by row
 
 
 def make_module(event: Event, table: np.ndarray, config: ReproductionConfig) -> Module:

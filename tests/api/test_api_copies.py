@@ -1,0 +1,75 @@
+"""Results can be pickled and copied, and cannot be changed."""
+
+import copy
+import dataclasses
+import pickle
+from pathlib import Path
+
+import pytest
+from clips import Clip, encode
+
+from jointattn_mj import ClaimResult, Development, DevelopmentResult, Session, SessionResult, perceive, run_claim
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.perception.som import SOMConfig
+from jointattn_mj.scene import gl
+
+pytestmark = pytest.mark.integration
+
+WAYS = {"pickle": lambda one: pickle.loads(pickle.dumps(one)), "copy": copy.copy, "deepcopy": copy.deepcopy}
+SHORT = RobotConfig(familiarise=FamiliariseConfig(minutes=0.05))
+needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
+
+
+def session(folder: Path) -> list[SessionResult]:
+    result = Session(minutes=0.2, perception="state", robot=SHORT).run()
+    result.save(folder / "out")
+    opened = SessionResult.open(folder / "out")
+    return [result, opened, SessionResult.open(folder / "out")] if len(opened.frames) else []
+
+
+def development(folder: Path) -> list[DevelopmentResult]:
+    result = Development("fast", steps=4000, seed=1).run()
+    assert result.modules
+    result.save(folder / "out")
+    return [result, DevelopmentResult.open(folder / "out")]
+
+
+def rendered_development(folder: Path) -> list[DevelopmentResult]:
+    return [Development(world="rendered", steps=30).run()]
+
+
+def realtime_development(folder: Path) -> list[DevelopmentResult]:
+    return [Development(world="realtime", minutes=0.05).run()]
+
+
+def claim(folder: Path) -> list[ClaimResult]:
+    return [run_claim("1.1", folder / "out", runs=1, jobs=1, registry="toys.registry")]
+
+
+def perception(folder: Path) -> list:
+    video = encode(folder / "clip.mkv", Clip.rendered("amara", 12, seed=3).images)
+    result = perceive(video, folder / "out", overlay=False, som=SOMConfig(updates=100))
+    return [*list(result)[:1], result.percepts, result]
+
+
+MADE = [
+    session, development, claim, pytest.param(perception, marks=needs_gl),
+    pytest.param(rendered_development, marks=needs_gl), realtime_development,
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("make", MADE)
+def test_copies_are_equal(make, tmp_path):
+    results = make(tmp_path)
+    for result in results:
+        for name, way in WAYS.items():
+            assert way(result) == result, name
+            assert repr(way(result)) == repr(result)
+
+
+@pytest.mark.parametrize("make", MADE[:3])
+def test_results_do_not_change(make, tmp_path):
+    result = make(tmp_path)[0]
+    for name in ("folder", "summary", "new"):
+        with pytest.raises((dataclasses.FrozenInstanceError, AttributeError)):
+            setattr(result, name, 3)
