@@ -160,10 +160,19 @@ class TestResume:
             assert after[name] == before[name], name
         assert after.keys() == before.keys()
 
-    @pytest.mark.parametrize("options", [("--seed", 5), ("--no-motion-cues",), ("--minutes", 0.4)])
-    def test_of_another_config(self, jointattn, run, options):
+    @pytest.mark.parametrize(
+        ("options", "differing"),
+        [
+            (("--seed", 5), "seed is 0 there and 5 here"),
+            (("--no-motion-cues",), "motion_cues is True there and False here"),
+            (("--minutes", 0.4), "minutes is 0.2 there and 0.4 here"),
+            (("--robot.learner.rate", 0.01), "robot.learner.rate is "),
+        ],
+    )
+    def test_of_another_config(self, jointattn, run, options, differing):
         before = content(run)
-        refused(jointattn("session", "--out", run, *SHORT, *options, "--resume"), 2, "another config", "config.yaml")
+        outcome = jointattn("session", "--out", run, *SHORT, *options, "--resume")
+        refused(outcome, 2, "another config (", differing, "config.yaml")
         assert content(run) == before
 
     @pytest.mark.parametrize("damage", ["truncated", "empty", "flipped", "foreign", "folder"])
