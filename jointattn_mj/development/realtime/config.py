@@ -1,5 +1,6 @@
 """``jointattn develop realtime``: options of a run in which the caregiver does not wait for the robot."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
@@ -23,6 +24,8 @@ class RealtimeDevelopmentConfig(DevelopmentConfig):
     """Largest number of steps; a step is a fixation."""
     realtime: RealtimeConfig = field(default_factory=RealtimeConfig)
 
+    GONE: ClassVar[Sequence[str]] = ("mode",)
+    OLD_CHOICES: ClassVar[Mapping[str, Mapping[str, str]]] = {"world": {"rendered": "realtime"}}
     steps_at_a_time: ClassVar[int] = 1
     checkpoint_every: ClassVar[int] = 500
     unit: ClassVar[str] = "min"

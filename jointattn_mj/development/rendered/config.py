@@ -1,6 +1,6 @@
 """``jointattn develop rendered``: options of a run at a table that the robot sees, one image a step."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -59,6 +59,7 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
     continuous: ContinuousConfig = field(default_factory=ContinuousConfig)
     babbling: BabblingConfig = field(default_factory=BabblingConfig)
 
+    GONE: ClassVar[Sequence[str]] = ("mode",)
     CHOOSES: ClassVar[tuple[tuple[str, str], ...]] = (("maps", "continuous"), ("resolution", "growing"))
     steps_at_a_time: ClassVar[int] = 500
     checkpoint_every: ClassVar[int] = 10_000
