@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from jointattn_mj.contingency.online.resolution import ResolutionConfig
-from jointattn_mj.development.config import DevelopmentConfig
+from jointattn_mj.development.config import DevelopmentConfig, DevelopmentOptions, Every
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.meaning import meanings
 from jointattn_mj.development.rendered.continuous import SCATTERED, ContinuousConfig, ContinuousRun
@@ -131,6 +131,16 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
                     assert isinstance(run, RenderedRun)
                     film.scene(run, title)
                     run.close()
+
+
+@dataclass(frozen=True)
+class RenderedDevelopmentOptions(DevelopmentOptions):
+    """Where a run leaves its results."""
+
+    checkpoint_every: Every = RenderedDevelopmentConfig.checkpoint_every
+    """Steps between checkpoints; a kill loses no more than these."""
+    video: bool = False
+    """Film some steps at the start and after each module, and leave a video."""
 
 
 def _driven(run: GrowingRun) -> list[str]:
