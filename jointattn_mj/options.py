@@ -403,8 +403,23 @@ def _plain(value: Any) -> Any:
     return value.item() if numpy is not None and isinstance(value, numpy.generic) else value
 
 
+def path_of(given: str | os.PathLike[str], name: str = "the path") -> Path:
+    """A path that is not empty, for ``Path("")`` would be the current folder.
+
+    Args:
+        given: The path.
+        name: What it is called in a message.
+
+    Raises:
+        ConfigError: It is empty.
+    """
+    if not os.fspath(given):
+        raise ConfigError(f"{name} is empty; name a folder or file (. is the current folder)")
+    return Path(given)
+
+
 def _path(value: Any) -> Any:
-    if not isinstance(value, (str, os.PathLike)):
+    if not isinstance(value, (str, os.PathLike)) or not os.fspath(value):
         return UNFIT
     path = Path(value)
     name = os.fsencode(path)

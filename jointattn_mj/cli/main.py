@@ -87,6 +87,12 @@ def _command_of(arguments: Sequence[str]) -> Callable[[], None]:
     if arguments[0] not in COMMANDS:
         from jointattn_mj.options import meant, shown
 
+        if arguments[0] == "help":
+            raise ConfigError("for help: jointattn --help, or jointattn COMMAND --help")
+        if arguments[0].startswith("-"):
+            general = ("--help", "--help-all", "--version")
+            near = meant(arguments[0], general)
+            raise ConfigError(f"no option {shown(arguments[0])}{near}; before a command stand {', '.join(general)}")
         known = ", ".join(COMMANDS)
         raise ConfigError(f"no command {shown(arguments[0])}{meant(arguments[0], COMMANDS)}; there are {known}")
     from jointattn_mj.cli.parsing import parsed

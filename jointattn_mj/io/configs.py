@@ -24,6 +24,19 @@ def read_config(path: Path, kind: type[Config]) -> Config:
     Raises:
         ConfigError: The file cannot be read, holds no config of this class, or a value that is not allowed.
     """
+    values = values_in(path)
+    try:
+        return config_of(kind, values)
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from error
+
+
+def values_in(path: Path) -> Mapping[str, Any]:
+    """What a ``config.yaml`` says, as plain data.
+
+    Raises:
+        ConfigError: The file cannot be read, or is no ``config.yaml``.
+    """
     try:
         content = yaml.safe_load(path.read_text("utf-8"))
         values = content["config"]
@@ -33,10 +46,7 @@ def read_config(path: Path, kind: type[Config]) -> Config:
         raise ConfigError(f"{path} is no config.yaml of a run; expected a mapping under the key config") from error
     if not isinstance(values, Mapping):
         raise ConfigError(f"{path} is no config.yaml of a run; expected a mapping under config, got {shown(values)}")
-    try:
-        return config_of(kind, values)
-    except ConfigError as error:
-        raise ConfigError(f"{path}: {error}") from error
+    return values
 
 
 def config_of(kind: type[Config], values: Mapping[str, Any], location: str = "") -> Config:

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,8 +15,11 @@ import numpy as np
 import pytest
 from shell import Outcome, Shell
 
+from jointattn_mj import Development, Session, perceive, run_claim
 from jointattn_mj.cli import main as cli
 from jointattn_mj.cli import parsing
+from jointattn_mj.development.config import DevelopmentOptions
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene import gl
 
 pytestmark = pytest.mark.integration
@@ -102,6 +106,48 @@ def test_bad_options(jointattn, tmp_path, options, words):
 
 def test_a_misspelt_command(jointattn):
     refused(jointattn("sesion", "--minutes", 1), 2, "no command 'sesion' (perhaps you meant 'session')", "develop")
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("session --ot x", "no option --ot (perhaps you meant --out)"),
+        ("session --no-resme", "no option --no-resme (perhaps you meant --resume)"),
+        ("session --robot.gaze.gate_wdth=3", "no option --robot.gaze.gate-wdth (perhaps you meant --robot.gaze.gate-w"),
+        ("session --hlep", "no option --hlep (perhaps you meant --help)"),
+        ("develop rendered --help-al --out x", "no option --help-al (perhaps you meant --help-all"),
+        ("experiment run --ot x", "no option --ot (perhaps you meant --out)"),
+        ("measure --sorce x", "no option --sorce (perhaps you meant --source)"),
+        ("--hlep", "no option '--hlep' (perhaps you meant '--help')"),
+        ("help", "for help: jointattn --help, or jointattn COMMAND --help"),
+        ("session help", "for help: jointattn session --help"),
+        ("develop help", "for help: jointattn develop --help"),
+        ("session --minutes 1 --no-motion-cues", "--out"),
+    ],
+)
+def test_what_is_misspelt_is_said_before_what_is_missing(jointattn, line, words):
+    outcome = jointattn(*line.split())
+    refused(outcome, 2, words)
+    assert ("Missing" in outcome.err) == (words == "--out")
+
+
+@pytest.mark.parametrize("command", ["session", "develop", "develop rendered", "perceive a.mp4"])
+def test_an_empty_folder_name(jointattn, command):
+    for out in (("--out", ""), ("--out=",)):
+        refused(jointattn(*command.split(), *out), 2, "--out: the path is empty")
+
+
+def test_an_empty_folder_name_from_python():
+    for run in (
+        Development(steps=1).run,
+        Session(minutes=0.1).run,
+        partial(perceive, "a.mp4"),
+        partial(run_claim, "1.1"),
+    ):
+        with pytest.raises(ConfigError, match="^out is empty"):
+            run(out="")
+    with pytest.raises(ConfigError, match="out: expected a path"):
+        DevelopmentOptions("")
 
 
 def test_a_complaint_is_made_once(jointattn):

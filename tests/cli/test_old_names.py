@@ -81,6 +81,17 @@ def jointattn():
     shell.close()
 
 
+def test_a_world_of_the_last_version(jointattn, tmp_path):
+    file, text = tmp_path / "config.yaml", "world: rendered, mode: {}, steps: 3, mind: {{history: made}}"
+    for world, mode in (("rendered", "turns"), ("realtime", "realtime")):
+        file.write_text(f"config: {{{text.format(mode)}}}")
+        outcome = jointattn("develop", world, "--config", file, "--out", "/proc/nowhere")
+        *warned, refused = outcome.err.splitlines()
+        assert outcome.code == 2 and "/proc/nowhere" in refused
+        (line,) = warned
+        assert "old names: mode is left out; mind is now agent; agent.history 'made' is now 'since_creation'" in line
+
+
 SHORT = ("--minutes", 0.02, "--robot.familiarise.minutes", 0.02)
 
 
@@ -150,6 +161,25 @@ class TestConfigFile:
         for word in (str(wrong), *words):
             assert word in outcome.err
         assert not (tmp_path / "out").exists()
+
+    @pytest.mark.parametrize(
+        ("arguments", "text", "words"),
+        [
+            ("develop", "{world: rendered, maps: discrete}", "is of a run of develop rendered; this is develop table"),
+            ("develop rendered", "{world: table}", "is of a run of develop table; this is develop rendered"),
+            ("develop rendered", "{world: rendered, mode: realtime}", "is of a run of develop realtime; this is "),
+            ("develop realtime", "{world: rendered, mode: turns}", "is of a run of develop rendered; this is "),
+            ("session", "{world: table}", "is of a run of develop table; this is session"),
+            ("session", "{video: a.mp4}", "is of a run of perceive; this is session"),
+            ("perceive a.mp4", "{world: {}, robot: {}}", "is of a run of session; this is perceive"),
+        ],
+    )
+    def test_of_another_command(self, jointattn, tmp_path, arguments, text, words):
+        file = tmp_path / "config.yaml"
+        file.write_text(f"config: {text}\n")
+        outcome = jointattn(*arguments.split(), "--config", file, "--out", tmp_path / "out")
+        assert (outcome.code, outcome.out) == (2, "")
+        assert outcome.err.startswith(f"jointattn: {file} {words}") and outcome.err.count("\n") == 1
 
     @pytest.mark.parametrize(
         ("arguments", "words"),
