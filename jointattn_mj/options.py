@@ -5,8 +5,9 @@ A config is a frozen dataclass that inherits from :class:`Checked`. The annotati
 choices and intervals in ``--help``. What concerns several fields at once stays in the config's own ``__post_init__``,
 after ``super().__post_init__()``.
 
-Names that a field or a choice had in the last version stand in ``RENAMED`` and ``OLD_CHOICES`` of the config. They are
-taken with a :class:`RenamedWarning` from Python, from the command line and from config files.
+Names that a field or a choice had in the last version stand in ``RENAMED`` and ``OLD_CHOICES`` of the config, fields
+that it has no more in ``GONE``. They are taken with a :class:`RenamedWarning` from Python, from the command line and
+from config files.
 """
 
 import inspect
@@ -37,6 +38,8 @@ UNITS = {
     "m": "metres", "hz": "hertz", "minutes": "minutes", "frames": "frames",
 }  # fmt: skip
 """What the end of a field's name says about its unit."""
+GOES = "; the old name goes with the next version"
+"""Ends what is said of an old name."""
 LONGEST_NAME, LONGEST_PATH = 255, 4095
 """Bytes in a file's name and in a path on Linux."""
 
@@ -168,6 +171,8 @@ class Checked(metaclass=_ConfigType):
     OLD_CHOICES: ClassVar[Mapping[str, Mapping[str, str]]] = {}
     """For a field (by its new name) its choices by their names in the last version:
     ``{"perception": {"truth": "state"}}``."""
+    GONE: ClassVar[Sequence[str]] = ()
+    """Fields of the last version that say nothing any more: they are left out."""
     ADVANCED: ClassVar[Sequence[str]] = ()
     """Fields that are tuned constants: the command line lists them last, and in --help-all only."""
 
@@ -209,50 +214,64 @@ def _is_default(config: Checked, one: Field[Any]) -> bool:
     return type(value) is type(default) and bool(value == default)
 
 
-def with_new_names(config: type, named: Mapping[str, Any]) -> dict[str, Any]:
-    """Values of fields by their names of today; warns of each that was named as in the last version.
+def with_new_names(config: type, named: Mapping[str, Any], location: str | None = None) -> dict[str, Any]:
+    """Values of fields by their names of today; warns of each that was named as in the last version, or is gone.
 
     Args:
         config: A class of configs.
         named: Values by the names of fields, new or old.
+        location: What stands before a field's name in messages; None: the name of the class.
 
     Raises:
         TypeError: A field is named twice.
     """
-    old, current = old_names(config), dict(named)
-    for name in named.keys() & old.keys():
-        if old[name] in named:
-            raise TypeError(f"{config.__name__}.{old[name]} is given twice: {name} is its old name")
-        current[old[name]] = current.pop(name)
-        warn_renamed(f"{config.__name__}.{name}", old[name])
+    old, gone = old_names(config), _gone(config)
+    before = f"{config.__name__}." if location is None else location
+    current = {}
+    for name, value in named.items():
+        if name in gone:
+            warnings.warn(f"{before}{name} is left out{GOES}", RenamedWarning, stacklevel=3)
+            continue
+        if name in old:
+            if old[name] in named:
+                raise TypeError(f"{before}{old[name]} is given twice: {name} is its old name")
+            warn_renamed(f"{before}{name}", f"{'' if location is None else before}{old[name]}")
+        current[old.get(name, name)] = value
     return current
 
 
-def with_new_choice(config: type, name: str, value: Any) -> Any:
+def with_new_choice(config: type, name: str, value: Any, location: str | None = None) -> Any:
     """A choice by its name of today, or ``value`` itself; warns of a name of the last version.
 
     Args:
         config: A class of configs.
         name: One of its fields.
         value: Its value; in a tuple each part is a choice.
+        location: What stands before the field's name in messages; None: the name of the class.
     """
     old = old_choices(config).get(name, {})
+    before = f"{config.__name__}." if location is None else location
     for part in value if isinstance(value, tuple) else (value,):
         if isinstance(part, str) and part in old:
-            warn_renamed(f"{config.__name__}.{name} {part!r}", repr(old[part]))
+            warn_renamed(f"{before}{name} {part!r}", repr(old[part]))
             value = tuple(old[part] if one == part else one for one in value) if isinstance(value, tuple) else old[part]
     return value
 
 
 def warn_renamed(old: str, new: str) -> None:
     """Warn that ``old`` is called ``new`` now."""
-    warnings.warn(f"{old} is now called {new}; the old name goes with the next version", RenamedWarning, stacklevel=4)
+    warnings.warn(f"{old} is now called {new}{GOES}", RenamedWarning, stacklevel=4)
 
 
 @cache
 def old_names(config: type) -> dict[str, str]:
     """``RENAMED`` of a class of configs and of those that it inherits from."""
     return {old: new for kind in reversed(config.__mro__) for old, new in vars(kind).get("RENAMED", {}).items()}
+
+
+@cache
+def _gone(config: type) -> frozenset[str]:
+    return frozenset(name for kind in config.__mro__ for name in vars(kind).get("GONE", ()))
 
 
 @cache
@@ -384,8 +403,23 @@ def _plain(value: Any) -> Any:
     return value.item() if numpy is not None and isinstance(value, numpy.generic) else value
 
 
+def path_of(given: str | os.PathLike[str], name: str = "the path") -> Path:
+    """A path that is not empty, for ``Path("")`` would be the current folder.
+
+    Args:
+        given: The path.
+        name: What it is called in a message.
+
+    Raises:
+        ConfigError: It is empty.
+    """
+    if not os.fspath(given):
+        raise ConfigError(f"{name} is empty; name a folder or file (. is the current folder)")
+    return Path(given)
+
+
 def _path(value: Any) -> Any:
-    if not isinstance(value, (str, os.PathLike)):
+    if not isinstance(value, (str, os.PathLike)) or not os.fspath(value):
         return UNFIT
     path = Path(value)
     name = os.fsencode(path)

@@ -1,11 +1,11 @@
 """A claim of the dissertation from Python: the same trials and report as ``jointattn experiment``."""
 
 from os import PathLike
-from pathlib import Path
 from typing import Literal
 
 from jointattn_mj.errors import ConfigError, SweepError
 from jointattn_mj.io.progress import count
+from jointattn_mj.options import path_of
 from jointattn_mj.sweeps.backends import new_backend
 from jointattn_mj.sweeps.registry import Registry, experiments_registry, registry_of
 from jointattn_mj.sweeps.report import write_report
@@ -60,7 +60,7 @@ def run_claim(
     known = experiments_registry() if claims is None else claims
     if claim not in known.entries:
         raise ConfigError(f"no claim has the id {claim!r}; there are {', '.join(known)}")
-    folder, selection = Path(out), Selection(setting, runs, seed)
+    folder, selection = path_of(out, "out"), Selection(setting, runs, seed)
     always = {"registry": registry} if isinstance(registry, str) else {}
     tally = run([known[claim]], selection, folder, new_backend(backend, jobs, address), watcher, **always)
     if tally.failed:

@@ -13,6 +13,7 @@ from jointattn_mj.footage.result import PerceptionResult
 from jointattn_mj.footage.run import percepts, run_perceive
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.gaze_following.attention import AttentionConfig
+from jointattn_mj.options import path_of
 from jointattn_mj.perception.pixels import PixelConfig
 from jointattn_mj.perception.som import SOMConfig
 
@@ -98,7 +99,7 @@ def perceive(
     """
     config = PerceiveConfig(Path(video), **options)
     if out is not None:
-        where = PerceiveOptions(Path(out), resume, overlay, overlay_every, checkpoint_minutes)
+        where = PerceiveOptions(path_of(out, "out"), resume, overlay, overlay_every, checkpoint_minutes)
         run_perceive(config, where, progress)
         return PerceptionResult.open(where.out)
     if resume:

@@ -13,6 +13,7 @@ from jointattn_mj.gaze_following.summary import SessionSummary
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io.extras import extra
 from jointattn_mj.io.files import free_name
+from jointattn_mj.options import path_of
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,7 @@ class Session(VariedSessionConfig):
                 raise ConfigError("resume and video need the folder out; got out=None")
             return run_in_memory(self.config, progress, kind, _rerun_log(None if rerun is None else Path(rerun), False))
         options = LoggedSessionOptions(
-            Path(out), resume, video, video_every, checkpoint_minutes, None if rerun is None else Path(rerun)
+            path_of(out, "out"), resume, video, video_every, checkpoint_minutes, None if rerun is None else Path(rerun)
         )
         run_logged(self.config, options, progress, kind)
         return SessionResult.open(options.out)

@@ -8,11 +8,11 @@ from typing import Annotated, Any
 
 from jointattn_mj.cli.given import typed_only
 from jointattn_mj.cli.help import HELP
-from jointattn_mj.cli.parsing import with_defaults
+from jointattn_mj.cli.parsing import config_from, with_defaults
 from jointattn_mj.cli.running import going_on_from, one_thread
 from jointattn_mj.development.config import (
     DevelopmentConfig,
-    DevelopmentOptions,
+    UnfilmedOptions,
     changed,
     check_world,
     config_class,
@@ -21,10 +21,9 @@ from jointattn_mj.development.loop import DevelopmentRun, Found
 from jointattn_mj.development.meaning import Meaning
 from jointattn_mj.development.run import run_development
 from jointattn_mj.development.summary import DevelopmentSummary
-from jointattn_mj.development.table.config import TableDevelopmentConfig
+from jointattn_mj.development.table.config import TableDevelopmentConfig, TableDevelopmentOptions
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.progress import Progress, count
 from jointattn_mj.options import FLAT, warn_renamed
 
@@ -42,20 +41,23 @@ def develop() -> None:
 
     Leaves in --out: config.yaml, summary.json (modules in their order, what they mean, behaviour by phases),
     sac.png and behaviour.png (Fig. 5.3 and 5.5), maps.png, module_1.csv and so on (the learned maps), steps.parquet
-    with a row a step, contingency.parquet, checkpoint.bin, and with --video a video.
+    with a row a step, contingency.parquet, checkpoint.bin, and in world rendered with --video a video.
     """
 
 
-def table(config: Annotated[TableDevelopmentConfig, FLAT], options: Annotated[DevelopmentOptions, FLAT]) -> None:
+def table(config: Annotated[TableDevelopmentConfig, FLAT], options: Annotated[TableDevelopmentOptions, FLAT]) -> None:
     """Develop at a table with spots, objects and a caregiver, whose state the robot is told in symbols."""
     run_with_bar(config, options)
 
 
 def _rendered() -> Callable[..., None]:
-    from jointattn_mj.development.rendered.config import RenderedDevelopmentConfig  # the 3D world: a second to import
+    from jointattn_mj.development.rendered.config import (  # the 3D world: a second to import
+        RenderedDevelopmentConfig,
+        RenderedDevelopmentOptions,
+    )
 
     def rendered(
-        config: Annotated[RenderedDevelopmentConfig, FLAT], options: Annotated[DevelopmentOptions, FLAT]
+        config: Annotated[RenderedDevelopmentConfig, FLAT], options: Annotated[RenderedDevelopmentOptions, FLAT]
     ) -> None:
         """Develop at a table that the robot sees in rendered images, one a step; bodies are imprecise.
 
@@ -68,10 +70,10 @@ def _rendered() -> Callable[..., None]:
 
 
 def _realtime() -> Callable[..., None]:
-    from jointattn_mj.development.realtime.config import RealtimeDevelopmentConfig
+    from jointattn_mj.development.realtime.config import RealtimeDevelopmentConfig, RealtimeDevelopmentOptions
 
     def realtime(
-        config: Annotated[RealtimeDevelopmentConfig, FLAT], options: Annotated[DevelopmentOptions, FLAT]
+        config: Annotated[RealtimeDevelopmentConfig, FLAT], options: Annotated[RealtimeDevelopmentOptions, FLAT]
     ) -> None:
         """Develop at the same table at 30 frames a second; the caregiver does not wait for the robot."""
         one_thread()
@@ -98,7 +100,7 @@ def command_for(arguments: Sequence[str], file: Path | None) -> tuple[Callable[.
     if file is None:
         default = typed_only(kind.defaults({}), variants_of(kind), kind.of)
     else:
-        start = read_config(file, kind)
+        start = config_from(file, kind, f"develop {world}")
         default = typed_only(start, {"": start}, lambda **given: _changed(start, given))
     return with_defaults(makers[world](), config=default), words
 
@@ -136,6 +138,8 @@ def with_world(arguments: Sequence[str]) -> list[str]:
     Raises:
         ConfigError: There is no such world.
     """
+    if arguments[:1] == ["help"]:
+        raise ConfigError("for help: jointattn develop --help")
     if arguments[:1] and not arguments[0].startswith("-"):
         check_world(arguments[0])
         return list(arguments)
@@ -151,7 +155,7 @@ def with_world(arguments: Sequence[str]) -> list[str]:
     return [world, *words]
 
 
-def run_with_bar(config: DevelopmentConfig, options: DevelopmentOptions) -> None:
+def run_with_bar(config: DevelopmentConfig, options: UnfilmedOptions) -> None:
     """Run, show on stderr how it goes, and say on stdout what came of it."""
     started = time.perf_counter()
     shown = Progress("exploring" if config.world != "table" else "developing", config.length, config.unit)

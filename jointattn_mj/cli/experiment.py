@@ -83,12 +83,13 @@ def load_registry(module: str) -> Registry:
     """The claims of a module; modules of one's own are looked for in the working directory too.
 
     Raises:
-        SweepError: They are not there.
+        ConfigError: There is no such module, or it holds none.
+        SweepError: It cannot be imported.
     """
     if module == EXPERIMENTS:
         return experiments_registry()
     if not all(part.isidentifier() for part in module.split(".")) or len(module) > LONGEST_NAME:
-        raise SweepError(
+        raise ConfigError(
             f"{module[:60]!r} is no name of a module; expected a module that Python finds, such as my_claims.registry"
         )
     if (Path.cwd() / module.split(".")[0]).is_dir() and str(Path.cwd()) not in sys.path:

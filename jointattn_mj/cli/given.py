@@ -7,18 +7,21 @@ dictionary of the options that were typed, groups as dictionaries; the config is
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
+from pathlib import Path
 from typing import Annotated, Any, Literal, TypedDict, TypeVar, get_args, get_origin
 
 import tyro
 from tyro.constructors import (
     MISSING_NONPROP,
     ConstructorRegistry,
+    PrimitiveConstructorSpec,
+    PrimitiveTypeInfo,
     StructConstructorSpec,
     StructFieldSpec,
     StructTypeInfo,
 )
 
-from jointattn_mj.options import Checked
+from jointattn_mj.options import Checked, path_of
 
 Config = TypeVar("Config", bound=Checked)
 GIVEN = ConstructorRegistry()
@@ -71,6 +74,20 @@ _GROUPS: dict[int, _Group] = {}
 def _rule(info: StructTypeInfo) -> StructConstructorSpec | None:
     group = _GROUPS.get(id(info.default))
     return None if group is None else group.spec
+
+
+@GIVEN.primitive_rule
+def _path_rule(info: PrimitiveTypeInfo) -> PrimitiveConstructorSpec[Path] | None:
+    """Paths that may not be empty: ``Path("")`` is the current folder."""
+    if info.type is not Path:
+        return None
+    return PrimitiveConstructorSpec(
+        nargs=1,
+        metavar="PATH",
+        instance_from_str=lambda texts: path_of(texts[0]),
+        is_instance=lambda value: isinstance(value, Path),
+        str_from_instance=lambda path: [str(path)],
+    )
 
 
 def _untyped(name: str, hint: Any) -> StructFieldSpec:

@@ -12,7 +12,7 @@ import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import redirect_stdout, suppress
 from dataclasses import is_dataclass, replace
-from typing import Any, get_args, get_type_hints
+from typing import Annotated, Any, get_args, get_type_hints
 
 import tyro
 from tyro.constructors import ConstructorRegistry, StructConstructorSpec, StructFieldSpec, StructTypeInfo
@@ -84,15 +84,22 @@ def _text(command: Callable[..., Any], prog: str, arguments: Sequence[str], choo
             asking = False
         if not isinstance(whole, StructConstructorSpec):
             return None
-        return replace(whole, fields=tuple(_on_one_line(field) for field in whole.fields if shown(kind, field)))
+        fields = [_as_shown(field) for field in whole.fields if shown(kind, field)]
+        return replace(whole, fields=tuple(sorted(fields, key=_may_be_left_out)))
 
     def shown(kind: type[Checked], field: StructFieldSpec) -> bool:
         hint: Any = field.type
         return _is_nested(hint) or choose(kind, field.name, hint)
 
-    short = (tyro.conf.DisallowNone, tyro.conf.FlagCreatePairsOff)
     with redirect_stdout(said), suppress(SystemExit):
-        tyro.cli(command, prog=prog, description=_about(command), args=list(arguments), registry=registry, config=short)
+        tyro.cli(
+            command,
+            prog=prog,
+            description=_about(command),
+            args=list(arguments),
+            registry=registry,
+            config=(tyro.conf.DisallowNone,),
+        )
     lines = [line.rstrip() for line in said.getvalue().splitlines() if not re.fullmatch(r" *-{9,} *", line)]
     width = shutil.get_terminal_size().columns
     return "\n".join(
@@ -106,8 +113,14 @@ def _about(command: Callable[..., Any]) -> str:
     return "\n\n".join(part if part.startswith("* ") else " ".join(part.split()) for part in paragraphs)
 
 
-def _on_one_line(field: StructFieldSpec) -> StructFieldSpec:
-    """A field whose help is broken into lines by the terminal's width alone."""
+def _as_shown(field: StructFieldSpec) -> StructFieldSpec:
+    """A field with its help on one line, which the terminal's width alone breaks; a flag that is off has one form."""
     whole: Any = field.helptext
     said = whole() if callable(whole) else whole
-    return replace(field, helptext=" ".join(said.split()) if said else None)
+    hint: Any = Annotated[field.type, tyro.conf.FlagCreatePairsOff] if field.default is False else field.type
+    return replace(field, type=hint, helptext=" ".join(said.split()) if said else None)
+
+
+def _may_be_left_out(field: StructFieldSpec) -> bool:
+    """False for what is required, and listed first."""
+    return field.default not in (tyro.MISSING, tyro.MISSING_NONPROP)

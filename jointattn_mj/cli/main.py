@@ -50,8 +50,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def _run(arguments: Sequence[str]) -> int:
     """The exit code of a command line."""
     try:
-        with stopped_like_ctrl_c(), _warnings_on_one_line():
-            _command_of(arguments)()
+        with stopped_like_ctrl_c():
+            with _old_names_on_one_line():
+                command = _command_of(arguments)
+            with _old_names_on_one_line():
+                command()
         return 0
     except SystemExit as stop:
         return stop.code if isinstance(stop.code, int) else FAILED if stop.code else 0
@@ -84,6 +87,12 @@ def _command_of(arguments: Sequence[str]) -> Callable[[], None]:
     if arguments[0] not in COMMANDS:
         from jointattn_mj.options import meant, shown
 
+        if arguments[0] == "help":
+            raise ConfigError("for help: jointattn --help, or jointattn COMMAND --help")
+        if arguments[0].startswith("-"):
+            general = ("--help", "--help-all", "--version")
+            near = meant(arguments[0], general)
+            raise ConfigError(f"no option {shown(arguments[0])}{near}; before a command stand {', '.join(general)}")
         known = ", ".join(COMMANDS)
         raise ConfigError(f"no command {shown(arguments[0])}{meant(arguments[0], COMMANDS)}; there are {known}")
     from jointattn_mj.cli.parsing import parsed
@@ -100,19 +109,24 @@ def _less(name: str) -> str:
 
 
 @contextmanager
-def _warnings_on_one_line() -> Iterator[None]:
-    """While the block runs, each warning about an old name is said on one line."""
+def _old_names_on_one_line() -> Iterator[None]:
+    """Say all names of the last version that are used while the block runs on one line, when it ends."""
+    changes: dict[str, None] = {}
     with warnings.catch_warnings():
         usual = warnings.showwarning
 
         def show(message: Warning | str, category: type[Warning], *where: object) -> None:
             if category.__name__ == "RenamedWarning":  # by name, for its module may not be imported yet
-                _say(f"warning: {message}")
+                changes[str(message).partition("; ")[0].replace(" is now called ", " is now ")] = None
             else:
                 usual(message, category, *where)  # type: ignore[arg-type]
 
         warnings.showwarning = show  # type: ignore[assignment]
-        yield
+        try:
+            yield
+        finally:
+            if changes:
+                _say(f"warning: old names: {'; '.join(changes)}; they go with the next version")
 
 
 def _unforeseen(error: Exception) -> str:

@@ -30,6 +30,11 @@ def with_names_of_today(arguments: Sequence[str], command: Callable[..., Any]) -
     return words
 
 
+def typed_names(command: Callable[..., Any]) -> set[str]:
+    """The options of a command by their names of today, as they are typed; flags without ``no-``."""
+    return {f"--{now.replace('_', '-')}" for kind in configs_of(command) for _, now, _ in _options(kind)}
+
+
 def _option_of_today(typed: str, known: Mapping[str, tuple[str, dict[str, str]]]) -> tuple[str, dict[str, str]]:
     """An option as it is called now, and its choices by their old names."""
     path, _, last = typed.removeprefix("--").replace("-", "_").rpartition(".")

@@ -7,25 +7,30 @@ A command is the function ``NAME`` of ``jointattn_mj.cli.NAME``. A module with s
 
 import inspect
 import io
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import redirect_stderr
+from difflib import get_close_matches
 from functools import partial, wraps
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import Any, get_type_hints
+from typing import Any, TypeVar, get_type_hints
 
 import tyro
 
 from jointattn_mj.cli.given import GIVEN
-from jointattn_mj.cli.help import HELP, help_text
-from jointattn_mj.cli.old_names import with_names_of_today
+from jointattn_mj.cli.help import ALL, HELP, help_text
+from jointattn_mj.cli.old_names import typed_names, with_names_of_today
 from jointattn_mj.cli.usage import complaint, without_class
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.io.configs import read_config
+from jointattn_mj.io.configs import read_config, values_in
 
 CONFIG = "config"
 """Name of the parameter and of the option that --config FILE gives defaults to."""
+MAKERS = {"robot": "session", "video": "perceive"}
+"""Commands by a field that the configs of no other command have."""
+Config = TypeVar("Config")
 
 
 def module_of(name: str) -> ModuleType:
@@ -86,7 +91,20 @@ def by_tyro(command: Callable[..., None], prog: str, arguments: Sequence[str]) -
     except SystemExit as stop:
         if stop.code == 0:
             raise
-        raise ConfigError(complaint(said.getvalue())) from None
+        raise ConfigError(_strange(command, prog, arguments) or complaint(said.getvalue())) from None
+
+
+def _strange(command: Callable[..., None], prog: str, arguments: Sequence[str]) -> str | None:
+    """What is said of words that are no options of a command, whatever else is wrong with its command line."""
+    if arguments[:1] == ["help"]:
+        return f"for help: {prog} --help"
+    known = {"--help", ALL, f"--{CONFIG}", *typed_names(command)}
+    for word in arguments:
+        option = word.partition("=")[0].replace("_", "-")
+        if option.startswith("--") and not {option, re.sub(r"(^--|\.)no-(?=[^.]*$)", r"\1", option)} & known:
+            near = " or ".join(get_close_matches(option, known, n=2, cutoff=0.75))
+            return f"no option {option}{f' (perhaps you meant {near})' if near else ''} (run {prog} --help)"
+    return None
 
 
 def with_defaults(command: Callable[..., None], **defaults: Any) -> Callable[..., None]:
@@ -132,4 +150,29 @@ def _read(command: Callable[..., None], file: Path, name: str) -> Any:
     hints = get_type_hints(command)
     if CONFIG not in hints:
         raise ConfigError(f"{name} takes no --{CONFIG}; see jointattn {name} --help")
-    return read_config(file, hints[CONFIG])
+    return config_from(file, hints[CONFIG], name)
+
+
+def config_from(file: Path, kind: type[Config], name: str) -> Config:
+    """The config in the file of --config.
+
+    Args:
+        file: The config.yaml of a run.
+        kind: Class of the config.
+        name: The command that is to take it, such as ``develop table``.
+
+    Raises:
+        ConfigError: The file cannot be read, is of a run of another command, or holds no such config.
+    """
+    maker = _maker_of(values_in(file))
+    if maker not in (None, name):
+        raise ConfigError(f"{file} is of a run of {maker}; this is {name}")
+    return read_config(file, kind)
+
+
+def _maker_of(values: Mapping[str, Any]) -> str | None:
+    """The command whose run has left a config; None where that cannot be told."""
+    world, mode = values.get("world"), values.get("mode")
+    if isinstance(world, str):
+        return f"develop {'realtime' if mode == 'realtime' else world}"  # a mode in the last version
+    return next((command for field, command in MAKERS.items() if field in values), None)

@@ -8,7 +8,7 @@ from jointattn_mj.cli.running import going_on_from, one_thread
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.summary import LATE_MINUTES
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
-from jointattn_mj.io.progress import Progress
+from jointattn_mj.io.progress import Progress, count
 from jointattn_mj.options import FLAT
 
 LESS = "fewer minutes"
@@ -33,7 +33,7 @@ def session(config: Annotated[VariedSessionConfig, FLAT], options: Annotated[Log
         counted, of_all = counted + len(new), len(session.shifts)
         rate = f"success {sum(recent) / len(recent):.0%} of the last {len(recent)}" if recent else "no success yet"
         shown.doing("session")
-        shown.to(session.frame / FRAMES_PER_MINUTE, f"{counted} gaze shifts, {rate}")
+        shown.to(session.frame / FRAMES_PER_MINUTE, f"{count(counted, 'gaze shift')}, {rate}")
 
     with going_on_from(options.out, "the session"), shown:
         summary = run_logged(config, options, progress, VariedSessionRun)

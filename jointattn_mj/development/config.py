@@ -16,6 +16,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Choice, Seed, Whole, meant, shown, with_new_names
 
 Config = TypeVar("Config", bound=Checked)
+Every = Annotated[int, Whole("[1, 1e10]")]
 WORLDS = {
     "table": ("jointattn_mj.development.table.config", "TableDevelopmentConfig"),
     "rendered": ("jointattn_mj.development.rendered.config", "RenderedDevelopmentConfig"),
@@ -111,16 +112,26 @@ class DevelopmentConfig(Checked):
 
 
 @dataclass(frozen=True)
-class DevelopmentOptions(Checked):
-    """Where a run leaves its results."""
+class UnfilmedOptions(Checked):
+    """Where a run leaves its results, in a world without films."""
 
     out: Path
     """Folder for the results. It is made when missing, and refused when it holds another run."""
     resume: bool = False
     """Go on from the checkpoint in the folder, to the same final result."""
-    checkpoint_every: Annotated[int, Whole("[1, 1e10]")] | None = None
-    """Steps between checkpoints; a kill loses no more than these. None: 2,000,000 at the table, 10,000 in the rendered
-    world, 500 in real time."""
+    checkpoint_every: Every | None = None
+    """Steps between checkpoints; a kill loses no more than these. None: what suits the world."""
+
+    @property
+    def video(self) -> bool:
+        """Whether a video is left."""
+        return False
+
+
+@dataclass(frozen=True)
+class DevelopmentOptions(UnfilmedOptions):
+    """Where a run leaves its results, whatever its world."""
+
     video: bool = False
     """Film some steps at the start and after each module, and leave a video (world rendered only)."""
 

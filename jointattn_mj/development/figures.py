@@ -179,7 +179,7 @@ def draw_maps(path: Path, maps: Sequence[MapImage]) -> None:
         )
     else:
         grid[0].text(0.5, 0.5, "no module was made", ha="center", va="center", transform=grid[0].transAxes)
-    save(figure, path)
+    save(figure, path, whole=True)
 
 
 def _draw_map(axes: Axes, one: MapImage) -> None:

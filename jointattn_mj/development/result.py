@@ -20,6 +20,7 @@ from jointattn_mj.io.former_columns import present_name
 from jointattn_mj.io.notices import notice
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import write_config
+from jointattn_mj.options import path_of
 
 if TYPE_CHECKING:  # pyarrow takes half a second to import
     from jointattn_mj.io.table import Table
@@ -121,8 +122,8 @@ class DevelopmentResult:
         Raises:
             OutputError: The folder holds another run, or cannot be written.
         """
-        with claimed(Path(folder)):
-            self._source.save(Path(folder))
+        with claimed(out := path_of(folder, "folder")):
+            self._source.save(out)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, DevelopmentResult):

@@ -5,7 +5,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Literal
 
-from jointattn_mj.development.config import DevelopmentConfig, DevelopmentOptions, config_class
+from jointattn_mj.development.config import DevelopmentConfig, DevelopmentOptions, UnfilmedOptions, config_class
 from jointattn_mj.development.loop import DevelopmentRun, Found
 from jointattn_mj.development.meaning import Meaning, meanings
 from jointattn_mj.development.result import CONFIG, DevelopmentResult, Finished
@@ -16,6 +16,7 @@ from jointattn_mj.io.interrupts import deferred
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.rows import forget_log, log_folder, summary_of_ended
 from jointattn_mj.io.space import check_free
+from jointattn_mj.options import path_of
 
 LIKELY_MODULES = 8
 """For an estimate of the space on disk: few runs make more modules."""
@@ -99,7 +100,7 @@ class Development:
             ['contingency.parquet', 'steps.parquet']
         """
         if out is not None:
-            options = DevelopmentOptions(Path(out), resume, checkpoint_every, video)
+            options = DevelopmentOptions(path_of(out, "out"), resume, checkpoint_every, video)
             return run_development(self.config, options, progress)
         if resume or checkpoint_every is not None or video:
             raise ConfigError("resume, checkpoint_every and video need a folder; give out as well")
@@ -118,7 +119,7 @@ class Development:
 
 
 def run_development(
-    config: DevelopmentConfig, options: DevelopmentOptions, progress: Progress = lambda run, found: None
+    config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress = lambda run, found: None
 ) -> DevelopmentResult:
     """Run in a folder, with checkpoints.
 
@@ -143,7 +144,7 @@ def run_development(
         return _run(config, options, progress)
 
 
-def _run(config: DevelopmentConfig, options: DevelopmentOptions, progress: Progress) -> DevelopmentResult:
+def _run(config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress) -> DevelopmentResult:
     """Run in a folder that is held for it."""
     out, frozen = options.out, options.out / "checkpoint.bin"
     every = options.checkpoint_every or config.checkpoint_every

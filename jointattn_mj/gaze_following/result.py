@@ -19,6 +19,7 @@ from jointattn_mj.io.former_columns import present_name
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.table import Table
 from jointattn_mj.io.weights import read_weights, write_weights
+from jointattn_mj.options import path_of
 from jointattn_mj.perception.som import SOM
 
 
@@ -132,7 +133,7 @@ class SessionResult:
         Raises:
             OutputError: The folder holds another run, or cannot be written.
         """
-        out = Path(folder)
+        out = path_of(folder, "folder")
         with claimed(out):
             write_config(out / "config.yaml", self.config)
             self.frames.write(out / "frames.parquet")

@@ -23,12 +23,15 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 from jointattn_mj import __version__
 from jointattn_mj.errors import CheckpointError, JointAttnError
 from jointattn_mj.io.archive import archive_of, content_of, member_named, read_array, write_array
 from jointattn_mj.io.codec import Decoder, Encoder
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.provenance import plain
+from jointattn_mj.options import shown
 
 FORMAT = 2
 _PICKLED = b"jointattn checkpoint 1\n"
@@ -96,10 +99,7 @@ def load(path: Path, config: Any, own: str = "", *, kind: type | tuple[type, ...
         archive = archive_of(content)
         header = json.loads(_text(archive, _HEADER))
         if header["config"] != fingerprint(config):
-            raise CheckpointError(
-                f"{path} belongs to a run with another config; resume with the options in config.yaml beside it, "
-                "or choose another --out"
-            )
+            raise CheckpointError(_of_another_config(path, header["versions"], config))
         state = json.loads(_text(archive, _STATE))
         array = partial(_array, archive)
         loaded = Decoder(state["entries"], array, config, own).value(state["root"])
@@ -113,6 +113,33 @@ def load(path: Path, config: Any, own: str = "", *, kind: type | tuple[type, ...
             "the version that wrote it, or begin the run anew"
         ) from error
     return loaded
+
+
+def _of_another_config(path: Path, versions: dict[str, str], config: Any) -> str:
+    """What is said of a checkpoint whose config has other contents than ``config``."""
+    written = versions.get("jointattn_mj", __version__)
+    if written != __version__:
+        return (
+            f"{path} was written by version {written} of jointattn-mj, and this version, {__version__}, cannot go on "
+            "with it; go on with the version that wrote it, or begin the run anew in another --out"
+        )
+    try:
+        there = yaml.safe_load((path.parent / "config.yaml").read_text("utf-8"))["config"]
+        differing = _first_difference(there, plain(config))
+    except (OSError, ValueError, yaml.YAMLError, KeyError, TypeError):  # the file is a help, no more
+        differing = None
+    return (
+        f"{path} belongs to a run with another config{f' ({differing})' if differing else ''}; resume with the options "
+        "in config.yaml beside it, or choose another --out"
+    )
+
+
+def _first_difference(there: Any, here: Any, name: str = "") -> str | None:
+    """``seed is 3 there and 5 here``, or None where nothing differs; groups are mappings."""
+    if not (isinstance(there, dict) and isinstance(here, dict)):
+        return None if there == here else f"{name} is {shown(there)} there and {shown(here)} here"
+    parts = (_first_difference(there.get(key), value, f"{name}.{key}".removeprefix(".")) for key, value in here.items())
+    return next((part for part in parts if part is not None), None)
 
 
 def _archive(header: str, state: str, arrays: list[Any]) -> memoryview:

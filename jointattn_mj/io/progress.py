@@ -18,6 +18,8 @@ FIRST_S, LINE_S = 10.0, 30.0
 QUIET = "JOINTATTN_QUIET"
 """Environment variable: 1 suppresses these lines."""
 COMPILING = "compiling, once on this machine, some 20 s"
+KNOWN_FROM = 0.02
+"""Share of the work after which the time left is said."""
 
 
 class Progress:
@@ -41,6 +43,7 @@ class Progress:
         self.live = self._out.isatty()
         self._doing, self._words, self._done, self._total = doing, "", 0.0, total
         self._unit, self._digits = unit, digits
+        self._compiling_s = 0.0
         self._bar: tqdm | None = None
         self._ended = threading.Event()
         self._stack = ExitStack()
@@ -80,8 +83,8 @@ class Progress:
         if self._total:
             share = min(self._done / self._total, 1)
             parts.append(f"{done} of {self._total:,.{self._digits}f} {self._unit}".rstrip())
-            if 0 < share < 1:
-                parts.append(f"{duration(seconds / share - seconds)} left")
+            if KNOWN_FROM <= share < 1:
+                parts.append(f"{duration((seconds - self._compiling_s) * (1 / share - 1))} left")
         elif self._done:
             parts.append(f"{done} {self._unit}".rstrip())
         return ", ".join([*parts, *([self._words] if self._words else []), f"{duration(seconds)} so far"])
@@ -121,10 +124,12 @@ class Progress:
 
     def _compiling(self) -> Callable[[], None]:
         before, self._doing = self._doing, COMPILING
+        began = time.monotonic()
         if self._bar is not None:
             self._bar.set_description_str(COMPILING)
 
         def over() -> None:
+            self._compiling_s += time.monotonic() - began
             if self._doing == COMPILING:
                 self._doing = before
                 self._show()

@@ -96,18 +96,19 @@ def registry_of(module: str) -> Registry:
     """``REGISTRY`` of a module, such as ``my_claims.registry``.
 
     Raises:
-        SweepError: The module cannot be imported, or has no such registry.
+        ConfigError: There is no such module, or it has no such registry.
+        SweepError: The module cannot be imported.
     """
     try:
         registry = getattr(import_module(module), "REGISTRY", None)
     except ModuleNotFoundError as error:
         if error.name is None or not module.startswith(error.name):
             raise SweepError(f"cannot import {module}: {error}") from error
-        raise SweepError(
+        raise ConfigError(
             f"cannot import {module}; expected a module that Python finds, such as my_claims.registry"
         ) from error
     except Exception as error:
         raise SweepError(f"cannot import {module}: {type(error).__name__}: {error}") from error
     if not isinstance(registry, Registry):
-        raise SweepError(f"{module} has no REGISTRY; see jointattn_mj.sweeps.registry.Registry")
+        raise ConfigError(f"{module} has no REGISTRY; see jointattn_mj.sweeps.registry.Registry")
     return registry

@@ -8,6 +8,7 @@ from pathlib import Path
 import pyarrow as pa
 
 from jointattn_mj.errors import ConfigError, OutputError
+from jointattn_mj.io.progress import count
 from jointattn_mj.io.table import Table
 from jointattn_mj.sweeps.claim import Comparison, Verdict
 from jointattn_mj.sweeps.registry import Entry, Registry, experiments_registry
@@ -107,7 +108,8 @@ class ClaimResult:
 
     def __repr__(self) -> str:
         runs = max(self.runs.values(), default=0)
-        head = f"ClaimResult {self.entry.id} ({self.entry.title}): {self.verdict}, up to {runs} runs, in {self.folder}"
+        amount = f"up to {count(runs, 'run')}" if runs > 1 else "1 run"
+        head = f"ClaimResult {self.entry.id} ({self.entry.title}): {self.verdict}, {amount}, in {self.folder}"
         rows = [("what", "dissertation", "here", "verdict")]
         for one in self.findings:
             rows.append((one.what, one.dissertation, str(one.ours or "-"), str(one.verdict)))

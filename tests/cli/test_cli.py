@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,8 +15,11 @@ import numpy as np
 import pytest
 from shell import Outcome, Shell
 
+from jointattn_mj import Development, Session, perceive, run_claim
 from jointattn_mj.cli import main as cli
 from jointattn_mj.cli import parsing
+from jointattn_mj.development.config import DevelopmentOptions
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene import gl
 
 pytestmark = pytest.mark.integration
@@ -104,6 +108,48 @@ def test_a_misspelt_command(jointattn):
     refused(jointattn("sesion", "--minutes", 1), 2, "no command 'sesion' (perhaps you meant 'session')", "develop")
 
 
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("session --ot x", "no option --ot (perhaps you meant --out)"),
+        ("session --no-resme", "no option --no-resme (perhaps you meant --resume)"),
+        ("session --robot.gaze.gate_wdth=3", "no option --robot.gaze.gate-wdth (perhaps you meant --robot.gaze.gate-w"),
+        ("session --hlep", "no option --hlep (perhaps you meant --help)"),
+        ("develop rendered --help-al --out x", "no option --help-al (perhaps you meant --help-all"),
+        ("experiment run --ot x", "no option --ot (perhaps you meant --out)"),
+        ("measure --sorce x", "no option --sorce (perhaps you meant --source)"),
+        ("--hlep", "no option '--hlep' (perhaps you meant '--help')"),
+        ("help", "for help: jointattn --help, or jointattn COMMAND --help"),
+        ("session help", "for help: jointattn session --help"),
+        ("develop help", "for help: jointattn develop --help"),
+        ("session --minutes 1 --no-motion-cues", "--out"),
+    ],
+)
+def test_what_is_misspelt_is_said_before_what_is_missing(jointattn, line, words):
+    outcome = jointattn(*line.split())
+    refused(outcome, 2, words)
+    assert ("Missing" in outcome.err) == (words == "--out")
+
+
+@pytest.mark.parametrize("command", ["session", "develop", "develop rendered", "perceive a.mp4"])
+def test_an_empty_folder_name(jointattn, command):
+    for out in (("--out", ""), ("--out=",)):
+        refused(jointattn(*command.split(), *out), 2, "--out: the path is empty")
+
+
+def test_an_empty_folder_name_from_python():
+    for run in (
+        Development(steps=1).run,
+        Session(minutes=0.1).run,
+        partial(perceive, "a.mp4"),
+        partial(run_claim, "4.4"),
+    ):
+        with pytest.raises(ConfigError, match="out is empty"):
+            run(out="")
+    with pytest.raises(ConfigError, match="out: expected a path"):
+        DevelopmentOptions("")
+
+
 def test_a_complaint_is_made_once(jointattn):
     outcome = jointattn("play", "moon", "--agent", "zero")
     refused(outcome, 2, "'moon'", "'follow'")
@@ -160,10 +206,19 @@ class TestResume:
             assert after[name] == before[name], name
         assert after.keys() == before.keys()
 
-    @pytest.mark.parametrize("options", [("--seed", 5), ("--no-motion-cues",), ("--minutes", 0.4)])
-    def test_of_another_config(self, jointattn, run, options):
+    @pytest.mark.parametrize(
+        ("options", "differing"),
+        [
+            (("--seed", 5), "seed is 0 there and 5 here"),
+            (("--no-motion-cues",), "motion_cues is True there and False here"),
+            (("--minutes", 0.4), "minutes is 0.2 there and 0.4 here"),
+            (("--robot.learner.rate", 0.01), "robot.learner.rate is "),
+        ],
+    )
+    def test_of_another_config(self, jointattn, run, options, differing):
         before = content(run)
-        refused(jointattn("session", "--out", run, *SHORT, *options, "--resume"), 2, "another config", "config.yaml")
+        outcome = jointattn("session", "--out", run, *SHORT, *options, "--resume")
+        refused(outcome, 2, "another config (", differing, "config.yaml")
         assert content(run) == before
 
     @pytest.mark.parametrize("damage", ["truncated", "empty", "flipped", "foreign", "folder"])

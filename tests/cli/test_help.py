@@ -89,3 +89,34 @@ def test_help_says_what_values_may_be(jointattn):
     said = jointattn("session", "--help-all").out
     for words in ("--robot.som.rate-start FLOAT[1e-9,1]", "{min,max}"):
         assert words in said
+
+
+@pytest.mark.parametrize(
+    ("command", "required"),
+    [
+        ("measure", ["source", "target"]),
+        ("discover", ["sensors", "actions", "results"]),
+        ("play", ["agent"]),
+        ("experiment run", ["out"]),
+    ],
+)
+def test_what_is_required_comes_first(jointattn, command, required):
+    options = OPTION.findall(jointattn(*command.split(), "--help").out)
+    assert options[: len(required) + 1] == ["--help", *(f"--{name}" for name in required)]
+
+
+def test_flags_that_are_on_show_both_forms(jointattn):
+    said = jointattn("session", "--help").out
+    assert "  --motion-cues, --no-motion-cues\n" in said
+    assert "  --resume  " in said and "--no-resume" not in said
+    assert "  --table.profile, --table.no-profile\n" in jointattn("develop", "table", "--help-all").out
+
+
+@pytest.mark.parametrize(("world", "every"), [("table", 2_000_000), ("rendered", 10_000), ("realtime", 500)])
+def test_each_world_has_its_own_options(jointattn, world, every):
+    said = " ".join(jointattn("develop", world, "--help").out.split())
+    assert f"a kill loses no more than these. (default: {every})" in said
+    assert ("--video" in said) == (world == "rendered")
+    if world != "rendered":
+        outcome = jointattn("develop", world, "--video", "--out", "x")
+        assert (outcome.code, "no option --video" in outcome.err) == (2, True)

@@ -9,11 +9,9 @@ import pytest
 from shell import Shell
 
 from jointattn_mj.cli.old_names import with_names_of_today
-from jointattn_mj.options import FLAT, TOP_LEVEL, Checked, RenamedWarning, Share
+from jointattn_mj.options import FLAT, GOES, TOP_LEVEL, Checked, RenamedWarning, Share
 
 pytestmark = pytest.mark.integration
-
-GONE = "; the old name goes with the next version"
 
 
 @dataclass(frozen=True)
@@ -69,8 +67,8 @@ def test_from_python():
         made = Outer(mind=Inner(place_gain=0.1, parts=("skull",)), perception="truth")
     assert made == Outer(Inner(gain=0.1, parts=("head",)), "state")
     said = [str(one.message) for one in caught]
-    assert f"Outer.mind is now called agent{GONE}" in said
-    assert f"Outer.source 'truth' is now called 'state'{GONE}" in said
+    assert f"Outer.mind is now called agent{GOES}" in said
+    assert f"Outer.source 'truth' is now called 'state'{GOES}" in said
     assert len(said) == 5
     with pytest.raises(TypeError, match="given twice"):
         Outer(mind=Inner(), agent=Inner())
@@ -83,6 +81,17 @@ def jointattn():
     shell.close()
 
 
+def test_a_world_of_the_last_version(jointattn, tmp_path):
+    file, text = tmp_path / "config.yaml", "world: rendered, mode: {}, steps: 3, mind: {{history: made}}"
+    for world, mode in (("rendered", "turns"), ("realtime", "realtime")):
+        file.write_text(f"config: {{{text.format(mode)}}}")
+        outcome = jointattn("develop", world, "--config", file, "--out", "/proc/nowhere")
+        *warned, refused = outcome.err.splitlines()
+        assert outcome.code == 2 and "/proc/nowhere" in refused
+        (line,) = warned
+        assert "old names: mode is left out; mind is now agent; agent.history 'made' is now 'since_creation'" in line
+
+
 SHORT = ("--minutes", 0.02, "--robot.familiarise.minutes", 0.02)
 
 
@@ -90,14 +99,11 @@ def test_a_session(jointattn, tmp_path):
     old = ("--perception", "truth", "--truth.face-noise-px", 1, "--world.behaviour.rest-place", 1.2, 0.3, 0.75)
     outcome = jointattn("session", *SHORT, *old, "--out", tmp_path)
     assert outcome.code == 0
-    assert outcome.err.splitlines() == [
-        f"jointattn: warning: {old} is now called {new}{GONE}"
-        for old, new in (
-            ("--perception truth", "--perception state"),
-            ("--truth.face-noise-px", "--state.face-noise-px"),
-            ("--world.behaviour.rest-place", "--world.behaviour.rest-location"),
-        )
-    ]
+    assert outcome.err == (
+        "jointattn: warning: old names: --perception truth is now --perception state; "
+        "--truth.face-noise-px is now --state.face-noise-px; "
+        "--world.behaviour.rest-place is now --world.behaviour.rest-location; they go with the next version\n"
+    )
     text = (tmp_path / "config.yaml").read_text()
     assert "perception: state" in text and "face_noise_px: 1.0" in text
 
@@ -132,12 +138,15 @@ class TestConfigFile:
         outcome = jointattn("session", "--config", old, "--out", tmp_path / "out")
         assert outcome.code == 0
         assert (tmp_path / "out" / "config.yaml").read_bytes() == file.read_bytes()
-        assert outcome.err.count("jointattn: warning: ") == outcome.err.count("\n") == 2
+        assert outcome.err == (
+            "jointattn: warning: old names: truth is now state; perception 'truth' is now 'state'; "
+            "they go with the next version\n"
+        )
 
     @pytest.mark.parametrize(
         ("old", "new", "words"),
         [
-            ("minutes:", "minuts:", ("'minuts' (perhaps you meant 'minutes')",)),
+            ("minutes:", "minuts:", ("no option 'minuts' (perhaps you meant 'minutes')",)),
             ("seed: 3", "seed: -3", ("seed: expected a whole number", "got -3")),
             ("success: either", "success: landed", ("success", "perhaps you meant 'landing'")),
             ("config:", "confi:", ("no config.yaml of a run",)),
@@ -152,6 +161,25 @@ class TestConfigFile:
         for word in (str(wrong), *words):
             assert word in outcome.err
         assert not (tmp_path / "out").exists()
+
+    @pytest.mark.parametrize(
+        ("arguments", "text", "words"),
+        [
+            ("develop", "{world: rendered, maps: discrete}", "is of a run of develop rendered; this is develop table"),
+            ("develop rendered", "{world: table}", "is of a run of develop table; this is develop rendered"),
+            ("develop rendered", "{world: rendered, mode: realtime}", "is of a run of develop realtime; this is "),
+            ("develop realtime", "{world: rendered, mode: turns}", "is of a run of develop rendered; this is "),
+            ("session", "{world: table}", "is of a run of develop table; this is session"),
+            ("session", "{video: a.mp4}", "is of a run of perceive; this is session"),
+            ("perceive a.mp4", "{world: {}, robot: {}}", "is of a run of session; this is perceive"),
+        ],
+    )
+    def test_of_another_command(self, jointattn, tmp_path, arguments, text, words):
+        file = tmp_path / "config.yaml"
+        file.write_text(f"config: {text}\n")
+        outcome = jointattn(*arguments.split(), "--config", file, "--out", tmp_path / "out")
+        assert (outcome.code, outcome.out) == (2, "")
+        assert outcome.err.startswith(f"jointattn: {file} {words}") and outcome.err.count("\n") == 1
 
     @pytest.mark.parametrize(
         ("arguments", "words"),

@@ -21,7 +21,7 @@ def drawn(monkeypatch):
     """Figures as they were before they became files."""
     kept = []
     save = figures.save
-    monkeypatch.setattr(figures, "save", lambda figure, path: (kept.append(figure), save(figure, path)))
+    monkeypatch.setattr(figures, "save", lambda figure, path, **more: (kept.append(figure), save(figure, path, **more)))
     return kept
 
 

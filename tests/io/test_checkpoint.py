@@ -289,6 +289,24 @@ class TestOwnClasses:
             save(tmp_path / "c", chain, CONFIG)
 
 
+def test_a_config_of_another_version(tmp_path):
+    """Its names may differ where nothing was changed; the version is what matters."""
+    versions = {"jointattn_mj": "0.1.0"}
+    head = json.dumps({"format": FORMAT, "config": "0" * 64, "versions": versions}).encode()
+    (tmp_path / "c").write_bytes(sealed({"header.json": head, "state.json": b"{}"}))
+    with pytest.raises(CheckpointError, match=r"written by version 0\.1\.0 of jointattn-mj.* cannot go on with it"):
+        load(tmp_path / "c", CONFIG)
+
+
+@pytest.mark.parametrize("text", ["config: {minutes: 1, seed: 3}", "config: 3", "{", "\0", ""])
+def test_the_config_beside_it(tmp_path, text):
+    save(tmp_path / "c", [1], replace(CONFIG, seed=3))
+    (tmp_path / "config.yaml").write_text(text)
+    words = r"config \(seed is 3 there and 0 here\);" if "seed" in text else "another config"
+    with pytest.raises(CheckpointError, match=words):
+        load(tmp_path / "c", replace(CONFIG, minutes=1))
+
+
 def test_another_config(tmp_path):
     save(tmp_path / "c", [1], CONFIG)
     assert load(tmp_path / "c", CONFIG) == [1]

@@ -75,6 +75,11 @@ class TestLog:
         assert shown.line(12) == "session, 0.0 of 26.0 simulated min, 12 s so far"
         shown.to(6.5, "9 gaze shifts")
         assert shown.line(60) == "session, 6.5 of 26.0 simulated min, 3 min 0 s left, 9 gaze shifts, 1 min 0 s so far"
+        shown.to(0.1)
+        assert "left" not in shown.line(60)  # from so little nothing is known
+        shown._compiling_s = 40
+        shown.to(6.5)
+        assert shown.line(100).startswith("session, 6.5 of 26.0 simulated min, 3 min 0 s left")
         shown.to(26)
         assert shown.line(240).startswith("writing results, 26.0 of 26.0")
         shown.doing("drawing")

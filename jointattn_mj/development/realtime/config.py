@@ -1,9 +1,10 @@
 """``jointattn develop realtime``: options of a run in which the caregiver does not wait for the robot."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
-from jointattn_mj.development.config import DevelopmentConfig
+from jointattn_mj.development.config import DevelopmentConfig, Every, UnfilmedOptions
 from jointattn_mj.development.realtime.run import RealtimeConfig, RealtimeRun
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.options import Choice, Real, Whole
@@ -23,6 +24,8 @@ class RealtimeDevelopmentConfig(DevelopmentConfig):
     """Largest number of steps; a step is a fixation."""
     realtime: RealtimeConfig = field(default_factory=RealtimeConfig)
 
+    GONE: ClassVar[Sequence[str]] = ("mode",)
+    OLD_CHOICES: ClassVar[Mapping[str, Mapping[str, str]]] = {"world": {"rendered": "realtime"}}
     steps_at_a_time: ClassVar[int] = 1
     checkpoint_every: ClassVar[int] = 500
     unit: ClassVar[str] = "min"
@@ -41,3 +44,11 @@ class RealtimeDevelopmentConfig(DevelopmentConfig):
         """A run before its first fixation; the robot knows the caregiver's face."""
         initial = self.initial_modules()
         return RealtimeRun(self.table, self.realtime, self.agent, self.seed, self.steps, initial, self.sample_every)
+
+
+@dataclass(frozen=True)
+class RealtimeDevelopmentOptions(UnfilmedOptions):
+    """Where a run leaves its results."""
+
+    checkpoint_every: Every = RealtimeDevelopmentConfig.checkpoint_every
+    """Steps between checkpoints; a kill loses no more than these."""

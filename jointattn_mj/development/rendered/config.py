@@ -1,12 +1,12 @@
 """``jointattn develop rendered``: options of a run at a table that the robot sees, one image a step."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from jointattn_mj.contingency.online.resolution import ResolutionConfig
-from jointattn_mj.development.config import DevelopmentConfig
+from jointattn_mj.development.config import DevelopmentConfig, DevelopmentOptions, Every
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.meaning import meanings
 from jointattn_mj.development.rendered.continuous import SCATTERED, ContinuousConfig, ContinuousRun
@@ -59,6 +59,7 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
     continuous: ContinuousConfig = field(default_factory=ContinuousConfig)
     babbling: BabblingConfig = field(default_factory=BabblingConfig)
 
+    GONE: ClassVar[Sequence[str]] = ("mode",)
     CHOOSES: ClassVar[tuple[tuple[str, str], ...]] = (("maps", "continuous"), ("resolution", "growing"))
     steps_at_a_time: ClassVar[int] = 500
     checkpoint_every: ClassVar[int] = 10_000
@@ -130,6 +131,16 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
                     assert isinstance(run, RenderedRun)
                     film.scene(run, title)
                     run.close()
+
+
+@dataclass(frozen=True)
+class RenderedDevelopmentOptions(DevelopmentOptions):
+    """Where a run leaves its results."""
+
+    checkpoint_every: Every = RenderedDevelopmentConfig.checkpoint_every
+    """Steps between checkpoints; a kill loses no more than these."""
+    video: bool = False
+    """Film some steps at the start and after each module, and leave a video."""
 
 
 def _driven(run: GrowingRun) -> list[str]:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from jointattn_mj.development.config import DevelopmentConfig
+from jointattn_mj.development.config import DevelopmentConfig, Every, UnfilmedOptions
 from jointattn_mj.development.table.run import TableRun
 
 
@@ -24,3 +24,11 @@ class TableDevelopmentConfig(DevelopmentConfig):
     def new_run(self) -> TableRun:
         """A run before its first step."""
         return TableRun(self.table, self.agent, self.seed, self.steps, self.initial_modules(), self.sample_every)
+
+
+@dataclass(frozen=True)
+class TableDevelopmentOptions(UnfilmedOptions):
+    """Where a run leaves its results."""
+
+    checkpoint_every: Every = TableDevelopmentConfig.checkpoint_every
+    """Steps between checkpoints; a kill loses no more than these."""

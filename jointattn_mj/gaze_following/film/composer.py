@@ -1,7 +1,7 @@
 """One image of a session's video, made for a viewer who has never heard of the project.
 
 On the left are the robot's percept and its interest in things. On the right are the same moment from outside with both
-lines of sight, the map of faces, who decides where to look, and how often the robot looked where the person looked.
+lines of sight, the map of faces, who decides where to look, and how often the robot looked where the caregiver looked.
 """
 
 import numpy as np
@@ -108,7 +108,7 @@ class Composer:
         before, after = DOES[session.world.caregiver.phase]
         bar = area[-BAR:]
         shade(bar, GROUND, 0.88)
-        x = write(bar, 12, 7, "The person", PERSON, STATUS, True) + 7
+        x = write(bar, 12, 7, "The caregiver", PERSON, STATUS, True) + 7
         x = write(bar, x, 7, before, WHITE, STATUS) + 7
         target = session.world.caregiver.target
         if target is not None:

@@ -1,7 +1,7 @@
 """The video's panel on attention: the interest of every candidate over the last seconds, and who looked at what.
 
-Two stripes below the curves have the colours of what the robot and what the person looks at. The same colour one above
-the other is joint attention.
+Two stripes below the curves have the colours of what the robot and what the caregiver looks at. The same colour one
+above the other is joint attention.
 """
 
 from typing import Protocol
@@ -91,7 +91,7 @@ class InterestPanel:
         write(canvas, x, y + 22, "falls when looked at", GREY, SMALL)
         write(canvas, x, self._robot.y - 2, "robot looks at", ROBOT, SMALL)
         if self._knows_person:
-            write(canvas, x, self._person.y - 2, "person looks at", PERSON, SMALL)
+            write(canvas, x, self._person.y - 2, "caregiver looks at", PERSON, SMALL)
         self._plot.of(canvas)[-1] = FAINT
 
     def draw(self, canvas: np.ndarray, table: Columns) -> None:

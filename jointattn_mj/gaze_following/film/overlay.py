@@ -66,7 +66,11 @@ class RobotsView:
         """Dim the image, for nothing is perceived during a shift; mark its goal and the learner's suggestion."""
         shade(area, GROUND, 0.35)
         if shift.suggestion is not None and not shift.by_learner and robot.iterations:
-            self._draw_goal(area, shift.suggestion, head, LEARNED, "learned guess", -50)
+            apart = np.abs(
+                location(pixel_of(shift.command, head)) - location(pixel_of(shift.suggestion, head)) + [0, 76]
+            )
+            crowded = apart[0] < 130 and apart[1] < 28  # the words would lie on those of the goal
+            self._draw_goal(area, shift.suggestion, head, LEARNED, "learned guess", 26 if crowded else -50)
         ink = LEARNED if shift.by_learner else self._inks[shift.chosen]
         self._draw_goal(area, shift.command, head, ink, "learned goal" if shift.by_learner else "goal")
 

@@ -172,7 +172,7 @@ class SuccessPanel:
             minutes: Length of the session.
             objects: Number of objects, for the rate of chance.
         """
-        _begin(canvas, box, "Does it look where the person looks?")
+        _begin(canvas, box, "Does it look where the caregiver looks?")
         self._box, self._minutes = box, minutes
         self._plot = Box(box.x + 62, box.y + 64, box.width - 76, box.height - 102)
         plot = self._plot
