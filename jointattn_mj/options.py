@@ -387,12 +387,13 @@ def _tuple_of(hints: tuple[Any, ...]) -> _Rule:
         words = f"a tuple of {len(rules)}, each {item.words}"
 
     def fit(value: Any) -> Any:
-        if not isinstance(value, tuple) or (rules is not None and len(value) != len(rules)):
+        if not isinstance(value, (tuple, list)) or (rules is not None and len(value) != len(rules)):
             return UNFIT
         kept = tuple(rule.fit(_plain(part)) for rule, part in zip(rules or [item] * len(value), value, strict=True))
         if any(part is UNFIT for part in kept):
             return UNFIT
-        return value if all(new is old for new, old in zip(kept, value, strict=True)) else kept
+        same = isinstance(value, tuple) and all(new is old for new, old in zip(kept, value, strict=True))
+        return value if same else kept
 
     return _Rule(words, fit, item.choices, item.number)
 
