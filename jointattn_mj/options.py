@@ -155,7 +155,9 @@ class _ConfigType(type):
     """Lets configs be made with the names that their fields had in the last version."""
 
     def __call__(cls, *arguments: Any, **named: Any) -> Any:
-        return super().__call__(*arguments, **with_new_names(cls, named))
+        named = with_new_names(cls, named)
+        check_names(cls.__name__, named, [field.name for field in fields(cls)])  # type: ignore[arg-type]
+        return super().__call__(*arguments, **named)
 
     @property
     def __signature__(cls) -> inspect.Signature:
@@ -295,7 +297,7 @@ def meant(value: Any, choices: Iterable[str]) -> str:
     ``value`` is one choice, several that are joined by a +, a tuple of them, or something else.
     """
     choices = tuple(choices)
-    for given in value.split("+") if isinstance(value, str) else value if isinstance(value, tuple) else ():
+    for given in value.split("+") if isinstance(value, str) else value if isinstance(value, (tuple, list)) else ():
         if isinstance(given, str) and given not in choices:
             known = {choice.lower(): choice for choice in choices}
             near = get_close_matches(given.lower(), known, n=1)
@@ -404,6 +406,49 @@ def _plain(value: Any) -> Any:
     return value.item() if numpy is not None and isinstance(value, numpy.generic) else value
 
 
+def check_names(called: str, given: Iterable[str], known: Sequence[str]) -> None:
+    """Refuse arguments that are not there.
+
+    Args:
+        called: Name of what they are given to.
+        given: Names of arguments.
+        known: Those that there are.
+
+    Raises:
+        ConfigError: One is not known; the message names what is like it.
+    """
+    for name in given:
+        if name not in known:
+            raise ConfigError(f"{called} has no option {shown(name)}{meant(name, known)}; there are {', '.join(known)}")
+
+
+def check_argument(name: str, given: Any, hint: Any, words: str | None = None) -> None:
+    """Refuse an argument that its annotation does not allow.
+
+    Args:
+        name: Name of the argument.
+        given: Its value.
+        hint: A type, ``Literal`` choices, or a marker in ``Annotated``, as for fields of configs.
+        words: What is expected; None: as the annotation says.
+
+    Raises:
+        ConfigError: It is not allowed.
+    """
+    rule = rule_of(hint)
+    if rule.fit(_plain(given)) is UNFIT:
+        raise ConfigError(f"{name}: expected {words or rule.words}; got {shown(given)}{meant(given, rule.choices)}")
+
+
+def check_called(name: str, given: Any) -> None:
+    """Refuse what cannot be called.
+
+    Raises:
+        ConfigError: It cannot.
+    """
+    if not callable(given):
+        raise ConfigError(f"{name}: expected a function or another callable; got {shown(given)}")
+
+
 def path_of(given: str | os.PathLike[str], name: str = "the path") -> Path:
     """A path that is not empty, for ``Path("")`` would be the current folder.
 
@@ -412,8 +457,10 @@ def path_of(given: str | os.PathLike[str], name: str = "the path") -> Path:
         name: What it is called in a message.
 
     Raises:
-        ConfigError: It is empty.
+        ConfigError: It is empty, or no path.
     """
+    if not isinstance(given, (str, os.PathLike)):
+        raise ConfigError(f"{name}: expected a path; got {shown(given)}")
     if not os.fspath(given):
         raise ConfigError(f"{name} is empty; name a folder or file (. is the current folder)")
     return Path(given)

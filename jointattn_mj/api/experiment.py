@@ -1,11 +1,11 @@
 """A claim of the dissertation from Python: the same trials and report as ``jointattn experiment``."""
 
 from os import PathLike
-from typing import Literal
+from typing import Annotated, Literal
 
 from jointattn_mj.errors import ConfigError, SweepError
 from jointattn_mj.io.progress import count
-from jointattn_mj.options import path_of
+from jointattn_mj.options import Whole, check_argument, path_of
 from jointattn_mj.sweeps.backends import new_backend
 from jointattn_mj.sweeps.registry import Registry, experiments_registry, registry_of
 from jointattn_mj.sweeps.report import write_report
@@ -56,6 +56,11 @@ def run_claim(
         >>> result.report.name, sorted(result.figures)
         ('report.html', ['order'])
     """
+    check_argument("claim", claim, str, "the id of a claim, such as '4.4'")
+    check_argument("jobs", jobs, Annotated[int, Whole("[0, 10000]")])
+    check_argument("backend", backend, Literal["loky", "dask"])
+    check_argument("address", address, str | None)
+    check_argument("registry", registry, Registry | str | None, "a Registry, or the name of the module that holds it")
     claims = registry if isinstance(registry, Registry) else registry_of(registry) if registry else None
     known = experiments_registry() if claims is None else claims
     if claim not in known.entries:

@@ -1,8 +1,8 @@
 """A video from Python: the same options and results as ``jointattn perceive``, or frame after frame."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import fields
 from os import PathLike
-from pathlib import Path
 from typing import TypedDict, Unpack, overload
 
 from jointattn_mj.errors import ConfigError
@@ -13,7 +13,7 @@ from jointattn_mj.footage.result import PerceptionResult
 from jointattn_mj.footage.run import percepts, run_perceive
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.gaze_following.attention import AttentionConfig
-from jointattn_mj.options import path_of
+from jointattn_mj.options import check_called, check_names, path_of
 from jointattn_mj.perception.pixels import PixelConfig
 from jointattn_mj.perception.som import SOMConfig
 
@@ -97,7 +97,10 @@ def perceive(
         >>> {frame.fixation for frame in frames} <= {None, "face", "red", "yellow", "blue", "green"}
         True
     """
-    config = PerceiveConfig(Path(video), **options)
+    check_called("progress", progress)
+    known = [field.name for kind in (PerceiveConfig, PerceiveOptions) for field in fields(kind)]
+    check_names("perceive", options, known)
+    config = PerceiveConfig(video, **options)  # type: ignore[arg-type]  # made a Path there
     if out is not None:
         where = PerceiveOptions(path_of(out, "out"), resume, overlay, overlay_every, checkpoint_minutes)
         run_perceive(config, where, progress)

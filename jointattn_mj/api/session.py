@@ -13,7 +13,7 @@ from jointattn_mj.gaze_following.summary import SessionSummary
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io.extras import extra
 from jointattn_mj.io.files import free_name
-from jointattn_mj.options import path_of
+from jointattn_mj.options import check_called, path_of, shown
 
 
 @dataclass(frozen=True)
@@ -104,14 +104,24 @@ class Session(VariedSessionConfig):
             >>> sorted(path.name for path in result.folder.glob("*.parquet"))
             ['frames.parquet', 'gaze_shifts.parquet']
         """
+        check_called("progress", progress)
+        if not (isinstance(kind, type) and issubclass(kind, SessionRun)):
+            raise ConfigError(f"kind: expected SessionRun or a subclass of it; got {shown(kind)}")
         if self.variation != "none" and not issubclass(kind, VariedSessionRun):
             raise ConfigError(f"variation needs a subclass of VariedSessionRun; got {kind.__name__}")
         if out is None:
             if resume or video:
                 raise ConfigError("resume and video need the folder out; got out=None")
-            return run_in_memory(self.config, progress, kind, _rerun_log(None if rerun is None else Path(rerun), False))
+            return run_in_memory(
+                self.config, progress, kind, _rerun_log(None if rerun is None else path_of(rerun, "rerun"), False)
+            )
         options = LoggedSessionOptions(
-            path_of(out, "out"), resume, video, video_every, checkpoint_minutes, None if rerun is None else Path(rerun)
+            path_of(out, "out"),
+            resume,
+            video,
+            video_every,
+            checkpoint_minutes,
+            None if rerun is None else path_of(rerun, "rerun"),
         )
         run_logged(self.config, options, progress, kind)
         return SessionResult.open(options.out)

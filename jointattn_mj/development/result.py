@@ -70,7 +70,7 @@ class DevelopmentResult:
         Raises:
             OutputError: The folder holds no finished run.
         """
-        path = Path(folder) / SUMMARY
+        path = path_of(folder, "folder") / SUMMARY
         try:
             summary = DevelopmentSummary.from_json(json.loads(path.read_text("utf-8")))
         except FileNotFoundError as error:

@@ -16,7 +16,7 @@ from jointattn_mj.io.interrupts import deferred
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.rows import forget_log, log_folder, summary_of_ended
 from jointattn_mj.io.space import check_free
-from jointattn_mj.options import path_of
+from jointattn_mj.options import check_called, path_of
 
 LIKELY_MODULES = 8
 """For an estimate of the space on disk: few runs make more modules."""
@@ -99,6 +99,7 @@ class Development:
             >>> sorted(path.name for path in result.folder.glob("*.parquet"))
             ['contingency.parquet', 'steps.parquet']
         """
+        check_called("progress", progress)
         if out is not None:
             options = DevelopmentOptions(path_of(out, "out"), resume, checkpoint_every, video)
             return run_development(self.config, options, progress)

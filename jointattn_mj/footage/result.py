@@ -14,6 +14,7 @@ from jointattn_mj.footage.run import read_summary
 from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.former_columns import present_name
 from jointattn_mj.io.table import Table
+from jointattn_mj.options import path_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -55,7 +56,7 @@ class PerceptionResult:
             OutputError: The folder holds no results of a video.
             ConfigError: Its config.yaml cannot be read.
         """
-        path = Path(folder)
+        path = path_of(folder, "folder")
         return cls(read_config(path / "config.yaml", PerceiveConfig), read_summary(path), path)
 
     @cached_property

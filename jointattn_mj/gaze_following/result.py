@@ -97,7 +97,7 @@ class SessionResult:
             OutputError: The folder holds no finished session.
             ConfigError: Its config.yaml cannot be read.
         """
-        path = Path(folder)
+        path = path_of(folder, "folder")
         summary = SessionSummary.read(path / "summary.json")
         return cls(read_config(path / "config.yaml", VariedSessionConfig), summary, SessionFolder(path))
 

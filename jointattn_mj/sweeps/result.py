@@ -10,6 +10,7 @@ import pyarrow as pa
 from jointattn_mj.errors import ConfigError, OutputError
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.table import Table
+from jointattn_mj.options import path_of
 from jointattn_mj.sweeps.claim import Comparison, Verdict
 from jointattn_mj.sweeps.registry import Entry, Registry, experiments_registry
 from jointattn_mj.sweeps.report import chapter, finding_row
@@ -69,7 +70,7 @@ class ClaimResult:
             ConfigError: There is no such claim.
             OutputError: The folder holds no trials of it.
         """
-        path = Path(folder)
+        path = path_of(folder, "folder")
         registry = experiments_registry() if registry is None else registry
         if claim not in registry.entries:
             raise ConfigError(f"no claim has the id {claim!r}; there are {', '.join(registry)}")
