@@ -109,19 +109,18 @@ class Session(VariedSessionConfig):
             raise ConfigError(f"kind: expected SessionRun or a subclass of it; got {shown(kind)}")
         if self.variation != "none" and not issubclass(kind, VariedSessionRun):
             raise ConfigError(f"variation needs a subclass of VariedSessionRun; got {kind.__name__}")
+        log = None if rerun is None else path_of(rerun, "rerun")
         if out is None:
             if resume or video:
                 raise ConfigError("resume and video need the folder out; got out=None")
-            return run_in_memory(
-                self.config, progress, kind, _rerun_log(None if rerun is None else path_of(rerun, "rerun"), False)
-            )
+            return run_in_memory(self.config, progress, kind, _rerun_log(log, False))
         options = LoggedSessionOptions(
             path_of(out, "out"),
             resume,
             video,
             video_every,
             checkpoint_minutes,
-            None if rerun is None else path_of(rerun, "rerun"),
+            log,
         )
         run_logged(self.config, options, progress, kind)
         return SessionResult.open(options.out)

@@ -1,11 +1,18 @@
 """``jointattn develop``, and the same from Python: a run in memory, or in a folder with checkpoints and results."""
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal
 
-from jointattn_mj.development.config import DevelopmentConfig, DevelopmentOptions, UnfilmedOptions, config_class
+from jointattn_mj.development.config import (
+    DevelopmentConfig,
+    DevelopmentOptions,
+    UnfilmedOptions,
+    changed,
+    config_class,
+)
 from jointattn_mj.development.loop import DevelopmentRun, Found
 from jointattn_mj.development.meaning import Meaning, meanings
 from jointattn_mj.development.result import CONFIG, DevelopmentResult, Finished
@@ -16,7 +23,7 @@ from jointattn_mj.io.interrupts import deferred
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.rows import forget_log, log_folder, summary_of_ended
 from jointattn_mj.io.space import check_free
-from jointattn_mj.options import check_called, path_of
+from jointattn_mj.options import check_argument, check_called, path_of
 
 LIKELY_MODULES = 8
 """For an estimate of the space on disk: few runs make more modules."""
@@ -24,6 +31,7 @@ Progress = Callable[[DevelopmentRun, Sequence[tuple[Found, Meaning | None]]], ob
 """Called now and then with the run, and with the events that were found since the last call and what they mean."""
 
 
+@dataclass(frozen=True, init=False, repr=False)
 class Development:
     """A robot that finds what is contingent, makes modules of it, and so develops joint attention (chapters 4, 5, 7).
 
@@ -38,7 +46,8 @@ class Development:
             group as a mapping: ``table={"spots": 4}``.
 
     Attributes:
-        config: All options, typed.
+        config: All options, typed; each is an attribute of its own too, such as ``steps``. None can be set:
+            ``replace(seed=2)`` gives another.
 
     Raises:
         ConfigError: No such option, or a value that is not allowed; the message says which are.
@@ -52,18 +61,49 @@ class Development:
         ('object', "caregiver's face", 'shift gaze', 'reliability', 'expected object')
     """
 
+    config: DevelopmentConfig
+
     def __init__(
         self, preset: str | None = None, *, world: Literal["table", "rendered", "realtime"] = "table", **options: Any
     ):
         chosen = options if preset is None else {"preset": preset, **options}
-        self.config: DevelopmentConfig = config_class(world).of(**chosen)
+        object.__setattr__(self, "config", config_class(world).of(**chosen))
 
     @classmethod
     def from_config(cls, config: DevelopmentConfig) -> "Development":
-        """The same for a config that is already there."""
+        """The same for a config that is already there.
+
+        Raises:
+            ConfigError: It is no such config.
+        """
+        check_argument("config", config, DevelopmentConfig)
         made = cls.__new__(cls)
-        made.config = config
+        object.__setattr__(made, "config", config)
         return made
+
+    def replace(self, **changes: Any) -> "Development":
+        """The same with other values of some options; all others stay.
+
+        Args:
+            changes: Options by name, but for world and preset, from which others follow.
+
+        Raises:
+            ConfigError: No such option, or a value that is not allowed.
+
+        Examples:
+            >>> from jointattn_mj import Development
+            >>> Development("fast", steps=6000).replace(seed=2)
+            Development('fast', world='table', steps=6000, seed=2)
+        """
+        if changes.keys() & {"world", "preset"}:
+            raise ConfigError("other options follow from world and preset; make another Development with them")
+        return self.from_config(changed(self.config, changes))
+
+    def __getattr__(self, name: str) -> Any:
+        """An option by its name, such as ``steps``."""
+        if name != "config" and not name.startswith("_") and hasattr(self.config, name):
+            return getattr(self.config, name)
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def run(
         self,

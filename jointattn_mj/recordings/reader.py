@@ -10,7 +10,8 @@ import numpy as np
 
 from jointattn_mj.contingency.series import joint
 from jointattn_mj.errors import SeriesError
-from jointattn_mj.options import Checked, Whole
+from jointattn_mj.io.progress import count
+from jointattn_mj.options import Checked, Whole, shown
 from jointattn_mj.recordings.labels import coded
 from jointattn_mj.recordings.table_files import read_columns
 
@@ -33,14 +34,17 @@ class ReadOptions(Checked):
     rows_are_steps: bool = False
     """Take rows as steps although columns such as onset and offset look like a list of events."""
 
-    def read(self, path: Path | str, columns: Sequence[str]) -> "Recordings":
+    def read(self, path: Path | str, columns: str | Sequence[str]) -> "Recordings":
         """The columns as :func:`read_recordings` reads them with these options."""
         if not isinstance(path, (str, os.PathLike)):
             raise SeriesError(f"expected the path of a file; got {type(path).__name__}")
-        return _read(Path(path), list(dict.fromkeys(columns)), self)
+        names = [columns] if isinstance(columns, str) else list(dict.fromkeys(columns))
+        if not names or not all(isinstance(name, str) for name in names):
+            raise SeriesError(f"expected the name of a column, or several; got {shown(columns)}")
+        return _read(Path(path), names, self)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Recordings:
     """Variables as series of codes, and what the codes are called."""
 
@@ -61,6 +65,12 @@ class Recordings:
     def transitions(self) -> int:
         """Steps that have a next one."""
         return sum(len(part) - 1 for part in next(iter(self.columns.values())))
+
+    def __repr__(self) -> str:
+        names = ", ".join(self.columns)
+        names = names if len(names) <= 60 else f"{names[:57]}..."
+        recordings = count(len(set(self.groups)), "recording")
+        return f"Recordings({count(self.rows, 'row')}, {recordings}, {count(len(self.columns), 'column')}: {names})"
 
     def joined(self, names: Sequence[str]) -> tuple[list[np.ndarray], tuple[str, ...]]:
         """Several variables taken as one, and the labels of the combinations that occur; one is taken as it is."""
@@ -87,7 +97,7 @@ class Recordings:
 
 def read_recordings(
     path: Path | str,
-    columns: Sequence[str],
+    columns: str | Sequence[str],
     recording: str | None = None,
     missing: Missing = "error",
     *,
@@ -102,7 +112,7 @@ def read_recordings(
 
     Args:
         path: The file, with a row a step.
-        columns: Names of the variables to read.
+        columns: Names of the variables to read, or one name.
         recording: Column that tells independent recordings apart: rows with the same value are one, in their order.
         missing: What a missing value does: ``"error"``, or ``"break"``, which cuts the recording there.
         encoding: Encoding of a text file, such as ``"cp1252"``; by default UTF-8, or what its byte order mark says.

@@ -9,6 +9,7 @@ import pytest
 from clips import Clip, encode
 
 from jointattn_mj import ClaimResult, Development, DevelopmentResult, Session, SessionResult, perceive, run_claim
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
 from jointattn_mj.perception.som import SOMConfig
 from jointattn_mj.scene import gl
@@ -65,6 +66,22 @@ def test_copies_are_equal(make, tmp_path):
         for name, way in WAYS.items():
             assert way(result) == result, name
             assert repr(way(result)) == repr(result)
+
+
+def test_a_development_is_its_config():
+    one = Development("fast", steps=4000, seed=1)
+    assert one == Development("fast", steps=4000, seed=1) != one.replace(seed=2)
+    assert (one.steps, one.replace(seed=2).seed, one.preset) == (4000, 2, "fast")
+    assert all(way(one) == one for way in WAYS.values())
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        one.config = None
+    with pytest.raises(AttributeError, match="no attribute 'stesp'"):
+        one.stesp  # noqa: B018
+    for wrong, words in (({"stesp": 3}, "'steps'"), ({"preset": "thesis"}, "make another Development")):
+        with pytest.raises(ConfigError, match=words):
+            one.replace(**wrong)
+    with pytest.raises(ConfigError, match="config: expected a DevelopmentConfig; got 3"):
+        Development.from_config(3)
 
 
 @pytest.mark.parametrize("make", MADE[:3])

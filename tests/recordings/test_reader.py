@@ -306,3 +306,13 @@ def test_columns_by_the_names_that_they_had(write):
     with pytest.warns(RenamedWarning, match="'red_seen' is now called 'red_visible'"):
         data = read_recordings(path, ["red_seen", "seen"])
     assert data.labels == {"red_seen": ("no", "yes"), "seen": ("a", "b")}
+
+
+def test_names_of_columns(write):
+    path = write("mother,infant\na,b\nb,a\na,a\n")
+    one = read_recordings(path, "mother")
+    assert list(one.columns) == ["mother"]
+    assert repr(one) == "Recordings(3 rows, 1 recording, 1 column: mother)"
+    for wrong in ([], "", [3]):
+        with pytest.raises(SeriesError, match="column"):
+            read_recordings(path, wrong)
