@@ -17,6 +17,7 @@ from jointattn_mj.errors import OutputError
 from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.files import claimed, write_whole
 from jointattn_mj.io.former_columns import present_name
+from jointattn_mj.io.kinds import check_kind
 from jointattn_mj.io.notices import notice
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import write_config
@@ -71,6 +72,7 @@ class DevelopmentResult:
             OutputError: The folder holds no finished run.
         """
         path = path_of(folder, "folder") / SUMMARY
+        check_kind(path.parent, cls.__name__)
         try:
             summary = DevelopmentSummary.from_json(json.loads(path.read_text("utf-8")))
         except FileNotFoundError as error:

@@ -13,6 +13,7 @@ from jointattn_mj.footage.frames import PerceivedFrame, frames_of
 from jointattn_mj.footage.run import read_summary
 from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.former_columns import present_name
+from jointattn_mj.io.kinds import check_kind
 from jointattn_mj.io.table import Table
 from jointattn_mj.options import path_of
 
@@ -57,6 +58,7 @@ class PerceptionResult:
             ConfigError: Its config.yaml cannot be read.
         """
         path = path_of(folder, "folder")
+        check_kind(path, cls.__name__)
         return cls(read_config(path / "config.yaml", PerceiveConfig), read_summary(path), path)
 
     @cached_property

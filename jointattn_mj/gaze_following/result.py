@@ -16,6 +16,7 @@ from jointattn_mj.gaze_following.varied_session import VariedSessionConfig
 from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.files import claimed
 from jointattn_mj.io.former_columns import present_name
+from jointattn_mj.io.kinds import check_kind
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.table import Table
 from jointattn_mj.io.weights import read_weights, write_weights
@@ -98,6 +99,7 @@ class SessionResult:
             ConfigError: Its config.yaml cannot be read.
         """
         path = path_of(folder, "folder")
+        check_kind(path, cls.__name__)
         summary = SessionSummary.read(path / "summary.json")
         return cls(read_config(path / "config.yaml", VariedSessionConfig), summary, SessionFolder(path))
 
