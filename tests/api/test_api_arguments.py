@@ -14,6 +14,8 @@ from jointattn_mj import (
 )  # fmt: skip
 from jointattn_mj.errors import ConfigError
 
+pytestmark = pytest.mark.integration
+
 SESSION, DEVELOPMENT = Session(minutes=0.01, perception="state"), Development("fast", steps=10)
 
 

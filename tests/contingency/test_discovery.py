@@ -7,6 +7,8 @@ from jointattn_mj.contingency import TestOptions, discover
 from jointattn_mj.contingency.discovery import least_surrogates
 from jointattn_mj.errors import SeriesError
 
+pytestmark = pytest.mark.integration
+
 QUICK = TestOptions(199, resamples=20)
 
 

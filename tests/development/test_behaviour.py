@@ -9,6 +9,8 @@ from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.development.table.world import LOOKS_AT, TableConfig
 from jointattn_mj.errors import ConfigError
 
+pytestmark = pytest.mark.integration
+
 SPOTS = 3
 AT_ROBOT, NOT_VISIBLE, TO_CAREGIVER = 3, 4, 3
 

@@ -21,6 +21,8 @@ from jointattn_mj.development.table.caregiver import (
 )
 from jointattn_mj.errors import ConfigError
 
+pytestmark = pytest.mark.integration
+
 DRAWS = 3000
 FACE = 3
 """With three spots."""

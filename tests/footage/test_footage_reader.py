@@ -11,6 +11,8 @@ from jointattn_mj.errors import FootageError
 from jointattn_mj.footage import reader
 from jointattn_mj.footage.reader import LONGEST_HOLD_S, Footage
 
+pytestmark = pytest.mark.integration
+
 
 def shown(footage: Footage) -> list[int]:
     """What the frames show, by what is in the images; numbers and marks agree with it."""

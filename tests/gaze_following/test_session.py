@@ -17,6 +17,8 @@ from jointattn_mj.io.weights import read_weights
 from jointattn_mj.scene.camera import directions_to, pixels_of_points
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
 
+pytestmark = pytest.mark.integration
+
 OBJECTS = ("red", "yellow", "blue", "green")
 CANDIDATES = (*OBJECTS, "face")
 ROBOT = RobotConfig(familiarise=FamiliariseConfig(minutes=0.3))

@@ -17,6 +17,8 @@ from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts, shift_row, writ
 from jointattn_mj.gaze_following.tables import FrameTable, write_frames
 from jointattn_mj.scene.camera import pixels_of_points
 
+pytestmark = pytest.mark.integration
+
 NAMES = ("red", "blue", "face")
 LOCATIONS = np.array([[10.0, -15.0], [-10.0, -15.0]])
 

@@ -17,6 +17,8 @@ from documented import ROOT, Block, blocks, commands, pages
 from jointattn_mj.cli import main as cli
 from jointattn_mj.errors import ConfigError
 
+pytestmark = pytest.mark.integration
+
 OPTION = re.compile(r"^--[a-z][\w.-]*")
 FREE = ("apt-get", "rerun", "dask")
 """Programs of other people: only the syntax of these lines is checked."""

@@ -11,6 +11,8 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.face import IDENTITIES, FaceConfig, build_face, identity
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH, SceneConfig, build_model
 
+pytestmark = pytest.mark.integration
+
 # Detector parameters at the image's own size: a face is about 28 x 40 px, the cascade's window 24 px.
 SCALE, NEIGHBOURS, SMALLEST = 1.1, 3, (24, 24)
 

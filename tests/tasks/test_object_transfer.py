@@ -11,6 +11,8 @@ from jointattn_mj.scene.world import World, WorldConfig
 from jointattn_mj.tasks import load
 from jointattn_mj.tasks.environment import LENS_LIT, LENS_RGBA
 
+pytestmark = pytest.mark.integration
+
 DOMAIN = ("joint_attention", "object_transfer")
 BLIND = {"camera": False}
 
