@@ -6,14 +6,13 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from shell import Outcome, Shell
+from shell import Outcome, refused, stopped
 
 from jointattn_mj import Development, Session, perceive, run_claim
 from jointattn_mj.cli import main as cli
@@ -25,13 +24,6 @@ from jointattn_mj.scene import gl
 pytestmark = pytest.mark.integration
 
 SHORT = ("--minutes", 0.2, "--perception", "state", "--robot.familiarise.minutes", 0.05)
-
-
-@pytest.fixture(scope="module")
-def jointattn():
-    shell = Shell()
-    yield shell
-    shell.close()
 
 
 @pytest.fixture(scope="module")
@@ -53,17 +45,6 @@ def run(finished, tmp_path) -> Path:
 
 def content(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
-
-
-def refused(outcome: Outcome, code: int, *words: str) -> None:
-    """One message on one line, no traceback, and it says what matters."""
-    assert outcome.code == code, outcome.err
-    assert outcome.out == ""
-    assert outcome.err.count("\n") == 1, outcome.err
-    assert outcome.err.startswith("jointattn: ")
-    assert "Traceback" not in outcome.err
-    for word in words:
-        assert word in outcome.err
 
 
 BAD_OPTIONS = [
@@ -348,20 +329,7 @@ def test_no_opengl(tmp_path, case):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_stopped_from_outside(tmp_path, number):
     """Ctrl-C, the kind signal of a scheduler, a closed terminal: a checkpoint, one line that says how to go on, 130."""
-    arguments = ["session", "--out", str(tmp_path), *map(str, SHORT), "--minutes", "600"]
-    with subprocess.Popen(
-        [sys.executable, "-m", "jointattn_mj.cli.main", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
-        while not (tmp_path / "config.yaml").exists():
-            assert process.poll() is None
-            time.sleep(0.02)
-        time.sleep(0.2)
-        process.send_signal(number)
-        out, err = process.communicate(timeout=30)
-    refused(Outcome(process.returncode, out, err), 130, "--resume", str(tmp_path))
+    refused(stopped(number, tmp_path, "session", *SHORT, "--minutes", 600), 130, "--resume", str(tmp_path))
     assert {path.name for path in tmp_path.iterdir()} - {"log"} == {"checkpoint.bin", "config.yaml"}
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from clips import counted, encode
-from shell import Outcome, Shell
+from shell import Outcome, refused
 
 from jointattn_mj.io import files
 from jointattn_mj.io.files import held
@@ -46,13 +46,6 @@ cli.main(sys.argv[1:])
 
 
 @pytest.fixture(scope="module")
-def jointattn():
-    shell = Shell()
-    yield shell
-    shell.close()
-
-
-@pytest.fixture(scope="module")
 def inputs(tmp_path_factory) -> dict[str, str]:
     """A video and a table."""
     folder = tmp_path_factory.mktemp("inputs")
@@ -64,19 +57,12 @@ def command(name: str, inputs: dict[str, str], out: Path) -> list[str]:
     return [*(inputs.get(str(word), str(word)) for word in COMMANDS[name]), "--out", str(out)]
 
 
-def refused(outcome: Outcome, *words: str) -> None:
-    assert outcome.code == 2, outcome.err
-    assert outcome.err.startswith("jointattn: ") and outcome.err.count("\n") == 1, outcome.err
-    for word in words:
-        assert word in outcome.err
-
-
 @pytest.mark.parametrize("name", [*OWNERS, "play"])
 def test_another_process_is_at_work(jointattn, inputs, tmp_path, name):
     out = tmp_path / "out"
     with held(out):
         for resume in ((), ("--resume",)) if name in OWNERS else ((),):
-            refused(jointattn(*command(name, inputs, out), *resume), str(out), "another process")
+            refused(jointattn(*command(name, inputs, out), *resume), 2, str(out), "another process")
         assert [path.name for path in out.iterdir()] == [".lock"]
 
 
@@ -105,7 +91,7 @@ def test_two_that_resume_at_once(jointattn, tmp_path):
             while not ((tmp_path / "config.yaml").exists() and (tmp_path / ".lock").exists()):
                 assert process.poll() is None
                 time.sleep(0.02)
-            refused(jointattn(*options, "--resume"), "another process")
+            refused(jointattn(*options, "--resume"), 2, "another process")
             process.send_signal(signal.SIGINT)
             process.communicate(timeout=60)
         assert process.returncode == 130
@@ -119,7 +105,7 @@ def test_killed_before_the_first_checkpoint(jointattn, inputs, tmp_path, name):
     killed = subprocess.run([sys.executable, "-c", KILLED, *arguments], capture_output=True)
     assert killed.returncode == -signal.SIGKILL
     assert len(list(tmp_path.glob(".checkpoint.*.bin"))) == 1
-    refused(jointattn(*arguments, "--resume"), "no checkpoint", "without --resume")
+    refused(jointattn(*arguments, "--resume"), 2, "no checkpoint", "without --resume")
     assert not list(tmp_path.glob(".*"))
     outcome = jointattn(*arguments)
     assert (outcome.code, outcome.err) == (0, "")
@@ -134,7 +120,7 @@ def test_config_without_a_checkpoint(jointattn, inputs, tmp_path, name):
     assert jointattn(*arguments, "--seed", 1).code == 0
     (tmp_path / "checkpoint.bin").unlink()
     kept = {path: path.read_bytes() for path in tmp_path.iterdir()}
-    refused(jointattn(*arguments, "--seed", 2), "already holds a run", "no checkpoint", "another --out")
+    refused(jointattn(*arguments, "--seed", 2), 2, "already holds a run", "no checkpoint", "another --out")
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == kept
     (tmp_path / "summary.json").unlink()
     assert jointattn(*arguments, "--seed", 2).code == 0
@@ -143,7 +129,7 @@ def test_config_without_a_checkpoint(jointattn, inputs, tmp_path, name):
 
 def test_somebody_elses_config(jointattn, tmp_path):
     (tmp_path / "config.yaml").write_text("mine: true\n")
-    refused(jointattn(*SESSION, "--out", tmp_path), "config.yaml", "another --out")
+    refused(jointattn(*SESSION, "--out", tmp_path), 2, "config.yaml", "another --out")
     assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("config.yaml", "mine: true\n")]
 
 
@@ -163,7 +149,7 @@ def test_no_locks(tmp_path, monkeypatch, capsys):
 
 MOUNTED = """
 import json, subprocess, sys
-from shell import Outcome, Shell
+from shell import Shell
 jointattn, outcomes = Shell(), []
 for step in json.loads(sys.argv[1]):
     if step[0] == "jointattn":
@@ -202,7 +188,7 @@ class TestMounted:
         outcomes = in_a_mount(*steps)
         assert len(outcomes) == len(COMMANDS)
         for outcome in outcomes:
-            refused(outcome, str(tmp_path), "write")
+            refused(outcome, 2, str(tmp_path), "write")
 
     @pytest.mark.parametrize(("name", "size"), [("play", 4), ("measure", 0), ("perceive", 100)])
     def test_full(self, inputs, tmp_path, name, size):
@@ -218,5 +204,5 @@ class TestMounted:
             ["mount", "-o", "remount,size=20m", str(disk)],
             again,
         )
-        refused(full, str(disk), "No space left on device")
+        refused(full, 2, str(disk), "No space left on device")
         assert (enough.code, enough.err) == (0, "")

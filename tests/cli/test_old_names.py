@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
 import pytest
-from shell import Shell
 
 from jointattn_mj.cli.old_names import with_names_of_today
 from jointattn_mj.options import FLAT, GOES, TOP_LEVEL, Checked, RenamedWarning, Share
@@ -72,13 +71,6 @@ def test_from_python():
     assert len(said) == 5
     with pytest.raises(TypeError, match="given twice"):
         Outer(mind=Inner(), agent=Inner())
-
-
-@pytest.fixture(scope="module")
-def jointattn():
-    shell = Shell()
-    yield shell
-    shell.close()
 
 
 def test_a_world_of_the_last_version(jointattn, tmp_path):

@@ -6,13 +6,12 @@ import json
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
 import yaml
-from shell import Outcome, Shell
+from shell import refused, stopped
 
 from jointattn_mj.cli.develop import with_world
 from jointattn_mj.development import figures
@@ -45,22 +44,6 @@ def content(folder: Path) -> dict[str, bytes]:
 def results(folder: Path) -> dict[str, bytes]:
     """All but the checkpoint, whose bytes depend on how often it was written."""
     return {name: data for name, data in content(folder).items() if name != "checkpoint.bin"}
-
-
-def refused(outcome: Outcome, code: int, *words: str) -> None:
-    assert outcome.code == code, outcome.err
-    assert outcome.out == ""
-    assert outcome.err.count("\n") == 1, outcome.err
-    assert outcome.err.startswith("jointattn: ")
-    for word in words:
-        assert word in outcome.err
-
-
-@pytest.fixture(scope="module")
-def jointattn():
-    shell = Shell()
-    yield shell
-    shell.close()
 
 
 @pytest.fixture(scope="module")
@@ -212,20 +195,7 @@ class TestGoingOn:
 
     @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
     def test_stopped_from_outside(self, tmp_path, number):
-        arguments = ["develop", "--out", str(tmp_path), "--steps", "20000000"]
-        with subprocess.Popen(
-            [sys.executable, "-m", "jointattn_mj.cli.main", *arguments],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        ) as process:
-            while not (tmp_path / "config.yaml").exists():
-                assert process.poll() is None
-                time.sleep(0.02)
-            time.sleep(0.2)
-            process.send_signal(number)
-            out, err = process.communicate(timeout=120)
-        refused(Outcome(process.returncode, out, err), 130, "--resume", str(tmp_path))
+        refused(stopped(number, tmp_path, "develop", "--steps", 20_000_000), 130, "--resume", str(tmp_path))
         assert {path.name for path in tmp_path.iterdir()} - {"log"} == {"checkpoint.bin", "config.yaml"}
 
 

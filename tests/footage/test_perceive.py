@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 from clips import Clip, counted, encode
-from shell import Outcome, Shell
+from shell import Outcome, refused
 
 from jointattn_mj.errors import CheckpointError
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
@@ -34,13 +34,6 @@ NAMES = ("red", "yellow", "blue", "green", "face")
 def clip() -> Clip:
     """Somebody else than the caregiver with whom everything was tuned."""
     return Clip.rendered("amara", FRAMES, seed=3)
-
-
-@pytest.fixture(scope="module")
-def jointattn():
-    shell = Shell()
-    yield shell
-    shell.close()
 
 
 def perceive(video: Path, out: Path, **options) -> tuple[dict, dict[str, np.ndarray]]:
@@ -206,15 +199,6 @@ def test_the_same_again(clip, tmp_path):
         perceive(video, tmp_path / name, seed=4)
     for name in ("percepts.parquet", "fixations.parquet", "faces.parquet", "fixations.png", "som.png"):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes(), name
-
-
-def refused(outcome: Outcome, code: int, *words: str) -> None:
-    """One message on one line, no traceback, and it says what matters."""
-    assert outcome.code == code, outcome.err
-    assert outcome.err.count("\n") == 1, outcome.err
-    assert outcome.err.startswith("jointattn: ")
-    for word in words:
-        assert word in outcome.err
 
 
 def test_what_cannot_be_perceived(jointattn, tmp_path):

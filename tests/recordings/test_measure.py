@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shell import Outcome, Shell
+from shell import Outcome, refused
 
 import jointattn_mj.contingency as c
 from jointattn_mj import read_recordings
@@ -23,13 +23,6 @@ pytestmark = pytest.mark.integration
 
 FEW = ("--surrogates", 199, "--resamples", 30)
 PARTS = ("--sensors", "gaze", "colour", "--actions", "turn", "hand", "--results", "object")
-
-
-@pytest.fixture(scope="module")
-def jointattn():
-    shell = Shell()
-    yield shell
-    shell.close()
 
 
 @pytest.fixture(scope="module")
@@ -56,15 +49,6 @@ def coding(tmp_path_factory):
         writer.writerow(columns)
         writer.writerows(zip(*columns.values(), strict=True))
     return path
-
-
-def refused(outcome: Outcome, *words: str) -> None:
-    assert outcome.code == 2, outcome.err
-    assert outcome.out == ""
-    assert outcome.err.count("\n") == 1, outcome.err
-    assert outcome.err.startswith("jointattn: ")
-    for word in words:
-        assert word in outcome.err
 
 
 class TestMeasure:
@@ -99,7 +83,7 @@ class TestMeasure:
 
     def test_recordings_and_gaps(self, jointattn, coding):
         options = ("--source", "gaps", "--target", "object", "--condition", "turn", *FEW)
-        refused(jointattn("measure", coding, *options), "gaps", "missing values", "--missing break")
+        refused(jointattn("measure", coding, *options), 2, "gaps", "missing values", "--missing break")
         outcome = jointattn("measure", coding, *options, "--missing", "break", "--recording", "day")
         assert outcome.code == 0
         assert "in 2 recordings" in outcome.out
@@ -196,7 +180,7 @@ BAD = [
 
 @pytest.mark.parametrize(("options", "words"), BAD, ids=lambda value: str(value[-1]) if value else "nothing")
 def test_refuses(jointattn, coding, options, words):
-    refused(jointattn("measure", coding, *options), *words)
+    refused(jointattn("measure", coding, *options), 2, *words)
 
 
 def test_a_misspelt_column_never_aborts(coding):
@@ -214,7 +198,7 @@ def test_a_misspelt_column_never_aborts(coding):
     ]
     for _ in range(5):
         done = subprocess.run(command, capture_output=True, text=True)
-        refused(Outcome(done.returncode, done.stdout, done.stderr), "no column 'gazes'", "did you mean 'gaze'?")
+        refused(Outcome(done.returncode, done.stdout, done.stderr), 2, "no column 'gazes'", "did you mean 'gaze'?")
 
 
 def test_more_surrogates_than_one_can_wait_for(coding, tmp_path, monkeypatch):
@@ -232,17 +216,17 @@ def test_more_surrogates_than_one_can_wait_for(coding, tmp_path, monkeypatch):
 
 
 def test_refuses_files(jointattn, coding, tmp_path):
-    refused(jointattn("measure", tmp_path / "none.csv", *GAZE), "none.csv", "No such file")
+    refused(jointattn("measure", tmp_path / "none.csv", *GAZE), 2, "none.csv", "No such file")
     (tmp_path / "empty.csv").write_text("")
-    refused(jointattn("discover", tmp_path / "empty.csv", *PARTS), "empty.csv", "empty")
+    refused(jointattn("discover", tmp_path / "empty.csv", *PARTS), 2, "empty.csv", "empty")
     (tmp_path / "mine.json").write_text("mine")
-    refused(jointattn("measure", coding, *GAZE, *FEW, "--out", tmp_path / "mine"), "mine.json", "there already")
+    refused(jointattn("measure", coding, *GAZE, *FEW, "--out", tmp_path / "mine"), 2, "mine.json", "there already")
     assert (tmp_path / "mine.json").read_text() == "mine"
     assert not (tmp_path / "mine.csv").exists()
-    refused(jointattn("measure", coding, *GAZE, *FEW, "--out", coding / "below" / "x"), "cannot make the folder")
-    refused(jointattn("measure", coding, *GAZE, *FEW, "--out", "x" * 10_000), "255 bytes", "out")
-    refused(jointattn("discover", coding, *PARTS, "--alpha", 2), "alpha")
-    refused(jointattn("discover", coding, "--sensors", "gaze", "--actions", "gaze", "--results", "object"), "both")
+    refused(jointattn("measure", coding, *GAZE, *FEW, "--out", coding / "below" / "x"), 2, "cannot make the folder")
+    refused(jointattn("measure", coding, *GAZE, *FEW, "--out", "x" * 10_000), 2, "255 bytes", "out")
+    refused(jointattn("discover", coding, *PARTS, "--alpha", 2), 2, "alpha")
+    refused(jointattn("discover", coding, "--sensors", "gaze", "--actions", "gaze", "--results", "object"), 2, "both")
 
 
 def test_named_errors(coding):

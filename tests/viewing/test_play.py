@@ -5,20 +5,12 @@ import json
 import cv2
 import numpy as np
 import pytest
-from shell import Shell
 
 from jointattn_mj.cli.play import PlayOptions, environment_for, table
 from jointattn_mj.tasks.agents import AGENTS
 from jointattn_mj.viewing.play import Episode, play_episodes
 
 pytestmark = pytest.mark.integration
-
-
-@pytest.fixture(scope="module")
-def jointattn():
-    shell = Shell()
-    yield shell
-    shell.close()
 
 
 def played(task: str, agent: str, episodes: int = 2, seed: int = 0) -> list[Episode]:
