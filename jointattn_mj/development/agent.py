@@ -23,8 +23,11 @@ from jointattn_mj.contingency.online.counts import (
 )
 from jointattn_mj.contingency.online.detector import NOTHING, DetectorConfig, Watch, grown, new_watch, update
 from jointattn_mj.contingency.online.events import Event, Variable, Variables
+from jointattn_mj.contingency.online.experience import Experience, Steps, empty_experience, keep, roomier
+from jointattn_mj.contingency.online.followed_maps import followed_map
+from jointattn_mj.contingency.online.local import LocalConfig, search
 from jointattn_mj.contingency.online.modules import Module, ReproductionConfig, make_module
-from jointattn_mj.contingency.online.reactive import RandomModule, ReactiveModule
+from jointattn_mj.contingency.online.reactive import LearningModule, RandomModule, ReactiveModule
 from jointattn_mj.contingency.online.selector import NOBODY, Maps, SelectorConfig, flat_maps, select
 from jointattn_mj.development.one_type import one_type
 from jointattn_mj.development.restored_agent import check_agent, check_module
@@ -39,6 +42,8 @@ class DeveloperConfig(Checked):
     """Settings of the agent of chapter 5."""
 
     detector: DetectorConfig = field(default_factory=DetectorConfig)
+    local: LocalConfig = field(default_factory=LocalConfig)
+    """Stop rule local: how it ranks events, and what an agent with it does at its looks."""
     reproduction: ReproductionConfig = field(default_factory=ReproductionConfig)
     selector: SelectorConfig = field(default_factory=SelectorConfig)
     memory: Literal["whole", "reset", "window", "fading"] = "whole"
@@ -91,10 +96,18 @@ class AgentState(NamedTuple):
     past: RecentSteps
     forgets: bool
     """Whether old transitions lose their weight (memory window or fading)."""
+    counting: bool
+    """Whether counts and detector follow every step; not with stop rule local, which counts at its looks."""
+    keeping: bool
+    """Whether all steps are kept."""
+    experience: Experience
+    """The steps that are kept."""
+    radix: np.ndarray
+    """(results,) what a value of each result adds to the joint result, the last of ``r``; none where ``r`` has none."""
     s: np.ndarray
     """(sensors,) values in this step, S_Pi of the modules included."""
     r: np.ndarray
-    """(results,) values in this step."""
+    """(results,) values in this step; a joint result comes last."""
     a: np.ndarray
     """(actions,) commands of the joints, then A_Pi of the modules."""
     driver: np.ndarray
@@ -106,6 +119,8 @@ class AgentState(NamedTuple):
     random: np.random.Generator
 
 
+LOOKS = 1000
+"""Key of the random stream of looks, beside that of the selector."""
 FADED = 1e9
 """Memory fading: when the weight exceeds this, it becomes 1 again and all counts are divided by it."""
 
@@ -153,7 +168,7 @@ def think(state: AgentState, s: np.ndarray, r: np.ndarray) -> int:
         Number of the event that was just found to be contingent, or NOTHING.
     """
     event = NOTHING
-    if state.n_steps[0] > 0:
+    if state.n_steps[0] > 0 and state.counting:
         if state.forgets:
             _remember_for_a_while(state, r)
         else:
@@ -163,7 +178,13 @@ def think(state: AgentState, s: np.ndarray, r: np.ndarray) -> int:
     _copy(s, state.s)
     _copy(state.a[len(state.driver) :], state.s[len(s) :])
     _copy(r, state.r)
+    if len(state.radix) > 0:
+        state.r[len(r)] = 0
+        for result in range(len(r)):
+            state.r[len(r)] += r[result] * state.radix[result]
     select(state.maps, state.s, state.r, state.random, state.strength, state.a, state.driver)
+    if state.keeping:
+        keep(state.experience, state.n_steps[0] - 1, state.s, state.a, r)
     return event
 
 
@@ -194,26 +215,41 @@ class Developer:
             reactive: Initial modules; a joint without any moves at random.
         """
         self.config, self.variables = config, variables
-        self.events = list(variables.events())
+        self.local = config.detector.stop_rule == "local"
+        self.events = list(variables.events(of_joints=self.local))
         self.modules: list[Module] = []
         self.reactive = list(reactive)
         served = {module.table(variables).joint for module in self.reactive}
         self.reactive += [RandomModule(joint.name) for joint in variables.joints if joint.name not in served]
-        joints = len(variables.joints)
-        maps = flat_maps(variables, [], self.reactive, config.selector)
+        joints, results = len(variables.joints), len(variables.results)
+        self._tables = [module.table(variables) for module in self.reactive]
+        self._made_at: list[int] = []
+        joint = self.local and config.local.condition == "joint"
+        sizes = [len(result.values) for result in variables.results]
+        self._condition = results if joint else None
+        keeping = self.local or any(isinstance(module, LearningModule) for module in self.reactive)
+        self._next_look = config.local.first_look if keeping else 0
+        rows = self._next_look + 1 if keeping else 0
+        maps = flat_maps(variables, [], self._tables, config.selector, self._condition)
+        of_selector, of_looks = _streams(seed)
+        self._random = np.random.default_rng(of_looks)
         self.state = AgentState(
-            counts=empty_counts(variables, self.events),
+            counts=empty_counts(variables, [] if self.local else self.events),
             watch=new_watch(config.detector, len(self.events)),
             maps=maps,
             past=self._empty_past(),
             forgets=config.memory in ("window", "fading"),
+            counting=not self.local,
+            keeping=keeping,
+            experience=empty_experience(rows, len(variables.sensors), len(variables.actions), results),
+            radix=np.array([np.prod(sizes[number + 1 :]) for number in range(results)] if joint else [], np.int64),
             s=np.zeros(len(variables.sensors), np.int64),
-            r=np.zeros(len(variables.results), np.int64),
+            r=np.zeros(results + joint, np.int64),
             a=np.zeros(joints, np.int64),
             driver=np.full(joints, NOBODY, np.int64),
             strength=np.zeros(len(maps.joint)),
             n_steps=np.zeros(1, np.int64),
-            random=np.random.default_rng(seed),
+            random=np.random.default_rng(of_selector),
         )
 
     def act(self, s: np.ndarray, r: np.ndarray) -> np.ndarray:
@@ -231,8 +267,48 @@ class Developer:
         """
         variables = self.variables
         sensors = variables.sensors[: len(variables.sensors) - variables.modules]
-        self.take_in(think(self.state, _observed(s, sensors), _observed(r, variables.results)))
+        self.take_in(self.looked(think(self.state, _observed(s, sensors), _observed(r, variables.results))))
         return self.state.a[: len(self.state.driver)].copy()
+
+    @property
+    def next_pause(self) -> int:
+        """Number of steps after which the agent has something to do between two steps; 0 for never."""
+        every, done = self.config.refresh_every, int(self.state.n_steps[0])
+        pauses = [(done // every + 1) * every] if every else []
+        return min([*pauses, self._next_look] if self._next_look else pauses, default=0)
+
+    def looked(self, event: int) -> int:
+        """Look back over all steps where that is due.
+
+        Args:
+            event: Number of the event that was found in the step, or NOTHING.
+
+        Returns:
+            Number of the event that is found, or NOTHING.
+        """
+        if not self._next_look or self.state.n_steps[0] < self._next_look:
+            return event
+        steps, config = self._steps(), self.config.local
+        self._tables = [
+            module.learned(self.variables, steps) if isinstance(module, LearningModule) else table
+            for module, table in zip(self.reactive, self._tables, strict=True)
+        ]
+        modules = self.modules
+        if self.local:
+            modules = self._followed(steps)
+            since = self._made_at[-1] if self._made_at else 0
+            event, values = search(steps, self.events, [one.event for one in modules], since, config, self._random)
+            self.state.watch.values[:] = values / np.log(self.config.detector.base)
+        self._set_modules(modules)
+        n_steps = int(self.state.n_steps[0])
+        self._next_look = n_steps + max(config.look_every, int(n_steps * config.look_again))
+        widths = len(self.variables.sensors), len(self.variables.actions)
+        self.state = self.state._replace(experience=roomier(self.state.experience, 2 * self._next_look, *widths))
+        return event
+
+    def row(self, module: Module) -> int:
+        """Position in ``state.r`` of the value by which the rows of a module's map go."""
+        return module.event.result if self._condition is None else self._condition
 
     def take_in(self, event: int) -> Module | None:
         """Make maps anew where that is due, and a module of the event of number ``event``, unless it is NOTHING.
@@ -241,7 +317,7 @@ class Developer:
             The new module; None where there is none.
         """
         every = self.config.refresh_every
-        if every and self.modules and self.state.n_steps[0] % every == 0:
+        if every and not self.local and self.modules and self.state.n_steps[0] % every == 0:
             self._set_modules([self._module(module.event) for module in self.modules])
         if event == NOTHING:
             return None
@@ -294,7 +370,38 @@ class Developer:
         made = [f"module {number}" for number in range(1, len(self.modules) + 1)]
         return made + [type(module).__name__ for module in self.reactive]
 
+    def _steps(self) -> Steps:
+        """All steps so far, with what hindsight says of the modules."""
+        n_steps, variables = int(self.state.n_steps[0]), self.variables
+        steps = Steps(self.state.experience, n_steps, variables, self._condition is not None)
+        world = len(variables.sensors) - variables.modules
+        for number, module in enumerate(self.modules):
+            if self.local and self.config.local.hindsight:
+                steps.see_in_hindsight(world + number, module)
+            else:
+                steps.begins_at(world + number, self._made_at[number])
+        return steps
+
+    def _followed(self, steps: Steps) -> list[Module]:
+        """The modules with maps from all steps, each in the light of those before it."""
+        if self.config.local.maps == "frozen":
+            return self.modules
+        modules, world = list[Module](), len(self.variables.sensors) - self.variables.modules
+        for number, module in enumerate(self.modules):
+            modules.append(self._read(module.event, steps))
+            if self.config.local.hindsight:
+                steps.see_in_hindsight(world + number, modules[-1])
+        return modules
+
+    def _read(self, event: Event, steps: Steps) -> Module:
+        """The module of an event by the steps so far."""
+        return followed_map(
+            event, steps.of(event), steps.begin(event), self.config.local, self.config.reproduction
+        )
+
     def _module(self, event: Event) -> Module:
+        if self.local:
+            return self._read(event, self._steps())
         table = joint_table(self.state.counts, self.events.index(event))
         return make_module(event, table, self.config.reproduction)
 
@@ -303,20 +410,24 @@ class Developer:
         state, config = self.state, self.config
         self.variables = self.variables.with_module(f"module {len(self.modules) + 1}")
         known = set(self.events)
-        new = [one for one in self.variables.events() if one not in known]
+        new = [one for one in self.variables.events(of_joints=self.local) if one not in known]
         self.events += new
+        self._made_at.append(int(state.n_steps[0]))
         anew = config.memory == "reset"
-        if anew:
+        if self.local:
+            counts = state.counts
+        elif anew:
             counts = empty_counts(self.variables, self.events)
         else:
             counts = joined(state.counts, empty_counts(self.variables, new))
-        if config.history == "full":
+        if config.history == "full" and not self.local:
             for one in new:
                 set_joint_table(counts, self.events.index(one), self._unused(one))
         self.state = state._replace(
             counts=counts,
             watch=grown(state.watch, len(self.events), event, anew),
             past=self._wider(state.past),
+            experience=roomier(state.experience, 0, len(state.s) + 1, len(state.a) + 1),
             s=np.append(state.s, 0),
             a=np.append(state.a, 0),
             driver=np.where(state.driver >= len(self.modules), state.driver + 1, state.driver),
@@ -326,7 +437,7 @@ class Developer:
     def _set_modules(self, modules: list[Module]) -> None:
         """Let the selector choose among these modules; those that it had keep their habituation."""
         old, known = self.state.maps, len(self.modules)
-        maps = flat_maps(self.variables, modules, self.reactive, self.config.selector)
+        maps = flat_maps(self.variables, modules, self._tables, self.config.selector, self._condition)
         maps.repeats[:known], maps.under[:known] = old.repeats[:known], old.under[:known]
         self.modules = modules
         self.state = self.state._replace(maps=maps, strength=np.zeros(len(maps.joint)))
@@ -369,3 +480,10 @@ def _observed(values: np.ndarray, variables: Sequence[Variable]) -> np.ndarray:
         wanted = ", ".join(f"{variable.name} 0 to {len(variable.values) - 1}" for variable in variables)
         raise SeriesError(f"a step needs whole numbers for {wanted}; got {codes.tolist()}")
     return codes.astype(np.int64)
+
+
+def _streams(seed: np.random.SeedSequence | int) -> tuple[np.random.SeedSequence, np.random.SeedSequence]:
+    """Seeds of the selector and of the looks."""
+    given = seed if isinstance(seed, np.random.SeedSequence) else np.random.SeedSequence(seed)
+    of_looks = np.random.SeedSequence(given.entropy, spawn_key=(*given.spawn_key, LOOKS), pool_size=given.pool_size)
+    return given, of_looks

@@ -1,0 +1,169 @@
+"""What an agent sensed, did and found in every step, kept as it was, so that all of it can be counted anew.
+
+Counts of transitions that are taken as they come (``counts``) cannot follow when the meaning of a variable changes. A
+module's variable S_Pi says whether the module was used; with hindsight it is read anew whenever a map changes.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from jointattn_mj.contingency.online.events import Event, Variables
+from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
+from jointattn_mj.io.compiled import njit
+
+
+class Experience(NamedTuple):
+    """The first ``n_steps`` rows of three tables; those after them are free."""
+
+    s: np.ndarray
+    """(rows, sensors) int8 values in each step, those of modules included."""
+    a: np.ndarray
+    """(rows, actions) int8 commands of the joints, then whether each module was used."""
+    r: np.ndarray
+    """(rows, results) int8 values."""
+
+
+def empty_experience(rows: int, sensors: int, actions: int, results: int) -> Experience:
+    """Room for so many steps.
+
+    Args:
+        rows: Number of steps.
+        sensors: Number of sensors.
+        actions: Number of actions.
+        results: Number of results.
+    """
+    return Experience(*(np.zeros((rows, width), np.int8) for width in (sensors, actions, results)))
+
+
+def roomier(experience: Experience, rows: int, sensors: int, actions: int) -> Experience:
+    """The same steps with room for more of them, and for the variables of more modules, 0 so far.
+
+    Args:
+        experience: What is kept.
+        rows: Number of steps that there must be room for.
+        sensors: Number of sensors.
+        actions: Number of actions.
+    """
+    more = empty_experience(max(rows, len(experience.s)), sensors, actions, experience.r.shape[1])
+    for old, new in zip(experience, more, strict=True):
+        new[: len(old), : old.shape[1]] = old
+    return more
+
+
+@njit(cache=True, forceinline=True)
+def keep(experience: Experience, row: int, s: np.ndarray, a: np.ndarray, r: np.ndarray) -> None:
+    """Write a step into its row.
+
+    Args:
+        experience: Changed in place.
+        row: Number of the step.
+        s: (sensors,) values.
+        a: (actions,) values.
+        r: (results,) values.
+    """
+    for i in range(len(s)):
+        experience.s[row, i] = s[i]
+    for i in range(len(a)):
+        experience.a[row, i] = a[i]
+    for i in range(len(r)):
+        experience.r[row, i] = r[i]
+
+
+class EventSeries(NamedTuple):
+    """The columns of one event, for compiled code."""
+
+    columns: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+    """(n,) each: sensor, action, what the result is conditioned on, result."""
+    sizes: np.ndarray
+    """(4,) number of values of: what the result is conditioned on, sensor, action, result."""
+
+
+class Steps:
+    """All steps of an agent, as its events count them.
+
+    Attributes:
+        n_steps: Number of steps.
+        joint: Whether results are conditioned on all results together, or each on itself.
+    """
+
+    def __init__(self, experience: Experience, n_steps: int, variables: Variables, joint: bool):
+        """Take the steps as they were.
+
+        Args:
+            experience: What was kept.
+            n_steps: How many steps of it.
+            variables: Of the agent.
+            joint: See the attribute.
+        """
+        self.n_steps, self.joint, self._variables = n_steps, joint, variables
+        self._s, self._a, self._r = (np.asfortranarray(part[:n_steps], np.int64) for part in experience)
+        self._begin = np.zeros(len(variables.sensors), np.int64)
+        self._together = joint_result(self._r, self.result_sizes)
+
+    @property
+    def result_sizes(self) -> list[int]:
+        """Number of values of each result."""
+        return [len(result.values) for result in self._variables.results]
+
+    def conditions(self, result: int) -> int:
+        """Number of values of what a result is conditioned on."""
+        return int(np.prod(self.result_sizes)) if self.joint else self.result_sizes[result]
+
+    def before(self, result: int) -> np.ndarray:
+        """(n,) what a result is conditioned on, in each step."""
+        return self._together if self.joint else self._r[:, result]
+
+    def of(self, event: Event) -> EventSeries:
+        """The series of an event."""
+        sensor, action = self._variables.sensors[event.sensor], self._variables.actions[event.action]
+        sizes = [self.conditions(event.result), len(sensor.values), len(action.values), self.result_sizes[event.result]]
+        columns = self._s[:, event.sensor], self._a[:, event.action], self.before(event.result), self._r[:, event.result]
+        return EventSeries(columns, np.array(sizes))
+
+    def sensed(self, joint: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, int]]:
+        """What the world lets the agent sense after each command of a joint.
+
+        Returns:
+            (n - 1,) values of the first sensor, commands, and what all sensors of the world together have in the next
+            step, numbered; and the number of values of the first two.
+        """
+        world = len(self._variables.sensors) - self._variables.modules
+        _, after = np.unique(self._s[1:, :world], axis=0, return_inverse=True)
+        sizes = len(self._variables.sensors[0].values), len(self._variables.actions[joint].values)
+        return self._s[:-1, 0], self._a[:-1, joint], after.ravel(), sizes
+
+    def begin(self, event: Event) -> int:
+        """First step in which the event could occur."""
+        return int(self._begin[event.sensor])
+
+    def begins_at(self, sensor: int, step: int) -> None:
+        """Leave out the steps before a sensor existed."""
+        self._begin[sensor] = step
+
+    def see_in_hindsight(self, sensor: int, module: Module) -> None:
+        """Say in which steps a module was used, by its present map: where the robot did what the module offers.
+
+        Args:
+            sensor: Number of the sensor S_Pi of the module.
+            module: The module. Its map may look at an earlier module's S_Pi, so earlier ones come first.
+        """
+        event = module.event
+        offered = module.command[self.before(event.result), self._s[:, event.sensor]]
+        used = (offered != OFFERS_NOTHING) & (offered == self._a[:, event.action])
+        self._s[0, sensor] = 0
+        self._s[1:, sensor] = used[:-1]
+
+
+def joint_result(r: np.ndarray, sizes: Sequence[int]) -> np.ndarray:
+    """All results of a step as one value: their number in mixed radix, the last result changing fastest.
+
+    Args:
+        r: (n, results) values.
+        sizes: Number of values of each result.
+    """
+    code = np.zeros(len(r), np.int64)
+    for values, size in zip(r.T, sizes, strict=True):
+        code = code * size + values
+    return code
