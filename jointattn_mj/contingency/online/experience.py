@@ -115,11 +115,20 @@ class Steps:
         """(n,) what a result is conditioned on, in each step."""
         return self._together if self.joint else self._r[:, result]
 
-    def of(self, event: Event) -> EventSeries:
-        """The series of an event."""
+    def of(self, event: Event, given: Sequence[int] = ()) -> EventSeries:
+        """The series of an event.
+
+        Args:
+            event: The event.
+            given: Sensors of modules on whose values its result is conditioned as well.
+        """
         sensor, action = self._variables.sensors[event.sensor], self._variables.actions[event.action]
         sizes = [self.conditions(event.result), len(sensor.values), len(action.values), self.result_sizes[event.result]]
-        columns = self._s[:, event.sensor], self._a[:, event.action], self.before(event.result), self._r[:, event.result]
+        before = self.before(event.result)
+        for other in given:
+            before = 2 * before + self._s[:, other]
+            sizes[0] *= 2
+        columns = self._s[:, event.sensor], self._a[:, event.action], before, self._r[:, event.result]
         return EventSeries(columns, np.array(sizes))
 
     def sensed(self, joint: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, int]]:

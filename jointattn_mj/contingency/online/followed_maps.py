@@ -44,8 +44,10 @@ def followed_map(
     a, k = module.command[r, s], module.expected[r, s]
     gain, spread = _gain(table, r, s, a, k, config.concentration)
     of_last = [_gain(part, r, s, a, k, config.concentration, pooled_over_results=True) for part in strata]
-    within = np.mean([one for one, _ in of_last], axis=0)
-    within_spread = np.sqrt(np.sum([error**2 for _, error in of_last], axis=0)) / len(of_last)
+    occurred = (strata.sum(axis=4)[:, r, s, a] > 0) / 1.0
+    weight = occurred / np.maximum(occurred.sum(axis=0), 1)
+    within = sum(share * one for share, (one, _) in zip(weight, of_last, strict=True))
+    within_spread = np.sqrt(sum((share * error) ** 2 for share, (_, error) in zip(weight, of_last, strict=True)))
     right = (within > config.offer_deviations * within_spread) & (within > config.offer_gain * within.max())
     right &= gain > config.offer_deviations * spread
     command, reliability, expected = module.command.copy(), module.reliability.copy(), module.expected.copy()

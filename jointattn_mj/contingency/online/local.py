@@ -50,6 +50,8 @@ class LocalConfig(Checked):
     """Smallest Bayes factor of a claim, for "s tells something" against "s says nothing"; it guards against chance."""
     unserved_first: bool = True
     """Whether an event must wait whose result a module brings about already, until every result has a module."""
+    given_modules: bool = False
+    """Whether the result is conditioned on the use of all modules that bring it about, too."""
     increasing_first: bool = True
     """Whether an event that makes its result rarer must wait for events of the same sensor and action that make another
     result more frequent. Results that exclude each other mirror each other: what brings one about takes one away."""
@@ -118,10 +120,16 @@ def search(
         Number of the event that is found, or NOTHING; and every event's value (E,), nats.
     """
     numbers, draws = search_of(config), config.draws
+    world = max(event.sensor for event in events) + 1 - len(served)
+
+    def given(event: Event) -> list[int]:
+        alike = [world + number for number, one in enumerate(served) if one.result == event.result]
+        return alike if config.given_modules else []
+
     lead, hoped = np.zeros((len(events), draws)), np.zeros((len(events), draws))
     rises = np.zeros(len(events), np.bool_)
     for number, event in enumerate(events):
-        series, first = steps.of(event), steps.begin(event)
+        series, first = steps.of(event, given(event)), steps.begin(event)
         rises[number] = event_values(*series.columns, since, series.sizes, first, numbers, random, lead[number], hoped[number])
     values = lead.mean(axis=1)
     every = {event.result for event in events}
@@ -143,7 +151,7 @@ def search(
     rivals = ranked[ranked != first]
     if len(rivals) and (hoped[rivals].max(axis=0) <= (1 + config.tolerance) * lead[first]).mean() < config.best:
         return NOTHING, values
-    series = steps.of(events[first])
+    series = steps.of(events[first], given(events[first]))
     begin = max(since, steps.begin(events[first]))
     if log_bayes_factor(*series.columns, begin, series.sizes) < np.log(config.evidence):
         return NOTHING, values
