@@ -395,9 +395,7 @@ class Developer:
 
     def _read(self, event: Event, steps: Steps) -> Module:
         """The module of an event by the steps so far."""
-        return followed_map(
-            event, steps.of(event), steps.begin(event), self.config.local, self.config.reproduction
-        )
+        return followed_map(event, steps.of(event), steps.begin(event), self.config.local)
 
     def _module(self, event: Event) -> Module:
         if self.local:
