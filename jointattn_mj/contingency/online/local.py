@@ -8,6 +8,7 @@ known. The largest value is claimed when it is above 0, when it is the largest i
 says that what is sensed tells something about the result at all.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal, NamedTuple
@@ -40,6 +41,8 @@ class LocalConfig(Checked):
     """Posterior draws of every value at each look."""
     concentration: Positive = 2.0
     """Transitions that the prior "s says nothing" is worth."""
+    doubt: NotNegative = 1.0
+    """Prior odds that an event is not contingent"""
     deviations: NotNegative = 3.0
     """A value is claimed if it is above 0 by so many standard deviations of the posterior."""
     best: Share = 0.9
@@ -80,6 +83,7 @@ class Search(NamedTuple):
 
     draws: int
     concentration: float
+    doubt: float
     smallest_share: float
     deviations: float
     actual: bool
@@ -91,6 +95,7 @@ def search_of(config: LocalConfig) -> Search:
     return Search(
         draws=int(config.draws),
         concentration=float(config.concentration),
+        doubt=float(config.doubt),
         smallest_share=float(config.smallest_share),
         deviations=float(config.deviations),
         actual=config.policy != "reference",
@@ -202,6 +207,31 @@ def _divergence(p: np.ndarray, q: np.ndarray) -> float:
         if p[k] > 0.0 and q[k] > 0.0:
             total += p[k] * np.log(p[k] / q[k])
     return total
+
+
+@njit(cache=True)
+def _log_evidence(table: np.ndarray, q: np.ndarray) -> float:
+    """Log Bayes factor."""
+    results, sensors, actions, outcomes = table.shape
+    total = np.zeros(len(EVIDENCE_OF))
+    for r in range(results):
+        for s in range(sensors):
+            for a in range(actions):
+                n = 0.0
+                for k in range(outcomes):
+                    n += table[r, s, a, k]
+                if n == 0.0:
+                    continue
+                for i in range(len(EVIDENCE_OF)):
+                    k0 = EVIDENCE_OF[i]
+                    total[i] += math.lgamma(k0) - math.lgamma(n + k0)
+                    for k in range(outcomes):
+                        c = table[r, s, a, k]
+                        if c > 0.0:
+                            b = k0 * q[r, a, k]
+                            total[i] += math.lgamma(c + b) - math.lgamma(b) - c * math.log(q[r, a, k])
+    highest = total.max()
+    return highest + math.log(np.exp(total - highest).mean())
 
 
 @njit(cache=True)
@@ -367,6 +397,10 @@ def event_values(
             lead[:] = one
         if upper > most:
             hoped[:] = other
+    if search.doubt > 0.0:
+        chance = 1.0 / (1.0 + search.doubt * np.exp(-max(-500.0, min(_log_evidence(table, _pooled(table)), 500.0))))
+        for d in range(search.draws):
+            hoped[d] *= random.random() < chance
     return rises
 
 
