@@ -41,19 +41,20 @@ class LocalConfig(Checked):
     """Posterior draws of every value at each look."""
     concentration: Positive = 2.0
     """Transitions that the prior "s says nothing" is worth."""
-    doubt: NotNegative = 1.0
+    doubt: NotNegative = 0.1
     """Prior odds that an event is not contingent"""
     deviations: NotNegative = 3.0
     """A value is claimed if it is above 0 by so many standard deviations of the posterior."""
-    best: Share = 0.9
+    best: Share = 0.97
     """Share of draws in which no rival is higher by more than ``tolerance``."""
     tolerance: NotNegative = 0.25
     """Share of the first value by which a rival may be higher. Telling nearly equal events apart takes for ever."""
-    evidence: Annotated[float, Real("[1, 1e300]")] = 100.0
-    """Smallest Bayes factor of a claim, for "s tells something" against "s says nothing"; it guards against chance."""
-    unserved_first: bool = True
+    false_alarm: Annotated[float, Real("(0, 1]")] = 0.01
+    """Accepted chance that an event is ever claimed in which s says nothing. The Bayes factor of a claim, for "s tells
+    something" against "s says nothing", must reach the number of events divided by this."""
+    unserved_first: bool = False
     """Whether an event must wait whose result a module brings about already, until every result has a module."""
-    given_modules: bool = False
+    given_modules: bool = True
     """Whether the result is conditioned on the use of all modules that bring it about, too."""
     increasing_first: bool = True
     """Whether an event that makes its result rarer must wait for events of the same sensor and action that make another
@@ -144,7 +145,7 @@ def search(
         return NOTHING, values
     open_ = [event not in served and (all_served or not config.unserved_first or event.result not in done) for event in events]
     if config.increasing_first:
-        up = {event[:2] for event, is_open, is_up in zip(events, open_, rises, strict=True) if is_open and is_up}
+        up = {event[:2] for event, is_up in zip(events, rises, strict=True) if is_up and event not in served}
         waits = [not is_up and event[:2] in up for event, is_up in zip(events, rises, strict=True)]
         open_ = [is_open and not wait for is_open, wait in zip(open_, waits, strict=True)]
     ranked = np.flatnonzero(open_)
@@ -158,7 +159,7 @@ def search(
         return NOTHING, values
     series = steps.of(events[first], given(events[first]))
     begin = max(since, steps.begin(events[first]))
-    if log_bayes_factor(*series.columns, begin, series.sizes) < np.log(config.evidence):
+    if log_bayes_factor(*series.columns, begin, series.sizes) < np.log(len(events) / config.false_alarm):
         return NOTHING, values
     return first, values
 
