@@ -26,7 +26,7 @@ from jointattn_mj.contingency.online.events import Event, Variable, Variables
 from jointattn_mj.contingency.online.experience import Experience, Steps, empty_experience, keep, roomier
 from jointattn_mj.contingency.online.followed_maps import followed_map
 from jointattn_mj.contingency.online.local import LocalConfig, search
-from jointattn_mj.contingency.online.modules import Module, ReproductionConfig, make_module
+from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module, ReproductionConfig, make_module
 from jointattn_mj.contingency.online.reactive import LearningModule, RandomModule, ReactiveModule
 from jointattn_mj.contingency.online.selector import NOBODY, Maps, SelectorConfig, flat_maps, select
 from jointattn_mj.development.one_type import one_type
@@ -297,7 +297,10 @@ class Developer:
         if self.local:
             modules = self._followed(steps)
             since = self._made_at[-1] if self._made_at else 0
-            event, values = search(steps, self.events, [one.event for one in modules], since, config, self._random)
+            event, values = search(
+                steps, self.events, [one.event for one in modules], since, config, self._random,
+                lambda one: bool((self._read(one, steps).command != OFFERS_NOTHING).any()),
+            )
             self.state.watch.values[:] = values / np.log(self.config.detector.base)
         self._set_modules(modules)
         n_steps = int(self.state.n_steps[0])

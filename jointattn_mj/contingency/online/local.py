@@ -9,7 +9,7 @@ says that what is sensed tells something about the result at all.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal, NamedTuple
 
@@ -111,6 +111,7 @@ def search(
     since: int,
     config: LocalConfig,
     random: np.random.Generator,
+    offers: Callable[[Event], bool],
 ) -> tuple[int, np.ndarray]:
     """Look for the most contingent event.
 
@@ -121,6 +122,7 @@ def search(
         since: Step at which the last module was made.
         config: Settings.
         random: Of the draws.
+        offers: Whether the module of an event would offer anything. One that would not is no event to find.
 
     Returns:
         Number of the event that is found, or NOTHING; and every event's value (E,), nats.
@@ -148,20 +150,22 @@ def search(
         up = {event[:2] for event, is_up in zip(events, rises, strict=True) if is_up and event not in served}
         waits = [not is_up and event[:2] in up for event, is_up in zip(events, rises, strict=True)]
         open_ = [is_open and not wait for is_open, wait in zip(open_, waits, strict=True)]
-    ranked = np.flatnonzero(open_)
-    if not len(ranked):
+    ranked = list(np.flatnonzero(open_)[np.argsort(-values[open_], kind="stable")])
+    while ranked and not offers(events[ranked[0]]):
+        ranked.pop(0)
+    if not ranked:
         return NOTHING, values
-    first = int(ranked[values[ranked].argmax()])
-    if lead[first].mean() - config.deviations * lead[first].std() <= 0:
+    first, rivals = ranked[0], ranked[1:]
+    if lead[first].mean() <= config.deviations * lead[first].std():
         return NOTHING, values
-    rivals = ranked[ranked != first]
-    if len(rivals) and (hoped[rivals].max(axis=0) <= (1 + config.tolerance) * lead[first]).mean() < config.best:
+    ahead = (hoped[rivals] <= (1 + config.tolerance) * lead[first]).all(axis=0)
+    if ahead.mean() < config.best:
         return NOTHING, values
     series = steps.of(events[first], given(events[first]))
     begin = max(since, steps.begin(events[first]))
     if log_bayes_factor(*series.columns, begin, series.sizes) < np.log(len(events) / config.false_alarm):
         return NOTHING, values
-    return first, values
+    return int(first), values
 
 
 @njit(cache=True)
@@ -211,28 +215,41 @@ def _divergence(p: np.ndarray, q: np.ndarray) -> float:
 
 
 @njit(cache=True)
-def _log_evidence(table: np.ndarray, q: np.ndarray) -> float:
-    """Log Bayes factor."""
+def _log_evidence(table: np.ndarray) -> float:
+    """Log of how much better the counts are explained with s and a together than with either alone.
+
+    Each p(r' | r, s, a) has a prior around what the one alone says, which is taken from the same counts. The factor is
+    averaged over priors of different strength, EVIDENCE_OF.
+    """
     results, sensors, actions, outcomes = table.shape
-    total = np.zeros(len(EVIDENCE_OF))
+    by_action = _pooled(table)
+    total = np.zeros((2, len(EVIDENCE_OF)))
+    of_s, counts = np.zeros(outcomes), np.zeros(outcomes)
     for r in range(results):
         for s in range(sensors):
+            of_s[:] = 0.0
             for a in range(actions):
-                n = 0.0
                 for k in range(outcomes):
-                    n += table[r, s, a, k]
+                    of_s[k] += table[r, s, a, k]
+            whole = of_s.sum()
+            if whole == 0.0:
+                continue
+            for a in range(actions):
+                counts[:] = table[r, s, a]
+                n = counts.sum()
                 if n == 0.0:
                     continue
                 for i in range(len(EVIDENCE_OF)):
                     k0 = EVIDENCE_OF[i]
-                    total[i] += math.lgamma(k0) - math.lgamma(n + k0)
-                    for k in range(outcomes):
-                        c = table[r, s, a, k]
-                        if c > 0.0:
-                            b = k0 * q[r, a, k]
-                            total[i] += math.lgamma(c + b) - math.lgamma(b) - c * math.log(q[r, a, k])
-    highest = total.max()
-    return highest + math.log(np.exp(total - highest).mean())
+                    constant = math.lgamma(k0) - math.lgamma(n + k0)
+                    for part in range(2):
+                        total[part, i] += constant
+                        for k in range(outcomes):
+                            if counts[k] > 0.0:
+                                q = by_action[r, a, k] if part == 0 else of_s[k] / whole
+                                b = k0 * q
+                                total[part, i] += math.lgamma(counts[k] + b) - math.lgamma(b) - counts[k] * math.log(q)
+    return min(_log_mean_exp(total[0]), _log_mean_exp(total[1]))
 
 
 @njit(cache=True)
@@ -399,7 +416,7 @@ def event_values(
         if upper > most:
             hoped[:] = other
     if search.doubt > 0.0:
-        chance = 1.0 / (1.0 + search.doubt * np.exp(-max(-500.0, min(_log_evidence(table, _pooled(table)), 500.0))))
+        chance = 1.0 / (1.0 + search.doubt * np.exp(-max(-500.0, min(_log_evidence(table), 500.0))))
         for d in range(search.draws):
             hoped[d] *= random.random() < chance
     return rises
@@ -424,16 +441,26 @@ def log_bayes_factor(
     """
     outcomes = sizes[3]
     own = np.zeros((sizes[0], sizes[1], sizes[2], outcomes + 1))
-    pooled = np.zeros((sizes[0], sizes[2], outcomes + 1))
-    total = np.zeros(len(EVIDENCE_OF))
+    by_action = np.zeros((sizes[0], sizes[2], outcomes + 1))
+    by_sensor = np.zeros((sizes[0], sizes[1], outcomes + 1))
+    total = np.zeros((2, len(EVIDENCE_OF)))
     for t in range(first, len(s) - 1):
-        counts, chance, k = own[before[t], s[t], a[t]], pooled[before[t], a[t]], after[t + 1]
-        p0 = (chance[k] + 1.0 / outcomes) / (chance[outcomes] + 1.0)
-        for i in range(len(EVIDENCE_OF)):
-            total[i] += np.log((counts[k] + EVIDENCE_OF[i] * p0) / (counts[outcomes] + EVIDENCE_OF[i])) - np.log(p0)
+        counts, k = own[before[t], s[t], a[t]], after[t + 1]
+        for part in range(2):
+            chance = by_action[before[t], a[t]] if part == 0 else by_sensor[before[t], s[t]]
+            p0 = (chance[k] + 1.0 / outcomes) / (chance[outcomes] + 1.0)
+            for i in range(len(EVIDENCE_OF)):
+                p1 = (counts[k] + EVIDENCE_OF[i] * p0) / (counts[outcomes] + EVIDENCE_OF[i])
+                total[part, i] += np.log(p1 / p0)
+            chance[k] += 1.0
+            chance[outcomes] += 1.0
         counts[k] += 1.0
         counts[outcomes] += 1.0
-        chance[k] += 1.0
-        chance[outcomes] += 1.0
-    highest = total.max()
-    return highest + np.log(np.exp(total - highest).mean())
+    return min(_log_mean_exp(total[0]), _log_mean_exp(total[1]))
+
+
+@njit(cache=True)
+def _log_mean_exp(values: np.ndarray) -> float:
+    highest = values.max()
+    mean: float = highest + np.log(np.exp(values - highest).mean())
+    return mean
