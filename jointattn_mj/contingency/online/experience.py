@@ -100,7 +100,12 @@ class Steps:
         self.n_steps, self.joint, self._variables = n_steps, joint, variables
         self._s, self._a, self._r = (np.asfortranarray(part[:n_steps], np.int64) for part in experience)
         self._begin = np.zeros(len(variables.sensors), np.int64)
-        self._together = joint_result(self._r, self.result_sizes)
+        self._together = joint_code(self._r, self.result_sizes)
+
+    @property
+    def of_world(self) -> int:
+        """Number of sensors of the world; those of modules come after them."""
+        return len(self._variables.sensors) - self._variables.modules
 
     @property
     def result_sizes(self) -> list[int]:
@@ -138,10 +143,10 @@ class Steps:
             (n - 1,) values of the first sensor, commands, and what all sensors of the world together have in the next
             step, numbered; and the number of values of the first two.
         """
-        world = len(self._variables.sensors) - self._variables.modules
-        _, after = np.unique(self._s[1:, :world], axis=0, return_inverse=True)
+        sensors = self._variables.sensors[: self.of_world]
+        after = joint_code(self._s[1:, : self.of_world], [len(sensor.values) for sensor in sensors])
         sizes = len(self._variables.sensors[0].values), len(self._variables.actions[joint].values)
-        return self._s[:-1, 0], self._a[:-1, joint], after.ravel(), sizes
+        return self._s[:-1, 0], self._a[:-1, joint], np.unique(after, return_inverse=True)[1], sizes
 
     def begin(self, event: Event) -> int:
         """First step in which the event could occur."""
@@ -165,14 +170,14 @@ class Steps:
         self._s[1:, sensor] = used[:-1]
 
 
-def joint_result(r: np.ndarray, sizes: Sequence[int]) -> np.ndarray:
-    """All results of a step as one value: their number in mixed radix, the last result changing fastest.
+def joint_code(values: np.ndarray, sizes: Sequence[int]) -> np.ndarray:
+    """Several variables as one: their values as a number in mixed radix, the last changing fastest.
 
     Args:
-        r: (n, results) values.
-        sizes: Number of values of each result.
+        values: (n, variables) values.
+        sizes: Number of values of each variable.
     """
-    code = np.zeros(len(r), np.int64)
-    for values, size in zip(r.T, sizes, strict=True):
-        code = code * size + values
+    code = np.zeros(len(values), np.int64)
+    for column, size in zip(values.T, sizes, strict=True):
+        code = code * size + column
     return code
