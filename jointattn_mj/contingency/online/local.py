@@ -26,7 +26,7 @@ import numpy as np
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.contingency.online.experience import Steps
-from jointattn_mj.contingency.online.local_values import Draws, event_values, predictive_evidence
+from jointattn_mj.contingency.online.local_values import Draws, count, event_values, log_evidence, predictive_evidence
 from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Share, Whole
 
 
@@ -125,7 +125,11 @@ def search(
     if not is_first or values[first] <= config.deviations * lead[first].std():
         return NOTHING, values
     series = steps.of(events[first], _given(steps, events[first], served, config))
-    evidence = predictive_evidence(*series.columns, max(since, steps.begin(events[first])), series.sizes)
+    begin = steps.begin(events[first])
+    evidence = predictive_evidence(*series.columns, max(since, begin), series.sizes)
+    table = np.zeros(series.sizes)
+    count(*series.columns, (begin, steps.n_steps), table)
+    evidence = min(evidence, log_evidence(table))
     return first if evidence >= np.log(len(events) / config.false_alarm) else NOTHING, values
 
 

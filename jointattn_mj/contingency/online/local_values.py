@@ -110,7 +110,7 @@ def _draw(
     results, sensors, _, _ = table.shape
     q = _pooled(table)
     value = np.zeros((results * sensors, draws.number))
-    share, strength, up = np.zeros(len(value)), np.zeros(len(value)), np.zeros(len(value), np.bool_)
+    share, rise = np.zeros(len(value)), np.zeros(len(value))
     m = 0
     for r in range(results):
         base = _shares(table[r].sum(axis=0).sum(axis=0))
@@ -118,26 +118,23 @@ def _draw(
             n = table[r, s].sum()
             if n > 0.0:
                 share[m] = n
-                strength[m], up[m] = _draw_situation(
-                    table[r, s], q[r], base, by_reference, draws, random, value[m]
-                )
+                rise[m] = _draw_situation(table[r, s], q[r], base, by_reference, draws, random, value[m])
                 m += 1
     value, share = value[:m], share[:m] / share[:m].sum()
     order = np.argsort(-_means(value))
-    lower, upper, rises, strongest, is_up = -np.inf, -np.inf, True, -1.0, True
+    lower, upper, rises, risen = -np.inf, -np.inf, True, 0.0
     filled, summed, now = 0.0, np.zeros(draws.number), np.zeros(draws.number)
     for i in order:
         filled += share[i]
         for d in range(draws.number):
             summed[d] += share[i] * value[i, d]
             now[d] = summed[d] / filled
-        if strength[i] > strongest:
-            strongest, is_up = strength[i], up[i]
+        risen += share[i] * rise[i]
         if filled < draws.smallest_share - 1e-12:
             continue
         mean, spread = now.mean(), now.std()
         if mean - draws.deviations * spread > lower:
-            lower, rises = mean - draws.deviations * spread, is_up
+            lower, rises = mean - draws.deviations * spread, risen > 0.0
             lead[:] = now
         if mean + spread > upper:
             upper = mean + spread
@@ -149,7 +146,7 @@ def _draw(
 def _draw_situation(
     counts: np.ndarray, q: np.ndarray, base: np.ndarray, by_reference: bool, draws: Draws,
     random: np.random.Generator, value: np.ndarray,
-) -> tuple[float, bool]:  # fmt: skip
+) -> float:  # fmt: skip
     """Draw D(r, s) of one situation.
 
     Args:
@@ -162,8 +159,8 @@ def _draw_situation(
         value: (draws,) is written.
 
     Returns:
-        The largest contribution of an action to D, and whether a result other than the first value, which stands for
-        "nothing", becomes more frequent with that action.
+        What the actions contribute to D by making a result more frequent, less what they contribute by making it rarer,
+        nats. The first value of a result stands for its absence.
     """
     actions, outcomes = counts.shape
     number, k0 = len(value), draws.concentration
@@ -173,7 +170,7 @@ def _draw_situation(
     seen, n = (times > 0.0).sum(), times.sum()
     mixed, p = np.zeros((number, outcomes)), np.zeros(outcomes)
     center = np.zeros(outcomes)
-    strongest, up = -1.0, True
+    rise = 0.0
     for a in range(actions):
         if times[a] == 0.0:
             continue
@@ -185,9 +182,7 @@ def _draw_situation(
             continue
         for k in range(outcomes):
             p[k] = (counts[a, k] + k0 * q[a, k]) / (times[a] + k0)
-        strength = weight * _divergence(p, q[a])
-        if strength > strongest:
-            strongest, up = strength, p[0] < q[a, 0]
+        rise += weight * _divergence(p, q[a]) * (1.0 if p[0] < q[a, 0] else -1.0)
         for d in range(number):
             whole = 0.0
             for k in range(outcomes):
@@ -199,7 +194,7 @@ def _draw_situation(
             value[d] += weight * _divergence(p, q[a])
     for d in range(number):
         value[d] -= _divergence(mixed[d], center if by_reference else base)
-    return strongest, up
+    return rise
 
 
 @njit(cache=True)
