@@ -170,6 +170,24 @@ class Steps:
         self._s[1:, sensor] = used[:-1]
 
 
+def beyond_last(series: EventSeries) -> EventSeries:
+    """The series with results conditioned on what came of the same action the last time that it was done, too."""
+    sensor, action, before, after = series.columns
+    values = int(series.sizes[3]) + 1
+    before = before * values + _last_outcomes(action, after, int(series.sizes[2]))
+    return EventSeries((sensor, action, before, after), series.sizes * np.array([values, 1, 1, 1]))
+
+
+@njit(cache=True)
+def _last_outcomes(action: np.ndarray, after: np.ndarray, actions: int) -> np.ndarray:
+    """(n,) 1 and the result that followed the same action the last time; 0 where it had not been done before."""
+    last, outcomes = np.zeros(actions, np.int64), np.zeros(len(action), np.int64)
+    for t in range(len(action) - 1):
+        outcomes[t] = last[action[t]]
+        last[action[t]] = 1 + after[t + 1]
+    return outcomes
+
+
 def joint_code(values: np.ndarray, sizes: Sequence[int]) -> np.ndarray:
     """Several variables as one: their values as a number in mixed radix, the last changing fastest.
 

@@ -25,7 +25,7 @@ import numpy as np
 
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event
-from jointattn_mj.contingency.online.experience import Steps
+from jointattn_mj.contingency.online.experience import Steps, beyond_last
 from jointattn_mj.contingency.online.local_values import Draws, count, event_values, log_evidence, predictive_evidence
 from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Share, Whole
 
@@ -55,9 +55,16 @@ class LocalConfig(Checked):
     doubt: NotNegative = 0.1
     """Odds, before anything is known, that a rival is not contingent at all. Its draws count only as often as the
     evidence says that it is. 0: a rival is always believed; events of rare situations then hold others up."""
-    false_alarm: Annotated[float, Real("(0, 1]")] = 0.01
+    false_alarm: Annotated[float, Real("(0, 1]")] = 0.005
     """Accepted chance that an event is ever found in which there is nothing. The evidence, a Bayes factor, must reach
     the number of events divided by this."""
+    evidence_overall: Positive = 0.01
+    """Bayes factor that all steps together must reach for an event whose result has no module yet. The evidence above
+    is that of the steps since the last module; what lasts for some of them must not be taken for contingency."""
+    again: Literal["beyond_last", "equally"] = "beyond_last"
+    """What is asked of an event whose result has a module already. ``beyond_last``: all steps together must reach the
+    full evidence even if it is known what came of the same action the last time that it was done, so that nothing is
+    found in what merely lasts. ``equally``: the same as of any other."""
     given_modules: bool = True
     """Whether the result is conditioned on the use of the modules that bring it about: what they say of it already is
     not found again."""
@@ -125,12 +132,17 @@ def search(
     if not is_first or values[first] <= config.deviations * lead[first].std():
         return NOTHING, values
     series = steps.of(events[first], _given(steps, events[first], served, config))
-    begin = steps.begin(events[first])
-    evidence = predictive_evidence(*series.columns, max(since, begin), series.sizes)
-    table = np.zeros(series.sizes)
-    count(*series.columns, (begin, steps.n_steps), table)
-    evidence = min(evidence, log_evidence(table))
-    return first if evidence >= np.log(len(events) / config.false_alarm) else NOTHING, values
+    begin, enough = steps.begin(events[first]), np.log(len(events) / config.false_alarm)
+    least = np.log(config.evidence_overall)
+    overall = series
+    if config.again == "beyond_last" and events[first].result in {event.result for event in served}:
+        least, overall = enough, beyond_last(series)
+    table = np.zeros(overall.sizes)
+    count(*overall.columns, (begin, steps.n_steps), table)
+    if log_evidence(table) < least:
+        return NOTHING, values
+    since_module = predictive_evidence(*series.columns, max(since, begin), series.sizes)
+    return first if since_module >= enough else NOTHING, values
 
 
 def _drawn(
