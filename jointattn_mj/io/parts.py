@@ -38,6 +38,7 @@ footage.frame_map: FrameMap
 footage.watcher: Watcher
 gaze_following.agent: FamiliariseConfig GazeFollower GazeShift RobotConfig
 gaze_following.attention: AttentionConfig AttentionSelector
+gaze_following.cross_situational: CrossSituationalLearner
 gaze_following.gate: GazeConfig HeadShift
 gaze_following.learners: LearnerConfig LinearLearner PopulationCode PopulationLearner
 gaze_following.network_learner: NetworkLearner
