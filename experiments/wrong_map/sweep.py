@@ -30,17 +30,13 @@ def exact(**noise: float) -> SessionConfig:
     return replace(BASE, state=replace(BASE.state, **noise))
 
 
-def only_right_pairs(
-    session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, places: Places
-) -> None:
+def only_right_pairs(session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, places: Places) -> None:
     """Leave out the pairs that lead elsewhere than to the caregiver's target."""
     if _is_right(session, places):
         pair(shift, face, places)
 
 
-def only_still_pairs(
-    session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, places: Places
-) -> None:
+def only_still_pairs(session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, places: Places) -> None:
     """Leave out the pairs whose face was turning, or whose object was moving, when they were learned."""
     state = session.config.state
     moving = session.world.moving(state.face_moves_above_deg_s, state.object_moves_above_m_s)

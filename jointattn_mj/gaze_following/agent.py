@@ -267,9 +267,7 @@ class GazeFollower:
         self._hold(movement.next_reference())
         return self._command
 
-    def _corrected(
-        self, shift: GazeShift, percept: Percept, head: np.ndarray
-    ) -> tuple[np.ndarray | None, int | None]:
+    def _corrected(self, shift: GazeShift, percept: Percept, head: np.ndarray) -> tuple[np.ndarray | None, int | None]:
         """Direction (2,), deg, and candidate to aim at from now on: by the face, if it is read again, or by the object.
 
         The direction is None where neither is visible.

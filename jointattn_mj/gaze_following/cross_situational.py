@@ -116,4 +116,3 @@ class CrossSituationalLearner:
             nearest = np.argmin(np.linalg.norm(places.in_view - places.reached, axis=1))
             weight = float(weights[nearest])
         return weight * reached, weight
-

@@ -28,8 +28,8 @@ class GazeConfig(Checked):
     that object in view which goes best with the face. Seen from the robot objects lie a few degrees apart, so a bare
     direction often ends beside the right one."""
     wait_for_still_face: bool = False
-    """Leave the face only in a frame in which it is not seen to move. A head that turns does not yet show where its gaze
-    will rest; a fifth to a quarter of all misses came from that."""
+    """Leave the face only in a frame in which it is not seen to move. A head that turns does not yet show where its
+    gaze will rest; a fifth to a quarter of all misses came from that."""
     read_again: bool = False
     """In shifts that the learner commands, perceive the face again at the feedback frames, and aim by it anew: the
     caregiver's gaze may have moved on meanwhile."""

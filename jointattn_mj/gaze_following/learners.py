@@ -74,21 +74,17 @@ class LearnerConfig(Checked):
             low, high = getattr(self, name)
             if not low < high:
                 raise ConfigError(f"learner.{name} must be a lower and a higher angle; got {low}, {high}")
-        for name, value in CROSS_SITUATIONAL.items():
-            if self.code != "cross_situational" and getattr(self, name) != value:
+        for name in ("pairs", "base", "competition", "compete_after", "forgetting", "smoothing"):
+            if self.code != "cross_situational" and getattr(self, name) != getattr(LearnerConfig, name):
                 raise ConfigError(
-                    f"learner.{name} {getattr(self, name)} needs learner.code cross_situational; got {self.code}, which "
-                    f"learns from the object reached alone (leave out learner.{name}, or set the code)"
+                    f"learner.{name} {getattr(self, name)} needs learner.code cross_situational; got {self.code}, "
+                    f"which learns from the object reached alone (leave out learner.{name}, or set the code)"
                 )
 
     @property
     def uses_all_looks(self) -> bool:
         """Whether something is learned from a look at the face after which, or before which, no object was reached."""
         return "in_view" in (self.pairs, self.base)
-
-
-CROSS_SITUATIONAL = {"pairs": "reached", "base": "none", "competition": 0.0, "forgetting": 0.0}
-"""Options of one learner alone, and the values at which they say nothing."""
 
 
 @dataclass(frozen=True)
