@@ -122,8 +122,16 @@ def analyse(trials: Trials) -> list[Comparison]:
         for moment in ("launch", "landing"):
             rates = [late(trial, f"success_at_{moment}") for trial in part]
             findings.append(_row(f"late rate by the caregiver's target at {moment}, {words}", mean_interval(rates)))
-        findings += [_row(f"minutes until a rate of {level:g}, {words}", soon(part, level)) for level in LEVELS]
+        findings += [_minutes(level, part, words) for level in LEVELS]
     return findings + differences(trials)
+
+
+def _minutes(level: float, part: Sequence[Trial], words: str) -> Comparison:
+    """How soon the rate stays at a level."""
+    found, what = soon(part, level), f"minutes until a rate of {level:g}, {words}"
+    if np.isfinite(found.mean):
+        return _row(what, found)
+    return Comparison(what, "not tried", None, Verdict.EXTENSION, f"never in {len(part)} sessions taken together")
 
 
 def differences(trials: Trials) -> list[Comparison]:
@@ -180,20 +188,24 @@ def draw_success(trials: Trials) -> Figure:
     figure = Figure(figsize=(10, 4.4), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     for axes, perception in zip(panels, ("state", "pixels"), strict=True):
+        numbers: list[int] = []
         for condition, colour in COLOURS.items():
             part = trials.get(f"{perception}/{condition}", ())
             if part:
                 times, shifts, good = curves(part)
                 label = in_words(f"{perception}/{condition}").rpartition(",")[0]
-                axes.plot(times, good.sum(0) / shifts.sum(0), color=colour, label=f"{label} ({len(part)} sessions)")
+                axes.plot(times, good.sum(0) / shifts.sum(0), color=colour, label=label)
+                numbers.append(len(part))
         axes.axhline(0.25, ls=":", color="#7f8c8d", lw=0.8)
         axes.text(26, 0.26, "one of four objects at random", ha="right", fontsize=8, color="#7f8c8d")
         axes.set(xlabel="time (simulated minutes)", xlim=(0, 26), ylim=(0, 1))
-        axes.set_title("from the simulator's state" if perception == "state" else "from rendered images", fontsize=10)
+        origin = "from the simulator's state" if perception == "state" else "from rendered images"
+        axes.set_title(f"{origin} ({' and '.join(map(str, sorted(set(numbers))))} sessions each)", fontsize=10)
         axes.grid(alpha=0.3)
-        axes.legend(fontsize=8, loc="lower right", bbox_to_anchor=(1, 0.1))
     panels[0].set_ylabel("share of right gaze shifts (eq. 6.9)")
     figure.suptitle("How often the robot looked where the caregiver looked")
+    fullest = max(panels, key=lambda axes: len(axes.get_legend_handles_labels()[0]))
+    figure.legend(*fullest.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=4, frameon=False)
     return figure
 
 

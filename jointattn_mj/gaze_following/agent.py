@@ -16,6 +16,9 @@ from jointattn_mj.perception.percept import Observation, Perceiver, Percept
 from jointattn_mj.perception.som import SOM, SOMConfig, whole_number
 from jointattn_mj.scene.camera import direction_of, off_centre
 
+TIE = 1e-9
+"""Scores of objects that differ by less are equal: they come from sums of hundreds of numbers."""
+
 
 @dataclass(frozen=True)
 class FamiliariseConfig(Checked):
@@ -236,7 +239,7 @@ class GazeFollower:
         if self.config.gaze.commands == "direction":
             return origin + self.learner.predict(activations), None
         self._scores = scores = self.learner.score(activations, Places(in_view))
-        if not len(scores) or (len(scores) > 1 and np.ptp(scores) == 0):
+        if not len(scores) or (len(scores) > 1 and np.ptp(scores) < TIE):
             return None, None
         best = int(np.flatnonzero(percept.visible[: self.face])[np.argmax(scores)])
         return direction_of(percept.px[best], head), best

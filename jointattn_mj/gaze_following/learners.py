@@ -6,6 +6,7 @@ open; both readings are here. Every learner is told of all places in view with a
 dissertation take notice of the object reached alone, ``cross_situational`` weighs all of them.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Annotated, Literal, Protocol
 
@@ -103,7 +104,8 @@ class Places:
     @classmethod
     def only(cls, command: np.ndarray) -> "Places":
         """One object, the only one in view, that was reached by ``command`` (2,), deg."""
-        return cls(np.reshape(command, (1, -1)), command)
+        there = np.asarray(command)
+        return cls(np.reshape(there, (1, -1)), there)
 
 
 class Learner(Protocol):
@@ -151,7 +153,7 @@ class PopulationCode:
             _bumps(np.clip(given, units[0], units[-1]), units, self._width)
             for given, units in zip(directions.T, (self._pans, self._tilts), strict=True)
         )
-        shares: np.ndarray = (pans[:, :, None] * tilts[:, None, :]).reshape(len(directions), -1)
+        shares: np.ndarray = (pans[:, :, None] * tilts[:, None, :]).reshape(len(directions), math.prod(self.shape))
         return shares
 
     def at(self, activity: np.ndarray, directions: np.ndarray) -> np.ndarray:
