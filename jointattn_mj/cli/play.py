@@ -33,9 +33,6 @@ class PlayOptions(Checked):
     """Who acts. zero and random know nothing, oracle knows the state of the world; gaze_follower is the robot of
     chapter 6 after one session (for object_transfer), developer the agent of chapter 5 (for turn_taking; it is told the
     values of its variables)."""
-    preset: Literal["thesis", "cross_situational"] = "thesis"
-    """Robot that agent gaze_follower is: chapter 6 as it is written, or the one that learns which of the objects in
-    view goes with a face. Either has had its 26 minutes of learning."""
     episodes: Annotated[int, Whole("[1, 1e6]")] = 10
     """Number of episodes."""
     seed: Seed = 0
@@ -46,6 +43,9 @@ class PlayOptions(Checked):
     """Folder for the results; made when missing."""
     video: bool = False
     """Also leave a video of the first episode there."""
+    preset: Literal["thesis", "cross_situational"] = "thesis"
+    """Robot that agent gaze_follower is: chapter 6 as it is written, or the one that learns which of the objects in
+    view goes with a face. Either has had its 26 minutes of learning."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -80,7 +80,7 @@ class CrossSituationalLearner:
     def _shares(self, face: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Smoothed P(place | face) and P(place), or 1 without base rate, of all units: (units,) each."""
         counts = self._counts
-        given = numbers("face", face, (len(counts) - 1,))
+        given = numbers("activations of the face", face, (len(counts) - 1,))
         with_face = given @ counts[:-1]
         smoothing = self._config.smoothing / (counts.shape[1] - 1)
         share = with_face[:-1] / max(with_face[-1], _TINY) + smoothing

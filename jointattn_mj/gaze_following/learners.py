@@ -199,7 +199,7 @@ class PopulationLearner:
         return self._code.at(self._activity(face), places_in_view(places))
 
     def _activity(self, face: np.ndarray) -> np.ndarray:
-        given = numbers("face", face, (len(self._weights) - 1,))
+        given = numbers("activations of the face", face, (len(self._weights) - 1,))
         activity: np.ndarray = np.tensordot(given, self._weights[:-1], 1)
         return activity
 
@@ -208,7 +208,7 @@ class PopulationLearner:
         if places.reached is None:
             return
         command = numbers("places.reached", places.reached, (2,))
-        inputs = np.append(numbers("face", face, (len(self._weights) - 1,)), self._context)
+        inputs = np.append(numbers("activations of the face", face, (len(self._weights) - 1,)), self._context)
         error = self._code.encode(command) - np.tensordot(inputs, self._weights, 1)
         gain = self._rate / (inputs @ inputs)
         self._weights += np.multiply.outer(gain * inputs, error)
@@ -232,7 +232,7 @@ class LinearLearner:
 
     def predict(self, face: np.ndarray) -> np.ndarray:
         """The command (2,), deg: the weighted sum of the activations (k,)."""
-        return numbers("face", face, (len(self._weights),)) @ self._weights
+        return numbers("activations of the face", face, (len(self._weights),)) @ self._weights
 
     def score(self, face: np.ndarray, places: Places) -> np.ndarray:
         """How near each of the n objects in view is to the command: (n,) distances, negative, deg."""
