@@ -1,6 +1,6 @@
 """From a table of events, whose columns are known, to events."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.labels import missing_labels, ordered
 from jointattn_mj.recordings.table_files import TableFile
 from jointattn_mj.recordings.tier_codes import dictionary
-from jointattn_mj.recordings.times import TimeUnit, seconds, unit_of
+from jointattn_mj.recordings.times import TimeUnit, has_fraction, seconds, unit_of
 
 START, STOP, POINT = {"start", "state start", "begin"}, {"stop", "state stop", "end"}, {"point", "state point", "event"}
 """What the kind of a row is called."""
@@ -58,14 +58,22 @@ class _Columns:
         present = ["" if name in none else name for name in stripped] + [""]
         return [present[number] for number in numbers.tolist()]
 
-    def times(self, location: int, options: TimeOptions, unit: TimeUnit) -> np.ndarray:
+    def unit(self, location: int, options: TimeOptions, layout: EventLayout) -> TimeUnit:
+        """Unit of a column of times: as the options say, its header, or the kind of table."""
+        told: tuple[TimeUnit, ...] = options.unit, unit_of(self.table.header[location]), layout.unit
+        return next((unit for unit in told if unit != "auto"), "auto")
+
+    def has_fractions(self, location: int) -> bool:
+        """Whether a column has numbers that are not whole."""
+        return any(map(has_fraction, self._columns[location][1]))
+
+    def times(self, location: int, unit: TimeUnit, rate: float | None) -> np.ndarray:
         """Seconds (rows,) of a column of times, NaN where missing."""
         header = self.table.header[location]
-        unit = options.unit if options.unit != "auto" else (told if (told := unit_of(header)) != "auto" else unit)
         numbers, names = self._columns[location]
         none = missing_labels([name.strip() for name in names], self._missing)
         present = [name for name in names if name.strip() not in none]
-        meaning = seconds(present, unit, options.rate, f"column {header!r} of {self.table.path}")
+        meaning = seconds(present, unit, rate, f"column {header!r} of {self.table.path}")
         values = np.array([meaning.get(name, np.nan) for name in names] + [np.nan])
         times: np.ndarray = values[numbers]
         return times
@@ -99,12 +107,16 @@ def read_event_table(
     columns = _Columns(table, wanted, missing)
     recordings, kept = _recordings(columns, layout, name)
     rows = _Rows([], [], [], [], [])
+    when = {i for one in tracks for i in (one.onset, one.offset, one.duration) if i is not None}
+    units = {i: columns.unit(i, options, layout) for i in when}
+    if any(units[i] == "auto" and columns.has_fractions(i) for i in when):
+        units = {i: "s" if unit == "auto" else unit for i, unit in units.items()}
+    times = {i: columns.times(i, units[i], options.rate) for i in when}
     for track in tracks:
-        _gather(rows, columns, track, options, layout.unit, recordings, kept)
+        _gather(rows, columns, track, times, recordings, kept)
     if not rows.tier:
         raise SeriesError(f"{table.path} has no events below its header")
     tiers = dict.fromkeys(one.name for one in tracks if not one.tier)
-    frames = any(_in_frames(table, one, options, layout) for one in tracks)
     try:
         return Events.of(
             rows.tier,
@@ -113,15 +125,10 @@ def read_event_table(
             rows.offset,
             rows.recording,
             tiers={one: tuple(tiers) for one in dict.fromkeys(rows.recording)},
-            resolution=1 / options.rate if frames and options.rate else 0.001,
+            resolution=1 / options.rate if options.rate and {"frames", "auto"} & set(units.values()) else 0.001,
         )
     except SeriesError as error:
         raise SeriesError(f"{table.path}: {error}") from error
-
-
-def _in_frames(table: TableFile, track: Track, options: TimeOptions, layout: EventLayout) -> bool:
-    unit = options.unit if options.unit != "auto" else unit_of(table.header[track.onset])
-    return options.rate is not None and unit in ("frames", "auto") and layout.unit == "auto"
 
 
 def _recordings(columns: _Columns, layout: EventLayout, name: str) -> tuple[list[str], list[bool]]:
@@ -143,17 +150,16 @@ def _gather(
     rows: _Rows,
     columns: _Columns,
     track: Track,
-    options: TimeOptions,
-    unit: TimeUnit,
+    times: Mapping[int, np.ndarray],
     recordings: Sequence[str],
     kept: Sequence[bool],
 ) -> None:
     """Add the events of one track."""
     codes = columns.joined(track.code, PARTS)
     tiers = columns.joined(track.tier, ".") if track.tier else None
-    onset = columns.times(track.onset, options, unit)
+    onset = times[track.onset]
     offset, duration = (
-        np.full(columns.rows, np.nan) if location is None else columns.times(location, options, unit)
+        np.full(columns.rows, np.nan) if location is None else times[location]
         for location in (track.offset, track.duration)
     )
     offset = np.where(np.isnan(offset), onset + duration, offset)

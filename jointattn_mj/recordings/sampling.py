@@ -25,6 +25,8 @@ Missing = Literal["error", "break"]
 
 NONE = "(none)"
 """Label of steps in which nothing is coded."""
+GAPLESS_EVENTS, GAPLESS_SHARE = 3, 0.25
+"""A tier is coded throughout if so many events follow one another without a gap, for so much of the recording."""
 MOST_STEPS = 200_000_000
 """More steps than this need a longer step."""
 
@@ -175,7 +177,7 @@ def _span(whole: tuple[int, int], lines: list[TierLine], step: float, span: Span
             return whole[0], whole[0]
         limits = [one for one in ends if one is not None]
     elif span == "coded":
-        least = (whole[1] - whole[0]) / 2
+        least = (whole[1] - whole[0]) * GAPLESS_SHARE
         limits = [one for line, one in zip(lines, ends, strict=True) if one is not None and _gapless(line, step, least)]
     else:
         limits = []
@@ -190,7 +192,7 @@ def _ends(line: TierLine) -> tuple[int, int] | None:
 
 def _gapless(line: TierLine, step: float, least: float) -> bool:
     """Whether intervals follow one another without a gap of a step, and last for ``least`` microseconds in all."""
-    if len(line.onset) < 2:
+    if len(line.onset) < GAPLESS_EVENTS:
         return False
     gaps = line.onset[1:] - line.offset[:-1]
     return bool(gaps.max() <= step * 1e6 and (line.offset - line.onset).sum() >= least)

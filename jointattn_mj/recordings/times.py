@@ -35,6 +35,12 @@ def is_time(text: str) -> bool:
     return bool(_NUMBER.fullmatch(text) or _CLOCK.fullmatch(text))
 
 
+def has_fraction(text: str) -> bool:
+    """Whether text is a number that is not whole."""
+    text = text.strip()
+    return _NUMBER.fullmatch(text) is not None and not float(text.replace(",", ".")).is_integer()
+
+
 def seconds(texts: Iterable[str], unit: TimeUnit, rate: float | None, where: str) -> dict[str, float]:
     """What each of some different texts means, in seconds.
 

@@ -1,7 +1,7 @@
 """Datavyu's spreadsheets as text: in an .opf archive, or exported as .csv.
 
-A column with one code is a tier of its name; with several, each is a tier such as ``infant.look``. Datavyu's
-export side by side is a table like others.
+A column with one code is a tier of its name; with several, each is a tier such as ``infant.look``. Datavyu's other
+export, side by side, is a table of events.
 """
 
 import csv

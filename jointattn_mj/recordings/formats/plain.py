@@ -11,7 +11,10 @@ from jointattn_mj.recordings.event_layout import EventLayout, Track
 from jointattn_mj.recordings.times import is_time, unit_of
 
 ONSET, OFFSET, DURATION = {"onset", "begin", "start"}, {"offset", "end", "stop"}, {"duration", "dur"}
-TIER = ("tier", "tier name", "tiername", "track", "channel", "subject", "actor", "person", "speaker", "participant")
+TIER = (
+    "tier", "tier name", "tiername", "track", "channel", "subject", "actor", "agent", "person", "individual", "speaker",
+    "who", "role", "participant",
+)  # fmt: skip
 """Names of a column that says which tier an event is on; the first that is there counts."""
 CODE = (
     "annotation", "annotations", "code", "codes", "label", "labels", "value", "behavior", "behaviour", "event",
