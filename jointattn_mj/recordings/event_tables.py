@@ -21,14 +21,6 @@ PARTS = "|"
 """Stands between the parts of a code that several columns make."""
 
 
-@dataclass(frozen=True)
-class TimeOptions:
-    """How times are written."""
-
-    unit: TimeUnit = "auto"
-    rate: float | None = None
-
-
 @dataclass
 class _Rows:
     """Events as they are gathered."""
@@ -58,10 +50,10 @@ class _Columns:
         present = ["" if name in none else name for name in stripped] + [""]
         return [present[number] for number in numbers.tolist()]
 
-    def unit(self, location: int, options: TimeOptions, layout: EventLayout) -> TimeUnit:
-        """Unit of a column of times: as the options say, its header, or the kind of table."""
-        told: tuple[TimeUnit, ...] = options.unit, unit_of(self.table.header[location]), layout.unit
-        return next((unit for unit in told if unit != "auto"), "auto")
+    def unit(self, location: int, unit: TimeUnit, layout: EventLayout) -> TimeUnit:
+        """Unit of a column of times: as is said, its header, or the kind of table."""
+        told: tuple[TimeUnit, ...] = unit, unit_of(self.table.header[location]), layout.unit
+        return next((one for one in told if one != "auto"), "auto")
 
     def has_fractions(self, location: int) -> bool:
         """Whether a column has numbers that are not whole."""
@@ -87,15 +79,21 @@ class _Columns:
 
 
 def read_event_table(
-    table: TableFile, layout: EventLayout, options: TimeOptions, name: str, missing: Collection[str] = ()
+    table: TableFile,
+    layout: EventLayout,
+    name: str,
+    unit: TimeUnit = "auto",
+    rate: float | None = None,
+    missing: Collection[str] = (),
 ) -> Events:
     """Read the events of a table.
 
     Args:
         table: The table.
         layout: What its columns are.
-        options: How times are written.
         name: What the recording is called where no column tells it.
+        unit: Unit of times that are plain numbers.
+        rate: Frames a second, where times are frames or end in them.
         missing: Texts that stand for no code, beside the usual ones.
 
     Raises:
@@ -108,10 +106,10 @@ def read_event_table(
     recordings, kept = _recordings(columns, layout, name)
     rows = _Rows([], [], [], [], [])
     when = {i for one in tracks for i in (one.onset, one.offset, one.duration) if i is not None}
-    units = {i: columns.unit(i, options, layout) for i in when}
+    units = {i: columns.unit(i, unit, layout) for i in when}
     if any(units[i] == "auto" and columns.has_fractions(i) for i in when):
-        units = {i: "s" if unit == "auto" else unit for i, unit in units.items()}
-    times = {i: columns.times(i, units[i], options.rate) for i in when}
+        units = {i: "s" if one == "auto" else one for i, one in units.items()}
+    times = {i: columns.times(i, units[i], rate) for i in when}
     for track in tracks:
         _gather(rows, columns, track, times, recordings, kept)
     if not rows.tier:
@@ -125,7 +123,7 @@ def read_event_table(
             rows.offset,
             rows.recording,
             tiers={one: tuple(tiers) for one in dict.fromkeys(rows.recording)},
-            resolution=1 / options.rate if options.rate and {"frames", "auto"} & set(units.values()) else 0.001,
+            resolution=1 / rate if rate and {"frames", "auto"} & set(units.values()) else 0.001,
         )
     except SeriesError as error:
         raise SeriesError(f"{table.path}: {error}") from error

@@ -8,7 +8,7 @@ from typing import Annotated
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import Real
 from jointattn_mj.recordings.event_layout import EventLayout, Track
-from jointattn_mj.recordings.event_tables import TimeOptions, read_event_table
+from jointattn_mj.recordings.event_tables import read_event_table
 from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.formats import Format, datavyu, elan, event_layout, plain
 from jointattn_mj.recordings.table_files import TableFile, TableOptions, arrow_file, open_table, read_bytes
@@ -148,8 +148,9 @@ def open_table_as(
     return read_event_table(
         table,
         _as_told(layout, table, options),
-        TimeOptions(options.time_unit, options.rate),
         table.path.stem,
+        options.time_unit,
+        options.rate,
         options.missing_values,
     )
 
@@ -183,8 +184,8 @@ def _no_steps(table: TableFile, layout: EventLayout) -> str:
     end = track.offset if track.offset is not None else track.duration if track.duration is not None else track.kind
     names = " and ".join(repr(table.header[i]) for i in (track.onset, end) if i is not None)
     return (
-        f"{table.path} lists events, as its columns {names} say: a row is no step, and the next row is no answer to it. "
-        "Sample the events to steps of one length, such as --step 0.1 (seconds); or, if rows are steps, say "
+        f"{table.path} lists events, as its columns {names} say: a row is no step, and the next row is no answer to "
+        "it. Sample the events to steps of one length, such as --step 0.1 (seconds); or, if rows are steps, say "
         "--rows-are-steps"
     )
 
