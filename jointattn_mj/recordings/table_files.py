@@ -78,7 +78,7 @@ def _read_csv(data: bytes, path: Path, wanted: Sequence[str], skip_rows: int, ro
         line = line_of_header(data, wanted)
         if line is None or line <= skip_rows:
             raise
-        raise SeriesError(f"{error}. Line {line + 1} names them: say --skip-rows {line}") from error
+        raise SeriesError(f"{error}. Line {line + 1} names them: say `skip_rows={line}`") from error
     body = data[table.start :].rstrip(b"\r\n") + b"\n"
     if not body.strip(b"\r\n"):
         return pa.table({name: pa.array([], pa.string()).dictionary_encode() for name in wanted})
@@ -124,7 +124,7 @@ def _locations(header: Sequence[str], wanted: Sequence[str], path: Path, rows_ar
         raise SeriesError(
             f"{path} lists events, as its columns {events[0]!r} and {events[1]!r} say: a row is no step, and the next "
             "row is no answer to it. Sample the events first, with a row for every 0.1 s or so; or, if rows are steps "
-            "of one length, say --rows-are-steps"
+            "of one length, say `rows_are_steps=True`"
         )
     return [names.index(name) for name in meant]
 

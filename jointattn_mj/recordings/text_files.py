@@ -63,7 +63,7 @@ def as_utf8(data: bytes, path: Path, encoding: str | None = None) -> bytes:
             line = data.count(b"\n", 0, error.start) + 1
             raise SeriesError(
                 f"{path} is not in UTF-8 (byte 0x{data[error.start]:02X} in line {line}); say how it was written, such "
-                "as --encoding cp1252 for a file from Windows in a western language"
+                "as `encoding='cp1252'` for a file from Windows in a western language"
             ) from error
     try:
         text = data.decode(chosen).removeprefix("\ufeff")
@@ -83,7 +83,7 @@ def _refuse_binary(data: bytes, path: Path) -> None:
             raise SeriesError(f"{path} is {kind}, not text; save the table as CSV")
     found = _CONTROL.search(data)
     if found is not None:
-        hint = "; for UTF-16 without a mark say --encoding utf-16-le" if found.group() == b"\0" else ""
+        hint = "; for UTF-16 without a mark say `encoding='utf-16-le'`" if found.group() == b"\0" else ""
         raise SeriesError(f"{path} is no text file (byte 0x{found.group()[0]:02X} at {found.start()}){hint}")
 
 
@@ -99,7 +99,7 @@ def layout(data: bytes, path: Path, skip_rows: int = 0) -> TextLayout:
     lines = io.StringIO(text, newline="")
     for _ in range(skip_rows):
         if not lines.readline():
-            raise SeriesError(f"{path} has no header below the {skip_rows} rows that --skip-rows leaves out")
+            raise SeriesError(f"{path} has no header below the {skip_rows} rows that `skip_rows` leaves out")
     start = lines.tell()
     told = _SEPARATOR.fullmatch(lines.readline())
     if told is None:
