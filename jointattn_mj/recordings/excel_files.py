@@ -40,7 +40,7 @@ def sheet_rows(data: bytes, path: Path, sheet: str | None = None) -> list[list[s
     first, *others = tables.values()
     if any(rows[0] != first[0] for rows in others):
         raise SeriesError(
-            f"{path} has several sheets; say which one is meant: --sheet {next(iter(tables))!r}, for example"
+            f"{path} has several sheets; say which one is meant: `sheet={next(iter(tables))!r}`, for example"
         )
     rows = [*first, *(row for other in others for row in other[1:])]
     width = max(map(len, rows))

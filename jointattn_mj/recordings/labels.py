@@ -78,7 +78,7 @@ def ordered(labels: set[str], name: str, fractions: bool = False) -> dict[str, s
                 return as_written
             raise SeriesError(
                 f"column {name!r} holds numbers with fractions, such as {label}; sort them into bins first, and give "
-                "each bin a label. If they are names, say --fractions names"
+                "each bin a label. If they are names, say `fractions='names'`"
             )
     if not all(_DECIMAL.fullmatch(label) for label in labels):
         return as_written

@@ -41,7 +41,7 @@ class MeasureOptions(RecordingTestOptions):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not (self.source and self.target):
-            raise ConfigError("measure needs at least one column each for --source and --target")
+            raise ConfigError("measure needs at least one column each for `source` and `target`")
 
     @property
     def tests(self) -> int:
@@ -153,7 +153,7 @@ def exchange_notes(found: list[Significance]) -> list[str]:
         return []
     return [
         f"only {least:.0%} of the steps have another value of the source in the same context and recording to change "
-        "places with, so p says little; fewer values, longer recordings or --across-recordings help"
+        "places with, so p says little; fewer values, longer recordings, or permuting across recordings help"
     ]
 
 

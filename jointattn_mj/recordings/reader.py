@@ -78,7 +78,7 @@ class Coding:
             if twice:
                 raise SeriesError(
                     f"several files have the tier {twice[0]}; give recordings different names, or name a column that "
-                    "tells them apart with --recording"
+                    "tells them apart with `recording`"
                 )
             whole = whole.joined(other)
         return replace(whole, remarks=(*whole.remarks, *remarks))
@@ -103,7 +103,7 @@ class Coding:
         same = replace(self, options=options, columns=names)
         content, remarks = same._content
         if step is None and any(isinstance(one, Events) for one in content):
-            raise SeriesError(f"{same._name} is of events; say how long a step is, such as --step 0.1 (seconds)")
+            raise SeriesError(f"{same._name} is of events; say how long a step is, such as `step=0.1` (seconds)")
         if step is None:
             return read_steps(
                 [one for one in content if isinstance(one, TableFile)],

@@ -126,7 +126,7 @@ def open_table_as(
     """Take a table as events or as steps (see :func:`open_source`); ``data`` is the whole file, if there is one."""
     if options.of_steps:
         if sampled:
-            raise SeriesError(f"{table.path} is said to have a row for every step; leave --step out")
+            raise SeriesError(f"{table.path} is said to have a row for every step; leave `step` out")
         return table
     layout = event_layout(table.header, options.format)
     named = wanted is not None and set(wanted) <= set(table.header)
@@ -139,8 +139,8 @@ def open_table_as(
         if sampled or options.of_events:
             raise SeriesError(
                 f"{table.path} has no columns that say when events begin and end, such as onset and offset; its "
-                f"columns are: {', '.join(table.header)[:200]}. Name them with --columns, or, if rows are steps, leave "
-                "--step and --format out"
+                f"columns are: {', '.join(table.header)[:200]}. Name them with `columns`, or, if rows are steps, leave "
+                "`step` and `format` out"
             )
         return table
     if wanted is not None and not sampled:
@@ -185,8 +185,8 @@ def _no_steps(table: TableFile, layout: EventLayout) -> str:
     names = " and ".join(repr(table.header[i]) for i in (track.onset, end) if i is not None)
     return (
         f"{table.path} lists events, as its columns {names} say: a row is no step, and the next row is no answer to "
-        "it. Sample the events to steps of one length, such as --step 0.1 (seconds); or, if rows are steps, say "
-        "--rows-are-steps"
+        "it. Sample the events to steps of one length, such as `step=0.1` (seconds); or, if rows are steps, say "
+        "`rows_are_steps=True`"
     )
 
 

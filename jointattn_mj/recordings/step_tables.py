@@ -58,7 +58,7 @@ def read_steps(
     for name in wanted:
         gaps = (marks if marks is not None and name == recording else codes[name][0]) < 0
         if gaps.any() and (missing == "error" or name == recording):
-            hint = "" if name == recording else "; fill them in, or cut recordings there with --missing break"
+            hint = "" if name == recording else "; fill them in, or cut recordings there with `missing='break'`"
             raise SeriesError(
                 f"column {name!r} of {path} has {int(gaps.sum())} missing values, the first in data row "
                 f"{int(np.argmax(gaps)) + 1}{hint}"

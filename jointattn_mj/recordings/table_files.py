@@ -81,7 +81,7 @@ class TableFile:
                 close = get_close_matches(name, self.header, 1)
                 line = self.line_of(wanted)
                 hint = f"; did you mean {close[0]!r}?" if close else ""
-                hint += f". Line {line + 1} names them: say --skip-rows {line}" if line else ""
+                hint += f". Line {line + 1} names them: say `skip_rows={line}`" if line else ""
                 raise SeriesError(f"{self.path} has no column {name!r}; its columns are: {_shown(self.header)}{hint}")
             if self.header.count(name) > 1:
                 raise SeriesError(f"{self.path} has {self.header.count(name)} columns {name!r}; names must differ")
@@ -181,7 +181,7 @@ def _named(found: TextLayout, path: Path, options: TableOptions) -> TextLayout:
     """The layout of a table without a header, with the names that are told."""
     if len(found.header) != len(options.columns):
         raise SeriesError(
-            f"{path} has {len(found.header)} columns, and --columns names {len(options.columns)} (- leaves one out)"
+            f"{path} has {len(found.header)} columns, and `columns` names {len(options.columns)} (- leaves one out)"
         )
     return TextLayout(found.delimiter, list(options.columns), found.start, found.header_at)
 
@@ -249,12 +249,12 @@ def _workbook(
 
     rows = rows[options.skip_rows :]
     if not rows:
-        raise SeriesError(f"{path} has no header below the {options.skip_rows} rows that --skip-rows leaves out")
+        raise SeriesError(f"{path} has no header below the {options.skip_rows} rows that `skip_rows` leaves out")
     at = next((i for i, row in enumerate(rows[:100]) if heads([single_blanks(cell) for cell in row])), 0)
     if options.columns:
         at = 0
         if len(rows[0]) != len(options.columns):
-            raise SeriesError(f"{path} has {len(rows[0])} columns, and --columns names {len(options.columns)}")
+            raise SeriesError(f"{path} has {len(rows[0])} columns, and `columns` names {len(options.columns)}")
     header = tuple(map(single_blanks, options.columns or rows[at]))
     body = rows[0 if options.columns else at + 1 :]
 

@@ -65,7 +65,7 @@ def as_utf8(data: bytes, path: Path, encoding: str | None = None) -> bytes:
             line = data.count(b"\n", 0, error.start) + 1
             raise SeriesError(
                 f"{path} is not in UTF-8 (byte 0x{data[error.start]:02X} in line {line}); say how it was written, such "
-                "as --encoding cp1252 for a file from Windows in a western language"
+                "as `encoding='cp1252'` for a file from Windows in a western language"
             ) from error
     try:
         text = data.decode(chosen).removeprefix("\ufeff")
@@ -125,7 +125,7 @@ def layout(
     lines = io.StringIO(text, newline="")
     for _ in range(skip_rows):
         if not lines.readline():
-            raise SeriesError(f"{path} has no header below the {skip_rows} rows that --skip-rows leaves out")
+            raise SeriesError(f"{path} has no header below the {skip_rows} rows that `skip_rows` leaves out")
     start = lines.tell()
     told = _SEPARATOR.fullmatch(lines.readline())
     start = lines.tell() if told else start

@@ -67,11 +67,11 @@ def seconds(texts: Iterable[str], unit: TimeUnit, rate: float | None, where: str
         if all(value == int(value) for value in numbers.values()) and any(numbers.values()):
             raise SeriesError(
                 f"{where} holds whole numbers without a unit, such as {max(numbers, key=numbers.__getitem__)}; say "
-                "--time-unit s, ms or frames"
+                "`time_unit='s'`, `time_unit='ms'` or `time_unit='frames'`"
             )
         unit = "s"
     if numbers and unit == "frames" and rate is None:
-        raise SeriesError(f"{where} holds frames; say how many there are in a second, such as --rate 25")
+        raise SeriesError(f"{where} holds frames; say how many there are in a second, such as `rate=25`")
     factor = {"auto": 1, "s": 1, "ms": 1000, "frames": rate or 1}[unit]
     return {**clocks, **{text: value / factor for text, value in numbers.items()}}
 
@@ -94,9 +94,9 @@ def _clock(text: str, rate: float | None, where: str) -> float:
         if rate is None:
             raise SeriesError(
                 f"{where} holds {shown(text)}, which ends in frames; say how many there are in a second, such as "
-                "--rate 25"
+                "`rate=25`"
             )
         if int(frames) >= rate:
-            raise SeriesError(f"{where} holds {shown(text)}, but at --rate {rate:g} frames go to {int(rate - 1e-9)}")
+            raise SeriesError(f"{where} holds {shown(text)}, but at {rate:g} frames a second they go to {int(rate - 1e-9)}")
         value += int(frames) / rate
     return -value if sign else value
