@@ -164,6 +164,7 @@ def _gather(
     kinds = None if track.kind is None else [text.casefold() for text in columns.texts(track.kind)]
     path = columns.table.path
     running: dict[tuple[str, str, str], tuple[int, float]] = {}
+    found: list[tuple[int, str, str | None, float, float]] = []
     for row, (begins, ends) in enumerate(zip(onset.tolist(), offset.tolist(), strict=True)):
         code = codes[row]
         if not kept[row] or not (code or track.alone) or (begins != begins and ends != ends and not code):
@@ -172,27 +173,30 @@ def _gather(
             raise SeriesError(f"{path} has no onset for {shown(code)} in data row {row + 1}")
         tier = track.name if tiers is None else f"{tiers[row]}{track.name if track.name.startswith('.') else ''}"
         tier = tier or track.name
+        first = row
         if kinds is not None:
-            ended = _paired(running, kinds[row], (recordings[row], tier, code), row, begins, ends, path)
-            if ended is None:
+            paired = _paired(running, kinds[row], (recordings[row], tier, code), row, begins, path)
+            if paired is None:
                 continue
-            begins, ends = ended
+            first, begins, ends = *paired, begins
         if ends != ends:
             raise SeriesError(
                 f"{path} does not say when {shown(code)} ends in data row {row + 1}; a point event has its onset as "
                 "its offset"
             )
-        rows.tier.append(tier)
-        rows.code.append(code or None)
-        rows.onset.append(begins)
-        rows.offset.append(ends)
-        rows.recording.append(recordings[row])
+        found.append((first, tier, code or None, begins, ends))
     if running:
         (recording, tier, code), (row, _) = next(iter(running.items()))
         raise SeriesError(
             f"{path} does not say when {shown(code)} on {tier!r} of {recording!r} stops that starts in data row "
             f"{row + 1}; add where it stops"
         )
+    for first, tier, label, begins, ends in sorted(found, key=lambda event: event[0]):
+        rows.tier.append(tier)
+        rows.code.append(label)
+        rows.onset.append(begins)
+        rows.offset.append(ends)
+        rows.recording.append(recordings[first])
 
 
 def _paired(
@@ -201,12 +205,11 @@ def _paired(
     what: tuple[str, str, str],
     row: int,
     time: float,
-    end: float,
     path: object,
-) -> tuple[float, float] | None:
-    """When an event begins and ends, where this row ends it or tells all."""
+) -> tuple[int, float] | None:
+    """Row and time of the onset of an event that this row ends; None where it begins one."""
     if kind in POINTS:
-        return time, time
+        return row, time
     if kind in START:
         if what in running:
             raise SeriesError(
@@ -219,7 +222,7 @@ def _paired(
             raise SeriesError(
                 f"{path} stops {shown(what[2])} on {what[1]!r} in data row {row + 1}, and never starts it"
             )
-        return running.pop(what)[1], time
+        return running.pop(what)
     raise SeriesError(f"{path} has an event of kind {shown(kind)} in data row {row + 1}; expected start, stop or point")
 
 

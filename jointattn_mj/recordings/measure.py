@@ -115,8 +115,12 @@ class MeasureResult:
         return "\n".join([*lines, *(f"Note: {note}." for note in self.notes)])
 
 
-def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lambda done: None) -> MeasureResult:
+def run_measure(
+    options: MeasureOptions, progress: Callable[[int], object] = lambda done: None, data: Recordings | None = None
+) -> MeasureResult:
     """Read the file, measure, test; ``progress`` is told of surrogates and resamples as they are drawn.
+
+    ``data`` is what the file has, where it is read already.
 
     Raises:
         SeriesError: The file or a column cannot be measured.
@@ -124,7 +128,7 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "measures")
-    data = options.read(options.file, [*options.source, *options.target, *options.condition])
+    data = data or options.read(options.file, [*options.source, *options.target, *options.condition])
     source, target = data.joined(options.source)[0], data.joined(options.target)[0]
     condition = data.joined(options.condition)[0] if options.condition else None
     given = steps(source, target, condition, data.groups)

@@ -181,10 +181,11 @@ def _delimiter(text: str) -> str:
     """The one by which the first rows are all as long as the header; among several, the most frequent."""
 
     def fits(mark: str) -> tuple[bool, int]:
-        widths, whole = [], True
+        widths: list[int] = []
+        whole = True
         try:
-            reader = csv.reader(io.StringIO(text, newline=""), delimiter=mark, strict=True)
-            widths = [len(row) for row in islice(reader, SNIFFED_ROWS) if row]
+            for row in islice(csv.reader(io.StringIO(text, newline=""), delimiter=mark, strict=True), SNIFFED_ROWS):
+                widths += [len(row)] if row else []
         except csv.Error:
             whole = False
         width = widths[0] if widths else 0

@@ -117,7 +117,11 @@ BAD = {
     "missing": ("a,b\n1,2\n,2\n1,2\nNA,2\n", ["a"], "2 missing values, the first in data row 2"),
     "blank line": ("a,b\n1,2\n\n1,2\n", ["a", "b"], "1 missing values"),
     "short row": ("a,b\n1,2\n1\n1,2\n", ["a"], "data row 2: Expected 2 columns"),
-    "another encoding": (b"a,b\n1,\xff\xfe\n1,2\n", ["b"], r"not in UTF-8 \(byte 0xFF in line 2\).*`encoding=.cp1252.`"),
+    "another encoding": (
+        b"a,b\n1,\xff\xfe\n1,2\n",
+        ["b"],
+        r"not in UTF-8 \(byte 0xFF in line 2\).*`encoding=.cp1252.`",
+    ),
     "a damaged workbook": (b"PK\x03\x04\x14\0\x06\0" + bytes(200), ["a"], "no workbook that can be read"),
     "compressed": (b"\x1f\x8b\x08\0" + bytes(200), ["a"], "gzip"),
     "binary": (bytes(range(256)), ["a"], "no text file"),
