@@ -110,6 +110,7 @@ def read_event_table(
     if any(units[i] == "auto" and columns.has_fractions(i) for i in when):
         units = {i: "s" if one == "auto" else one for i, one in units.items()}
     times = {i: columns.times(i, units[i], rate) for i in when}
+    bare = _without_codes(columns, tracks, times, kept)
     for track in tracks:
         _gather(rows, columns, track, times, recordings, kept)
     if not rows.tier:
@@ -124,6 +125,7 @@ def read_event_table(
             rows.recording,
             tiers={one: tuple(tiers) for one in dict.fromkeys(rows.recording)},
             resolution=1 / rate if rate and {"frames", "auto"} & set(units.values()) else 0.001,
+            remarks=(f"{bare} rows of {table.path} have times and no code, and are left out",) if bare else (),
         )
     except SeriesError as error:
         raise SeriesError(f"{table.path}: {error}") from error
@@ -142,6 +144,19 @@ def _recordings(columns: _Columns, layout: EventLayout, name: str) -> tuple[list
         group, part = (group + 1, 0) if text == "1" else (group, part + 1 if text == "2" else part)
         recordings.append(f"{name} {group}.{part}" if group or part else name)
     return recordings, kept
+
+
+def _without_codes(
+    columns: _Columns, tracks: Sequence[Track], times: Mapping[int, np.ndarray], kept: Sequence[bool]
+) -> int:
+    """Number of rows that have an onset, and no code in any of several columns."""
+    if any(one.alone for one in tracks):
+        return 0
+    timed, coded = np.zeros(columns.rows, bool), np.zeros(columns.rows, bool)
+    for one in tracks:
+        timed |= ~np.isnan(times[one.onset])
+        coded |= np.array([bool(text) for text in columns.joined(one.code, PARTS)], bool)
+    return int((timed & ~coded & np.array(kept, bool)).sum())
 
 
 def _gather(
