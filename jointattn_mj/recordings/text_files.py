@@ -162,10 +162,14 @@ def _layout_at(text: str, start: int, path: Path, delimiter: str | None) -> Text
 
 
 def are_above(rows: Sequence[Sequence[str]], header: Sequence[str]) -> bool:
-    """Whether rows above a header are none of its table: as wide as no row of it, or parted from it by a blank row."""
+    """Whether rows above a header are none of its table.
+
+    They have another number of cells, or a name and a value each, or a blank row is between.
+    """
     if not any(cell.strip() for cell in rows[-1]):
         return True
-    return any(all(width(row) != width(header) for row in rows) for width in (len, _width))
+    named_values = _width(header) > 2 and all(_width(row) <= 2 for row in rows)
+    return named_values or all(len(row) != len(header) for row in rows)
 
 
 def _width(row: Sequence[str]) -> int:
