@@ -48,7 +48,7 @@ class TestModel:
     @pytest.mark.parametrize(
         ("columns", "words"),
         [
-            ((["a"], ["x"], [0], [1, 2]), "equally long; got 1, 1, 1, 2, 1 rows"),
+            ((["a"], ["x"], [0], [1, 2]), "equally long; got 1, 1, 1, 1, 2 rows"),
             ((["a"], ["x"], [2], [1]), "'x' on 'a'.*ends at 1 s, before it begins at 2 s"),
             ((["a"], ["x"], ["now"], [1]), "onset must be numbers"),
             ((["a"], ["x"], [0], [float("nan")]), "offset must lie within"),
