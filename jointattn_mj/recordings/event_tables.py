@@ -65,10 +65,11 @@ class _Columns:
         """Seconds (rows,) of a column of times, NaN where missing."""
         header = self.table.header[location]
         numbers, names = self._columns[location]
-        none = missing_labels([name.strip() for name in names], self._missing)
-        present = [name for name in names if name.strip() not in none]
-        meaning = seconds(present, unit, rate, f"column {header!r} of {self.table.path}")
-        values = np.array([meaning.get(name, np.nan) for name in names] + [np.nan])
+        stripped = list(map(str.strip, names))
+        none = missing_labels(stripped, self._missing)
+        present = [i for i, name in enumerate(stripped) if name not in none]
+        values = np.full(len(names) + 1, np.nan)
+        values[present] = seconds([stripped[i] for i in present], unit, rate, f"column {header!r} of {self.table.path}")
         times: np.ndarray = values[numbers]
         return times
 
