@@ -100,7 +100,9 @@ def read_event_table(
         SeriesError: Times that cannot be read, an event without an end, or no events.
     """
     tracks = layout.tracks
-    used = {i for one in tracks for i in (one.onset, one.offset, one.duration, one.kind, *one.code, *one.tier)}
+    used = {
+        i for one in tracks for i in (one.onset, one.offset, one.duration, one.kind, one.moment, *one.code, *one.tier)
+    }
     wanted = {i for i in (*used, *layout.recording, layout.level) if i is not None}
     columns = _Columns(table, wanted, missing)
     recordings, kept = _recordings(columns, layout, name)
@@ -174,6 +176,10 @@ def _gathered(
         for location in (track.offset, track.duration)
     )
     offset = np.where(np.isnan(offset), onset + duration, offset)
+    if track.moment is not None:
+        kinds = columns.texts(track.moment)
+        points = [i for i, name in enumerate(kinds.names) if name.casefold() in POINT]
+        offset = np.where(np.isnan(offset) & np.isin(kinds.numbers, points), onset, offset)
     coded = code.numbers >= 0
     rows = np.flatnonzero(kept & (coded | (track.alone & ~(np.isnan(onset) & np.isnan(offset)))))
     path = columns.table.path

@@ -151,6 +151,13 @@ class TestBoris:
         assert left.names == ("d1",)
         assert left.notes() == ("1 recording (d2) left out, for want of a tier",)
 
+    def test_a_point_event_without_an_end(self, write):
+        header = "Subject,Behavior,Behavioral category,Behavior type,Start (s),Stop (s),Duration (s)\n"
+        path = write(header + "infant,look,,STATE,0.0,1.5,1.5\ninfant,nod,,POINT,1.5,NA,NA\n")
+        assert rows(recordings.read(path).events)[1] == ("x", "infant", "nod", 1.5, 1.5)
+        with pytest.raises(SeriesError, match="does not say when 'look' ends in data row 1"):
+            _ = recordings.read(write(header + "infant,look,,STATE,0.5,NA,NA\n")).events
+
     @pytest.mark.parametrize(
         ("lines", "words"),
         [
@@ -379,6 +386,9 @@ class TestFromPython:
         assert np.allclose(recordings.read(times).events.table["offset"], coding.events.table["offset"])
         steps = recordings.read(pandas.DataFrame({"a": ["x", "y", "x"], "b": [1.0, 2.0, 1.0]})).steps()
         assert steps.labels == {"a": ("x", "y"), "b": ("1", "2")}
+        assert steps.to_pandas().to_numpy().tolist() == [
+            ["table", 0, *row] for row in (("x", "1"), ("y", "2"), ("x", "1"))
+        ]
 
     def test_measures_as_methods(self):
         coding = recordings.read(arrow())
