@@ -386,9 +386,7 @@ class TestFromPython:
         assert np.allclose(recordings.read(times).events.table["offset"], coding.events.table["offset"])
         steps = recordings.read(pandas.DataFrame({"a": ["x", "y", "x"], "b": [1.0, 2.0, 1.0]})).steps()
         assert steps.labels == {"a": ("x", "y"), "b": ("1", "2")}
-        assert steps.to_pandas().to_numpy().tolist() == [
-            ["table", 0, *row] for row in (("x", "1"), ("y", "2"), ("x", "1"))
-        ]
+        assert steps.to_pandas().to_numpy().tolist() == [["table", 0, *row] for row in ("x1", "y2", "x1")]
 
     def test_measures_as_methods(self):
         coding = recordings.read(arrow())
