@@ -101,6 +101,8 @@ def open_source(path: Path, options: SourceOptions, wanted: Sequence[str] | None
             text = as_utf8(spreadsheet, path, options.encoding).decode()
             special = datavyu.read_datavyu(text, path, options.missing_values)
     if special is not None:
+        if options.format in ("boris", "interact", "observer"):
+            raise SeriesError(f"{path} is a file of ELAN or Datavyu; `format='{options.format}'` does not fit it")
         if options.of_steps:
             raise SeriesError(f"{path} is of events; it has no rows that could be steps")
         if options.recording is not None:

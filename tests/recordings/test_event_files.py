@@ -125,6 +125,8 @@ class TestElan:
     def test_no_rows(self, write):
         with pytest.raises(SeriesError, match="no rows that could be steps"):
             read_recordings(write(content("elan"), "x.eaf"), "infant", rows_are_steps=True)
+        with pytest.raises(SeriesError, match=r"`format='boris'` does not fit it"):
+            _ = recordings.read(write(content("elan"), "x.eaf"), format="boris").events
         with pytest.raises(SeriesError, match="no column 'dyad'"):
             read_recordings(write(content("elan"), "x.eaf"), "infant", recording="dyad", step=0.1)
 
