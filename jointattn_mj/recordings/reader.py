@@ -74,8 +74,8 @@ class Coding:
             if known & tiers:
                 recording, tier = min(known & tiers)
                 raise SeriesError(
-                    f"several files have the tier {tier!r} of recording {recording!r}; give recordings different names, "
-                    "or name a column that tells them apart with `recording`"
+                    f"several files have the tier {tier!r} of recording {recording!r}; give recordings different "
+                    "names, or name a column that tells them apart with `recording`"
                 )
             known |= tiers
         whole = events[0].joined(*events[1:]) if len(events) > 1 else events[0]
