@@ -250,8 +250,6 @@ def draw_conditions(trials: Trials) -> Figure:
         )
     axes.set_yticks(range(len(names)), [f"{in_words(name)} ({len(trials[name])})" for name in names], fontsize=8)
     axes.set(xlim=(0, 1), ylim=(len(names) - 0.5, -0.5), xlabel="rate of the last 6 minutes")
-    axes.set_title(
-        "Other settings and harder conditions (number of sessions; dots: sessions; bars: mean, 95%)", fontsize=10
-    )
+    figure.suptitle("Other settings and harder conditions (sessions in brackets; bars: mean, 95%)", fontsize=10)
     axes.grid(alpha=0.3, axis="x")
     return figure
