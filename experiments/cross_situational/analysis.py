@@ -161,8 +161,8 @@ def strangers(trials: Sequence[Trial], words: str) -> list[Comparison]:
         each = {name: [shares(one, first, last) for one in _of(trials, name)] for name in asked.strangers}
         note = "; ".join(f"{name} {np.nanmean(rates):.2f}" for name, rates in each.items())
         means = [float(np.nanmean(rates)) for rates in zip(*each.values(), strict=True)]
-        findings.append(_row(f"rate with five strangers {when}, {words}".replace("five", str(len(each))),
-                             mean_interval(means), note))  # fmt: skip
+        what = f"rate with {len(each)} strangers {when}, {words}"
+        findings.append(_row(what, mean_interval(means), note))
     return findings
 
 
