@@ -69,6 +69,25 @@ def interval(value: float, values: np.ndarray, bias: float, level: float) -> tup
     return float(low), float(high)
 
 
+def agreeing(low: float, value: float, null: np.ndarray, alpha: float) -> float:
+    """The lower end of an interval such that it is above 0 exactly where the one-sided p is at most ``alpha``.
+
+    Where the bootstrap and the test disagree, the test's own bound takes its place: the value less the critical value
+    of the surrogates.
+
+    Args:
+        low: Lower end by the bootstrap.
+        value: Plug-in value.
+        null: Surrogates (m,).
+        alpha: Level of the test.
+    """
+    allowed = int(np.floor(alpha * (1 + len(null)) + 1e-9)) - 1
+    if allowed < 0:
+        return min(low, 0.0)
+    bound = value - float(np.sort(null)[::-1][allowed])
+    return bound if (bound > 0) != (low > 0) else low
+
+
 @njit(cache=True)
 def _resample(
     values: np.ndarray, rng: np.random.Generator, which: np.ndarray, spans: np.ndarray, length: int,

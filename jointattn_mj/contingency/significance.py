@@ -8,7 +8,9 @@ import numpy as np
 
 from jointattn_mj.contingency import bootstrap, information
 from jointattn_mj.contingency.bootstrap import Resample
+from jointattn_mj.contingency.displaced import FEWEST_RECORDINGS, Displacement, Moves, displaced, moves
 from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.memory import Memory, memory
 from jointattn_mj.contingency.names import full_name
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.surrogates import Permute, plan
@@ -29,6 +31,17 @@ Adjust = Literal["holm", "benjamini_hochberg", "none"]
 """For many tests: ``holm`` keeps the chance of any false alarm below alpha, ``benjamini_hochberg`` the share of false
 ones among those that are called significant."""
 
+Method = Literal["auto", "permutation", "shift", "bootstrap", "partners"]
+"""How surrogates are made. ``permutation``: the source changes places among transitions of one context, which is right
+where source or target is fresh at every step. ``shift``, ``bootstrap``, ``partners``: the source is moved as a whole
+against the rest (see ``displaced.Displacement``), which is right for long looks, too. ``auto``: as the series' measured
+memory says (see ``chosen_method``)."""
+
+ENOUGH_PARTNERS = 8
+"""Recordings from which on ``auto`` takes partners where looks are too long to be shifted."""
+ENOUGH_SHIFTS = 10
+"""Recordings are too short to be shifted if half of them last less than so many least shifts."""
+
 
 @dataclass(frozen=True)
 class TestOptions(Checked):
@@ -37,7 +50,7 @@ class TestOptions(Checked):
     __test__ = False  # no test case, whatever its name looks like
 
     surrogates: Annotated[int, Whole("[1, 1e9]")] = 1000
-    """Permutations of the source; p cannot be smaller than 1 / (surrogates + 1)."""
+    """Surrogates of the source; p cannot be smaller than 1 / (surrogates + 1)."""
     permute: Permute = "context"
     """See ``surrogates.Permute``."""
     across_recordings: bool = False
@@ -51,6 +64,11 @@ class TestOptions(Checked):
     """Transitions in a block; none is the cube root of their number."""
     level: Annotated[float, Real("(0, 1)")] = 0.95
     """Coverage of the interval."""
+    method: Method = "auto"
+    """See ``Method``."""
+    limit: Annotated[float, Real("[1, 1e6]")] = 1.02
+    """``auto`` permutes where memory changes the variance by chance by less than this factor: at 1.05 permutations gave
+    7% false alarms at .05."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +97,10 @@ class Significance:
     surrogates: int
     resampled: str
     """What the interval comes from: blocks or recordings."""
+    method: str = "permutation"
+    """How the surrogates were made (see ``Method``)."""
+    inflation: float = 1.0
+    """How much more the measure varies by chance than it would with permutations (see ``memory``)."""
 
 
 def assess(
@@ -95,8 +117,9 @@ def assess(
 ) -> Significance:
     """Test a measure: does the source say more about the target's next value than chance would?
 
-    A permutation test takes the transitions of one context as exchangeable. A source that stays the same for long,
-    while the result has a longer memory than one step, is not, and p is then too small.
+    A permutation test takes the transitions of one context as exchangeable. They are not where the source stays the
+    same for long and the result remembers more than one step, as with people's looks: p would be too small. The memory
+    of both is therefore measured, and by default the source is then shifted in a circle instead.
 
     Args:
         measure: One of the names of a measure (``names.NAMES``).
@@ -152,16 +175,28 @@ def assess_steps(
     """
     entries = given.entries()
     value = measure.value(entries)
-    surrogates = plan(given, measure, options.permute, options.across_recordings)
-    null = surrogates.draw(options.surrogates, rng, progress)
+    remembered = memory(given, measure)
+    method = chosen_method(given, remembered, options)
+    block = options.block
+    if method == "permutation":
+        surrogates = plan(given, measure, options.permute, options.across_recordings)
+        null, exchangeable = surrogates.draw(options.surrogates, rng, progress), surrogates.exchangeable
+    else:
+        table = displaced(given, measure)
+        moved = moves(given, method, remembered.fresh_after, remembered.block)
+        null, exchangeable = drawn(moved, [table.value], options.surrogates, rng, progress)[:, 0], table.exchangeable
+        block = block or max(remembered.block, bootstrap.default_block(given.transitions))
+    mean, sd = float(null.mean()), float(null.std())
+    rounding = 1e-12 * max(1.0, abs(value))
     resampled = bootstrap.chosen(given, options.resample)
     low = high = float("nan")
     if options.resamples:
-        values = bootstrap.resampled(given, measure, options.resamples, rng, resampled, options.block, progress)
-        bias = measure.bias(entries, "degrees_of_freedom")
+        values = bootstrap.resampled(given, measure, options.resamples, rng, resampled, block, progress)
+        bias = measure.bias(entries, "degrees_of_freedom") if method == "permutation" else mean
         low, high = bootstrap.interval(value, values, bias, options.level)
-    mean, sd = float(null.mean()), float(null.std())
-    rounding = 1e-12 * max(1.0, abs(value))
+        if method != "permutation":
+            low = bootstrap.agreeing(low, value - rounding, null, 1 - options.level)
+            high = max(low, high)
     return Significance(
         value=value / unit,
         corrected=(value - mean) / unit,
@@ -172,10 +207,60 @@ def assess_steps(
         interval=(low / unit, high / unit),
         level=options.level,
         transitions=given.transitions,
-        exchangeable=surrogates.exchangeable,
-        surrogates=options.surrogates,
+        exchangeable=exchangeable,
+        surrogates=len(null),
         resampled=resampled,
+        method=method,
+        inflation=remembered.inflation,
     )
+
+
+def chosen_method(given: Steps, remembered: Memory, options: TestOptions) -> Literal["permutation"] | Displacement:
+    """What ``auto`` means for these series.
+
+    Permutations where memory hardly changes the variance; otherwise shifts. Where looks are so long that half of the
+    recordings have no room for shifts, and there are ``ENOUGH_PARTNERS`` recordings, partners.
+
+    Args:
+        given: The transitions.
+        remembered: Their memory.
+        options: The method asked for, and the limit.
+    """
+    if options.method != "auto":
+        return options.method
+    if remembered.exchangeable(options.limit):
+        return "permutation"
+    lengths = np.diff(given.spans(whole=True))
+    short = float(np.median(lengths)) < ENOUGH_SHIFTS * remembered.fresh_after
+    return "partners" if short and len(lengths) >= max(ENOUGH_PARTNERS, FEWEST_RECORDINGS) else "shift"
+
+
+def drawn(
+    moved: Moves,
+    values: Sequence[Callable[[np.ndarray], float]],
+    count: int,
+    rng: np.random.Generator,
+    progress: Callable[[int], object] = lambda done: None,
+) -> np.ndarray:
+    """Values of several measures under the same moves of the source.
+
+    Args:
+        moved: Makes the surrogates.
+        values: Plug-in values of a surrogate, each of one measure.
+        count: Surrogates.
+        rng: Draws them.
+        progress: Called with the number drawn since the last call.
+
+    Returns:
+        (m, measures) in nats; m is ``count``, or fewer where there are no more different shifts.
+    """
+    rows = []
+    for pieces in moved.draw(count, rng):
+        rows.append([value(pieces) for value in values])
+        if len(rows) % bootstrap.BATCH == 0:
+            progress(bootstrap.BATCH)
+    progress(count - len(rows) + len(rows) % bootstrap.BATCH)
+    return np.array(rows)
 
 
 def adjust(p: Sequence[float] | np.ndarray, how: Adjust = "holm") -> np.ndarray:
