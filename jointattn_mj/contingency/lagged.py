@@ -51,7 +51,8 @@ def timed(given: Steps, timing: Timing, reach: int | None = None) -> Steps:
             f"lag and histories reach back {lost + 1} steps; the longest recording has {int(np.diff(bounds).max())}. "
             "Choose a shorter lag"
         )
-    at = np.concatenate([np.arange(start + lost, stop) for start, stop in zip(bounds[:-1][kept], bounds[1:][kept])])
+    pieces = zip(bounds[:-1][kept], bounds[1:][kept], strict=True)
+    at = np.concatenate([np.arange(start + lost, stop) for start, stop in pieces])
     ends = np.concatenate([[0], np.cumsum(lengths[kept])])
 
     def taken(one: Coded, back: int, history: int) -> Coded:

@@ -5,14 +5,14 @@ value is fresh at every step. Where both have a memory, as two people's long loo
 than permutations of the source do.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
 from jointattn_mj.contingency.information import Measure
-from jointattn_mj.contingency.series import combined
+from jointattn_mj.contingency.series import Coded, combined
 from jointattn_mj.contingency.table import AXES, Steps
 
 MOST_STEPS = 2**19
@@ -49,16 +49,15 @@ def memory(steps: Steps, measure: Measure) -> Memory:
         steps: The transitions.
         measure: Gives the context.
     """
-    columns, sizes = steps.columns(), steps.sizes
-    spans = steps.spans(whole=True)
-    n = min(len(columns[0]), MOST_STEPS)
-    spans = np.unique(np.minimum(spans, n))
+    steps = _head(steps)
+    columns, sizes, spans = steps.columns(), steps.sizes, steps.spans(whole=True)
+    n = len(columns[0])
     chosen = [AXES.index(axis) for axis in measure.given]
-    recording = steps.recordings()[:n]
-    keys = [recording, *(columns[i][:n] for i in chosen)]
+    recording = steps.recordings()
+    keys = [recording, *(columns[i] for i in chosen)]
     joined = combined(keys, [int(recording[-1]) + 1, *(sizes[i] for i in chosen)])[0]
     context = np.unique(joined, return_inverse=True)[1]
-    source, after = columns[2][:n], columns[3][:n]
+    source, after = columns[2], columns[3]
     longest = int(np.diff(spans).max())
     lags = max(1, min(longest // 4, 4096))
     whole = np.zeros(n, np.int64)
@@ -77,6 +76,26 @@ def memory(steps: Steps, measure: Measure) -> Memory:
         2 * float(np.sqrt(lags / freedom)) / n,
         int(low[0]) if len(low) else lags,
         _block(alone, n),
+    )
+
+
+def _head(steps: Steps) -> Steps:
+    """The first ``MOST_STEPS``."""
+    bounds = steps.target.bounds
+    if bounds[-1] <= MOST_STEPS:
+        return steps
+    last = int(np.searchsorted(bounds, MOST_STEPS - 1))
+    bounds = np.append(bounds[:last], MOST_STEPS)
+
+    def cut(one: Coded) -> Coded:
+        return replace(one, codes=one.codes[:MOST_STEPS], bounds=bounds)
+
+    return Steps(
+        cut(steps.source),
+        cut(steps.target),
+        None if steps.condition is None else cut(steps.condition),
+        None if steps.groups is None else steps.groups[:last],
+        None if steps.history is None else cut(steps.history),
     )
 
 

@@ -1,7 +1,10 @@
 """Whether a measure says more than chance, how far it can be trusted, and what holds when many events are tested."""
 
+import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import islice
 from typing import Annotated, Literal, get_args
 
 import numpy as np
@@ -39,6 +42,8 @@ memory says (see ``chosen_method``)."""
 
 ENOUGH_PARTNERS = 8
 """Recordings from which on ``auto`` takes partners where looks are too long to be shifted."""
+MOST_THREADS, WORTH_THREADS = 8, 100_000
+"""Threads that count surrogates, and transitions from which on they do."""
 ENOUGH_SHIFTS = 10
 """Recordings are too short to be shifted if half of them last less than so many least shifts."""
 
@@ -173,18 +178,65 @@ def assess_steps(
         rng: Draws surrogates, then resamples.
         progress: Called with the number of surrogates or resamples drawn since the last call.
     """
+    return assess_measures(given, [measure], options, unit, [rng], progress)[0]
+
+
+def assess_measures(
+    given: Steps,
+    measures: Sequence[Measure],
+    options: TestOptions,
+    unit: float,
+    rngs: Sequence[np.random.Generator],
+    progress: Callable[[int], object] = lambda done: None,
+) -> list[Significance]:
+    """Test several measures of the same series. Those whose surrogates move the source as a whole share these.
+
+    Args:
+        given: The transitions.
+        measures: What is tested.
+        options: Number and kind of surrogates and resamples.
+        unit: Natural logarithm of the base.
+        rngs: One for each measure: draws its surrogates, then its resamples; shared ones come from the first's.
+        progress: Called with the number of surrogates or resamples drawn since the last call.
+    """
+    remembered = [memory(given, measure) for measure in measures]
+    methods = [chosen_method(given, one, options) for one in remembered]
+    moved: dict[int, tuple[np.ndarray, int]] = {}
+    for how in dict.fromkeys(methods):
+        if how == "permutation":
+            continue
+        at = [i for i, method in enumerate(methods) if method == how]
+        table = displaced(given, [measures[i] for i in at])
+        ways = moves(given, how, max(remembered[i].fresh_after for i in at), max(remembered[i].block for i in at))
+        told = _told(progress, len(at))
+        null = drawn(ways, table.values, table.transitions, options.surrogates, rngs[at[0]], told)
+        moved |= {i: (null[:, column], table.exchangeable) for column, i in enumerate(at)}
+    return [
+        _assessed(given, measure, options, unit, rngs[i], progress, methods[i], remembered[i], moved.get(i))
+        for i, measure in enumerate(measures)
+    ]
+
+
+def _assessed(
+    given: Steps,
+    measure: Measure,
+    options: TestOptions,
+    unit: float,
+    rng: np.random.Generator,
+    progress: Callable[[int], object],
+    method: Method,
+    remembered: Memory,
+    moved: tuple[np.ndarray, int] | None,
+) -> Significance:
+    """One measure; ``moved``: its surrogates and exchangeable transitions, where these are no permutations."""
     entries = given.entries()
     value = measure.value(entries)
-    remembered = memory(given, measure)
-    method = chosen_method(given, remembered, options)
     block = options.block
-    if method == "permutation":
+    if moved is None:
         surrogates = plan(given, measure, options.permute, options.across_recordings)
         null, exchangeable = surrogates.draw(options.surrogates, rng, progress), surrogates.exchangeable
     else:
-        table = displaced(given, measure)
-        moved = moves(given, method, remembered.fresh_after, remembered.block)
-        null, exchangeable = drawn(moved, [table.value], options.surrogates, rng, progress)[:, 0], table.exchangeable
+        null, exchangeable = moved
         block = block or max(remembered.block, bootstrap.default_block(given.transitions))
     mean, sd = float(null.mean()), float(null.std())
     rounding = 1e-12 * max(1.0, abs(value))
@@ -192,9 +244,9 @@ def assess_steps(
     low = high = float("nan")
     if options.resamples:
         values = bootstrap.resampled(given, measure, options.resamples, rng, resampled, block, progress)
-        bias = measure.bias(entries, "degrees_of_freedom") if method == "permutation" else mean
+        bias = measure.bias(entries, "degrees_of_freedom") if moved is None else mean
         low, high = bootstrap.interval(value, values, bias, options.level)
-        if method != "permutation":
+        if moved is not None:
             low = bootstrap.agreeing(low, value - rounding, null, 1 - options.level)
             high = max(low, high)
     return Significance(
@@ -237,29 +289,33 @@ def chosen_method(given: Steps, remembered: Memory, options: TestOptions) -> Lit
 
 def drawn(
     moved: Moves,
-    values: Sequence[Callable[[np.ndarray], float]],
+    values: Callable[[np.ndarray], np.ndarray],
+    transitions: int,
     count: int,
     rng: np.random.Generator,
     progress: Callable[[int], object] = lambda done: None,
 ) -> np.ndarray:
-    """Values of several measures under the same moves of the source.
+    """Values of surrogates. Those of long series are counted by several threads, with the same result.
 
     Args:
         moved: Makes the surrogates.
-        values: Plug-in values of a surrogate, each of one measure.
+        values: Plug-in values (measures,) of a surrogate.
+        transitions: How many a surrogate has.
         count: Surrogates.
         rng: Draws them.
         progress: Called with the number drawn since the last call.
 
     Returns:
-        (m, measures) in nats; m is ``count``, or fewer where there are no more different shifts.
+        (m, measures); m is ``count``, or fewer where there are no more different shifts.
     """
-    rows = []
-    for pieces in moved.draw(count, rng):
-        rows.append([value(pieces) for value in values])
-        if len(rows) % bootstrap.BATCH == 0:
-            progress(bootstrap.BATCH)
-    progress(count - len(rows) + len(rows) % bootstrap.BATCH)
+    rows: list[np.ndarray] = []
+    surrogates = moved.draw(count, rng)
+    threads = min(MOST_THREADS, os.cpu_count() or 1) if transitions >= WORTH_THREADS else 1
+    with ThreadPoolExecutor(threads) as pool:
+        while batch := list(islice(surrogates, bootstrap.BATCH)):
+            rows += pool.map(values, batch) if threads > 1 else map(values, batch)
+            progress(len(batch))
+    progress(count - len(rows))
     return np.array(rows)
 
 
@@ -324,6 +380,11 @@ def generator(seed: int | np.random.SeedSequence | np.random.Generator) -> np.ra
     if isinstance(seed, (bool, float)) or (isinstance(seed, (int, np.integer)) and seed < 0) or seed is None:
         raise SeriesError(f"seed must be a whole number of 0 or more; got {seed!r}")
     return np.random.default_rng(seed)
+
+
+def _told(progress: Callable[[int], object], tests: int) -> Callable[[int], object]:
+    """Tells of every surrogate once for each of the tests that share it."""
+    return lambda done: progress(done * tests)
 
 
 def _put_back(values: np.ndarray, order: np.ndarray) -> np.ndarray:
