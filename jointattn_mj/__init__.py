@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from jointattn_mj.gaze_following.result import SessionResult
     from jointattn_mj.gaze_following.summary import SessionSummary
     from jointattn_mj.io.table import Table
-    from jointattn_mj.recordings.reader import Recordings, read_recordings
+    from jointattn_mj.recordings.reader import read_recordings
+    from jointattn_mj.recordings.steps import Recordings
     from jointattn_mj.sweeps.result import ClaimResult
     from jointattn_mj.tasks import ALL_TASKS, BENCHMARKING, EASY, HARD, TASKS_BY_DOMAIN, load
 
@@ -80,7 +81,7 @@ _HOMES = {
     "PerceivedFrame": "footage.frames",
     "PerceptionResult": "footage.result",
     "read_recordings": "recordings.reader",
-    "Recordings": "recordings.reader",
+    "Recordings": "recordings.steps",
     "run_claim": "api.experiment",
     "ClaimResult": "sweeps.result",
     "Table": "io.table",

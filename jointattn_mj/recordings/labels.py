@@ -56,3 +56,8 @@ def ordered(labels: set[str], name: str, identifies: bool = False) -> dict[str, 
                 "and give each bin a label"
             )
     return {label: str(int(numbers[label])) for label in sorted(labels, key=numbers.__getitem__)}
+
+
+def sorted_names(names: set[str]) -> list[str]:
+    """Names as they are: whole numbers ascending, others in the order of the alphabet."""
+    return sorted(names, key=int if names and all(_WHOLE.fullmatch(name) for name in names) else None)

@@ -21,7 +21,7 @@ from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.io.results import bracket, number, result_paths, share, write_results
 from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
-from jointattn_mj.recordings.reader import Recordings
+from jointattn_mj.recordings.steps import Recordings
 
 ALONE = (TRANSFER, MUTUAL)
 CONDITIONED = (CONTINGENCY, COMBINED, TRANSFER, MUTUAL, CONDITIONAL_MUTUAL)

@@ -8,11 +8,10 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from jointattn_mj.contingency.series import joint
 from jointattn_mj.errors import SeriesError
-from jointattn_mj.io.progress import count
 from jointattn_mj.options import Checked, Whole, shown
 from jointattn_mj.recordings.labels import coded
+from jointattn_mj.recordings.steps import Recordings, pieces
 from jointattn_mj.recordings.table_files import read_columns
 
 Missing = Literal["error", "break"]
@@ -34,7 +33,7 @@ class ReadOptions(Checked):
     rows_are_steps: bool = False
     """Take rows as steps although columns such as onset and offset look like a list of events."""
 
-    def read(self, path: Path | str, columns: str | Sequence[str]) -> "Recordings":
+    def read(self, path: Path | str, columns: str | Sequence[str]) -> Recordings:
         """The columns as :func:`read_recordings` reads them with these options."""
         if not isinstance(path, (str, os.PathLike)):
             raise SeriesError(f"expected the path of a file; got {type(path).__name__}")
@@ -42,57 +41,6 @@ class ReadOptions(Checked):
         if not names or not all(isinstance(name, str) for name in names):
             raise SeriesError(f"expected the name of a column, or several; got {shown(columns)}")
         return _read(Path(path), names, self)
-
-
-@dataclass(frozen=True, repr=False)
-class Recordings:
-    """Variables as series of codes, and what the codes are called."""
-
-    columns: dict[str, list[np.ndarray]]
-    """Codes by variable, recording by recording."""
-    labels: dict[str, tuple[str, ...]]
-    """Label of each code by variable: numbers ascending, other labels in the order of the alphabet."""
-    groups: list[int]
-    """Which recording each of the series' arrays belongs to: pieces of one that was cut have the same number."""
-    rows: int
-    """Rows of the file."""
-    cut: int = 0
-    """Rows with missing values, at which recordings were cut."""
-    alone: int = 0
-    """Rows without missing values that take part in no transition, as nothing stands before or after them."""
-
-    @property
-    def transitions(self) -> int:
-        """Steps that have a next one."""
-        return sum(len(part) - 1 for part in next(iter(self.columns.values())))
-
-    def __repr__(self) -> str:
-        names = ", ".join(self.columns)
-        names = names if len(names) <= 60 else f"{names[:57]}..."
-        recordings = count(len(set(self.groups)), "recording")
-        return f"Recordings({count(self.rows, 'row')}, {recordings}, {count(len(self.columns), 'column')}: {names})"
-
-    def joined(self, names: Sequence[str]) -> tuple[list[np.ndarray], tuple[str, ...]]:
-        """Several variables taken as one, and the labels of the combinations that occur; one is taken as it is."""
-        if len(names) == 1:
-            return self.columns[names[0]], self.labels[names[0]]
-        codes = joint(*(self.columns[name] for name in names))
-        parts = codes if isinstance(codes, list) else [codes]
-        first = np.unique(np.concatenate(parts), return_index=True)[1]
-        single = [np.concatenate(self.columns[name])[first] for name in names]
-        combinations = zip(
-            *(np.array(self.labels[name])[at] for name, at in zip(names, single, strict=True)), strict=True
-        )
-        return parts, tuple(" & ".join(combination) for combination in combinations)
-
-    def notes(self) -> tuple[str, ...]:
-        """What a reader should know about rows that could not be used as they are."""
-        notes = []
-        if self.cut:
-            notes.append(f"{self.cut} of {self.rows} rows have missing values; recordings were cut there")
-        if self.alone:
-            notes.append(f"{self.alone} rows have nothing before or after them and take part in no transition")
-        return tuple(notes)
 
 
 def read_recordings(
@@ -159,8 +107,8 @@ def _read(path: Path, columns: list[str], options: ReadOptions) -> Recordings:
                 f"{int(np.argmax(gaps)) + 1}{hint}"
             )
         absent |= gaps
-    pieces = _pieces(absent, marks)
-    kept = [piece for piece in pieces if len(piece) > 1]
+    stretches = pieces(absent, marks)
+    kept = [piece for piece in stretches if len(piece) > 1]
     if not kept:
         raise SeriesError(f"{path} has no two rows in one recording, so nothing follows anything")
     return Recordings(
@@ -169,16 +117,5 @@ def _read(path: Path, columns: list[str], options: ReadOptions) -> Recordings:
         [0 if marks is None else int(marks[piece[0]]) for piece in kept],
         rows,
         int(absent.sum()),
-        sum(len(piece) == 1 for piece in pieces),
+        sum(len(piece) == 1 for piece in stretches),
     )
-
-
-def _pieces(absent: np.ndarray, recording: np.ndarray | None) -> list[np.ndarray]:
-    """Row numbers of each stretch without gaps in one recording."""
-    order = np.arange(len(absent)) if recording is None else np.argsort(recording, kind="stable")
-    breaks = np.zeros(len(absent), bool)
-    breaks[1:] = absent[order][1:] != absent[order][:-1]
-    if recording is not None:
-        breaks[1:] |= np.diff(recording[order]) != 0
-    pieces = np.split(order, np.flatnonzero(breaks))
-    return [piece for piece in pieces if not absent[piece[0]]]
