@@ -13,6 +13,7 @@ from jointattn_mj.contingency import bootstrap, information
 from jointattn_mj.contingency.bootstrap import Resample
 from jointattn_mj.contingency.displaced import FEWEST_RECORDINGS, Displacement, Moves, displaced, moves
 from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.lagged import Timing, timed
 from jointattn_mj.contingency.memory import Memory, memory
 from jointattn_mj.contingency.names import full_name
 from jointattn_mj.contingency.series import Series, check_base
@@ -118,6 +119,7 @@ def assess(
     base: float = 2,
     seed: int | np.random.SeedSequence | np.random.Generator = 0,
     groups: Sequence[int] | None = None,
+    timing: Timing | None = None,
     progress: Callable[[int], object] = lambda done: None,
 ) -> Significance:
     """Test a measure: does the source say more about the target's next value than chance would?
@@ -136,6 +138,7 @@ def assess(
         seed: Seed of surrogates and resamples, or a generator.
         groups: (k,) numbers of the k recordings given. Those with the same number are pieces of one that was cut at
             gaps: the source is permuted among them, and they are resampled together. None: each is its own.
+        timing: Delay from source and condition to result, and histories; None: one step.
         progress: Called with the number of surrogates or resamples drawn since the last call.
 
     Returns:
@@ -156,7 +159,7 @@ def assess(
     if ("a" in chosen.given) != (condition is not None):
         verb = "needs" if condition is None else "takes no"
         raise SeriesError(f"{measure} {verb} condition")
-    given = steps(source, target, condition, groups)
+    given = timed(steps(source, target, condition, groups), timing or Timing())
     return assess_steps(given, chosen, options or TestOptions(), check_base(base), generator(seed), progress)
 
 
