@@ -33,10 +33,10 @@ def lag_words(name: str, scan: LagScan, step: float | None, alpha: float = 0.05)
         step: Seconds of a step, if known.
         alpha: Level of significance.
     """
-    i = scan.best
-    time = "" if step is None else f" ({scan.lags[i] * step:g} s)"
+    i, lag = scan.best, int(scan.lags[scan.best])
+    time = "" if step is None else f" ({lag * step:g} s)"
     tried = f"lags {scan.lags[0]} to {scan.lags[-1]}"
-    steps = f"{scan.lags[i]} step{'s' * (scan.lags[i] != 1)}{time}"
+    steps = f"{lag} step{'s' * (lag != 1)}{time}"
     if scan.p_adjusted[i] > alpha:
         return f"{name}: no lag stands out among {tried} (the least p, {scan.p_adjusted[i]:.4f}, at {steps})"
     above = [int(lag) for lag, p in zip(scan.lags, scan.p_adjusted, strict=True) if p <= alpha]
