@@ -9,6 +9,7 @@ import numpy as np
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import Checked, Real, Seed, Whole
 from jointattn_mj.recordings.events import Events
+from jointattn_mj.recordings.intervals import at_times, intervals_of
 
 
 @dataclass(frozen=True)
@@ -230,6 +231,4 @@ def _ends(events: Events, recording: str) -> tuple[float, float]:
 
 def _codes_at(events: Events, recording: str, tier: str, times: np.ndarray) -> np.ndarray:
     """Codes (units,) at some times, ``(none)`` where nothing is coded."""
-    from jointattn_mj.recordings.intervals import at_times, intervals_of
-
     return at_times(intervals_of(events, recording, tier), times)

@@ -18,6 +18,7 @@ from jointattn_mj.contingency.significance import Significance, TestOptions, ass
 from jointattn_mj.contingency.table import Steps
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.io.results import bracket, number
+from jointattn_mj.recordings.steps import Recordings
 
 FEWEST = 2
 """Dyads of a group that can be compared."""
@@ -80,13 +81,13 @@ class DyadResult:
         """The groups and their comparison, in words."""
         lines = [
             f"{self.measure}, {one.name}: mean effective value {number(one.mean)} {bracket(one.interval)} over "
-            f"{one.dyads} recordings, p {one.p:.4f}"
+            f"{one.dyads} recordings, p {_p(one.p)}"
             for one in self.groups
         ]
         for one in self.comparisons:
             what = f"{one.first} against {one.second}" if one.second != "all" else f"all by {one.first}"
             size = "difference" if one.second != "all" else "eta squared"
-            lines.append(f"{self.measure}, {what}: {size} {number(one.difference)}, p {one.p:.4f}")
+            lines.append(f"{self.measure}, {what}: {size} {number(one.difference)}, p {_p(one.p)}")
         return lines
 
 
@@ -141,6 +142,31 @@ def by_dyad(
         groups += [_group(f"{by} {kind}", found[labels == kind], p[labels == kind]) for kind in kinds]
     comparisons = compare(found, labels, kinds, by, options.surrogates, np.random.default_rng(streams[-1]))
     return DyadResult(measure.name, called, values, tuple(groups), tuple(comparisons), of)
+
+
+def groups_by(data: Recordings, column: str, names: Mapping[int, str]) -> dict[str, str]:
+    """Group of each recording by its name.
+
+    Args:
+        data: Has the column.
+        column: With one value in all of a recording.
+        names: Name of each recording by its number.
+
+    Raises:
+        SeriesError: The column changes within a recording.
+    """
+    found: dict[str, str] = {}
+    for group, part in zip(data.groups, data.columns[column], strict=True):
+        name = names[group]
+        values = {data.labels[column][code] for code in np.unique(part)}
+        values |= {found[name]} if name in found else set()
+        if len(values) > 1:
+            raise SeriesError(
+                f"{column!r} changes within recording {name!r}: {', '.join(sorted(values)[:5])}; it must have one value "
+                "in all of a recording"
+            )
+        found[name] = values.pop()
+    return found
 
 
 def split(given: Steps) -> list[tuple[int, Steps]]:
@@ -228,6 +254,10 @@ def _group(name: str, values: np.ndarray, p: np.ndarray) -> Group:
     mean, sd = float(values.mean()), float(values.std(ddof=1)) if n > 1 else float("nan")
     half = float(t.ppf(0.975, n - 1)) * sd / np.sqrt(n) if n > 1 else float("nan")
     return Group(name, n, mean, sd, (mean - half, mean + half), float(norm.sf(norm.isf(p).sum() / np.sqrt(n))))
+
+
+def _p(p: float) -> str:
+    return "< 0.0001" if p < 0.0001 else f"{p:.4f}"
 
 
 def _numeric(label: str) -> tuple[int, float, str]:

@@ -1,9 +1,9 @@
 """``jointattn measure``: how much one recorded variable says about what another does next."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.io.results import bracket, number, result_paths, share, write_results
 from jointattn_mj.options import Whole
 from jointattn_mj.recordings.delays import check_delay, delay_in_steps
+from jointattn_mj.recordings.dyads import DyadResult, by_dyad, groups_by
 from jointattn_mj.recordings.lags import draw_lags, lag_rows, lag_words
 from jointattn_mj.recordings.methods import WORDS, method_notes
 from jointattn_mj.recordings.options import RecordingTestOptions
@@ -34,6 +35,9 @@ from jointattn_mj.recordings.steps import Recordings
 
 ALONE = (TRANSFER, MUTUAL)
 CONDITIONED = (CONTINGENCY, COMBINED, TRANSFER, MUTUAL, CONDITIONAL_MUTUAL)
+Over = Literal["auto", "recordings", "steps"]
+ENOUGH_RECORDINGS = 3
+"""Recordings from which on ``auto`` has values for each."""
 ALPHA = 0.05
 """Measures with a higher p are not told value by value."""
 MOST_COMBINATIONS = 100_000
@@ -52,6 +56,11 @@ class MeasureOptions(RecordingTestOptions):
     """Column that is known anyway, such as an action: gives T^C (eq. 4.3) and SAC (eq. 5.2) too."""
     scan: str | None = None
     """Also measure at all lags from 1 to this one, in steps or as a time such as 3s, and correct p for their number."""
+    by: str | None = None
+    """Column with the same value in all of a recording, such as age: recordings are compared by it."""
+    over: Over = "auto"
+    """Values for each recording, and their mean with an interval over recordings: recordings. steps: only all steps
+    together. auto: recordings where there are at least 3."""
     explain: Annotated[int, Whole("[0, 1e6]")] = 3
     """So many values of each measure that is significant at .05 are told: which value of the source brings which result
     about."""
@@ -60,6 +69,10 @@ class MeasureOptions(RecordingTestOptions):
         super().__post_init__()
         if self.scan is not None:
             check_delay("scan", self.scan)
+        if self.by is not None and self.recording is None:
+            raise ConfigError(f"--by {self.by} compares recordings; name the column that tells them apart: --recording")
+        if self.by is not None and self.over == "steps":
+            raise ConfigError("--by compares recordings, so there must be values for each: leave out --over steps")
         if not (self.source and self.target):
             raise ConfigError("measure needs at least one column each for --source and --target")
 
@@ -104,6 +117,8 @@ class MeasureResult:
     notes: tuple[str, ...]
     scans: tuple[tuple[str, LagScan], ...] = ()
     """The measures over lags, if asked for."""
+    dyads: tuple[DyadResult, ...] = ()
+    """Values for each recording, if there are several."""
     step: float | None = None
     """Seconds of a step, if known."""
     names: tuple[str, str, str] = ("", "", "")
@@ -137,15 +152,21 @@ class MeasureResult:
         """A row a measure and lag; none where lags were not scanned."""
         return [row for name, scan in self.scans for row in lag_rows(name, scan, self.step)]
 
+    def dyad_rows(self) -> list[dict[str, Any]]:
+        """A row a measure and recording."""
+        return [row for one in self.dyads for row in one.rows()]
+
     def value_rows(self) -> list[dict[str, Any]]:
         """A row a measure and combination of values, as labels."""
         return [{"measure": one.name, **self._labelled(value)} for one in self.measured for value in one.values]
 
     def text(self) -> str:
         """A table to read."""
+        of_dyads = [line for one in self.dyads for line in one.lines()]
         lines = [
             self.title,
             "",
+            *([*of_dyads, "", "All steps together:"] if of_dyads else []),
             f"{'measure':14}{'plug-in':>10}{'Miller-M.':>11}{'df':>10}{'effective':>11}{'95% interval':>22}"
             f"{'share':>9}{'p':>9}",
         ]
@@ -199,14 +220,15 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "measures")
-    data = options.read(options.file, [*options.source, *options.target, *options.condition])
+    by = [] if options.by is None else [options.by]
+    data = options.read(options.file, [*options.source, *options.target, *options.condition, *by])
     (source, of_source), (target, of_target) = data.joined(options.source), data.joined(options.target)
     condition, of_condition = data.joined(options.condition) if options.condition else (None, ())
     timing = options.timing(data.step)
     whole = steps(source, target, condition, data.groups)
     given = timed(whole, timing)
     progress = patient(progress, options.draws, options.yes)
-    streams = np.random.SeedSequence(options.seed).spawn(len(CONDITIONED) + 1)
+    streams = np.random.SeedSequence(options.seed).spawn(len(CONDITIONED) + 2)
     measured = _measured(given, options, streams, progress)
     tested = [(one.name, one.significance) for one in measured]
     notes = [
@@ -217,7 +239,7 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
     scans: list[tuple[str, LagScan]] = []
     if options.scan is not None:
         lags = range(1, delay_in_steps("scan", options.scan, data.step) + 1)
-        unit, rng = check_base(options.base), np.random.default_rng(streams[-1])
+        unit, rng = check_base(options.base), np.random.default_rng(streams[len(CONDITIONED)])
         for one in options.scanned:
             scan = scan_steps(whole, one, lags, timing, options.test(), unit, rng, progress)
             scans.append((one.name, scan))
@@ -225,20 +247,34 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
             f"p over lags comes from {scans[0][1].surrogates} surrogates, {WORDS[scans[0][1].method]}, and the highest "
             f"of all {len(lags)} lags in each (max-T)"
         )
+    dyads = _by_recording(given, data, options, streams[-1])
     try:
-        granger = linear_granger(source, target, condition, options.base)
+        granger = _granger(given, options.base)
     except SeriesError as error:
         granger = float("nan")
         notes.append(str(error))
     names = " & ".join(options.source), " & ".join(options.condition), " & ".join(options.target)
     labels = dict(zip(names, (of_source, of_condition, of_target), strict=True))
     result = MeasureResult(
-        _title(options, data), measured, granger, tuple(notes), tuple(scans), data.step, names, labels, options.explain
+        _title(options, data),
+        measured,
+        granger,
+        tuple(notes),
+        tuple(scans),
+        dyads,
+        data.step,
+        names,
+        labels,
+        options.explain,
     )
     if paths is not None:
         if scans:
             draw_lags(_beside(paths[0], "lags"), scans, data.step, result.title.split(":")[0], _unit(options))
         lags_and_values = {"lags": result.lag_rows()} if scans else {}
+        if dyads:
+            lags_and_values["recordings"] = result.dyad_rows()
+            lags_and_values["groups"] = [asdict(group) for one in dyads for group in one.groups]
+            lags_and_values["comparisons"] = [asdict(pair) for one in dyads for pair in one.comparisons]
         write_results(paths, result.rows(), options, notes=result.notes, **lags_and_values, values=result.value_rows())
     return result
 
@@ -280,6 +316,31 @@ def _measured(
             )
         )
     return tuple(measured)
+
+
+def _by_recording(
+    given: Steps, data: Recordings, options: MeasureOptions, stream: np.random.SeedSequence
+) -> tuple[DyadResult, ...]:
+    """Values for each recording, where there are several."""
+    count = len(set(data.groups))
+    if options.over == "steps" or (options.over == "auto" and options.by is None and count < ENOUGH_RECORDINGS):
+        return ()
+    names = {number: data.names[number] if data.names else str(number) for number in set(data.groups)}
+    group_of = None if options.by is None else groups_by(data, options.by, names)
+    unit, streams = check_base(options.base), stream.spawn(len(options.scanned))
+    test = replace(options.test(), method="auto") if options.method == "partners" else options.test()
+    return tuple(
+        by_dyad(given, measure, names, test, unit, one, group_of, options.by or "")
+        for measure, one in zip(options.scanned, streams, strict=True)
+    )
+
+
+def _granger(given: Steps, base: float) -> float:
+    """Linear Granger causality at the lag of ``given``; it knows no histories."""
+    if given.history is not None:
+        raise SeriesError("linear Granger is of one past value of the target; left out")
+    condition = None if given.condition is None else given.condition.split()
+    return linear_granger(given.source.split(), given.target.split(), condition, base)
 
 
 def _beside(path: Path, what: str) -> Path:

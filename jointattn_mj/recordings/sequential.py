@@ -87,7 +87,8 @@ class LagTable:
     def adjusted_residuals(self) -> np.ndarray:
         """(Observed - expected) in standard deviations (Haberman 1973); NaN where a combination cannot vary.
 
-        With structural zeros by the leverages of the log-linear model of independence (Haberman 1979, Christensen 1997).
+        With structural zeros by the leverages of the log-linear model of independence (Haberman 1979; Christensen 1997,
+        p. 357).
         """
         share = 1 - self._leverage()
         variance = self.expected * share

@@ -1,0 +1,133 @@
+"""False alarms and power of the default test, by simulation; ``pytest -s -m slow`` prints the numbers of the docs.
+
+Looks have lognormal lengths with a median of 10 steps and a spread (standard deviation of the logarithm) of .5, 1 or
+1.5, as codings of people have. Dyads follow each other; unrelated are partners of whom one is shifted by half a recording,
+reversed, or of another dyad.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from jointattn_mj.contingency import TestOptions, assess
+from jointattn_mj.contingency.significance import Method
+
+STEPS = 5400
+FEW = 199
+Pair = tuple[np.ndarray, np.ndarray]
+
+
+def looks(steps: int, rng: np.random.Generator, spread: float, median: float = 10, places: int = 3) -> np.ndarray:
+    """Where somebody looks, step by step; a spread of 0 is a new place at every step."""
+    if spread == 0:
+        return rng.integers(0, places, steps)
+    lengths = np.maximum(1, rng.lognormal(np.log(median), spread, steps)).astype(int)
+    codes = (rng.integers(places) + np.cumsum(rng.integers(1, places, len(lengths)))) % places
+    return np.repeat(codes, lengths)[:steps]
+
+
+def dyad(rng: np.random.Generator, spread: float, share: float = 0.5) -> Pair:
+    """Somebody, and a partner who follows this share of looks after some 8 steps."""
+    one, other = looks(STEPS, rng, spread), looks(STEPS, rng, spread)
+    for t in np.flatnonzero(np.diff(one)) + 1:
+        then = t + 1 + int(rng.gamma(4, 2))
+        if then < STEPS and rng.random() < share:
+            stop = then + int(np.argmax(np.append(other[then:] != other[then], True)))
+            other[then:stop] = one[t]
+    return one, other
+
+
+def independent(rng: np.random.Generator, spread: float) -> Pair:
+    return looks(STEPS, rng, spread), looks(STEPS, rng, spread)
+
+
+def shifted(rng: np.random.Generator, spread: float) -> Pair:
+    one, other = dyad(rng, spread)
+    return np.roll(one, STEPS // 2), other
+
+
+def reversed_(rng: np.random.Generator, spread: float) -> Pair:
+    one, other = dyad(rng, spread)
+    return one[::-1].copy(), other
+
+
+def other_dyad(rng: np.random.Generator, spread: float) -> Pair:
+    return dyad(rng, spread)[0], dyad(rng, spread)[1]
+
+
+CASES: dict[str, tuple[Callable[[np.random.Generator, float], Pair], float]] = {
+    "fresh at every step": (independent, 0),
+    "looks, spread .5": (independent, 0.5),
+    "looks, spread 1": (independent, 1),
+    "looks, spread 1.5": (independent, 1.5),
+    "own partner, shifted": (shifted, 1.5),
+    "own partner, reversed": (reversed_, 1.5),
+    "partner of another dyad": (other_dyad, 1.5),
+}
+
+
+def alarms(case: str, method: Method, runs: int, measure: str = "transfer_entropy") -> float:
+    """Share of runs with p at most .05."""
+    make, spread = CASES[case]
+    options = TestOptions(FEW, resamples=0, method=method)
+    p = []
+    for seed in range(runs):
+        source, target = make(np.random.default_rng(70_000 + seed), spread)
+        p.append(assess(measure, source, target, options=options, seed=seed).p)
+    return float(np.mean(np.array(p) <= 0.05))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", CASES)
+def test_false_alarms(case: str) -> None:
+    """Between .03 and .07 of 1000, which is what the default claims; others are printed for comparison."""
+    found = {
+        f"{method} {measure}": alarms(case, method, 1000, measure)
+        for method in ("auto", "permutation", "bootstrap")
+        for measure in ("transfer_entropy", "mutual_information")
+    }
+    print(f"\n{case}: {found}")
+    assert 0.03 <= found["auto transfer_entropy"] <= 0.07
+    assert 0.03 <= found["auto mutual_information"] <= 0.07
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.1, 0.2, 0.4])
+def test_power_for_dyads(share: float) -> None:
+    """Printed: how often a partner who follows this share of looks is found, at one step and over lags."""
+    from jointattn_mj.contingency import scan_lags
+
+    options = TestOptions(FEW, resamples=0)
+    found = {"one step": 0, "30 lags": 0}
+    for seed in range(100):
+        source, target = dyad(np.random.default_rng(80_000 + seed), 1, share)
+        found["one step"] += assess("te", source, target, options=options, seed=seed).p <= 0.05
+        scan = scan_lags("te", source, target, options=options, seed=seed)
+        found["30 lags"] += scan.p_adjusted.min() <= 0.05
+    print(f"\nfollows {share:.0%} of looks: found in {found} of 100")
+    assert found["30 lags"] >= 90 * (share >= 0.2)
+
+
+@pytest.mark.slow
+def test_power_for_the_robot(tmp_path) -> None:
+    """Stretches of a robot's own log: how often is the event that leads to objects found, and others are not?"""
+    from jointattn_mj import read_recordings
+    from tools.shell import Shell
+
+    shell = Shell()
+    out = tmp_path / "young"
+    assert shell("develop", "table", "--preset", "thesis", "--seed", 1, "--steps", 40_000, "--out", out).code == 0
+    shell.close()
+    names = ["caregiver's face", "shift gaze", "object"]
+    data = read_recordings(out / "steps.parquet", names).columns
+    face, gaze, found = (data[name][0] for name in names)
+    for length in (500, 1000, 2000, 4000):
+        starts = range(0, min(len(face), 40_000) - length, 1900)
+        for method in ("auto", "permutation", "shift"):
+            options = TestOptions(FEW, resamples=0, method=method)
+            p = [
+                assess("sac", *(one[at : at + length] for one in (face, found, gaze)), options=options, seed=at).p
+                for at in starts
+            ]
+            print(f"{length} steps, {method}: {np.mean(np.array(p) <= 0.05):.2f} of {len(p)}")
