@@ -84,7 +84,7 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
             return _summary_of_finished(out)
         viewing.restore(state)
         if state["overlay_every"] != every:
-            asked = f"--overlay-every {state['overlay_every']}" if state["overlay_every"] else "--no-overlay"
+            asked = f"`overlay_every={state['overlay_every']}`" if state["overlay_every"] else "`overlay=False`"
             raise CheckpointError(f"the viewing in {out} was begun with {asked}; resume with that")
     log = PerceptLog(out, viewing.names, rows)
     film = PartedReel(log_folder(out), HEIGHT, WIDTH, RATE / (every or 1), viewing.frames)

@@ -72,7 +72,9 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
             "off or damaged, or its header is wrong"
         )
     if not footage.timed and viewing.config.fps is None:
-        said.append(f"no timestamps in the file: {footage.fps:g} images a second were assumed; set them by --fps")
+        said.append(
+            f"no timestamps in the file: {footage.fps:g} images a second were assumed; the option fps sets them"
+        )
     if footage.interlaced:
         said.append("the video is interlaced: every other line was filled in from those around it, in space and time")
     if footage.jumps:
@@ -84,7 +86,7 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
     if not viewing.coloured:
         said.append("the video is grey: objects are found by their colour, so none can be")
     elif not viewing.visible[:-1].any():
-        said.append("no object was found; --objects cup=#c03a2b takes a colour as picked from the image")
+        said.append("no object was found; objects may be colours as picked from the image, such as cup=#c03a2b")
     if not viewing.visible[-1]:
         said.append(
             "no face was found: a face must look at the camera once, and be 24 pixels wide in the robot's image"

@@ -38,7 +38,7 @@ class DiscoverOptions(RecordingTestOptions):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not (self.sensors and self.actions and self.results):
-            raise ConfigError("discover needs at least one column each for --sensors, --actions and --results")
+            raise ConfigError("discover needs at least one column each for `sensors`, `actions` and `results`")
 
     @property
     def tests(self) -> int:
@@ -145,7 +145,7 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
     if options.correction == "holm" and options.surrogates < needed:
         notes.append(
             f"with {options.surrogates} surrogates no single one of {options.tests} events can be significant; "
-            f"--surrogates {needed} would do"
+            f"{needed} surrogates would do"
         )
     result = DiscoverResult(options, findings, data.labels, tuple(notes))
     if paths is not None:

@@ -74,7 +74,7 @@ class MeasureOptions(RecordingTestOptions):
         if self.by is not None and self.over == "steps":
             raise ConfigError("--by compares recordings, so there must be values for each: leave out --over steps")
         if not (self.source and self.target):
-            raise ConfigError("measure needs at least one column each for --source and --target")
+            raise ConfigError("measure needs at least one column each for `source` and `target`")
 
     @property
     def tests(self) -> int:
@@ -286,7 +286,7 @@ def exchange_notes(found: list[Significance]) -> list[str]:
         return []
     return [
         f"only {least:.0%} of the steps have another value of the source in the same context and recording to change "
-        "places with, so p says little; fewer values, longer recordings or --across-recordings help"
+        "places with, so p says little; fewer values, longer recordings, or permuting across recordings help"
     ]
 
 

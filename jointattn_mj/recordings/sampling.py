@@ -25,6 +25,8 @@ Missing = Literal["error", "break"]
 
 NONE = "(none)"
 """Label of steps in which nothing is coded."""
+GAPLESS_EVENTS, GAPLESS_SHARE = 3, 0.25
+"""A tier is coded throughout if so many events follow one another without a gap, for so much of the recording."""
 MOST_STEPS = 200_000_000
 """More steps than this need a longer step."""
 
@@ -124,7 +126,7 @@ def _lacking(events: "Events", tiers: Sequence[str], options: SampleOptions) -> 
         raise SeriesError(
             f"recording {recording!r} has no tier {tier!r}"
             + (f", and {len(without) - 1} more lack one" if len(without) > 1 else "")
-            + "; say --absent nothing if nothing happened on it, or --absent leave_out if it was not coded"
+            + "; say `absent='nothing'` if nothing happened on it, or `absent='leave_out'` if it was not coded"
         )
     if options.absent == "nothing":
         return {one: tiers for one, tiers in without.items() if options.coded in tiers}
@@ -157,7 +159,7 @@ def _sample_one(
             raise SeriesError(
                 f"tier {tier!r} of recording {recording!r} has missing codes in {count(int(unknown.sum()), 'step')}, "
                 f"the first at {edges[np.argmax(unknown)] / 1e6:g} s; fill them in, or cut recordings there with "
-                "--missing break"
+                "`missing='break'`"
             )
         absent |= unknown if options.nothing == "none" else taken < 0
     if options.coded is not None:
@@ -175,7 +177,7 @@ def _span(whole: tuple[int, int], lines: list[TierLine], step: float, span: Span
             return whole[0], whole[0]
         limits = [one for one in ends if one is not None]
     elif span == "coded":
-        least = (whole[1] - whole[0]) / 2
+        least = (whole[1] - whole[0]) * GAPLESS_SHARE
         limits = [one for line, one in zip(lines, ends, strict=True) if one is not None and _gapless(line, step, least)]
     else:
         limits = []
@@ -190,7 +192,7 @@ def _ends(line: TierLine) -> tuple[int, int] | None:
 
 def _gapless(line: TierLine, step: float, least: float) -> bool:
     """Whether intervals follow one another without a gap of a step, and last for ``least`` microseconds in all."""
-    if len(line.onset) < 2:
+    if len(line.onset) < GAPLESS_EVENTS:
         return False
     gaps = line.onset[1:] - line.offset[:-1]
     return bool(gaps.max() <= step * 1e6 and (line.offset - line.onset).sum() >= least)
@@ -271,7 +273,7 @@ def _put_moments(
             raise SeriesError(
                 f"events overlap on the tier {tier!r} of recording {recording!r}: {names} are both in the step at "
                 f"{edges[at[i]] / 1e6:g} s, as one is a point event. Take a shorter step, part them into tiers, or "
-                "combine them into values of their own with --overlaps combine"
+                "combine them into values of their own with `overlaps='combine'`"
             )
         taken[at[i]] = codes.combined(together)
 
@@ -322,7 +324,7 @@ def _remarks(sampled: list[_Sampled], lacking: dict[str, list[str]], step: float
     if outside:
         remarks.append(
             f"{sum(outside.values()):g} s at the ends of {_some(outside)} left out, where a tier was not coded; "
-            "--span all keeps them"
+            "the span 'all' keeps them"
         )
     missed = {tier: sum(one.missed[tier] for one in sampled) for tier in (sampled[0].missed if sampled else ())}
     for tier, number in missed.items():
