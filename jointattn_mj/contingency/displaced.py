@@ -73,8 +73,11 @@ class Moves:
     def _ranges(self) -> list[tuple[int, int]]:
         """Shifts of each recording that are drawn from, from and up to."""
         lengths = np.diff(self.spans).tolist()
-        margins = [max(1, min(self.least, length // 4)) if length > 1 else 0 for length in lengths]
-        return [(margin, max(margin, length - margin) + 1) for margin, length in zip(margins, lengths, strict=True)]
+        margins = [max(1, min(self.least, length // 4)) for length in lengths]
+        return [
+            (margin, max(margin, length - margin) + 1) if length > 1 else (0, 1)
+            for margin, length in zip(margins, lengths, strict=True)
+        ]
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ import re
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import shown
 
-_DELAY = re.compile(r"(\d{1,9}) *(?:steps?)?|(\d{1,9}(?:\.\d{1,9})?|\.\d{1,9}) *(s|ms|min)")
+_DELAY = re.compile(r"([0-9]{1,9}) *(?:steps?)?|([0-9]{1,9}(?:\.[0-9]{1,9})?|\.[0-9]{1,9}) *(s|ms|min)")
 _SECONDS = {"s": 1.0, "ms": 0.001, "min": 60.0}
 
 

@@ -161,9 +161,9 @@ def groups_by(data: Recordings, column: str, names: Mapping[int, str]) -> dict[s
         values = {data.labels[column][code] for code in np.unique(part)}
         values |= {found[name]} if name in found else set()
         if len(values) > 1:
+            there = ", ".join(sorted(values)[:5])
             raise SeriesError(
-                f"{column!r} changes within recording {name!r}: {', '.join(sorted(values)[:5])}; it must have one value "
-                "in all of a recording"
+                f"{column!r} changes within recording {name!r}: {there}; it must have one value in all of a recording"
             )
         found[name] = values.pop()
     return found
@@ -214,8 +214,9 @@ def compare(
         return []
     found = []
     if len(kinds) > 2:
-        observed = _eta(values, labels, kinds)
-        drawn = np.array([_eta(values, rng.permutation(labels), kinds) for _ in range(permutations)])
+        member = (labels[:, None] == np.array(kinds)).astype(float)
+        observed = float(_eta(values[None], member)[0])
+        drawn = _eta(rng.permuted(np.tile(values, (permutations, 1)), axis=1), member)
         found.append(Comparison(by, "all", observed, float((1 + np.sum(drawn >= observed - 1e-12)) / (1 + len(drawn)))))
     for first, second in combinations(kinds, 2):
         a, b = values[labels == first], values[labels == second]
@@ -227,24 +228,22 @@ def compare(
 def _two_sided(a: np.ndarray, b: np.ndarray, permutations: int, rng: np.random.Generator) -> float:
     """p of the difference of two means; all ways are tried where they are few."""
     both, size = np.concatenate([a, b]), len(a)
-    observed = abs(a.mean() - b.mean()) - 1e-12
-    total = both.sum()
-
-    def difference(part: np.ndarray) -> float:
-        return abs(float(part.sum() / size - (total - part.sum()) / (len(both) - size)))
-
-    if comb(len(both), size) <= MOST_EXACT:
-        ways = [difference(both[list(chosen)]) for chosen in combinations(range(len(both)), size)]
-        return float(np.mean(np.array(ways) >= observed))
-    drawn = [difference(rng.permutation(both)[:size]) for _ in range(permutations)]
-    return float((1 + np.sum(np.array(drawn) >= observed)) / (1 + permutations))
+    exact = comb(len(both), size) <= MOST_EXACT
+    if exact:
+        sums = both[np.array(list(combinations(range(len(both)), size)))].sum(1)
+    else:
+        sums = rng.permuted(np.tile(both, (permutations, 1)), axis=1)[:, :size].sum(1)
+    differences = np.abs(sums / size - (both.sum() - sums) / len(b))
+    extreme = int(np.sum(differences >= abs(a.mean() - b.mean()) - 1e-12))
+    return extreme / len(sums) if exact else (1 + extreme) / (1 + permutations)
 
 
-def _eta(values: np.ndarray, labels: np.ndarray, kinds: Sequence[str]) -> float:
-    """Share of the variance between groups."""
-    whole = float(((values - values.mean()) ** 2).sum())
-    between = sum((labels == kind).sum() * float(values[labels == kind].mean() - values.mean()) ** 2 for kind in kinds)
-    return between / whole if whole > 0 else 0.0
+def _eta(values: np.ndarray, member: np.ndarray) -> np.ndarray:
+    """Share of the variance between groups (k,), for values (k, n) and membership (n, groups)."""
+    deviations = values - values.mean(1, keepdims=True)
+    whole = (deviations**2).sum(1)
+    between = ((deviations @ member) ** 2 / member.sum(0)).sum(1)
+    return np.divide(between, whole, out=np.zeros(len(values)), where=whole > 0)
 
 
 def _group(name: str, values: np.ndarray, p: np.ndarray) -> Group:

@@ -97,6 +97,8 @@ def _clock(text: str, rate: float | None, where: str) -> float:
                 "`rate=25`"
             )
         if int(frames) >= rate:
-            raise SeriesError(f"{where} holds {shown(text)}, but at {rate:g} frames a second they go to {int(rate - 1e-9)}")
+            raise SeriesError(
+                f"{where} holds {shown(text)}, but at {rate:g} frames a second they go to {int(rate - 1e-9)}"
+            )
         value += int(frames) / rate
     return -value if sign else value
