@@ -243,7 +243,8 @@ def _eta(values: np.ndarray, member: np.ndarray) -> np.ndarray:
     deviations = values - values.mean(1, keepdims=True)
     whole = (deviations**2).sum(1)
     between = ((deviations @ member) ** 2 / member.sum(0)).sum(1)
-    return np.divide(between, whole, out=np.zeros(len(values)), where=whole > 0)
+    share: np.ndarray = np.divide(between, whole, out=np.zeros(len(values)), where=whole > 0)
+    return share
 
 
 def _group(name: str, values: np.ndarray, p: np.ndarray) -> Group:

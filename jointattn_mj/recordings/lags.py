@@ -77,7 +77,9 @@ def draw_lags(path: Path, scans: Sequence[tuple[str, LagScan]], step: float | No
         axes.set_ylabel(unit)
         axes.spines[["top", "right"]].set_visible(False)
     every[-1].set_xlabel("lag from source to result (s)" if step else "lag from source to result (steps)")
-    every[0].legend(fontsize=8.5, frameon=False)
+    figure.legend(
+        *every[0].get_legend_handles_labels(), loc="outside upper center", ncols=2, fontsize=8.5, frameon=False
+    )
     save(figure, path)
 
 
