@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from jointattn_mj.contingency.information import Measure
-from jointattn_mj.contingency.series import combined
+from jointattn_mj.contingency.series import combined, distinct
 from jointattn_mj.contingency.surrogates import MOST_CELLS
 from jointattn_mj.contingency.table import AXES, Steps
 from jointattn_mj.errors import SeriesError
@@ -186,16 +186,8 @@ def _signs(measure: Measure) -> dict[str, int]:
 
 def _numbered(columns: Sequence[np.ndarray], sizes: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
     """Numbers (n,) int32 of the combinations that occur, from 0, and where each occurs first."""
-    keys, bound = combined(columns, sizes)
-    if bound > 2**22:
-        _, first, codes = np.unique(keys, return_index=True, return_inverse=True)
-        return codes.astype(np.int32), first
-    first = np.full(bound, -1, np.int64)
-    _first(keys, first)
-    used = np.flatnonzero(first >= 0)
-    number = np.zeros(bound, np.int32)
-    number[used] = np.arange(len(used))
-    return number[keys], first[used]
+    found = distinct(*combined(columns, sizes))
+    return found.which.astype(np.int32), found.first
 
 
 def _runs(codes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -233,13 +225,6 @@ def _exchanged(spans: np.ndarray, order: np.ndarray) -> np.ndarray:
             pieces.append((t, spans[other], taken))
             t += taken
     return np.array(pieces, np.int64)
-
-
-@njit(cache=True)
-def _first(keys: np.ndarray, first: np.ndarray) -> None:
-    for t in range(len(keys)):
-        if first[keys[t]] < 0:
-            first[keys[t]] = t
 
 
 @njit(cache=True)

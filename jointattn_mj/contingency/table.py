@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from jointattn_mj.contingency.series import Coded, Series, aligned, combined
+from jointattn_mj.contingency.series import Coded, Series, aligned, combined, distinct
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.io.compiled import njit
 
@@ -146,10 +146,9 @@ class Steps:
     def entries_by_step(self) -> tuple[Entries, np.ndarray]:
         """The entries, and for each transition the number of its entry (n,)."""
         columns = self.columns()
-        keys = combined(columns, self.sizes)[0]
-        _, first, which, counts = np.unique(keys, return_index=True, return_inverse=True, return_counts=True)
-        entries = Entries(np.array([column[first] for column in columns]), counts.astype(float), self.sizes)
-        return entries, which
+        found = distinct(*combined(columns, self.sizes))
+        counts = found.counts.astype(float)
+        return Entries(np.array([column[found.first] for column in columns]), counts, self.sizes), found.which
 
 
 def steps(
@@ -189,8 +188,8 @@ def acted(source: Series, condition: Series, target: Series, groups: Sequence[in
 
 
 def _sorted(columns: list[np.ndarray], sizes: tuple[int, int, int, int]) -> Entries:
-    _, first, counts = np.unique(combined(columns, sizes)[0], return_index=True, return_counts=True)
-    return Entries(np.array([column[first] for column in columns]), counts.astype(float), sizes)
+    found = distinct(*combined(columns, sizes))
+    return Entries(np.array([column[found.first] for column in columns]), found.counts.astype(float), sizes)
 
 
 def dense_information(table: np.ndarray, given: str) -> float:
