@@ -14,6 +14,7 @@ from jointattn_mj.recordings.measure import exchange_notes
 from jointattn_mj.recordings.methods import method_notes
 from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
+from jointattn_mj.recordings.steps import Recordings
 
 
 @dataclass(frozen=True)
@@ -109,8 +110,12 @@ class DiscoverResult:
         return [value.words((one.sensor, one.action, one.result), self.labels) for value in one.values]
 
 
-def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = lambda done: None) -> DiscoverResult:
+def run_discover(
+    options: DiscoverOptions, progress: Callable[[int], object] = lambda done: None, data: Recordings | None = None
+) -> DiscoverResult:
     """Read the file, measure and test every event; ``progress`` is told of surrogates and resamples as they are drawn.
+
+    ``data`` is what the file has, where it is read already.
 
     Raises:
         SeriesError: The file or a column cannot be measured.
@@ -118,7 +123,7 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "events")
-    data = options.read(options.file, [*options.sensors, *options.actions, *options.results])
+    data = data or options.read(options.file, [*options.sensors, *options.actions, *options.results])
     findings = discover(
         data.columns,
         options.sensors,

@@ -21,6 +21,8 @@ class Track:
     """Name of the tier where no column tells it."""
     kind: int | None = None
     """Column that says whether a row starts an event, stops it, or is a point event."""
+    moment: int | None = None
+    """Column that says where an event is a point event, which may lack an offset."""
     alone: bool = True
     """Whether a row is an event although its code is blank: not where several codes share onset and offset."""
 

@@ -2,34 +2,37 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import shown
 from jointattn_mj.recordings.event_layout import EventLayout, Track
-from jointattn_mj.recordings.events import Events
+from jointattn_mj.recordings.events import Events, first_met
 from jointattn_mj.recordings.labels import missing_labels, ordered
 from jointattn_mj.recordings.table_files import TableFile
+from jointattn_mj.recordings.texts import Texts
 from jointattn_mj.recordings.tier_codes import dictionary
 from jointattn_mj.recordings.times import TimeUnit, has_fraction, seconds, unit_of
 
-START, STOP, POINT = {"start", "state start", "begin"}, {"stop", "state stop", "end"}, {"point", "state point", "event"}
+START, STOP = {"start", "state start", "begin"}, {"stop", "state stop", "end"}
+POINT = {"point", "state point", "point event", "event"}
 """What the kind of a row is called."""
-POINTS = POINT | {"point event"}
 PARTS = "|"
 """Stands between the parts of a code that several columns make."""
 
 
-@dataclass
-class _Rows:
-    """Events as they are gathered."""
+@dataclass(frozen=True)
+class _Found:
+    """Events of one track."""
 
-    tier: list[str]
-    code: list[str | None]
-    onset: list[float]
-    offset: list[float]
-    recording: list[str]
+    rows: np.ndarray
+    """Row of each event, int64 (events,)."""
+    tier: Texts
+    code: Texts
+    onset: np.ndarray
+    offset: np.ndarray
 
 
 class _Columns:
@@ -42,13 +45,12 @@ class _Columns:
         self.rows: int = columns.num_rows
         self._columns = {i: dictionary(column) for i, column in zip(different, columns.columns, strict=True)}
 
-    def texts(self, location: int) -> list[str]:
-        """The texts of a column (rows,), blank where missing."""
+    def texts(self, location: int) -> Texts:
+        """A column of texts, those that stand for none left out."""
         numbers, names = self._columns[location]
         stripped = [name.strip() for name in names]
         none = missing_labels(stripped, self._missing)
-        present = ["" if name in none else name for name in stripped] + [""]
-        return [present[number] for number in numbers.tolist()]
+        return Texts.numbered(numbers, ["" if name in none else name for name in stripped])
 
     def unit(self, location: int, unit: TimeUnit, layout: EventLayout) -> TimeUnit:
         """Unit of a column of times: as is said, its header, or the kind of table."""
@@ -63,19 +65,17 @@ class _Columns:
         """Seconds (rows,) of a column of times, NaN where missing."""
         header = self.table.header[location]
         numbers, names = self._columns[location]
-        none = missing_labels([name.strip() for name in names], self._missing)
-        present = [name for name in names if name.strip() not in none]
-        meaning = seconds(present, unit, rate, f"column {header!r} of {self.table.path}")
-        values = np.array([meaning.get(name, np.nan) for name in names] + [np.nan])
+        stripped = list(map(str.strip, names))
+        none = missing_labels(stripped, self._missing)
+        present = [i for i, name in enumerate(stripped) if name not in none]
+        values = np.full(len(names) + 1, np.nan)
+        values[present] = seconds([stripped[i] for i in present], unit, rate, f"column {header!r} of {self.table.path}")
         times: np.ndarray = values[numbers]
         return times
 
-    def joined(self, locations: Sequence[int], between: str) -> list[str]:
-        """Texts (rows,) of several columns together, blank ones left out."""
-        if len(locations) == 1:
-            return self.texts(locations[0])
-        parts = [self.texts(location) for location in locations]
-        return [between.join(filter(None, row)) for row in zip(*parts, strict=True)] if parts else [""] * self.rows
+    def joined(self, locations: Sequence[int], between: str) -> Texts:
+        """Texts of several columns together."""
+        return Texts.joined([self.texts(location) for location in locations], between)
 
 
 def read_event_table(
@@ -100,134 +100,152 @@ def read_event_table(
         SeriesError: Times that cannot be read, an event without an end, or no events.
     """
     tracks = layout.tracks
-    used = {i for one in tracks for i in (one.onset, one.offset, one.duration, one.kind, *one.code, *one.tier)}
+    used = {
+        i for one in tracks for i in (one.onset, one.offset, one.duration, one.kind, one.moment, *one.code, *one.tier)
+    }
     wanted = {i for i in (*used, *layout.recording, layout.level) if i is not None}
     columns = _Columns(table, wanted, missing)
     recordings, kept = _recordings(columns, layout, name)
-    rows = _Rows([], [], [], [], [])
     when = {i for one in tracks for i in (one.onset, one.offset, one.duration) if i is not None}
     units = {i: columns.unit(i, unit, layout) for i in when}
     if any(units[i] == "auto" and columns.has_fractions(i) for i in when):
         units = {i: "s" if one == "auto" else one for i, one in units.items()}
     times = {i: columns.times(i, units[i], rate) for i in when}
-    for track in tracks:
-        _gather(rows, columns, track, times, recordings, kept)
-    if not rows.tier:
+    bare = _without_codes(columns, tracks, times, kept)
+    found = [_gathered(columns, track, times, recordings, kept) for track in tracks]
+    rows = np.concatenate([one.rows for one in found])
+    if not len(rows):
         raise SeriesError(f"{table.path} has no events below its header")
-    tiers = dict.fromkeys(one.name for one in tracks if not one.tier)
+    tier = Texts.stacked([one.tier for one in found])
+    recording = recordings.take(rows)
+    tiers = tuple(one.name for one in tracks if not one.tier)
     try:
         return Events.of(
-            rows.tier,
-            _same_numbers(rows.tier, rows.code),
-            rows.onset,
-            rows.offset,
-            rows.recording,
-            tiers={one: tuple(tiers) for one in dict.fromkeys(rows.recording)},
+            tier,
+            _same_numbers(tier, Texts.stacked([one.code for one in found])),
+            np.concatenate([one.onset for one in found]),
+            np.concatenate([one.offset for one in found]),
+            recording,
+            tiers={recording.names[i]: tiers for i in first_met(recording.numbers)},
             resolution=1 / rate if rate and {"frames", "auto"} & set(units.values()) else 0.001,
+            remarks=(f"{bare} rows of {table.path} have times and no code, and are left out",) if bare else (),
         )
     except SeriesError as error:
         raise SeriesError(f"{table.path}: {error}") from error
 
 
-def _recordings(columns: _Columns, layout: EventLayout, name: str) -> tuple[list[str], list[bool]]:
+def _recordings(columns: _Columns, layout: EventLayout, name: str) -> tuple[Texts, np.ndarray]:
     """The recording of each row, and which rows are events."""
-    kept = [True] * columns.rows
     if layout.level is None:
-        texts = columns.joined(layout.recording, " ") if layout.recording else [name] * columns.rows
-        return [text or name for text in texts], kept
+        named = columns.joined(layout.recording, " ") if layout.recording else Texts(np.full(columns.rows, -1), [])
+        return named.with_default(name), np.ones(columns.rows, bool)
     level = columns.texts(layout.level)
     group, part, recordings = 0, 0, []
-    for row, text in enumerate(level):
-        kept[row] = text in ("3", "3.0")
+    levels = [level.at(row).removesuffix(".0") for row in range(columns.rows)]
+    for text in levels:
         group, part = (group + 1, 0) if text == "1" else (group, part + 1 if text == "2" else part)
         recordings.append(f"{name} {group}.{part}" if group or part else name)
-    return recordings, kept
+    return Texts.of(recordings), np.array([text == "3" for text in levels], bool)
 
 
-def _gather(
-    rows: _Rows,
-    columns: _Columns,
-    track: Track,
-    times: Mapping[int, np.ndarray],
-    recordings: Sequence[str],
-    kept: Sequence[bool],
-) -> None:
-    """Add the events of one track."""
-    codes = columns.joined(track.code, PARTS)
-    tiers = columns.joined(track.tier, ".") if track.tier else None
+def _without_codes(
+    columns: _Columns, tracks: Sequence[Track], times: Mapping[int, np.ndarray], kept: np.ndarray
+) -> int:
+    """Number of rows that have an onset, and no code in any of several columns."""
+    if any(one.alone for one in tracks):
+        return 0
+    timed, coded = np.zeros(columns.rows, bool), np.zeros(columns.rows, bool)
+    for one in tracks:
+        timed |= ~np.isnan(times[one.onset])
+        coded |= columns.joined(one.code, PARTS).numbers >= 0
+    return int((timed & ~coded & kept).sum())
+
+
+def _gathered(
+    columns: _Columns, track: Track, times: Mapping[int, np.ndarray], recordings: Texts, kept: np.ndarray
+) -> _Found:
+    """The events of one track."""
+    code = columns.joined(track.code, PARTS)
+    tier = columns.joined(track.tier, ".") if track.tier else Texts(np.full(columns.rows, -1), [])
+    if track.tier and track.name.startswith("."):
+        tier = Texts(tier.numbers, [name + track.name for name in tier.names])
+    tier = tier.with_default(track.name)
     onset = times[track.onset]
     offset, duration = (
         np.full(columns.rows, np.nan) if location is None else times[location]
         for location in (track.offset, track.duration)
     )
     offset = np.where(np.isnan(offset), onset + duration, offset)
-    kinds = None if track.kind is None else [text.casefold() for text in columns.texts(track.kind)]
+    if track.moment is not None:
+        kinds = columns.texts(track.moment)
+        points = [i for i, name in enumerate(kinds.names) if name.casefold() in POINT]
+        offset = np.where(np.isnan(offset) & np.isin(kinds.numbers, points), onset, offset)
+    coded = code.numbers >= 0
+    rows = np.flatnonzero(kept & (coded | (track.alone & ~(np.isnan(onset) & np.isnan(offset)))))
     path = columns.table.path
-    running: dict[tuple[str, str, str], tuple[int, float]] = {}
-    for row, (begins, ends) in enumerate(zip(onset.tolist(), offset.tolist(), strict=True)):
-        code = codes[row]
-        if not kept[row] or not (code or track.alone) or (begins != begins and ends != ends and not code):
-            continue
-        if begins != begins:
-            raise SeriesError(f"{path} has no onset for {shown(code)} in data row {row + 1}")
-        tier = track.name if tiers is None else f"{tiers[row]}{track.name if track.name.startswith('.') else ''}"
-        tier = tier or track.name
-        if kinds is not None:
-            ended = _paired(running, kinds[row], (recordings[row], tier, code), row, begins, ends, path)
-            if ended is None:
-                continue
-            begins, ends = ended
-        if ends != ends:
-            raise SeriesError(
-                f"{path} does not say when {shown(code)} ends in data row {row + 1}; a point event has its onset as "
-                "its offset"
-            )
-        rows.tier.append(tier)
-        rows.code.append(code or None)
-        rows.onset.append(begins)
-        rows.offset.append(ends)
-        rows.recording.append(recordings[row])
-    if running:
-        (recording, tier, code), (row, _) = next(iter(running.items()))
+    unknown = rows[np.isnan(onset[rows])]
+    if len(unknown):
+        raise SeriesError(f"{path} has no onset for {shown(code.at(unknown[0]))} in data row {unknown[0] + 1}")
+    if track.kind is not None:
+        rows, offset = _paired(rows, columns.texts(track.kind), (recordings, tier, code), onset, path)
+    unknown = rows[np.isnan(offset[rows])]
+    if len(unknown):
         raise SeriesError(
-            f"{path} does not say when {shown(code)} on {tier!r} of {recording!r} stops that starts in data row "
-            f"{row + 1}; add where it stops"
+            f"{path} does not say when {shown(code.at(unknown[0]))} ends in data row {unknown[0] + 1}; a point event "
+            "has its onset as its offset"
         )
+    return _Found(rows, tier.take(rows), code.take(rows), onset[rows], offset[rows])
 
 
 def _paired(
-    running: dict[tuple[str, str, str], tuple[int, float]],
-    kind: str,
-    what: tuple[str, str, str],
-    row: int,
-    time: float,
-    end: float,
-    path: object,
-) -> tuple[float, float] | None:
-    """When an event begins and ends, where this row ends it or tells all."""
-    if kind in POINTS:
-        return time, time
-    if kind in START:
-        if what in running:
+    rows: np.ndarray, kinds: Texts, what: tuple[Texts, Texts, Texts], onset: np.ndarray, path: Path
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rows that begin events, or are point events, and when the events end (rows of the table,).
+
+    Args:
+        rows: Rows that say when something starts, stops or happens.
+        kinds: Which of these each is.
+        what: Recording, tier and code of each row of the table.
+        onset: Time of each row of the table.
+        path: The file, for messages.
+    """
+    offset = onset.copy()
+    begun: list[int] = []
+    running: dict[tuple[str, ...], int] = {}
+    for row in rows.tolist():
+        kind, one = kinds.at(row).casefold(), tuple(column.at(row) for column in what)
+        if kind in START:
+            if one in running:
+                raise SeriesError(f"{path} starts {shown(one[2])} twice, in data rows {running[one] + 1} and {row + 1}")
+            running[one] = row
+        elif kind in STOP:
+            if one not in running:
+                raise SeriesError(
+                    f"{path} stops {shown(one[2])} on {one[1]!r} in data row {row + 1}, and never starts it"
+                )
+            offset[running.pop(one)] = onset[row]
+            continue
+        elif kind not in POINT:
             raise SeriesError(
-                f"{path} starts {shown(what[2])} twice, in data rows {running[what][0] + 1} and {row + 1}"
+                f"{path} has an event of kind {shown(kind)} in data row {row + 1}; expected start, stop or point"
             )
-        running[what] = row, time
-        return None
-    if kind in STOP:
-        if what not in running:
-            raise SeriesError(
-                f"{path} stops {shown(what[2])} on {what[1]!r} in data row {row + 1}, and never starts it"
-            )
-        return running.pop(what)[1], time
-    raise SeriesError(f"{path} has an event of kind {shown(kind)} in data row {row + 1}; expected start, stop or point")
+        begun.append(row)
+    if running:
+        one, row = next(iter(running.items()))
+        raise SeriesError(
+            f"{path} does not say when {shown(one[2])} on {one[1]!r} of {one[0]!r} stops that starts in data row "
+            f"{row + 1}; add where it stops"
+        )
+    return np.array(begun, np.int64), offset
 
 
-def _same_numbers(tiers: Sequence[str], codes: Sequence[str | None]) -> list[str | None]:
-    """Codes in which 1.0 and 1,0 are the same as 1, as in a table of steps."""
-    by_tier: dict[str, set[str]] = {}
-    for tier, code in zip(tiers, codes, strict=True):
-        if code is not None:
-            by_tier.setdefault(tier, set()).add(code)
-    same = {tier: ordered(known, tier, fractions=True) for tier, known in by_tier.items()}
-    return [None if code is None else same[tier][code] for tier, code in zip(tiers, codes, strict=True)]
+def _same_numbers(tier: Texts, code: Texts) -> Texts:
+    """Codes in which 1.0 and 1,0 are the same as 1 on each tier, as in a table of steps."""
+    width = len(code.names) + 1
+    pairs, numbers = np.unique(tier.numbers * width + code.numbers + 1, return_inverse=True)
+    names = [(int(pair) // width, code.names[pair % width - 1] if pair % width else "") for pair in pairs]
+    by_tier: dict[int, set[str]] = {}
+    for one, name in names:
+        by_tier.setdefault(one, set()).update([name] if name else [])
+    same = {one: ordered(known, "code", fractions=True) for one, known in by_tier.items()}
+    return Texts.numbered(numbers, [same[one][name] if name else "" for one, name in names])

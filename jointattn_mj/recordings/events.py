@@ -12,6 +12,7 @@ from jointattn_mj.io.table import Table
 from jointattn_mj.options import meant, shown
 from jointattn_mj.recordings.sampling import Nothing, SampleOptions, Span, ValueAt, sample
 from jointattn_mj.recordings.steps import Recordings
+from jointattn_mj.recordings.texts import Texts
 from jointattn_mj.recordings.tier_codes import Overlaps
 
 LATEST_S = 1e9
@@ -49,11 +50,11 @@ class Events:
     @classmethod
     def of(
         cls,
-        tier: Sequence[str],
-        code: Sequence[str | None],
+        tier: Sequence[str] | Texts,
+        code: Sequence[str | None] | Texts,
         onset: Sequence[float] | np.ndarray,
         offset: Sequence[float] | np.ndarray,
-        recording: Sequence[str] | str = "1",
+        recording: Sequence[str] | str | Texts = "1",
         **more: Any,
     ) -> "Events":
         """Events from columns of equal length.
@@ -74,29 +75,37 @@ class Events:
         """
         import pyarrow as pa  # here, so that measures of arrays do without it
 
-        recordings = [recording] * len(tier) if isinstance(recording, str) else list(recording)
+        recordings = Texts(np.zeros(len(tier), np.int64), [recording]) if isinstance(recording, str) else recording
+        texts = Texts.of(recordings), Texts.of(tier), Texts.of(code)
         times = _times(onset, "onset"), _times(offset, "offset")
-        lengths = [len(column) for column in (tier, code, *times, recordings)]
+        lengths = [len(column) for column in (*texts, *times)]
         if len(set(lengths)) > 1:
             raise SeriesError(f"columns of events must be equally long; got {', '.join(map(str, lengths))} rows")
         backward = times[1] < times[0]
         if backward.any():
             at = int(np.argmax(backward))
             raise SeriesError(
-                f"event {at + 1} ({shown(code[at])} on {tier[at]!r}) ends at {times[1][at]:g} s, before it begins at "
-                f"{times[0][at]:g} s"
+                f"event {at + 1} ({shown(texts[2].at(at))} on {texts[1].at(at)!r}) ends at {times[1][at]:g} s, before "
+                f"it begins at {times[0][at]:g} s"
             )
-        given: Mapping[str, tuple[str, ...]] = more.pop("tiers", {})
-        names = _tiers(zip(recordings, tier, strict=True), given)
+        if min((one.numbers.min(initial=0) for one in texts[:2]), default=0) < 0:
+            raise SeriesError("each event needs a recording and a tier")
+        pairs = texts[0].numbers * (len(texts[1].names) + 1) + texts[1].numbers
+        names = _tiers(
+            ((texts[0].at(row), texts[1].at(row)) for row in first_met(pairs, rows=True)), more.pop("tiers", {})
+        )
         every = list(dict.fromkeys(one for some in names.values() for one in some))
+        numbers = [texts[0].among(list(names)), texts[1].among(every), texts[2].numbers]
+        order = np.lexsort((times[1], times[0], *reversed(numbers[:2])))
         columns = [
-            pa.DictionaryArray.from_arrays(_numbers(column, known), pa.array(known, pa.string()))
-            for column, known in ((recordings, list(names)), (tier, every))
+            pa.DictionaryArray.from_arrays(
+                pa.array(column[order].astype(np.int32), mask=column[order] < 0), pa.array(known, pa.string())
+            )
+            for column, known in zip(numbers, (list(names), every, texts[2].names), strict=True)
         ]
-        order = np.lexsort((times[1], times[0], columns[1].indices.to_numpy(), columns[0].indices.to_numpy()))
-        columns += [pa.array(code, pa.string()).dictionary_encode(), *map(pa.array, times)]
+        columns += [pa.array(column[order]) for column in times]
         table = pa.table(dict(zip(("recording", "tier", "code", "onset", "offset"), columns, strict=True)))
-        return cls(Table(table.take(pa.array(order))), names, **more)
+        return cls(Table(table), names, **more)
 
     @property
     def recordings(self) -> tuple[str, ...]:
@@ -214,6 +223,8 @@ def _tiers(rows: Iterable[tuple[str, str]], *given: Mapping[str, Sequence[str]])
     return {recording: tuple(tiers) for recording, tiers in names.items()}
 
 
-def _numbers(column: Sequence[str], known: Sequence[str]) -> np.ndarray:
-    number = {name: i for i, name in enumerate(known)}
-    return np.fromiter((number[name] for name in column), np.int32, len(column))
+def first_met(numbers: np.ndarray, rows: bool = False) -> list[int]:
+    """Different numbers in the order in which they are first met, or their first rows."""
+    values, first = np.unique(numbers, return_index=True)
+    order = np.argsort(first)
+    return [int(one) for one in (first if rows else values)[order]]

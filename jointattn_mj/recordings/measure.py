@@ -211,8 +211,12 @@ class MeasureResult:
         }
 
 
-def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lambda done: None) -> MeasureResult:
+def run_measure(
+    options: MeasureOptions, progress: Callable[[int], object] = lambda done: None, data: Recordings | None = None
+) -> MeasureResult:
     """Read the file, measure, test; ``progress`` is told of surrogates and resamples as they are drawn.
+
+    ``data`` is what the file has, where it is read already.
 
     Raises:
         SeriesError: The file or a column cannot be measured.
@@ -221,7 +225,7 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
     """
     paths = None if options.out is None else result_paths(options.out, "measures")
     by = [] if options.by is None else [options.by]
-    data = options.read(options.file, [*options.source, *options.target, *options.condition, *by])
+    data = data or options.read(options.file, [*options.source, *options.target, *options.condition, *by])
     (source, of_source), (target, of_target) = data.joined(options.source), data.joined(options.target)
     condition, of_condition = data.joined(options.condition) if options.condition else (None, ())
     timing = options.timing(data.step)

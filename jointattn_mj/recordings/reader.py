@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import Real, shown
@@ -15,6 +15,10 @@ from jointattn_mj.recordings.sources import SourceOptions, files_of, open_frame,
 from jointattn_mj.recordings.step_tables import Fractions, read_steps
 from jointattn_mj.recordings.steps import Recordings
 from jointattn_mj.recordings.table_files import TableFile
+
+if TYPE_CHECKING:
+    from jointattn_mj.recordings.discover import DiscoverResult
+    from jointattn_mj.recordings.measure import MeasureResult
 
 Missing = Literal["error", "break"]
 """What a missing value does: it is an ``error``, or it ends the recording there, and the next row begins another."""
@@ -117,6 +121,71 @@ class Coding:
         wanted = {name: getattr(options, name) for name in SampleOptions.__dataclass_fields__}
         return same.events.steps(step, names, **wanted)
 
+    def measure(
+        self,
+        source: str | Sequence[str],
+        target: str | Sequence[str],
+        condition: str | Sequence[str] = (),
+        step: float | None = None,
+        **how: Any,
+    ) -> "MeasureResult":
+        """Measure how much one variable says about the next value of another, as ``jointattn measure`` does.
+
+        Args:
+            source: Tier or column whose influence is asked for; several are taken jointly.
+            target: Tier or column that may be influenced.
+            condition: What is known anyway, such as an action.
+            step: Length of a step in seconds, for events; None where rows are steps.
+            how: Further fields of ``MeasureOptions``, such as ``surrogates``.
+
+        Returns:
+            All measures; ``print(result.text())`` shows them.
+
+        Raises:
+            SeriesError: It cannot be read, sampled or measured.
+            ConfigError: An option that cannot work.
+        """
+        from jointattn_mj.recordings.measure import MeasureOptions, run_measure
+
+        names = _tuple(source), _tuple(target), _tuple(condition)
+        options = MeasureOptions(**self._told(step, how), source=names[0], target=names[1], condition=names[2])
+        return run_measure(options, data=Coding(self.source, options, (*names[0], *names[1], *names[2])).steps(step))
+
+    def discover(
+        self,
+        sensors: str | Sequence[str],
+        actions: str | Sequence[str],
+        results: str | Sequence[str],
+        step: float | None = None,
+        **how: Any,
+    ) -> "DiscoverResult":
+        """Rank events by their contingency, as ``jointattn discover`` does.
+
+        Args:
+            sensors: Tiers or columns of what is sensed.
+            actions: Those of what is done.
+            results: Those of what may come of it.
+            step: Length of a step in seconds, for events; None where rows are steps.
+            how: Further fields of ``DiscoverOptions``, such as ``measure``.
+
+        Returns:
+            The events, the most contingent first; ``print(result.text())`` shows them.
+
+        Raises:
+            SeriesError: It cannot be read, sampled or measured.
+            ConfigError: An option that cannot work.
+        """
+        from jointattn_mj.recordings.discover import DiscoverOptions, run_discover
+
+        names = _tuple(sensors), _tuple(actions), _tuple(results)
+        options = DiscoverOptions(**self._told(step, how), sensors=names[0], actions=names[1], results=names[2])
+        return run_discover(options, data=Coding(self.source, options, (*names[0], *names[1], *names[2])).steps(step))
+
+    def _told(self, step: float | None, how: dict[str, Any]) -> dict[str, Any]:
+        """Fields of the options of a test of this coding."""
+        own = {name: getattr(self.options, name) for name in ReadOptions.__dataclass_fields__}
+        return {**own, "file": Path(self._name), "step": step, **how}
+
     @property
     def _name(self) -> str:
         return str(self.source) if isinstance(self.source, (str, os.PathLike)) else "the table"
@@ -212,3 +281,7 @@ def read_recordings(
         **options,
     )
     return how.read(path, columns)
+
+
+def _tuple(names: str | Sequence[str]) -> tuple[str, ...]:
+    return (names,) if isinstance(names, str) else tuple(names)

@@ -113,10 +113,10 @@ def open_source(path: Path, options: SourceOptions, wanted: Sequence[str] | None
     if wanted is not None and not sampled:
         table = open_table(data, path, options, set(wanted).issubset)
         if not options.of_steps and not set(wanted) <= set(table.header):
-            events = open_table(data, path, options, of_events, apart=False)
-            table = events if of_events(events.header) else table
+            events = open_table(data, path, options, of_events)
+            table = events if of_events(events.header) or events.named_in is not None else table
     else:
-        table = open_table(data, path, options, any if options.of_steps else of_events, apart=False)
+        table = open_table(data, path, options, any if options.of_steps else of_events)
     return open_table_as(table, data, options, wanted, sampled)
 
 
@@ -140,7 +140,7 @@ def open_table_as(
             raise SeriesError(
                 f"{table.path} has no columns that say when events begin and end, such as onset and offset; its "
                 f"columns are: {', '.join(table.header)[:200]}. Name them with `columns`, or, if rows are steps, leave "
-                "`step` and `format` out"
+                f"`step` and `format` out{table.hint}"
             )
         return table
     if wanted is not None and not sampled:

@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from jointattn_mj.contingency.series import joint
 from jointattn_mj.io.progress import count
+from jointattn_mj.io.table import Table
 
 
 @dataclass(frozen=True, repr=False)
@@ -55,6 +57,30 @@ class Recordings:
             *(np.array(self.labels[name])[at] for name, at in zip(names, single, strict=True)), strict=True
         )
         return parts, tuple(" & ".join(combination) for combination in combinations)
+
+    @property
+    def table(self) -> Table:
+        """A row a step: ``recording``, ``piece`` (recordings that were cut have several), and a label of each variable."""
+        import pyarrow as pa  # here, so that measures of arrays do without it
+
+        lengths = [len(part) for part in next(iter(self.columns.values()))]
+        names = self.names or tuple(str(group) for group in range(max(self.groups) + 1))
+        columns = {
+            "recording": pa.DictionaryArray.from_arrays(np.repeat(self.groups, lengths), pa.array(names, pa.string())),
+            "piece": pa.array(np.repeat(np.arange(len(lengths)), lengths)),
+        }
+        for name, parts in self.columns.items():
+            labels = pa.array(self.labels[name], pa.string())
+            columns[name] = pa.DictionaryArray.from_arrays(np.concatenate(parts), labels)
+        return Table(pa.table(list(columns.values()), names=list(columns)))
+
+    def to_pandas(self) -> Any:
+        """The table as ``pandas.DataFrame``.
+
+        Raises:
+            ExtraError: The package pandas is not installed.
+        """
+        return self.table.to_pandas()
 
     def notes(self) -> tuple[str, ...]:
         """What a reader should know about rows that could not be used as they are."""

@@ -16,7 +16,7 @@ from jointattn_mj.errors import SeriesError
 from jointattn_mj.io.former_columns import present_name
 from jointattn_mj.options import Checked, Whole, warn_renamed
 from jointattn_mj.recordings.excel_files import STARTS, clock, sheet_rows
-from jointattn_mj.recordings.text_files import SNIFFED_ROWS, TextLayout, as_utf8, layout, line_of_header
+from jointattn_mj.recordings.text_files import SEARCHED_LINES, SNIFFED_ROWS, TextLayout, are_above, as_utf8, layout
 
 LEFT_OUT = "-"
 """Stands for the name of a column that is left out."""
@@ -50,8 +50,15 @@ class TableFile:
     """The first rows as text, the header among them; empty where the file tells its header apart, as Parquet does."""
     read: Callable[[Sequence[int]], Any]
     """Gives columns by their locations as a pyarrow table of dictionary-encoded text, named by their numbers."""
-    line_of: Callable[[Sequence[str]], int | None] = lambda names: None
-    """Finds the line, from 0 on, that has some names, where the header has not."""
+    named_in: int | None = None
+    """Line, from 0 on, that has the names that were looked for, below lines that may be rows of the table."""
+
+    @property
+    def hint(self) -> str:
+        """What to do where the names stand further down."""
+        return (
+            "" if self.named_in is None else f". Line {self.named_in + 1} names them: say `skip_rows={self.named_in}`"
+        )
 
     def columns(self, locations: Sequence[int]) -> Any:
         """Columns by their locations as a pyarrow table of dictionary-encoded text, in their order.
@@ -79,10 +86,10 @@ class TableFile:
         for name in meant:
             if self.header.count(name) == 0:
                 close = get_close_matches(name, self.header, 1)
-                line = self.line_of(wanted)
                 hint = f"; did you mean {close[0]!r}?" if close else ""
-                hint += f". Line {line + 1} names them: say `skip_rows={line}`" if line else ""
-                raise SeriesError(f"{self.path} has no column {name!r}; its columns are: {_shown(self.header)}{hint}")
+                raise SeriesError(
+                    f"{self.path} has no column {name!r}; its columns are: {_shown(self.header)}{hint}{self.hint}"
+                )
             if self.header.count(name) > 1:
                 raise SeriesError(f"{self.path} has {self.header.count(name)} columns {name!r}; names must differ")
         return [self.header.index(name) for name in meant]
@@ -93,7 +100,6 @@ def open_table(
     path: Path,
     options: TableOptions,
     heads: Callable[[Sequence[str]], bool] = lambda names: True,
-    apart: bool = True,
 ) -> TableFile:
     """Find the table in a file.
 
@@ -102,7 +108,6 @@ def open_table(
         path: The file, for messages.
         options: How it is written.
         heads: Whether names are those of a header that is looked for.
-        apart: Whether lines above the header must differ from rows of the table.
 
     Raises:
         SeriesError: Nothing that can be read.
@@ -111,7 +116,7 @@ def open_table(
         return _parquet(data, path)
     if data.startswith(STARTS):
         return _workbook(sheet_rows(data, path, options.sheet), path, options, heads)
-    return _text(as_utf8(data, path, options.encoding), path, options, heads, apart)
+    return _text(as_utf8(data, path, options.encoding), path, options, heads)
 
 
 def arrow_file(table: Any, path: Path) -> TableFile:
@@ -148,13 +153,11 @@ def single_blanks(name: str) -> str:
     return " ".join(name.split())
 
 
-def _text(
-    data: bytes, path: Path, options: TableOptions, heads: Callable[[Sequence[str]], bool], apart: bool
-) -> TableFile:
+def _text(data: bytes, path: Path, options: TableOptions, heads: Callable[[Sequence[str]], bool]) -> TableFile:
     def known(names: Sequence[str]) -> bool:
         return bool(options.columns) or heads([single_blanks(name) for name in names])
 
-    found = layout(data, path, options.skip_rows, _delimiter(options), known, apart)
+    found = layout(data, path, options.skip_rows, _delimiter(options), known)
     lines = io.StringIO(data[: 1 << 20].decode(errors="ignore"), newline="")
     lines.seek(found.header_at)
     try:
@@ -173,7 +176,7 @@ def _text(
         names,
         head,
         lambda locations: _read_text(data, start, found, path, locations),
-        lambda wanted: line_of_header(data, wanted),
+        found.named_in,
     )
 
 
@@ -250,7 +253,9 @@ def _workbook(
     rows = rows[options.skip_rows :]
     if not rows:
         raise SeriesError(f"{path} has no header below the {options.skip_rows} rows that `skip_rows` leaves out")
-    at = next((i for i, row in enumerate(rows[:100]) if heads([single_blanks(cell) for cell in row])), 0)
+    at = next((i for i, row in enumerate(rows[:SEARCHED_LINES]) if heads([single_blanks(cell) for cell in row])), 0)
+    named_in = options.skip_rows + at if at and not are_above(rows[:at], rows[at]) else None
+    at = 0 if named_in is not None else at
     if options.columns:
         at = 0
         if len(rows[0]) != len(options.columns):
@@ -262,7 +267,7 @@ def _workbook(
         columns = [pa.array([row[i] for row in body], pa.string()).dictionary_encode() for i in locations]
         return pa.table(columns, names=[str(i) for i in locations])
 
-    return TableFile(path, header, tuple(tuple(row) for row in rows[at : at + SNIFFED_ROWS]), read)
+    return TableFile(path, header, tuple(tuple(row) for row in rows[at : at + SNIFFED_ROWS]), read, named_in)
 
 
 def _parquet(data: bytes, path: Path) -> TableFile:

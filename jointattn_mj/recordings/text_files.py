@@ -4,7 +4,7 @@ import csv
 import io
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 
@@ -46,6 +46,8 @@ class TextLayout:
     """Byte at which the first row below the header begins."""
     header_at: int = 0
     """Character at which the header begins."""
+    named_in: int | None = None
+    """Line, from 0 on, that has the names that were looked for, below lines that may be rows of the table."""
 
 
 def as_utf8(data: bytes, path: Path, encoding: str | None = None) -> bytes:
@@ -103,7 +105,6 @@ def layout(
     skip_rows: int = 0,
     delimiter: str | None = None,
     heads: Callable[[Sequence[str]], bool] = lambda names: True,
-    apart: bool = True,
 ) -> TextLayout:
     """Find the header of UTF-8 text, and the delimiter that it and the next rows agree on.
 
@@ -116,7 +117,6 @@ def layout(
         skip_rows: Lines to leave out.
         delimiter: What separates columns; None: found.
         heads: Whether names are those of a header that is looked for. If none is, the first line is the header.
-        apart: Whether lines above the header must differ from rows of the table.
 
     Raises:
         SeriesError: The text ends before a header, or its header cannot be read.
@@ -141,8 +141,9 @@ def layout(
             break
         if above and line.strip():
             found = _layout_at(text, at, path, told[1] if told else delimiter)
-            if heads(found.header) and (not apart or _apart(above, found)):
-                return found
+            if heads(found.header):
+                rows = [_cells(one, found.delimiter) for one in above]
+                return found if are_above(rows, found.header) else replace(first, named_in=skip_rows + len(above))
         above.append(line)
     return first
 
@@ -160,31 +161,38 @@ def _layout_at(text: str, start: int, path: Path, delimiter: str | None) -> Text
     return TextLayout(mark, header, len(text[: lines.tell()].encode()), start)
 
 
-def _apart(above: Sequence[str], found: TextLayout) -> bool:
-    """Whether lines above a header are no rows of its table."""
-    rows = [next(csv.reader([line], delimiter=found.delimiter), []) for line in above]
-    return not any(cell.strip() for cell in rows[-1]) or all(len(row) != len(found.header) for row in rows)
+def are_above(rows: Sequence[Sequence[str]], header: Sequence[str]) -> bool:
+    """Whether rows above a header are none of its table.
+
+    They have another number of cells, or a name and a value each, or a blank row is between.
+    """
+    if not any(cell.strip() for cell in rows[-1]):
+        return True
+    named_values = _width(header) > 2 and all(_width(row) <= 2 for row in rows)
+    return named_values or all(len(row) != len(header) for row in rows)
 
 
-def line_of_header(data: bytes, names: Sequence[str]) -> int | None:
-    """Number, from 0 on, of the first line in which all ``names`` stand as columns."""
-    lines = io.StringIO(data[:_HEAD_BYTES].decode(errors="ignore"), newline="")
-    for number, line in enumerate(islice(lines, SEARCHED_LINES)):
-        for delimiter in DELIMITERS:
-            row = next(csv.reader([line], delimiter=delimiter), [])
-            if set(names) <= {cell.strip() for cell in row}:
-                return number
-    return None
+def _width(row: Sequence[str]) -> int:
+    """Number of cells up to the last that is not blank."""
+    return max((i + 1 for i, cell in enumerate(row) if cell.strip()), default=0)
+
+
+def _cells(line: str, delimiter: str) -> list[str]:
+    try:
+        return next(csv.reader([line], delimiter=delimiter), [])
+    except csv.Error:  # more in a cell than Python takes
+        return []
 
 
 def _delimiter(text: str) -> str:
     """The one by which the first rows are all as long as the header; among several, the most frequent."""
 
     def fits(mark: str) -> tuple[bool, int]:
-        widths, whole = [], True
+        widths: list[int] = []
+        whole = True
         try:
-            reader = csv.reader(io.StringIO(text, newline=""), delimiter=mark, strict=True)
-            widths = [len(row) for row in islice(reader, SNIFFED_ROWS) if row]
+            for row in islice(csv.reader(io.StringIO(text, newline=""), delimiter=mark, strict=True), SNIFFED_ROWS):
+                widths += [len(row)] if row else []
         except csv.Error:
             whole = False
         width = widths[0] if widths else 0

@@ -1,8 +1,10 @@
 """Times as coding programs write them, in seconds: seconds, milliseconds, frames, or a clock such as 00:01:02.500."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Sequence
 from typing import Literal
+
+import numpy as np
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import shown
@@ -41,8 +43,8 @@ def has_fraction(text: str) -> bool:
     return _NUMBER.fullmatch(text) is not None and not float(text.replace(",", ".")).is_integer()
 
 
-def seconds(texts: Iterable[str], unit: TimeUnit, rate: float | None, where: str) -> dict[str, float]:
-    """What each of some different texts means, in seconds.
+def seconds(texts: Sequence[str], unit: TimeUnit, rate: float | None, where: str) -> np.ndarray:
+    """What times mean, in seconds.
 
     Args:
         texts: Times as written, none of them empty.
@@ -51,29 +53,38 @@ def seconds(texts: Iterable[str], unit: TimeUnit, rate: float | None, where: str
         where: What a message calls the column.
 
     Returns:
-        Seconds by text.
+        Seconds (texts,).
 
     Raises:
         SeriesError: A text is no time, frames without a rate, or numbers of which the unit cannot be known.
     """
-    numbers, clocks = {}, {}
-    for text in texts:
-        stripped = text.strip()
-        if _NUMBER.fullmatch(stripped):
-            numbers[text] = float(stripped.replace(",", "."))
-        else:
-            clocks[text] = _clock(stripped, rate, where)
-    if numbers and unit == "auto":
-        if all(value == int(value) for value in numbers.values()) and any(numbers.values()):
-            raise SeriesError(
-                f"{where} holds whole numbers without a unit, such as {max(numbers, key=numbers.__getitem__)}; say "
-                "`time_unit='s'`, `time_unit='ms'` or `time_unit='frames'`"
-            )
-        unit = "s"
-    if numbers and unit == "frames" and rate is None:
+    values, plain = _plain(texts)
+    for i in np.flatnonzero(~plain).tolist():
+        text = texts[i].strip()
+        plain[i] = _NUMBER.fullmatch(text) is not None
+        values[i] = float(text.replace(",", ".")) if plain[i] else _clock(text, rate, where)
+    numbers = values[plain]
+    if unit == "auto" and (numbers == np.floor(numbers)).all() and numbers.any():
+        raise SeriesError(
+            f"{where} holds whole numbers without a unit, such as {numbers.max():g}; say `time_unit='s'`, "
+            "`time_unit='ms'` or `time_unit='frames'`"
+        )
+    if len(numbers) and unit == "frames" and rate is None:
         raise SeriesError(f"{where} holds frames; say how many there are in a second, such as `rate=25`")
-    factor = {"auto": 1, "s": 1, "ms": 1000, "frames": rate or 1}[unit]
-    return {**clocks, **{text: value / factor for text, value in numbers.items()}}
+    values[plain] = numbers / {"auto": 1, "s": 1, "ms": 1000, "frames": rate or 1}[unit]
+    return values
+
+
+def _plain(texts: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers that are written plainly, by compiled code, and which texts these are."""
+    import pyarrow as pa  # here, so that measures of arrays do without it
+    from pyarrow import compute
+
+    column = compute.utf8_trim_whitespace(pa.array(texts, pa.string()))
+    plain = compute.match_substring_regex(column, r"^-?\d{1,15}(\.\d{1,15})?$").to_numpy(zero_copy_only=False)
+    values = np.full(len(texts), np.nan)
+    values[plain] = column.filter(pa.array(plain, pa.bool_())).cast(pa.float64()).to_numpy()
+    return values, np.array(plain, bool)
 
 
 def _clock(text: str, rate: float | None, where: str) -> float:

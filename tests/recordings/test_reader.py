@@ -3,6 +3,7 @@
 import numpy as np
 import pyarrow as pa
 import pytest
+from coded_files import as_parquet, workbook
 from pyarrow import csv, parquet
 
 import jointattn_mj.contingency as c
@@ -98,6 +99,27 @@ class TestParquet:
             read_recordings(tmp_path / "seen.parquet", ["b"])
 
 
+def test_the_same_table_in_every_kind_of_file(write):
+    """Whole numbers, words, truth values, ids, missing values; with a blank before some."""
+    header = ("who", "a", "b", "c", "d")
+    rows = [("12.1", "x", 1.0, True, " NA"), ("12.1", " y", 2.0, False, "u"), ("12.1", "x", 1.0, True, "v")]
+    rows += [("12.10", *row[1:]) for row in rows[1:]] + [("12.10", "x", None, True, "u")]
+    text = "who,a,b,c,d\n12.1,x,1.0,true, NA\n12.1, y,2.0,false,u\n12.1,x,1,true,v\n"
+    text += "12.10,y,2,false,u\n12.10,x,1.0,true,v\n12.10,x,,true,u\n"
+    table = pa.table({name: [row[i] for row in rows] for i, name in enumerate(header)})
+    files = [text, text.replace(",", "\t").encode("utf-16"), as_parquet(table), workbook([header, *rows])]
+    for file in files:
+        data = read_recordings(write(file), list("abcd"), "who", "break")
+        assert data.labels == {"a": ("x", "y"), "b": ("1", "2"), "c": ("false", "true"), "d": ("u", "v")}
+        assert [codes(data, name) for name in "abcd"] == [
+            [[1, 0], [1, 0]],
+            [[1, 0], [1, 0]],
+            [[0, 1], [0, 1]],
+            [[0, 1], [0, 1]],
+        ]
+        assert data.names == ("12.1", "12.10")
+
+
 def test_labels_that_look_like_numbers(write):
     data = read_recordings(write("a,b,c\n01,0.5,1e3\n1,low,2\n01,high,1000\n"), ["a", "b", "c"])
     assert data.labels == {"a": ("01", "1"), "b": ("0.5", "high", "low"), "c": ("1000", "1e3", "2")}
@@ -117,7 +139,11 @@ BAD = {
     "missing": ("a,b\n1,2\n,2\n1,2\nNA,2\n", ["a"], "2 missing values, the first in data row 2"),
     "blank line": ("a,b\n1,2\n\n1,2\n", ["a", "b"], "1 missing values"),
     "short row": ("a,b\n1,2\n1\n1,2\n", ["a"], "data row 2: Expected 2 columns"),
-    "another encoding": (b"a,b\n1,\xff\xfe\n1,2\n", ["b"], r"not in UTF-8 \(byte 0xFF in line 2\).*`encoding=.cp1252.`"),
+    "another encoding": (
+        b"a,b\n1,\xff\xfe\n1,2\n",
+        ["b"],
+        r"not in UTF-8 \(byte 0xFF in line 2\).*`encoding=.cp1252.`",
+    ),
     "a damaged workbook": (b"PK\x03\x04\x14\0\x06\0" + bytes(200), ["a"], "no workbook that can be read"),
     "compressed": (b"\x1f\x8b\x08\0" + bytes(200), ["a"], "gzip"),
     "binary": (bytes(range(256)), ["a"], "no text file"),

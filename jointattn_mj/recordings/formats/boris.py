@@ -18,7 +18,9 @@ def layout(names: Sequence[str]) -> EventLayout | None:
     code = (at["behavior"], *_modifiers(names, at))
     recording = tuple(at[name] for name in ("observation id",) if name in at)
     if "start (s)" in at and "stop (s)" in at:
-        track = Track(at["start (s)"], at["stop (s)"], at.get("duration (s)"), code, tier)
+        track = Track(
+            at["start (s)"], at["stop (s)"], at.get("duration (s)"), code, tier, moment=at.get("behavior type")
+        )
     elif "time" in at and ("behavior type" in at or "status" in at):
         track = Track(at["time"], None, None, code, tier, kind=at.get("behavior type", at.get("status")))
     else:

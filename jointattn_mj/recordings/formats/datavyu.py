@@ -81,7 +81,8 @@ def read_datavyu(text: str, path: Path, missing: Collection[str] = ()) -> Events
             raise SeriesError(f"{path} has neither a column nor a cell in line {number}: {line[:60]!r}")
     if not rows:
         raise SeriesError(f"{path} has no cells")
-    times = seconds({time for row in rows for time in row[2:]}, "ms", None, f"line of {path}")
+    written = sorted({time for row in rows for time in row[2:]})
+    times = dict(zip(written, seconds(written, "ms", None, str(path)).tolist(), strict=True))
     none = missing_labels({code for _, code, _, _ in rows}, missing)
     try:
         return Events.of(

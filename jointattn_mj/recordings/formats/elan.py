@@ -88,8 +88,11 @@ class _Annotations:
         """Times of annotations with time slots; slots without a time part what lies between those that have one."""
         slots = self._book.timeslots
         open_: list[str] = []
-        start = 0.0
+        start, before = 0.0, ""
         for name, (first, last, _, _) in self._book.tiers[tier][0].items():
+            if open_ and first != before:
+                break
+            before = last
             if not open_:
                 if slots[first] is None:
                     raise SeriesError(
