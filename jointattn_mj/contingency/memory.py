@@ -19,7 +19,7 @@ MOST_STEPS = 2**19
 """Transitions that are looked at; of longer recordings the first ones."""
 MOST_PAIRS = 24
 """Values of a variable, or pairs of one with a context, that are looked at: the most frequent ones."""
-SMALL = 0.3
+SMALL = 0.5
 """Autocorrelation below which a source counts as new."""
 
 

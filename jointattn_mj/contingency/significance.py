@@ -45,7 +45,7 @@ ENOUGH_PARTNERS = 8
 """Recordings from which on ``auto`` takes partners where looks are too long to be shifted."""
 MOST_THREADS, WORTH_THREADS = 8, 100_000
 """Threads that count surrogates, and transitions from which on they do."""
-ENOUGH_SHIFTS = 10
+ENOUGH_SHIFTS = 20
 """Recordings are too short to be shifted if half of them last less than so many least shifts."""
 
 
