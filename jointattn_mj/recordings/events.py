@@ -13,7 +13,7 @@ from jointattn_mj.options import meant, shown
 from jointattn_mj.recordings.sampling import Nothing, SampleOptions, Span, ValueAt, sample
 from jointattn_mj.recordings.steps import Recordings
 from jointattn_mj.recordings.texts import Texts
-from jointattn_mj.recordings.tier_codes import Overlaps
+from jointattn_mj.recordings.tier_codes import Overlaps, dictionary
 
 LATEST_S = 1e9
 """Times are from -1e9 to 1e9 s, so that microseconds are exact."""
@@ -136,16 +136,24 @@ class Events:
         spans = {one: span for one, span in self.spans.items() if one in kept[1]}
         return replace(self, table=Table(self.table.arrow.filter(rows)), tiers=names, spans=spans)
 
-    def joined(self, other: "Events") -> "Events":
-        """These events and those of ``other``: further recordings, or further tiers of the same ones."""
-        columns = [[*self.table[name], *other.table[name]] for name in ("tier", "code", "onset", "offset", "recording")]
-        tiers = _tiers([], self.tiers, other.tiers)
+    def joined(self, *others: "Events") -> "Events":
+        """These events and those of ``others``: further recordings, or further tiers of the same ones."""
+        every = (self, *others)
+        texts = [
+            Texts.stacked([Texts(*dictionary(one.table.arrow[name])) for one in every])
+            for name in ("tier", "code", "recording")
+        ]
+        onset, offset = (np.concatenate([one.table[name] for one in every]) for name in ("onset", "offset"))
         return Events.of(
-            *columns,
-            tiers=tiers,
-            spans={**self.spans, **other.spans},
-            resolution=max(self.resolution, other.resolution),
-            remarks=tuple(dict.fromkeys((*self.remarks, *other.remarks))),
+            texts[0],
+            texts[1],
+            onset,
+            offset,
+            texts[2],
+            tiers=_tiers([], *(one.tiers for one in every)),
+            spans={recording: span for one in every for recording, span in one.spans.items()},
+            resolution=max(one.resolution for one in every),
+            remarks=tuple(dict.fromkeys(remark for one in every for remark in one.remarks)),
         )
 
     def steps(

@@ -5,12 +5,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import Real, shown
 from jointattn_mj.recordings.events import Events
-from jointattn_mj.recordings.sampling import SampleOptions
+from jointattn_mj.recordings.sampling import Missing, SampleOptions
 from jointattn_mj.recordings.sources import SourceOptions, files_of, open_frame, open_source
 from jointattn_mj.recordings.step_tables import Fractions, read_steps
 from jointattn_mj.recordings.steps import Recordings
@@ -19,9 +19,6 @@ from jointattn_mj.recordings.table_files import TableFile
 if TYPE_CHECKING:
     from jointattn_mj.recordings.discover import DiscoverResult
     from jointattn_mj.recordings.measure import MeasureResult
-
-Missing = Literal["error", "break"]
-"""What a missing value does: it is an ``error``, or it ends the recording there, and the next row begins another."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,20 +68,17 @@ class Coding:
         if len(events) < len(content):
             path = next(one.path for one in content if isinstance(one, TableFile))
             raise SeriesError(f"{path} has a row for every step, and no events; take steps()")
-        whole = events[0]
-        for other in events[1:]:
-            twice = [
-                f"{tier!r} of recording {recording!r}"
-                for recording, tiers in other.tiers.items()
-                for tier in tiers
-                if tier in whole.tiers.get(recording, ())
-            ]
-            if twice:
+        known: set[tuple[str, str]] = set()
+        for one in events:
+            tiers = {(recording, tier) for recording, tiers in one.tiers.items() for tier in tiers}
+            if known & tiers:
+                recording, tier = min(known & tiers)
                 raise SeriesError(
-                    f"several files have the tier {twice[0]}; give recordings different names, or name a column that "
-                    "tells them apart with `recording`"
+                    f"several files have the tier {tier!r} of recording {recording!r}; give recordings different "
+                    "names, or name a column that tells them apart with `recording`"
                 )
-            whole = whole.joined(other)
+            known |= tiers
+        whole = events[0].joined(*events[1:]) if len(events) > 1 else events[0]
         return replace(whole, remarks=(*whole.remarks, *remarks))
 
     def steps(self, step: float | None = None, columns: Iterable[str] | None = None, **how: Any) -> Recordings:

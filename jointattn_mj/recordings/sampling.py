@@ -1,6 +1,6 @@
 """From coded events to equal steps: what is coded in each, where coding began and ended, and what is left out."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -98,7 +98,7 @@ def sample(events: "Events", step: float, tiers: Sequence[str], options: SampleO
         len(stretches) - len(long),
         tuple(one.recording for one in sampled),
         float(step),
-        (*events.remarks, *_remarks(sampled, lacking, step)),
+        (*events.remarks, *_remarks(sampled, lacking, {sampled[i].recording for i, _ in long}, step)),
     )
 
 
@@ -315,26 +315,30 @@ def _numbered(parts: list[np.ndarray], names: Sequence[str]) -> tuple[list[np.nd
     return [place[part + 2] for part in parts], tuple(labels)
 
 
-def _remarks(sampled: list[_Sampled], lacking: dict[str, list[str]], step: float) -> list[str]:
+def _remarks(sampled: list[_Sampled], lacking: Collection[str], used: set[str], step: float) -> list[str]:
     """What was left out, and why."""
     remarks = []
     if lacking:
         remarks.append(f"{_some(lacking)} left out, for want of a tier")
+    short = [one.recording for one in sampled if one.recording not in used]
+    if short:
+        remarks.append(f"{_some(short)} left out, for want of two coded steps that follow each other")
     outside = {one.recording: one.outside_s for one in sampled if one.outside_s >= step}
     if outside:
         remarks.append(
-            f"{sum(outside.values()):g} s at the ends of {_some(outside)} left out, where a tier was not coded; "
+            f"{_some(outside)} cut at the ends, by {sum(outside.values()):g} s in all, where a tier was not coded; "
             "the span 'all' keeps them"
         )
     missed = {tier: sum(one.missed[tier] for one in sampled) for tier in (sampled[0].missed if sampled else ())}
     for tier, number in missed.items():
         if number:
+            are = "is" if number == 1 else "are"
             remarks.append(
-                f"{count(number, 'event')} of {tier!r} too short for a step of {step:g} s; a shorter one has them"
+                f"{count(number, 'event')} of {tier!r} {are} in no step of {step:g} s; a shorter step has them"
             )
     return remarks
 
 
-def _some(names: dict) -> str:
+def _some(names: Collection[str]) -> str:
     listed = ", ".join(list(names)[:3]) + (" ..." if len(names) > 3 else "")
-    return f"{count(len(names), 'recording')} ({listed})"
+    return f"{count(len(names), 'recording')} ({listed}) {'is' if len(names) == 1 else 'are'}"

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import Real
-from jointattn_mj.recordings.event_layout import EventLayout, Track
+from jointattn_mj.recordings.event_layout import EventLayout
 from jointattn_mj.recordings.event_tables import read_event_table
 from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.formats import Format, datavyu, elan, event_layout, plain
@@ -101,6 +101,8 @@ def open_source(path: Path, options: SourceOptions, wanted: Sequence[str] | None
             text = as_utf8(spreadsheet, path, options.encoding).decode()
             special = datavyu.read_datavyu(text, path, options.missing_values)
     if special is not None:
+        if options.format in ("boris", "interact", "observer"):
+            raise SeriesError(f"{path} is a file of ELAN or Datavyu; `format='{options.format}'` does not fit it")
         if options.of_steps:
             raise SeriesError(f"{path} is of events; it has no rows that could be steps")
         if options.recording is not None:
@@ -194,11 +196,22 @@ def _as_told(layout: EventLayout, table: TableFile, options: SourceOptions) -> E
     """The layout with the columns that the options name."""
     if options.recording is not None:
         layout = replace(layout, recording=tuple(table.locations([options.recording])), level=None)
-    if options.tier_columns or options.code_columns:
-        first = layout.tracks[0]
-        tier = tuple(table.locations(options.tier_columns)) if options.tier_columns else first.tier
-        code = tuple(table.locations(options.code_columns)) if options.code_columns else first.code
-        name = first.name if options.tier_columns or first.tier else " ".join(table.header[i] for i in code)
-        track: Track = replace(first, tier=tier, code=code, name=name.lstrip("."), alone=True)
-        layout = replace(layout, tracks=(track,))
-    return layout
+    if not (options.tier_columns or options.code_columns):
+        return layout
+    tier, code = (tuple(table.locations(names)) for names in (options.tier_columns, options.code_columns))
+    if len({one.onset for one in layout.tracks}) > 1:
+        tracks = tuple(one for one in layout.tracks if set(one.code) <= set(code))
+        if tier or len(tracks) < len(code):
+            raise SeriesError(
+                f"{table.path} has tiers side by side: leave `tier_columns` out, and choose `code_columns` among "
+                f"{', '.join(one.name for one in layout.tracks)}"
+            )
+        return replace(layout, tracks=tracks)
+    first = layout.tracks[0]
+    if not code:
+        others = [one for one in layout.tracks if not set(one.code) & set(tier)]
+        if len(others) > 1:
+            raise SeriesError(f"{table.path} has several columns that may be the code; name one with `code_columns`")
+        code = others[0].code if others else first.code
+    name = " ".join(table.header[i] for i in code)
+    return replace(layout, tracks=(replace(first, tier=tier or first.tier, code=code, name=name, alone=True),))

@@ -7,6 +7,7 @@ import numpy as np
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.recordings.labels import coded
+from jointattn_mj.recordings.sampling import Missing
 from jointattn_mj.recordings.steps import Recordings, pieces
 from jointattn_mj.recordings.table_files import TableFile
 
@@ -17,7 +18,7 @@ def read_steps(
     tables: Sequence[TableFile],
     columns: Sequence[str] | None,
     recording: str | None,
-    missing: Literal["error", "break"],
+    missing: Missing,
     missing_values: Collection[str] = (),
     fractions: Fractions = "error",
     remarks: Sequence[str] = (),

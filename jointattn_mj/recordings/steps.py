@@ -60,7 +60,7 @@ class Recordings:
 
     @property
     def table(self) -> Table:
-        """A row a step: ``recording``, ``piece`` (recordings that were cut have several), and a label of each variable."""
+        """A row a step: ``recording``, ``piece`` (what was cut has several), and the label of each variable."""
         import pyarrow as pa  # here, so that measures of arrays do without it
 
         lengths = [len(part) for part in next(iter(self.columns.values()))]

@@ -18,8 +18,6 @@ from jointattn_mj.options import Checked, Whole, warn_renamed
 from jointattn_mj.recordings.excel_files import STARTS, clock, sheet_rows
 from jointattn_mj.recordings.text_files import SEARCHED_LINES, SNIFFED_ROWS, TextLayout, are_above, as_utf8, layout
 
-LEFT_OUT = "-"
-"""Stands for the name of a column that is left out."""
 _SHOWN = 20
 
 
@@ -166,10 +164,8 @@ def _text(data: bytes, path: Path, options: TableOptions, heads: Callable[[Seque
         raise SeriesError(f"{path} is no table that can be read: {error}") from error
     start = found.start
     if options.columns:
-        found, start = (
-            _named(found, path, options),
-            len(data[: 1 << 20].decode(errors="ignore")[: found.header_at].encode()),
-        )
+        found = _named(found, path, options)
+        start = len(lines.getvalue()[: found.header_at].encode())
     names = tuple(single_blanks(name) for name in found.header)
     return TableFile(
         path,
@@ -204,7 +200,7 @@ def _read_text(data: bytes, start: int, found: TextLayout, path: Path, locations
     while end > start and data[end - 1] in b"\r\n":
         end -= 1
     names = [str(location) for location in locations]
-    if not data[start:end].strip(b"\r\n"):
+    if end == start:
         return pa.table({name: pa.array([], pa.string()).dictionary_encode() for name in names})
     text = pa.dictionary(pa.int32(), pa.string())
     body = pa.py_buffer(data).slice(start, end - start)

@@ -152,7 +152,8 @@ class TierCodes:
         more = f", and {len(overlap) - len(pairs)} more" if len(overlap) > len(pairs) else ""
         return (
             f"events overlap on the tier {tier!r} of recording {recording!r}: {'; '.join(pairs)}{more}. Mend them, "
-            "part them into tiers, or combine them into values of their own with `overlaps='combine'`"
+            "part them into tiers, combine them into values of their own with `overlaps='combine'`, or, if they are of "
+            "several recordings, name the column that says so with `recording`"
         )
 
 

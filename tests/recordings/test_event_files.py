@@ -125,6 +125,8 @@ class TestElan:
     def test_no_rows(self, write):
         with pytest.raises(SeriesError, match="no rows that could be steps"):
             read_recordings(write(content("elan"), "x.eaf"), "infant", rows_are_steps=True)
+        with pytest.raises(SeriesError, match=r"`format='boris'` does not fit it"):
+            _ = recordings.read(write(content("elan"), "x.eaf"), format="boris").events
         with pytest.raises(SeriesError, match="no column 'dyad'"):
             read_recordings(write(content("elan"), "x.eaf"), "infant", recording="dyad", step=0.1)
 
@@ -149,7 +151,7 @@ class TestBoris:
         assert len(recordings.read(path, absent="nothing").steps(0.1).names) == 2
         left = recordings.read(path, absent="leave_out").steps(0.1)
         assert left.names == ("d1",)
-        assert left.notes() == ("1 recording (d2) left out, for want of a tier",)
+        assert left.notes() == ("1 recording (d2) is left out, for want of a tier",)
 
     def test_a_point_event_without_an_end(self, write):
         header = "Subject,Behavior,Behavioral category,Behavior type,Start (s),Stop (s),Duration (s)\n"
@@ -301,6 +303,29 @@ class TestTables:
             _ = recordings.read(path, columns=["code", "onset", "offset"]).events
         with pytest.raises(SeriesError, match=r"no columns that say when events begin and end.*`columns`"):
             _ = recordings.read(write("a,b\n1,2\n1,2\n"), step=0.1).events
+
+    def test_columns_without_a_header_that_are_not_clear(self, write):
+        """A first column that counts the rows is no onset."""
+        path = write("0,a,0.5,1.0,x\n1,a,1.0,2.0,y\n2,a,2.0,3.5,x\n")
+        with pytest.raises(SeriesError, match="no columns that say when events begin"):
+            recordings.read(path).steps(0.5)
+        columns = ["-", "tier", "onset", "offset", "code"]
+        assert recordings.read(path, columns=columns).events.table["offset"].tolist() == [1, 2, 3.5]
+
+    def test_columns_of_tiers_and_codes(self, write):
+        path = write("who2,begin,end,where,how\nann,0,1.5,toy,long\n,1.5,2,face,short\n")
+        assert recordings.read(path).events.tier_names == ("who2", "where", "how")
+        with pytest.raises(SeriesError, match=r"several columns that may be the code.*`code_columns`"):
+            _ = recordings.read(path, tier_columns=["who2"]).events
+        events = recordings.read(path, tier_columns=["who2"], code_columns=["where", "how"]).events
+        assert [row[1:3] for row in rows(events)] == [("ann", "toy|long"), ("where how", "face|short")]
+
+    def test_codes_of_tiers_side_by_side(self, write):
+        path = write(content("datavyu side by side"))
+        events = recordings.read(path, code_columns=["mother"]).events
+        assert [row[1:] for row in rows(events)] == [row for row in GAZE if row[0] == "mother"]
+        with pytest.raises(SeriesError, match="tiers side by side: leave `tier_columns` out"):
+            _ = recordings.read(path, tier_columns=["mother"]).events
 
     def test_quotes_that_swallow_rows(self, write):
         """A quotation mark that is part of a label, as some programs write it."""

@@ -150,7 +150,7 @@ class TestWhatAStepIs:
         steps = on_one_tier(("x", 0, 1.01), ("y", 1.01, 1.1), ("x", 1.1, 2)).steps(1)
         assert values(steps) == [["x", "x"]]
         assert steps.labels["a"] == ("x",)
-        assert steps.notes() == ("1 event of 'a' too short for a step of 1 s; a shorter one has them",)
+        assert steps.notes() == ("1 event of 'a' is in no step of 1 s; a shorter step has them",)
 
     def test_unknown_codes(self):
         events = on_one_tier(("x", 0, 1), (None, 1, 2), ("y", 2, 3))
@@ -173,7 +173,7 @@ class TestFromWhenToWhen:
         steps = events.steps(0.5)
         assert steps.rows == 12
         assert steps.notes() == (
-            "4 s at the ends of 1 recording (1) left out, where a tier was not coded; the span 'all' keeps them",
+            "1 recording (1) is cut at the ends, by 4 s in all, where a tier was not coded; the span 'all' keeps them",
         )
         assert events.steps(0.5, "smile").rows == 20
         assert events.steps(0.5, span="all").rows == 20
@@ -191,9 +191,12 @@ class TestFromWhenToWhen:
             self.looks().steps(0.5, coded="seen")
 
     def test_recordings_stay_apart(self):
-        events = Events.of(["a"] * 3, list("xyx"), [0, 0, 10], [1, 1.2, 11], ["r1", "r2", "r3"])
+        events = Events.of(["a"] * 4, list("xyxx"), [0, 0, 10, 0], [1, 1.2, 11, 0.9], ["r1", "r2", "r3", "r4"])
         steps = events.steps(0.5)
-        assert (steps.groups, steps.names) == ([0, 1, 2], ("r1", "r2", "r3"))
+        assert (steps.groups, steps.names) == ([0, 1, 2], ("r1", "r2", "r3", "r4"))
+        assert steps.notes()[1:] == (
+            "1 recording (r4) is left out, for want of two coded steps that follow each other",
+        )
         assert values(steps) == [["x", "x"], ["y", "y"], ["x", "x"]]
 
     def test_a_recording_without_a_tier(self):

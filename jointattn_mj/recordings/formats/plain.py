@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from jointattn_mj.recordings.event_layout import EventLayout, Track
-from jointattn_mj.recordings.times import is_time, unit_of
+from jointattn_mj.recordings.times import is_time, seconds, unit_of
 
 ONSET, OFFSET, DURATION = {"onset", "begin", "start"}, {"offset", "end", "stop"}, {"duration", "dur"}
 TIER = (
@@ -31,6 +31,9 @@ NO_CODE = {
 _UNIT_RANK = {"ms": 0, "s": 1, "auto": 2, "frames": 3}
 _UNITS = {"hh", "mm", "ss", "ff", "hms", "hmsf", "ms", "msec", "msecs", "milliseconds", "s", "sec", "secs", "seconds",
           "frames", "frame", "time", "times"}  # fmt: skip
+
+
+_ANY_RATE, _ROUNDING_S = 1000, 0.0015
 
 
 @dataclass(frozen=True)
@@ -67,8 +70,8 @@ def layout(names: Sequence[str]) -> EventLayout | None:
 def names_without_header(rows: Sequence[Sequence[str]]) -> list[str] | None:
     """Names for the columns of a table that has none, such as ELAN's tab-delimited text; None where they are not clear.
 
-    Two columns of times in which the second is never before the first are onset and offset, and a third one is the
-    duration. The last column of text is the code, the first one the tier.
+    Two columns of times, of which the second is never before the first, are onset and offset; a third one is their
+    difference. The last column of text is the code, the first one the tier.
     """
     width = max(map(len, rows), default=0)
     rows = [row for row in rows if len(row) == width]
@@ -76,6 +79,9 @@ def names_without_header(rows: Sequence[Sequence[str]]) -> list[str] | None:
     times = [i for i in filled if all(is_time(row[i]) for row in rows)]
     texts = [i for i in filled if i not in times]
     if len(rows) < 2 or len(times) not in (2, 3) or len(texts) not in (1, 2):
+        return None
+    onset, offset, *duration = (seconds([row[i] for row in rows], "s", _ANY_RATE, "") for i in times)
+    if (offset < onset).any() or any((abs(offset - onset - length) > _ROUNDING_S).any() for length in duration):
         return None
     names = ["-"] * width
     for i, name in zip(times, ("onset", "offset", "duration"), strict=False):
