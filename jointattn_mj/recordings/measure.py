@@ -70,9 +70,11 @@ class MeasureOptions(RecordingTestOptions):
         if self.scan is not None:
             check_delay("scan", self.scan)
         if self.by is not None and self.recording is None:
-            raise ConfigError(f"--by {self.by} compares recordings; name the column that tells them apart: --recording")
+            raise ConfigError(
+                f"`by={self.by!r}` compares recordings; name the column that tells them apart with `recording`"
+            )
         if self.by is not None and self.over == "steps":
-            raise ConfigError("--by compares recordings, so there must be values for each: leave out --over steps")
+            raise ConfigError("`by` compares recordings, so there must be values for each: leave out `over='steps'`")
         if not (self.source and self.target):
             raise ConfigError("measure needs at least one column each for `source` and `target`")
 

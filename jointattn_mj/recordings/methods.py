@@ -44,7 +44,7 @@ def method_notes(named: Sequence[tuple[str, Significance]], asked: str, surrogat
         worst = max(one.inflation for _, one in named)
         notes.append(
             f"looks are so long that by chance the measure varies {worst:.2f} times as much as permutations let it; p "
-            "is too small. Take --method shift"
+            "is too small. Take the method shift"
         )
     return notes
 

@@ -106,7 +106,7 @@ class TestCommand:
     def test_a_permutation_that_was_asked_for_is_warned_of(self, jointattn, coding):
         options = ("--source", "mother", "--target", "infant", "--surrogates", 20, "--resamples", 0)
         outcome = jointattn("measure", coding, *options, "--method", "permutation", "--over", "steps")
-        assert "Take --method shift" in outcome.out
+        assert "Take the method shift" in outcome.out
 
 
 def test_delays():
