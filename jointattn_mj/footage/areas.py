@@ -19,8 +19,9 @@ BITS = 5
 LEVEL = np.arange(64) >> 1
 CELL_OF = (LEVEL[:, None, None] << 2 * BITS | LEVEL[None, :, None] << BITS | LEVEL[None, None, :]).ravel()
 """Cell of each entry of a table of colours (``perception.objects``), which has 2^6 levels a channel."""
-ASIDE, BELOW = 1.6, (0.4, 4.5)
-"""Where clothes are, in face heights from the face's middle: to either side, and below it."""
+ASIDE, BELOW, SLEEVE, COLLAR = 1.6, (0.4, 6.0), 4.0, 2.0
+"""Where clothes are, in face heights from the face's middle: to either side, and below it; sleeves reach farther aside,
+and the collar is no farther below."""
 
 
 Part = tuple[int, np.ndarray, np.ndarray, int]
@@ -36,7 +37,8 @@ class AreaConfig(Checked):
     most_share: Annotated[float, Real("[0, 1]")] = 0.05
     """Largest area where no face is known, as a share of the image."""
     worn_faces: Annotated[float, Real("[0, 1000]")] = 1.0
-    """Largest area of one colour below a face, in squares of its height: more is worn by that person."""
+    """Largest area that begins at the collar below a face, in squares of its height: a larger one is worn, and so is
+    all of its colour on that person."""
     worn_s: Annotated[float, Real("[0.1, 1000]")] = 4.0
     """Seconds over which it is seen whether what is below a face goes with it."""
     skin: bool = True
@@ -166,7 +168,7 @@ class FootageAreas:
                 area = int(stats[part, cv2.CC_STAT_AREA])
                 if area >= self._least and not self._is_too_large(area, labels.shape):
                     found.append((part, centres[part], stats[part], area))
-            found = self._without_clothes(found, stats[1:, cv2.CC_STAT_AREA], centres[1:])
+            found = self._without_clothes(found, stats[1:], centres[1:])
         self.counts[k, min(len(found), 9)] += 1
         owners = self._owners(found, slots)
         for slot in slots:
@@ -205,12 +207,14 @@ class FootageAreas:
                 left.discard(largest)
         return owners
 
-    def _without_clothes(self, found: list[Part], areas: np.ndarray, centres: np.ndarray) -> list[Part]:
-        """The areas less those below a face, where these are together too large for a thing in front of a person."""
+    def _without_clothes(self, found: list[Part], stats: np.ndarray, centres: np.ndarray) -> list[Part]:
+        """The areas less those below a face, where one reaches from the collar down and is large: it is worn."""
         for face in self._faces:
-            below = sum(int(area) for area, centre in zip(areas, centres, strict=True) if _is_below(face, centre))
-            if below > self.config.worn_faces * float(face[3]) ** 2:
-                found = [one for one in found if not _is_below(face, one[1])]
+            collar = face[1] + (0.5 + COLLAR) * face[3]
+            large = stats[:, cv2.CC_STAT_AREA] > self.config.worn_faces * float(face[3]) ** 2
+            at_collar = np.flatnonzero(large & (stats[:, cv2.CC_STAT_TOP] < collar))
+            if any(_is_below(face, centres[part]) for part in at_collar):
+                found = [one for one in found if not _is_below(face, one[1], SLEEVE)]
         return found
 
     def _is_too_large(self, area: int, shape: tuple[int, ...]) -> bool:
@@ -249,7 +253,7 @@ class FootageAreas:
         areas.mask[slot, y0 - top : y1 - top, x0 - left : x1 - left] = own
 
 
-def _is_below(face: np.ndarray, centre: np.ndarray) -> bool:
-    """Whether a point is where the clothes of the person with that face are."""
+def _is_below(face: np.ndarray, centre: np.ndarray, aside: float = ASIDE) -> bool:
+    """Whether a point is where the clothes of the person with that face are, so many face heights aside at most."""
     off = (centre - face[:2] - face[2:] / 2) / face[3]
-    return bool(abs(off[0]) < ASIDE and BELOW[0] < off[1] < BELOW[1])
+    return bool(abs(off[0]) < aside and BELOW[0] < off[1] < BELOW[1])
