@@ -108,14 +108,18 @@ class FootageAreas:
         """Take another table of colours, (64^3,) uint8."""
         self._table = self._effective = table
 
-    def show_faces(self, boxes: np.ndarray, lost: bool) -> None:
+    def show_faces(self, boxes: np.ndarray, lost: bool, shifted: bool = False) -> None:
         """Say where faces are in the next image.
 
         Args:
             boxes: (k, 4) x, y, width and height, pixels of the robot's image, that of the face of interest first.
             lost: Whether the image follows upon a cut.
+            shifted: Whether the camera has moved since the image before, so that all goes with the face.
         """
         self._faces = boxes
+        if shifted:
+            for slot in self._slots:
+                slot.trail.clear()
         if lost:
             self._slots = [Slot() for _ in self._slots]
 
@@ -233,12 +237,9 @@ class FootageAreas:
             return False
         state.trail.append(np.concatenate([centre, above[:2] + above[2:] / 2]))
         del state.trail[: -self._kept]
-        if len(state.trail) < self._kept // 2:
+        if len(state.trail) < self._kept:
             return False
-        trail, high = np.array(state.trail), float(above[3])
-        own, face = (np.ptp(trail[:, part], axis=0).max() for part in (slice(0, 2), slice(2, 4)))
-        apart = np.ptp(trail[:, :2] - trail[:, 2:], axis=0).max()
-        return bool(face > 0.25 * high and apart < 0.6 * face and own > 0.4 * face)
+        return all(_goes_along(half, float(above[3])) for half in np.array_split(np.array(state.trail), 2))
 
     def _cut_mask(
         self, mask: np.ndarray, parts: np.ndarray, part: int, centre: np.ndarray, areas: Areas, slot: int
@@ -251,6 +252,19 @@ class FootageAreas:
         x1, y1 = min(left + 2 * reach + 1, mask.shape[1]), min(top + 2 * reach + 1, mask.shape[0])
         own = (parts[y0:y1, x0:x1] == part) & (mask[y0:y1, x0:x1] > 0)
         areas.mask[slot, y0 - top : y1 - top, x0 - left : x1 - left] = own
+
+
+def _goes_along(trail: np.ndarray, high: float) -> bool:
+    """Whether a face has moved, and something with it.
+
+    Args:
+        trail: (n, 4) locations of that something and of the face, pixels.
+        high: Height of the face, pixels.
+    """
+    own, face, apart = (
+        np.ptp(part, axis=0).max() for part in (trail[:, :2], trail[:, 2:], trail[:, :2] - trail[:, 2:])
+    )
+    return bool(face > 0.2 * high and apart < 0.6 * face and own > 0.4 * face)
 
 
 def _is_below(face: np.ndarray, centre: np.ndarray, aside: float = ASIDE) -> bool:

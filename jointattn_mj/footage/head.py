@@ -13,7 +13,7 @@ MOUTH = 1.25
 """Distance of the eyes over that of the corners of the mouth, in a frontal face."""
 MOST_DEG = 60.0
 """Yaw beyond which the hidden eye is a guess, so that no yaw is told."""
-LEAST_PX = 16.0
+LEAST_PX = 24.0
 """Height of a face below which landmarks are no more exact than the nose moves."""
 
 

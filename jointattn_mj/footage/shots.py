@@ -56,6 +56,11 @@ class Shots:
         self._usual = 2.0
         self._streak = 0
 
+    @property
+    def shifted(self) -> bool:
+        """Whether the border shows a shift since the image before, if only a small one."""
+        return self.camera_moves or bool(np.hypot(*self.shift) > self.config.camera_px / 2)
+
     def see(self, image: np.ndarray) -> bool:
         """Take one more image, (h, w, 3) uint8 BGR; returns whether it follows upon a cut."""
         coloured = cv2.resize(image, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)

@@ -180,9 +180,9 @@ class Viewing:
             self.seen = self.people.see(still.image, self.frames, cut)
             self.chosen = self.interest.choose(self.seen, cut)
             perceiver.faces.show(self.chosen, still.image, mapped)
-            areas.show_faces(self._boxes(mapped), cut)
+            areas.show_faces(self._boxes(mapped), cut, self.shots.shifted)
         else:
-            areas.show_faces(self._template_box(), cut)
+            areas.show_faces(self._template_box(), cut, self.shots.shifted)
         self._chosen_last = note_checks(
             self.spans, self.frames, self.seen, self.chosen, self.shots, cut and self.frames > 0, self._chosen_last
         )
