@@ -285,7 +285,7 @@ class People:
 
     def _judge(self, track: Track, seen: Appearance, yaw: float, frame: int) -> None:
         """Find out who a new face is."""
-        present = {other.person for other in self.tracks if other is not track}
+        present = {other.person for other in self.tracks if other is not track and other.last == frame}
         absent = [person for number, person in self.people.items() if number not in present]
         if not absent:
             self._is_new(track, seen, yaw, frame, True)
@@ -300,6 +300,7 @@ class People:
         track.evidence.clear()
         if best >= SAME and best - second > 0.03:
             track.judged = track.sure = True
+            self.tracks = [one for one in self.tracks if one is track or one.person != number]  # lost elsewhere
         else:
             self._is_new(track, seen, yaw, frame, best <= OTHER)
             if best > OTHER and track.person:

@@ -24,7 +24,7 @@ class RestConfig(Checked):
     """Share of the images in which a candidate is taken to rest."""
     memory_images: Annotated[int, Whole("[10, 100000]")] = 1800
     """Images that are remembered: a minute."""
-    fewest_images: Annotated[int, Whole("[1, 100000]")] = 30
+    fewest_images: Annotated[int, Whole("[1, 100000]")] = 60
     """Images from which rest is known; before, the configured thresholds decide."""
 
 
