@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from jointattn_mj import __version__
+from jointattn_mj.cli.argument_names import with_options
 from jointattn_mj.cli.commands import COMMANDS, overview
 from jointattn_mj.errors import (
     CheckpointError,
@@ -148,7 +149,7 @@ def _unforeseen(error: Exception) -> str:
 
 
 def _say(message: str) -> None:
-    print(f"jointattn: {' '.join(message.split())}", file=sys.stderr)
+    print(f"jointattn: {' '.join(with_options(message).split())}", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -172,7 +172,7 @@ class Footage:
     def _interval(self) -> float:
         if not self.fps:
             raise FootageError(
-                f"{self.path} says neither when its images were taken nor how many a second; say it with --fps"
+                f"{self.path} says neither when its images were taken nor how many a second; say it with `fps`"
             )
         return 1 / self.fps
 

@@ -86,10 +86,10 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
             return _summary_of_finished(out)
         viewing.restore(state)
         if state["blur_faces"] != options.blur_faces:
-            asked = "--blur-faces" if state["blur_faces"] else "--no-blur-faces"
+            asked = f"`blur_faces={state['blur_faces']}`"
             raise CheckpointError(f"the viewing in {out} was begun with {asked}; resume with that")
         if state["overlay_every"] != every:
-            asked = f"--overlay-every {state['overlay_every']}" if state["overlay_every"] else "--no-overlay"
+            asked = f"`overlay_every={state['overlay_every']}`" if state["overlay_every"] else "`overlay=False`"
             raise CheckpointError(f"the viewing in {out} was begun with {asked}; resume with that")
     log = PerceptLog(out, viewing.names, rows)
     faces = PeopleLog(out, people_rows)

@@ -113,7 +113,9 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
             "off or damaged, or its header is wrong"
         )
     if not footage.timed and viewing.config.fps is None:
-        said.append(f"no timestamps in the file: {footage.fps:g} images a second were assumed; set them by --fps")
+        said.append(
+            f"no timestamps in the file: {footage.fps:g} images a second were assumed; the option fps sets them"
+        )
     if footage.interlaced:
         said.append("the video is interlaced: every other line was filled in from those around it, in space and time")
     if footage.jumps:
@@ -126,7 +128,7 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
     if not viewing.coloured and all(one.picked is None for one in sought_objects(viewing.config.objects)):
         said.append("the video is grey: objects are found by their colour, so none can be")
     elif not viewing.visible[:-1].any():
-        said.append("no object was found; --object cup@12.5s:420,310 takes one as seen in the video, by time and pixel")
+        said.append("no object was found; objects may be picked in the video by time and pixel: cup@12.5s:420,310")
     if not viewing.visible[-1]:
         templates = "a face must look at the camera once, and be 24 pixels wide in the robot's image"
         small = "a face must be 10 pixels high at least, and be shown from the front or from the side"
@@ -153,11 +155,11 @@ def _of_people(viewing: Viewing) -> list[str]:
     people = [] if viewing.people is None else list(viewing.people.people.values())
     if len(people) > 1:
         said.append(
-            f"{len(people)} people were told apart; --face {people[1].number} makes another the face of interest"
+            f"{len(people)} people were told apart; the option face, such as 2, makes another the face of interest"
         )
     said += [f"person {one.number} is perhaps person {one.perhaps}" for one in people if one.perhaps]
     areas = viewing.watcher.perceiver.areas.counts
     for sought, counts in zip(sought_objects(viewing.config.objects), areas, strict=True):
         if counts[viewing.config.areas_each + 1 :].sum() > SEVERAL_SHARE * counts.sum():
-            said.append(f"{sought.name} has more areas than are followed; --areas-each 3 follows three of each")
+            said.append(f"{sought.name} has more areas than are followed; the option areas_each follows several")
     return said

@@ -215,11 +215,11 @@ class Viewing:
         for name in ("bytes", *STATE):
             now = self._bytes() if name == "bytes" else getattr(self, name)
             if name not in state or (now is not None and type(state[name]) is not type(now)):
-                raise CheckpointError(f"the checkpoint has no {name} of a viewing; begin anew in another --out")
+                raise CheckpointError(f"the checkpoint has no {name} of a viewing; begin anew in another folder")
         if state["bytes"] != self._bytes():
             raise CheckpointError(
                 f"{self.footage.path} had {state['bytes']} bytes when it was watched, and has {self._bytes()}; choose "
-                "another --out to watch it anew"
+                "another folder to watch it anew"
             )
         vars(self).update({name: state[name] for name in STATE})
 

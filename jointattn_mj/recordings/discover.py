@@ -13,6 +13,7 @@ from jointattn_mj.options import Real, Whole
 from jointattn_mj.recordings.measure import exchange_notes
 from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
+from jointattn_mj.recordings.steps import Recordings
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class DiscoverOptions(RecordingTestOptions):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not (self.sensors and self.actions and self.results):
-            raise ConfigError("discover needs at least one column each for --sensors, --actions and --results")
+            raise ConfigError("discover needs at least one column each for `sensors`, `actions` and `results`")
 
     @property
     def tests(self) -> int:
@@ -106,8 +107,12 @@ class DiscoverResult:
         return [value.words((one.sensor, one.action, one.result), self.labels) for value in one.values]
 
 
-def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = lambda done: None) -> DiscoverResult:
+def run_discover(
+    options: DiscoverOptions, progress: Callable[[int], object] = lambda done: None, data: Recordings | None = None
+) -> DiscoverResult:
     """Read the file, measure and test every event; ``progress`` is told of surrogates and resamples as they are drawn.
+
+    ``data`` is what the file has, where it is read already.
 
     Raises:
         SeriesError: The file or a column cannot be measured.
@@ -115,7 +120,7 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "events")
-    data = options.read(options.file, [*options.sensors, *options.actions, *options.results])
+    data = data or options.read(options.file, [*options.sensors, *options.actions, *options.results])
     findings = discover(
         data.columns,
         options.sensors,
@@ -136,7 +141,7 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
     if options.correction == "holm" and options.surrogates < needed:
         notes.append(
             f"with {options.surrogates} surrogates no single one of {options.tests} events can be significant; "
-            f"--surrogates {needed} would do"
+            f"{needed} surrogates would do"
         )
     result = DiscoverResult(options, findings, data.labels, tuple(notes))
     if paths is not None:

@@ -21,7 +21,7 @@ from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.io.results import bracket, number, result_paths, share, write_results
 from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
-from jointattn_mj.recordings.reader import Recordings
+from jointattn_mj.recordings.steps import Recordings
 
 ALONE = (TRANSFER, MUTUAL)
 CONDITIONED = (CONTINGENCY, COMBINED, TRANSFER, MUTUAL, CONDITIONAL_MUTUAL)
@@ -41,7 +41,7 @@ class MeasureOptions(RecordingTestOptions):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not (self.source and self.target):
-            raise ConfigError("measure needs at least one column each for --source and --target")
+            raise ConfigError("measure needs at least one column each for `source` and `target`")
 
     @property
     def tests(self) -> int:
@@ -115,8 +115,12 @@ class MeasureResult:
         return "\n".join([*lines, *(f"Note: {note}." for note in self.notes)])
 
 
-def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lambda done: None) -> MeasureResult:
+def run_measure(
+    options: MeasureOptions, progress: Callable[[int], object] = lambda done: None, data: Recordings | None = None
+) -> MeasureResult:
     """Read the file, measure, test; ``progress`` is told of surrogates and resamples as they are drawn.
+
+    ``data`` is what the file has, where it is read already.
 
     Raises:
         SeriesError: The file or a column cannot be measured.
@@ -124,7 +128,7 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "measures")
-    data = options.read(options.file, [*options.source, *options.target, *options.condition])
+    data = data or options.read(options.file, [*options.source, *options.target, *options.condition])
     source, target = data.joined(options.source)[0], data.joined(options.target)[0]
     condition = data.joined(options.condition)[0] if options.condition else None
     given = steps(source, target, condition, data.groups)
@@ -153,7 +157,7 @@ def exchange_notes(found: list[Significance]) -> list[str]:
         return []
     return [
         f"only {least:.0%} of the steps have another value of the source in the same context and recording to change "
-        "places with, so p says little; fewer values, longer recordings or --across-recordings help"
+        "places with, so p says little; fewer values, longer recordings, or permuting across recordings help"
     ]
 
 

@@ -16,7 +16,8 @@ class RecordingTestOptions(ReadOptions):
     """A recording of people, and how contingency in it is tested."""
 
     file: tyro.conf.Positional[Path] = field(kw_only=False)
-    """CSV file with a header, or Parquet file, with a row for every step; the row after answers the row before."""
+    """A file, or a folder of files, each a recording: coded events of ELAN, BORIS, Datavyu, Observer, INTERACT or any
+    table with onset and offset, which --step samples; or a CSV, Parquet or Excel table with a row for every step."""
     base: Annotated[float, Real("(1, 1e6]")] = 2
     """Base of the logarithm: 2 for bits."""
     surrogates: Annotated[int, Whole("[1, 1e9]")] = 1000

@@ -191,7 +191,9 @@ class Store:
             try:
                 folder.mkdir(parents=True, exist_ok=True)
             except OSError as error:
-                raise OutputError(f"cannot make the folder {folder}: {error.strerror}; choose another --out") from error
+                raise OutputError(
+                    f"cannot make the folder {folder}: {error.strerror}; choose another folder"
+                ) from error
             for path in folder.glob(".*"):
                 with suppress(OSError):  # another run has just renamed the file, or the folder is read-only
                     if time.time() - path.stat().st_mtime > ABANDONED_S:

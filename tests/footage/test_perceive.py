@@ -292,7 +292,7 @@ def test_stopped_from_outside(tmp_path):
     assert not [path for path in out.iterdir() if path.name.startswith(".")]
     assert shown_frames(out / "overlay.mp4") == frames
     options = PerceiveOptions(out, resume=True, overlay=False)
-    with pytest.raises(CheckpointError, match="--overlay-every 1"):
+    with pytest.raises(CheckpointError, match="`overlay_every=1`"):
         run_perceive(PerceiveConfig(video, scale=1, som=SOMConfig(updates=10), detector=DETECTOR), options)
 
 
