@@ -50,8 +50,7 @@ def _model() -> np.ndarray:
     content = model_file().read_bytes()
     if hashlib.sha256(content).hexdigest() != SHA256:
         raise ExtraError(
-            f"{model_file()} is not the network that was tested (sha256 {SHA256[:12]}...): "
-            f"pip install --force-reinstall 'jointattn-mj[footage]'"
+            f"{model_file()} is not the network that was tested (sha256 {SHA256[:12]}...): install {PACKAGE} 2 anew"
         )
     return np.frombuffer(content, np.uint8)
 
