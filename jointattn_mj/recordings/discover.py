@@ -11,6 +11,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.results import bracket, number, result_paths, share, write_results
 from jointattn_mj.options import Real, Whole
 from jointattn_mj.recordings.measure import exchange_notes
+from jointattn_mj.recordings.methods import method_notes
 from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
 from jointattn_mj.recordings.steps import Recordings
@@ -73,6 +74,8 @@ class DiscoverResult:
                 "p_adjusted": one.p_adjusted,
                 "significant": one.p_adjusted <= self.options.alpha,
                 "transitions": one.significance.transitions,
+                "method": one.significance.method,
+                "inflation": one.significance.inflation,
                 "values": "; ".join(self._values(one)),
             }
             for rank, one in enumerate(self.findings, 1)
@@ -134,9 +137,15 @@ def run_discover(
         seed=options.seed,
         explain=options.explain,
         groups=data.groups,
+        timing=options.timing(data.step),
         progress=patient(progress, options.draws, options.yes),
     )
-    notes = [*data.notes(), *exchange_notes([one.significance for one in findings])]
+    tested = [(one.event, one.significance) for one in findings]
+    notes = [
+        *data.notes(),
+        *exchange_notes([one for _, one in tested]),
+        *method_notes(tested, options.method, options.surrogates),
+    ]
     needed = least_surrogates(options.tests, options.alpha)
     if options.correction == "holm" and options.surrogates < needed:
         notes.append(
