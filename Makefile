@@ -17,9 +17,12 @@ demo: setup
 from-images:
 	$(BIN)/jointattn session --minutes 3 --seed 0 --video --video-every 2 --out $(OUT)
 	$(BIN)/jointattn session --minutes 0.5 --seed 1 --start-from assets/trained/robin.npz --video --video-every 2 --out $(OUT)/trained
+	$(BIN)/jointattn session --minutes 0.5 --seed 1 --start-from assets/trained/robin_cross_situational.npz \
+	  --preset cross_situational --video --video-every 2 --out $(OUT)/trained_cross_situational
 	@echo
 	@echo "Three minutes of a robot that begins to learn:  $(OUT)/video.mp4"
 	@echo "The same robot after 26 minutes of learning:    $(OUT)/trained/video.mp4"
+	@echo "Beside it, one that learns what is contingent:  $(OUT)/trained_cross_situational/video.mp4"
 	@echo "Success over time, faces it knows, numbers:     $(OUT)/success.png  $(OUT)/som.png  $(OUT)/summary.json"
 
 # Where nothing can be rendered.
@@ -42,10 +45,12 @@ docs: ready-to-test
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	@echo "Documentation: out/site/index.html"
 
-# What `make demo` continues from: a robot after one session of chapter 6.
+# What `make demo` continues from: two robots after one session of chapter 6.
 trained: setup
 	$(BIN)/jointattn session --minutes 26 --seed 0 --out out/trained
+	$(BIN)/jointattn session --minutes 26 --seed 0 --preset cross_situational --out out/trained_cross_situational
 	mkdir -p assets/trained && cp out/trained/weights.npz assets/trained/robin.npz
+	cp out/trained_cross_situational/weights.npz assets/trained/robin_cross_situational.npz
 
 setup:
 	@$(SETUP) demo

@@ -19,7 +19,7 @@ from jointattn_mj.scene import gl as _gl
 from jointattn_mj.scene import llvm as _llvm
 
 if TYPE_CHECKING:
-    from jointattn_mj import contingency
+    from jointattn_mj import contingency, recordings
     from jointattn_mj.api.experiment import run_claim
     from jointattn_mj.api.perceive import perceive
     from jointattn_mj.api.session import Session
@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from jointattn_mj.gaze_following.result import SessionResult
     from jointattn_mj.gaze_following.summary import SessionSummary
     from jointattn_mj.io.table import Table
-    from jointattn_mj.recordings.reader import Recordings, read_recordings
+    from jointattn_mj.recordings.reader import read_recordings
+    from jointattn_mj.recordings.steps import Recordings
     from jointattn_mj.sweeps.result import ClaimResult
     from jointattn_mj.tasks import ALL_TASKS, BENCHMARKING, EASY, HARD, TASKS_BY_DOMAIN, load
 
@@ -61,6 +62,7 @@ __all__ = [
     "load",
     "perceive",
     "read_recordings",
+    "recordings",
     "run_claim",
 ]
 
@@ -80,7 +82,7 @@ _HOMES = {
     "PerceivedFrame": "footage.frames",
     "PerceptionResult": "footage.result",
     "read_recordings": "recordings.reader",
-    "Recordings": "recordings.reader",
+    "Recordings": "recordings.steps",
     "run_claim": "api.experiment",
     "ClaimResult": "sweeps.result",
     "Table": "io.table",
@@ -90,8 +92,8 @@ _HOMES = {
 
 def __getattr__(name: str) -> Any:
     """A public name, whose module is imported now (PEP 562)."""
-    if name == "contingency":
-        return import_module("jointattn_mj.contingency")
+    if name in ("contingency", "recordings"):
+        return import_module(f"jointattn_mj.{name}")
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = globals()[name] = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)

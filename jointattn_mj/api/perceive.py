@@ -3,14 +3,18 @@
 from collections.abc import Callable, Iterator
 from dataclasses import fields
 from os import PathLike
-from typing import TypedDict, Unpack, overload
+from typing import Literal, TypedDict, Unpack, overload
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.footage.areas import AreaConfig
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.frame_map import Fit
 from jointattn_mj.footage.frames import PerceivedFrame
+from jointattn_mj.footage.people import PeopleConfig
+from jointattn_mj.footage.rest import RestConfig
 from jointattn_mj.footage.result import PerceptionResult
 from jointattn_mj.footage.run import percepts, run_perceive
+from jointattn_mj.footage.shots import ShotConfig
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.options import check_called, check_names, path_of
@@ -22,6 +26,9 @@ class PerceiveFields(TypedDict, total=False):
     """Options of ``perceive`` that decide what is perceived; :class:`PerceiveConfig` has their defaults."""
 
     objects: tuple[str, ...]
+    areas_each: int
+    detector: Literal["yunet", "templates"]
+    face: str
     max_minutes: float | None
     fps: float | None
     fit: Fit
@@ -32,6 +39,10 @@ class PerceiveFields(TypedDict, total=False):
     attention: AttentionConfig
     pixels: PixelConfig
     som: SOMConfig
+    people: PeopleConfig
+    shots: ShotConfig
+    areas: AreaConfig
+    rest: RestConfig
 
 
 @overload
@@ -45,6 +56,7 @@ def perceive(
     *,
     resume: bool = False,
     overlay: bool = True,
+    blur_faces: bool = False,
     overlay_every: int = 1,
     checkpoint_minutes: float = 2.0,
     progress: Callable[[Viewing], object] = lambda viewing: None,
@@ -56,6 +68,7 @@ def perceive(
     *,
     resume: bool = False,
     overlay: bool = True,
+    blur_faces: bool = False,
     overlay_every: int = 1,
     checkpoint_minutes: float = 2.0,
     progress: Callable[[Viewing], object] = lambda viewing: None,
@@ -67,16 +80,18 @@ def perceive(
     its end at once, and the results go to that folder.
 
     Args:
-        video: Video file, from a camera that stands still.
-        out: Folder for the results: percepts, fixations, faces, figures, and a video with everything drawn on it.
+        video: Video file.
+        out: Folder for the results: percepts, people, fixations, events, figures, and a video with all of it drawn on.
         resume: Continue from the checkpoint in ``out``.
         overlay: Write that video (slow).
+        blur_faces: Make faces unrecognisable in that video and in figures.
         overlay_every: Write one image of it for so many frames.
         checkpoint_minutes: Minutes of the video between checkpoints in ``out``.
         progress: Is called after every second of video, with ``out``.
-        **options: Fields of ``PerceiveConfig``: ``objects`` (colours to look for, such as
-            ``("red", "cup=#c03a2b")``), ``max_minutes``, ``fps``, ``fit``, ``scale``, ``face_follow``,
-            ``shift_frames``, ``seed``, ``attention``, ``pixels``, ``som``.
+        **options: Fields of ``PerceiveConfig``: ``objects`` (what to look for, such as
+            ``("blue", "cup=#2b3ac0", "ball@12.5s:420,310")``), ``areas_each``, ``detector``, ``face``, ``max_minutes``,
+            ``fps``, ``fit``, ``scale``, ``face_follow``, ``shift_frames``, ``seed``, ``attention``, ``pixels``,
+            ``som``, ``people``, ``shots``, ``areas``, ``rest``.
 
     Returns:
         Without ``out`` an iterator over :class:`PerceivedFrame`, a thirtieth of a second each: face, objects, optical
@@ -84,6 +99,7 @@ def perceive(
 
     Raises:
         FootageError: The file is no video, or has no image.
+        ExtraError: The extra ``footage``, which has the network that finds faces, is not installed.
         ConfigError: Options that are not allowed.
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
@@ -94,7 +110,7 @@ def perceive(
         >>> frames = perceive("out/clip.mp4")
         >>> next(frames).time_s
         0.0
-        >>> {frame.fixation for frame in frames} <= {None, "face", "red", "yellow", "blue", "green"}
+        >>> {frame.fixation for frame in frames} <= {None, "face", "yellow", "blue", "green"}
         True
     """
     check_called("progress", progress)
@@ -102,7 +118,7 @@ def perceive(
     check_names("perceive", options, known)
     config = PerceiveConfig(video, **options)  # type: ignore[arg-type]  # made a Path there
     if out is not None:
-        where = PerceiveOptions(path_of(out, "out"), resume, overlay, overlay_every, checkpoint_minutes)
+        where = PerceiveOptions(path_of(out, "out"), resume, overlay, blur_faces, overlay_every, checkpoint_minutes)
         run_perceive(config, where, progress)
         return PerceptionResult.open(where.out)
     if resume:

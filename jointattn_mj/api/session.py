@@ -151,11 +151,11 @@ def _rerun_log(path: Path | None, resume: bool) -> tuple[Watcher, ...]:
     from jointattn_mj.adapters.rerun import SessionLog
 
     if path.exists() and not resume:
-        raise OutputError(f"{path} is already there; choose another --rerun")
+        raise OutputError(f"{path} is already there; choose another file")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"cannot make the folder {path.parent}: {error.strerror}; choose another --rerun") from error
+        raise OutputError(f"cannot make the folder {path.parent}: {error.strerror}; choose another folder") from error
     return (lambda session: SessionLog(free_name(path), session),)
 
 

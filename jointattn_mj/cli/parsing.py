@@ -2,7 +2,8 @@
 
 A command is the function ``NAME`` of ``jointattn_mj.cli.NAME``. A module with sub-commands of its own has
 ``command_for(arguments, file)`` besides, which gives one of them and the words that follow it; ``file`` is that of
---config.
+--config. A module whose options have defaults that follow from another one, such as --preset, has
+``defaults_for(words, config)``, which gives the config that the options start from; ``config`` is that of the file.
 """
 
 import inspect
@@ -57,7 +58,10 @@ def parsed(name: str, arguments: Sequence[str]) -> Callable[[], None]:
         prog += " WORLD" if command.__name__ == name else f" {command.__name__}"
     else:
         command = getattr(module, name)
-        command = command if file is None else with_defaults(command, **{CONFIG: _read(command, file, name)})
+        start = None if file is None else _read(command, file, name)
+        if hasattr(module, "defaults_for"):
+            start = module.defaults_for(words, start)
+        command = command if start is None else with_defaults(command, **{CONFIG: start})
     with GIVEN:
         if any(word in HELP for word in words):
             print(help_text(command, prog, words))

@@ -12,19 +12,21 @@ from jointattn_mj.io.progress import Progress
 from jointattn_mj.options import FLAT
 
 LESS = "a shorter video"
+SHOWN = 6
+"""Entries of the list of what to check that are printed."""
 
 
 def perceive(config: Annotated[PerceiveConfig, FLAT], options: Annotated[PerceiveOptions, FLAT]) -> None:
     """Show what the robot perceives in a video of a person at a table, and where it would look (section 6.3.2).
 
-    The camera stands still: a fixation is attention to a location in the image, and no head turns.
+    A fixation is attention to a location in the image; no head turns. Faces need the extra footage (pip install
+    'jointattn-mj[footage]').
     Leaves in --out: config.yaml, summary.json (with the mapping from the video to the robot's image), percepts.parquet
-    (a row a frame), fixations.parquet, fixations.png, som.png, faces.parquet, overlay.mp4, checkpoint.bin.
+    (a row a frame), people.parquet (a row a face), events.csv, checks.csv, fixations.parquet, fixations.png, som.png,
+    faces.parquet, overlay.mp4, checkpoint.bin.
     """
     one_thread()
-    shown = Progress(
-        "reading again up to the checkpoint" if options.resume else "looking for a face", unit="s of video"
-    )
+    shown = Progress("reading again up to the checkpoint" if options.resume else "opening the video", unit="s of video")
 
     def progress(viewing: Viewing) -> None:
         found = viewing.visible / viewing.frames
@@ -48,6 +50,10 @@ def perceive(config: Annotated[PerceiveConfig, FLAT], options: Annotated[Perceiv
     print(f"{summary['watched_seconds']:.1f} s watched. Found: {found}. {summary['fixations']} fixations.")
     for note in summary["notes"]:
         print(f"Note: {note}.")
+    if summary["checks"]:
+        shown_first = [f"{one['from_s']:.1f} to {one['to_s']:.1f} {one['what']}" for one in summary["check"][:SHOWN]]
+        more = f", and {summary['checks'] - SHOWN} more in checks.csv" if summary["checks"] > SHOWN else ""
+        print(f"Check these seconds: {'; '.join(shown_first)}{more}.")
     print(f"In {summary['wall_seconds']:.1f} s. Results: {options.out}")
 
 

@@ -15,7 +15,7 @@ from jointattn_mj.io.results import result_paths, write_results
 from jointattn_mj.options import FLAT, Checked, Choice, Real, Seed, Whole
 from jointattn_mj.sweeps.statistics import mean_interval
 from jointattn_mj.tasks import TASKS_BY_DOMAIN, load
-from jointattn_mj.tasks.agents import AGENTS
+from jointattn_mj.tasks.agents import AGENTS, TrainedGazeFollower
 from jointattn_mj.tasks.environment import Environment
 from jointattn_mj.viewing.play import Episode, mean_return, play_episodes
 
@@ -43,11 +43,16 @@ class PlayOptions(Checked):
     """Folder for the results; made when missing."""
     video: bool = False
     """Also leave a video of the first episode there."""
+    preset: Literal["thesis", "cross_situational"] = "thesis"
+    """Robot that agent gaze_follower is: chapter 6 as it is written, or the one that learns which of the objects in
+    view goes with a face. Either has had its 26 minutes of learning."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.video and self.out is None:
             raise ConfigError("--video needs a folder to leave the video in; name one with --out")
+        if self.preset != "thesis" and self.agent != "gaze_follower":
+            raise ConfigError(f"--preset {self.preset} is a robot of --agent gaze_follower; got --agent {self.agent}")
 
 
 def play(options: Annotated[PlayOptions, FLAT]) -> None:
@@ -58,7 +63,7 @@ def play(options: Annotated[PlayOptions, FLAT]) -> None:
     """
     one_thread()
     environment = environment_for(options)
-    agent = AGENTS[options.agent](environment, options.seed)
+    agent = agent_for(options, environment)
     with nullcontext() if options.out is None else held(options.out):
         paths = None if options.out is None else result_paths(options.out / "episodes", "episodes")
         film = free_name(options.out / "video.mp4") if options.video and options.out is not None else None
@@ -77,6 +82,13 @@ def environment_for(options: PlayOptions) -> Environment:
     if options.time_limit is not None:
         observes["time_limit"] = options.time_limit
     return load(DOMAIN, options.task, task_kwargs={"random": options.seed, **observes})
+
+
+def agent_for(options: PlayOptions, environment: Environment) -> Any:
+    """Who acts in the task."""
+    if options.agent == "gaze_follower":
+        return TrainedGazeFollower(environment, options.seed, options.preset)
+    return AGENTS[options.agent](environment, options.seed)
 
 
 def table(options: PlayOptions, episodes: list[Episode]) -> str:

@@ -1,22 +1,40 @@
 """``jointattn session``: a session of gaze following, and how it goes."""
 
 from collections import deque
-from typing import Annotated
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
 
 from jointattn_mj.api.session import LoggedSessionOptions, run_logged
 from jointattn_mj.cli.running import going_on_from, one_thread
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.gaze_following.presets import PRESETS
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.summary import LATE_MINUTES
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io.progress import Progress, count
-from jointattn_mj.options import FLAT
+from jointattn_mj.options import FLAT, Checked
 
 LESS = "fewer minutes"
 RECENT = 20
 """Gaze shifts over which the success rate beside the bar is taken."""
 
 
-def session(config: Annotated[VariedSessionConfig, FLAT], options: Annotated[LoggedSessionOptions, FLAT]) -> None:
+@dataclass(frozen=True)
+class PresetOptions(Checked):
+    """Which robot it is."""
+
+    preset: Literal["thesis", "cross_situational"] = "thesis"
+    """Robot that gives --robot.* their defaults; each option can still be set by itself. thesis: chapter 6 as it is
+    written. cross_situational: learns which of the objects in view goes with a face, waits until the face is still, and
+    reads it again on the way; it holds no wrong map, with and without motion cues."""
+
+
+def session(
+    config: Annotated[VariedSessionConfig, FLAT],
+    options: Annotated[LoggedSessionOptions, FLAT],
+    preset: Annotated[PresetOptions, FLAT] = PresetOptions(),  # see defaults_for
+) -> None:
     """Simulate a robot that learns to look where a caregiver looks (chapter 6).
 
     Leaves in --out: config.yaml, summary.json, gaze_shifts.parquet (a row a gaze shift), frames.parquet (a row a
@@ -44,3 +62,25 @@ def session(config: Annotated[VariedSessionConfig, FLAT], options: Annotated[Log
         f"the caregiver looked ({'-' if late is None else format(late, '.0%')}{last}), "
         f"in {summary.wall_seconds:.0f} s. Results: {options.out}"
     )
+
+
+def defaults_for(words: Sequence[str], config: VariedSessionConfig | None) -> VariedSessionConfig:
+    """The config that the options start from.
+
+    Args:
+        words: What follows ``jointattn session``.
+        config: That of the file of --config; None without one.
+
+    Raises:
+        ConfigError: Both a file and a preset are given.
+    """
+    following = [*words[1:], ""]
+    named = [after if word == "--preset" else word.removeprefix("--preset=")
+             for word, after in zip(words, following, strict=True) if word.partition("=")[0] == "--preset"]  # fmt: skip
+    if named and config is not None:
+        raise ConfigError(
+            f"--preset {named[-1]} chooses other defaults than the file of --config, which holds them all; give one of "
+            "the two"
+        )
+    start = config or VariedSessionConfig()
+    return replace(start, robot=PRESETS[named[-1]]) if named and named[-1] in PRESETS else start

@@ -6,6 +6,7 @@ from typing import Any
 
 from jointattn_mj.contingency.discovery import Finding, discover
 from jointattn_mj.contingency.granger import linear_granger
+from jointattn_mj.contingency.lagged import Timing
 from jointattn_mj.contingency.local import LocalContingency, local_contingency
 from jointattn_mj.contingency.measures import (
     combined_transfer_entropy,
@@ -20,6 +21,7 @@ from jointattn_mj.contingency.measures import (
     state_action_contingency,
     transfer_entropy,
 )
+from jointattn_mj.contingency.scan import LagScan, scan_lags
 from jointattn_mj.contingency.series import joint, recode
 from jointattn_mj.contingency.significance import (
     Significance,
@@ -33,11 +35,13 @@ from jointattn_mj.contingency.situations import PosteriorOptions, Situations, si
 
 __all__ = [
     "Finding",
+    "LagScan",
     "LocalContingency",
     "PosteriorOptions",
     "Significance",
     "Situations",
     "TestOptions",
+    "Timing",
     "adjust",
     "assess",
     "benjamini_hochberg",
@@ -56,6 +60,7 @@ __all__ = [
     "pointwise_state_action_contingency",
     "pointwise_transfer_entropy",
     "recode",
+    "scan_lags",
     "situation_contingency",
     "state_action_contingency",
     "transfer_entropy",

@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 
 from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.lagged import Timing, timed
 from jointattn_mj.contingency.local import LocalContingency, carriers, local_of_steps
 from jointattn_mj.contingency.names import OF_EVENTS, full_name
 from jointattn_mj.contingency.series import Series, check_base
@@ -58,12 +59,14 @@ def discover(
     seed: int | np.random.SeedSequence = 0,
     explain: int = 3,
     groups: Sequence[int] | None = None,
+    timing: Timing | None = None,
     progress: Callable[[int], object] = lambda done: None,
 ) -> tuple[Finding, ...]:
     """Test every event (sensor, action) -> result, and rank them by their effective value (section 5.2.1).
 
-    p-values come from permutations of the sensor within (r, a). Each event has a random stream of its own: its p does
-    not depend on the others.
+    p-values come from permutations of the sensor within (r, a), or from shifts of it where it and the result stay the
+    same for long (see ``significance.Method``). Each event has a random stream of its own: its p does not depend on the
+    others.
 
     Args:
         data: A series for every name: (T,) integer codes, or a list of such arrays, one a recording.
@@ -78,6 +81,8 @@ def discover(
         seed: Seed of surrogates and resamples.
         explain: So many of the first events, if significant, also tell which values carry them.
         groups: Numbers of the recordings (see ``assess``).
+        timing: Delay from sensor and action to result, and histories; None: one step. Values are told only where
+            histories are of one step.
         progress: Called with the number of surrogates or resamples drawn since the last call.
 
     Returns:
@@ -99,15 +104,18 @@ def discover(
     chosen = MEASURES[full_name(measure, OF_EVENTS)]
     _check(data, sensors, actions, results, alpha)
     given, unit, tested = options or TestOptions(), check_base(base), []
+    timing = timing or Timing()
+    explain = explain if timing.source_history == timing.target_history == 1 else 0
     events = list(product(sensors, actions, results))
     for event, stream in zip(events, _seeds(seed).spawn(len(events)), strict=True):
-        tested.append(_tested(data, event, groups, chosen, given, unit, generator(stream), progress))
+        tested.append(_tested(data, event, groups, timing, chosen, given, unit, generator(stream), progress))
     adjusted = adjust([one.significance.p for one in tested], how)
     tested = [replace(one, p_adjusted=float(p)) for one, p in zip(tested, adjusted, strict=True)]
     ranked = sorted(tested, key=lambda one: -one.significance.corrected)
     for i, one in enumerate(ranked[:explain]):
         if one.p_adjusted <= alpha:
-            entries = local_of_steps(acted(data[one.sensor], data[one.action], data[one.result]), chosen, unit)
+            explained = timed(acted(data[one.sensor], data[one.action], data[one.result]), timing)
+            entries = local_of_steps(explained, chosen, unit)
             ranked[i] = replace(one, values=carriers(entries, alpha))
     return tuple(ranked)
 
@@ -121,6 +129,7 @@ def _tested(
     data: Mapping[str, Series],
     event: tuple[str, str, str],
     groups: Sequence[int] | None,
+    timing: Timing,
     measure: Measure,
     options: TestOptions,
     unit: float,
@@ -129,7 +138,7 @@ def _tested(
 ) -> Finding:
     sensor, action, result = event
     try:
-        given = acted(data[sensor], data[action], data[result], groups)
+        given = timed(acted(data[sensor], data[action], data[result], groups), timing)
         significance = assess_steps(given, measure, options, unit, rng, progress)
     except SeriesError as error:
         raise SeriesError(f"({sensor}, {action}) -> {result}: {error}") from error

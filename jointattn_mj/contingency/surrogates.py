@@ -11,7 +11,7 @@ import numpy as np
 
 from jointattn_mj.contingency.information import Measure
 from jointattn_mj.contingency.permutation import plain, tables, within
-from jointattn_mj.contingency.series import combined
+from jointattn_mj.contingency.series import combined, distinct
 from jointattn_mj.contingency.table import AXES, Steps
 from jointattn_mj.errors import SeriesError
 
@@ -94,14 +94,13 @@ def plan(steps: Steps, measure: Measure, permute: Permute = "context", across_re
         chosen = [AXES.index(axis) for axis in axes]
         if not chosen:
             return np.zeros(len(which), np.int64)
-        joined = combined([columns[i] for i in chosen], [sizes[i] for i in chosen])[0]
-        return np.unique(joined, return_inverse=True)[1]
+        return distinct(*combined([columns[i] for i in chosen], [sizes[i] for i in chosen])).which
 
     fine, coarse = keys(measure.given), keys(measure.less or "")
     strata = fine if permute == "plain" else combined([fine, which], [fine.max() + 1, which.max() + 1])[0]
-    order = np.argsort(strata, kind="stable")
-    values = [np.unique(columns[i][order], return_inverse=True) for i in (2, 3)]
-    (sources, source), (afters, after) = values
+    order = _stable_order(strata)
+    values = [distinct(columns[i][order], sizes[i]) for i in (2, 3)]
+    (sources, source), (afters, after) = ((one.keys, one.which) for one in values)
     if len(sources) * len(afters) > MOST_CELLS:
         raise SeriesError(
             f"a source of {len(sources)} and a target of {len(afters)} values have too many combinations for "
@@ -110,13 +109,19 @@ def plan(steps: Steps, measure: Measure, permute: Permute = "context", across_re
     bounds = _edges(strata[order])
     contexts = np.stack([fine, coarse])[:, order[bounds[:-1]]].T.copy()
     fixed = _fixed(fine[order], after) - (0.0 if measure.less is None else _fixed(coarse[order], after))
-    groups = np.argsort(which[order], kind="stable")
+    groups = _stable_order(which[order])
     stratum = np.repeat(np.arange(len(bounds) - 1), np.diff(bounds))
     margins = (*_margin(stratum, source, len(sources)), *_margin(stratum, after, len(afters)))
     return Surrogates(
         source, after, (len(sources), len(afters)), bounds, contexts, fixed, measure.less is not None, margins,
         groups, _edges(which[order][groups]), permute,
     )  # fmt: skip
+
+
+def _stable_order(numbers: np.ndarray) -> np.ndarray:
+    """As ``numpy.argsort``, stable; few different numbers are sorted by radix, which takes a fifth of the time."""
+    small = numbers.astype(np.uint16) if numbers.max() < 2**16 else numbers
+    return np.argsort(small, kind="stable")
 
 
 def _edges(ordered: np.ndarray) -> np.ndarray:
@@ -126,7 +131,8 @@ def _edges(ordered: np.ndarray) -> np.ndarray:
 
 def _fixed(context: np.ndarray, after: np.ndarray) -> float:
     """Sum of c ln c over the contexts, less that over (context, n)."""
-    inner = np.unique(context * (after.max() + 1) + after, return_counts=True)[1]
+    afters = int(after.max()) + 1
+    inner = distinct(context * afters + after, (int(context.max()) + 1) * afters).counts
     outer = np.bincount(context)
     outer = outer[outer > 0]
     return float(outer @ np.log(outer) - inner @ np.log(inner))
@@ -134,6 +140,7 @@ def _fixed(context: np.ndarray, after: np.ndarray) -> float:
 
 def _margin(stratum: np.ndarray, value: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Values and counts in each stratum, and where each stratum's begin."""
-    keys, counts = np.unique(stratum * size + value, return_counts=True)
+    found = distinct(stratum * size + value, (int(stratum[-1]) + 1) * size)
+    keys, counts = found.keys, found.counts
     bounds = np.searchsorted(keys, np.arange(stratum[-1] + 2) * size)
     return keys % size, counts, bounds

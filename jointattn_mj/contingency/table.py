@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from jointattn_mj.contingency.series import Coded, Series, aligned, combined
+from jointattn_mj.contingency.series import Coded, Series, aligned, combined, distinct
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.io.compiled import njit
 
@@ -77,12 +77,14 @@ class Steps:
     condition: Coded | None = None
     groups: np.ndarray | None = None
     """int64 (k,): recordings with the same number are pieces of one; they follow each other. None: each is its own."""
+    history: Coded | None = None
+    """What stands on axis r: several past values of the target as one. None: its last value."""
 
     @property
     def sizes(self) -> tuple[int, int, int, int]:
         """Bounds of the codes of r, a, s, n."""
-        target = self.target.size
-        return target, self.condition.size if self.condition else 1, self.source.size, target
+        before = self.history or self.target
+        return before.size, self.condition.size if self.condition else 1, self.source.size, self.target.size
 
     @property
     def transitions(self) -> int:
@@ -94,9 +96,9 @@ class Steps:
         first = np.ones(len(self.target.codes), bool)
         first[self.target.bounds[1:] - 1] = False
         nexts = np.flatnonzero(first) + 1
-        target = self.target.codes
+        before = self.history or self.target
         action = self.condition.codes[first] if self.condition else np.zeros(len(nexts), np.int64)
-        return [target[first], action, self.source.codes[first], target[nexts]]
+        return [before.codes[first], action, self.source.codes[first], self.target.codes[nexts]]
 
     def spans(self, whole: bool) -> np.ndarray:
         """Where the transitions of each piece of a recording begin, or of each ``whole`` recording, and the end."""
@@ -117,6 +119,9 @@ class Steps:
         if total > max(DENSE, 2 * self.transitions):
             return None
         target, source = self.target, self.source
+        if self.history is not None:
+            keys = combined(self.columns(), self.sizes)[0]
+            return np.bincount(keys, minlength=int(total)).reshape(self.sizes)
         table = np.zeros(int(total), np.int32 if len(target.codes) < 2**31 else np.int64)
         if self.condition is None:
             _count(table, target.codes, source.codes, target.bounds, target.size, source.size)
@@ -141,10 +146,9 @@ class Steps:
     def entries_by_step(self) -> tuple[Entries, np.ndarray]:
         """The entries, and for each transition the number of its entry (n,)."""
         columns = self.columns()
-        keys = combined(columns, self.sizes)[0]
-        _, first, which, counts = np.unique(keys, return_index=True, return_inverse=True, return_counts=True)
-        entries = Entries(np.array([column[first] for column in columns]), counts.astype(float), self.sizes)
-        return entries, which
+        found = distinct(*combined(columns, self.sizes))
+        counts = found.counts.astype(float)
+        return Entries(np.array([column[found.first] for column in columns]), counts, self.sizes), found.which
 
 
 def steps(
@@ -184,8 +188,8 @@ def acted(source: Series, condition: Series, target: Series, groups: Sequence[in
 
 
 def _sorted(columns: list[np.ndarray], sizes: tuple[int, int, int, int]) -> Entries:
-    _, first, counts = np.unique(combined(columns, sizes)[0], return_index=True, return_counts=True)
-    return Entries(np.array([column[first] for column in columns]), counts.astype(float), sizes)
+    found = distinct(*combined(columns, sizes))
+    return Entries(np.array([column[found.first] for column in columns]), found.counts.astype(float), sizes)
 
 
 def dense_information(table: np.ndarray, given: str) -> float:

@@ -180,7 +180,7 @@ def run_development(
     if not options.resume:
         check_space(config, options.out)
     if options.video and not config.films:
-        raise ConfigError("only what is rendered can be filmed; choose world rendered with images, or no --video")
+        raise ConfigError("only what is rendered can be filmed; choose world rendered with images, or no video")
     with claimed(options.out, options.resume):
         return _run(config, options, progress)
 
@@ -262,8 +262,8 @@ def check_space(config: DevelopmentConfig, out: Path) -> None:
     log = 16 * config.steps  # first as rows, then as Parquet as well
     modules = min(LIKELY_MODULES, config.agent.most_modules)
     samples = 2 * 8 * 3 * (2 + modules) ** 2 * (config.steps // config.sample_every)
-    what = f"--steps {config.steps}"
-    check_free(out, log + samples, what, f"fewer --steps{', or a larger --sample-every' if samples > log else ''}")
+    what = f"{config.steps:,} steps"
+    check_free(out, log + samples, what, f"fewer steps{', or a larger `sample_every`' if samples > log else ''}")
 
 
 def _with_meanings(run: DevelopmentRun, found: Sequence[Found]) -> list[tuple[Found, Meaning | None]]:

@@ -2,17 +2,23 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
-from jointattn_mj.footage.colours import object_colours
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.footage.areas import AreaConfig
+from jointattn_mj.footage.colours import candidate_names, object_colours
 from jointattn_mj.footage.frame_map import Fit
+from jointattn_mj.footage.interest import FaceRule
+from jointattn_mj.footage.people import PeopleConfig
+from jointattn_mj.footage.rest import RestConfig
+from jointattn_mj.footage.shots import ShotConfig
 from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.gaze_following.gate import GazeConfig
 from jointattn_mj.options import Checked, Real, Seed, Whole
 from jointattn_mj.perception.motion import MotionConfig
-from jointattn_mj.perception.objects import colour_table
+from jointattn_mj.perception.objects import MOST_COLOURS, ColourConfig, colour_table
 from jointattn_mj.perception.pixels import PixelConfig
 from jointattn_mj.perception.som import SOMConfig
 
@@ -22,17 +28,29 @@ FOR_CAMERAS = MotionConfig(frames_back=3, face_px=0.08)
 With noise of 6 grey values, the still faces of two rendered people seemed to move in 14 and 4 % of the images (41 and
 13 % with the defaults for renderings). Their turning faces moved in 92 and 89 % (97 and 93)."""
 
+LARGE = ColourConfig(reach_px=32)
+"""Objects in footage may be nearer, and so larger, than those on the robot's table."""
+
 
 @dataclass(frozen=True)
 class PerceiveConfig(Checked):
     """Everything that decides what is perceived and attended to."""
 
     video: tyro.conf.Positional[Path]
-    """Video of a person at a table, from a camera that stands still, in any format that OpenCV's ffmpeg reads."""
-    objects: tuple[str, ...] = ("red", "yellow", "blue", "green")
-    """Objects to look for, by colour: red, yellow, blue, green, magenta, cyan, orange, violet, lime, azure, or a name
-    of your own with a colour picked from the image, cup=#c03a2b. Colours must be saturated, and their hues 8 degrees
-    apart or more. --pixels.colours says how near a colour must be."""
+    """Video of people at a table, in any format that OpenCV's ffmpeg reads."""
+    objects: Annotated[tuple[str, ...], tyro.conf.arg(aliases=("--object",))] = ("yellow", "blue", "green")
+    """Objects to look for. By colour: yellow, blue, green, magenta, cyan, violet, lime, azure, red, orange, or a name
+    of your own with a colour, cup=#2b3ac0; colours must be saturated, and their hues 8 degrees apart or more. As picked
+    in the video, by time and pixel, cup@12.5s:420,310: the object is known by all of its colours, whatever they are.
+    Skin is red and orange, so these two are not looked for unless asked."""
+    areas_each: Annotated[int, Whole("[1, 9]")] = 1
+    """Areas that are followed of each object, where there are several of one colour: cup, cup_2, ..."""
+    detector: Literal["yunet", "templates"] = "yunet"
+    """What finds faces: YuNet, for people, needs the extra footage; templates are the robot's own of chapter 6, for one
+    rendered face at most, and tell no people apart."""
+    face: str = "largest"
+    """Face of interest where there are several: the largest, a person by number as in people.parquet, or whatever face
+    is in a region, x0,y0,x1,y1 in pixels of the video."""
     max_minutes: Annotated[float, Real("(0, 1e6]")] | None = None
     """Minutes of the video to watch; all of it if not given."""
     fps: Annotated[float, Real("[0.01, 1000]")] | None = None
@@ -41,8 +59,8 @@ class PerceiveConfig(Checked):
     """How the video is fitted into the robot's image of 320x240: all of it with black bars, or its middle, which fills
     the image."""
     scale: Annotated[float, Real("[0.001, 10]")] | None = None
-    """Pixels of the robot's image for one of the video. If not given, the video fits the image, and is smaller where
-    the face would exceed the robot's templates."""
+    """Pixels of the robot's image for one of the video. If not given, the video fits the image; with the detector
+    templates it is smaller where the face would exceed them. YuNet looks at the video's own pixels."""
     face_follow: Annotated[float, Real("(0, 1]")] = 0.4
     """Weight of each frame in the remembered location of the face, around which it is searched for. The caregiver of
     chapter 6 turns the head in one location (0.02). A face that swayed by 25 pixels in 5 s was followed to a pixel
@@ -53,14 +71,30 @@ class PerceiveConfig(Checked):
     """Seed of all random draws: of attention, and of the map of faces."""
     attention: AttentionConfig = field(default_factory=AttentionConfig)
     """What attention is drawn to, and when (6.3.2)."""
-    pixels: PixelConfig = field(default_factory=lambda: PixelConfig(motion=FOR_CAMERAS))
-    """How images are perceived. Sizes are pixels of the robot's image."""
+    pixels: PixelConfig = field(default_factory=lambda: PixelConfig(motion=FOR_CAMERAS, colours=LARGE))
+    """How images are perceived. Sizes are pixels of the robot's image; pixels.faces is for the detector templates."""
+    people: PeopleConfig = field(default_factory=PeopleConfig)
+    """How the detector yunet finds, follows and tells apart people."""
+    shots: ShotConfig = field(default_factory=ShotConfig)
+    """How cuts and a moving camera are noticed."""
+    areas: AreaConfig = field(default_factory=AreaConfig)
+    """What counts as an object."""
+    rest: RestConfig = field(default_factory=RestConfig)
+    """What counts as motion, of people who never quite rest."""
     som: SOMConfig = field(default_factory=SOMConfig)
     """Self-organising map of faces (6.3.3, 6.4.1)."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        colour_table(object_colours(self.objects)[1], self.pixels.colours)
+        FaceRule.parsed(self.face)
+        if self.face != "largest" and self.detector != "yunet":
+            raise ConfigError(f"face {self.face}: only the detector yunet tells faces apart; got {self.detector}")
+        names, rgb = object_colours(self.objects)
+        if names:
+            colour_table(rgb, self.pixels.colours)
+        candidates = candidate_names(self.objects, self.areas_each)
+        if len(candidates) > MOST_COLOURS or len(set(candidates)) < len(candidates):
+            raise ConfigError(f"objects: at most {MOST_COLOURS} candidates, each with its own name; got {candidates}")
 
 
 @dataclass(frozen=True)
@@ -73,6 +107,9 @@ class PerceiveOptions(Checked):
     """Continue from the checkpoint in the folder, to the same final result."""
     overlay: bool = True
     """Write a video with everything that is perceived drawn on it. It takes most of the time."""
+    blur_faces: bool = False
+    """Make all faces unrecognisable in the overlay and in fixations.png, and leave out som.png, which shows the face.
+    A face that the detector misses is not blurred: look before you show it to anybody."""
     overlay_every: Annotated[int, Whole("[1, 1e6]")] = 1
     """Write one image of that video for so many frames: 1 is 30 a second."""
     checkpoint_minutes: Annotated[float, Real("(0, 1e6]")] = 2.0

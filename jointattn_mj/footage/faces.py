@@ -80,12 +80,17 @@ class FaceAlbum:
         som.train(self.patterns, self._rng)
         return som
 
-    def table(self, som: SOM) -> pa.Table:
-        """Table of the patterns that are kept, with the unit of ``som`` that is most like each."""
+    def table(self, som: SOM, start_s: float = 0.0) -> pa.Table:
+        """Table of the patterns that are kept, with the unit of ``som`` that is most like each.
+
+        Args:
+            som: The map.
+            start_s: Time of the first frame, s.
+        """
         active = [som.activations(pattern) for pattern in self.patterns]
         units = np.array([int(one.argmax()) for one in active])
         columns = {
-            "time_s": self.times,
+            "time_s": start_s + self.times,
             "row": (units // som.config.columns).astype(np.int32),
             "column": (units % som.config.columns).astype(np.int32),
             "activation": np.array([float(one.max()) for one in active], np.float32),

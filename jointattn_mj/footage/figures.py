@@ -19,8 +19,9 @@ Ink = str | tuple[float, ...]
 
 
 def draw_fixations(
-    path: Path, image: np.ndarray, fixations: list[Fixation], percepts: Path, names: tuple[str, ...], rgb: np.ndarray
-) -> None:
+    path: Path, image: np.ndarray, fixations: list[Fixation], percepts: Path, names: tuple[str, ...], rgb: np.ndarray,
+    start_s: float = 0.0,
+) -> None:  # fmt: skip
     """Draw all fixations of a video.
 
     Args:
@@ -30,15 +31,16 @@ def draw_fixations(
         percepts: The file percepts.parquet, for the interest in each candidate.
         names: Of the candidates, the face last.
         rgb: (n, 3) colours of the objects, 0..1.
+        start_s: Time of the first frame, s.
     """
     inks: list[Ink] = [*(tuple(0.85 * np.asarray(colour)) for colour in rgb), FACE]
     figure = Figure(figsize=(11, 5.2), layout="constrained")
     parts = figure.subplot_mosaic([["where", "when"], ["where", "why"]], width_ratios=[1.25, 1], height_ratios=[1, 1.3])
     _where(parts["where"], image, fixations, inks)
-    _when(parts["when"], fixations, names, inks)
+    _when(parts["when"], fixations, names, inks, start_s)
     _why(parts["why"], percepts, names, inks)
     parts["why"].sharex(parts["when"])
-    parts["when"].set_xlim(0, max(_seconds(percepts), 1.0))
+    parts["when"].set_xlim(start_s, start_s + max(_seconds(percepts), 1.0))
     save(figure, path)
 
 
@@ -60,9 +62,9 @@ def _where(axes: Axes, image: np.ndarray, fixations: list[Fixation], inks: list[
     axes.set(xlim=(-0.5, image.shape[1] - 0.5), ylim=(image.shape[0] - 0.5, -0.5))
 
 
-def _when(axes: Axes, fixations: list[Fixation], names: tuple[str, ...], inks: list[Ink]) -> None:
+def _when(axes: Axes, fixations: list[Fixation], names: tuple[str, ...], inks: list[Ink], start_s: float) -> None:
     for number in range(len(names)):
-        bars = [(one.start / RATE, one.seconds) for one in fixations if one.candidate == number]
+        bars = [(start_s + one.start / RATE, one.seconds) for one in fixations if one.candidate == number]
         axes.broken_barh(bars, (len(names) - 1 - number - 0.4, 0.8), facecolors=inks[number])
     axes.set(yticks=range(len(names)), yticklabels=names[::-1], ylim=(-0.6, len(names) - 0.4))
     axes.set_title("What it would look at, and when", loc="left", weight="bold")

@@ -75,12 +75,17 @@ class Fixations:
             fixation.px_sum += percept.px[attended]
             fixation.video_px_sum += mapped.to_video(percept.px[attended])
 
-    def table(self, names: tuple[str, ...]) -> pa.Table:
-        """Table of all fixations; ``names``: of the candidates."""
+    def table(self, names: tuple[str, ...], start_s: float = 0.0) -> pa.Table:
+        """Table of all fixations.
+
+        Args:
+            names: Of the candidates.
+            start_s: Time of the first frame, s.
+        """
         schema = pa.schema(
             [(name, pa.string() if name == "candidate" else pa.float64()) for name in MEANINGS],
         )
-        return described(pa.Table.from_pylist([_row(one, names) for one in self.all], schema=schema), MEANINGS)
+        return described(pa.Table.from_pylist([_row(one, names, start_s) for one in self.all], schema=schema), MEANINGS)
 
     def shares(self, names: tuple[str, ...]) -> dict[str, dict[str, float]]:
         """Number of fixations, and their time in seconds, by candidate."""
@@ -91,14 +96,14 @@ class Fixations:
         }
 
 
-def _row(one: Fixation, names: tuple[str, ...]) -> dict[str, float | str | None]:
+def _row(one: Fixation, names: tuple[str, ...], start_s: float) -> dict[str, float | str | None]:
     frames = one.end - one.start
     px, video_px = (
         [float(value) for value in total / one.frames_visible] if one.frames_visible else [None, None]
         for total in (one.px_sum, one.video_px_sum)
     )
     values = (
-        one.start / RATE, one.end / RATE, names[one.candidate], *px, *video_px,
+        start_s + one.start / RATE, start_s + one.end / RATE, names[one.candidate], *px, *video_px,
         one.frames_visible / frames, one.frames_moving / frames,
     )  # fmt: skip
     return dict(zip(MEANINGS, values, strict=True))

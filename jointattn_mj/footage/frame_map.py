@@ -63,7 +63,7 @@ class FrameMap:
         if wide * high > MOST_PIXELS:
             raise FootageError(
                 f"a video of {width}x{height} pixels would become one of {wide}x{high}, and {MOST_PIXELS:,} pixels are "
-                "the most; choose a smaller --scale, or --fit whole"
+                "the most; choose a smaller `scale`, or `fit='whole'`"
             )
         return cls(width, height, wide / width, high / height, (IMAGE_WIDTH - wide) // 2, (IMAGE_HEIGHT - high) // 2)
 

@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from jointattn_mj.footage.people import Sighting
 from jointattn_mj.footage.reader import RATE, Still
 from jointattn_mj.footage.viewing import Viewing
+from jointattn_mj.footage.yunet import BOX
 from jointattn_mj.io.table import Table
 
 Flow = dict[str, tuple[float, float]]
@@ -40,11 +42,31 @@ class PerceivedCandidate:
 
 
 @dataclass(frozen=True)
+class PerceivedPerson:
+    """One face in one frame; pixels are those of the video."""
+
+    person: int
+    """Number of the person, from 1; 0 while it is not known."""
+    sure: bool
+    """Whether it is known that it is this person."""
+    box_px: tuple[float, float, float, float]
+    """x, y, width and height, from brow to chin."""
+    score: float
+    """Of the detector, 0..1."""
+    yaw_deg: float | None
+    """Yaw of the head against the line to the camera, positive to the right; None where it cannot be measured."""
+    yaw_error_deg: float | None
+    """Its expected error."""
+    of_interest: bool
+    """Whether it is the face that attention knows."""
+
+
+@dataclass(frozen=True)
 class PerceivedFrame:
     """One frame of a video as the robot perceives it; frames are a thirtieth of a second apart."""
 
     time_s: float
-    """Time in the video."""
+    """Time in the video, as players count it."""
     image: int
     """Number of the video's image that the frame shows, from 0."""
     fresh: bool
@@ -52,11 +74,13 @@ class PerceivedFrame:
     face: PerceivedCandidate
     """The face."""
     face_fit: float | None
-    """Normalised cross-correlation of the face's best view, -1..1."""
+    """Score of the face, 0..1; with the detector templates, its correlation with the best view, -1..1."""
     objects: dict[str, PerceivedCandidate]
     """The objects, by name."""
     fixation: str | None
     """What is fixated: ``"face"`` or the name of an object. None at first, and while attention shifts."""
+    people: tuple[PerceivedPerson, ...] = field(default=(), compare=False)
+    """All faces, the largest first. Empty for frames that were read from a folder: see ``PerceptionResult.people``."""
     flow: Flow = field(default_factory=dict, compare=False)
     """Mean optical flow of what has texture, by name: pixels right and down since the image that it was compared with.
 
@@ -94,15 +118,22 @@ def frame_now(viewing: Viewing, still: Still) -> PerceivedFrame:
     }
     attended = None if watcher.attended is None or watcher.goal is not None else viewing.names[watcher.attended]
     return PerceivedFrame(
-        time_s=(viewing.frames - 1) / RATE,
+        time_s=viewing.footage.time_of(viewing.frames - 1),
         image=still.number,
         fresh=bool(still.fresh),
         face=candidates.pop("face"),
         face_fit=single(fit),
         objects=candidates,
         fixation=attended,
+        people=tuple(_person(one, one is viewing.chosen) for one in viewing.seen),
         flow=_flow(viewing),
     )
+
+
+def _person(one: Sighting, chosen: bool) -> PerceivedPerson:
+    x, y, wide, high = (float(value) for value in one.face[BOX])
+    yaw, error = single(one.yaw_deg), single(one.yaw_error_deg)
+    return PerceivedPerson(one.person, one.sure, (x, y, wide, high), one.score, yaw, error, chosen)
 
 
 def frames_of(percepts: Table, names: tuple[str, ...]) -> Iterator[PerceivedFrame]:

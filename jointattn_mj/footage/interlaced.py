@@ -1,4 +1,4 @@
-"""Interlaced images, which OpenCV cannot convert: detection of them, and a file without them.
+"""What OpenCV does not tell of a file: whether its images are interlaced, a file without them, and when it begins.
 
 A camcorder takes the even and the odd lines of an image one after the other. For such an image OpenCV's ``retrieve``
 leaves its buffer as it was and reports success. The program ffmpeg detects them, and fills in every other line.
@@ -8,6 +8,7 @@ import os
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
+from fractions import Fraction
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -16,6 +17,8 @@ from jointattn_mj.errors import FootageError
 
 FILTER = "yadif=deint=interlaced"
 """Filter of ffmpeg: one image for each; images that are not interlaced stay as they are."""
+LATEST_S = 3600.0
+"""Latest begin of a video in its file; a later one is a clock of its own."""
 
 
 def interlaced_images(path: Path, start_s: float, seconds: float) -> bool:
@@ -35,6 +38,31 @@ def interlaced_images(path: Path, start_s: float, seconds: float) -> bool:
     with _running(command) as program:
         assert program.stdout is not None
         return any(not line.startswith(b"#") for line in program.stdout)
+
+
+def first_image_s(path: Path) -> float:
+    """Time of a video's first image after the beginning of the file, s: of its sound, perhaps; 0 if unknown.
+
+    Players and coding programs count time from there.
+
+    Args:
+        path: The file.
+
+    Raises:
+        FootageError: There is no ffmpeg program to ask.
+    """
+    with _running(
+        _command([], path, "null", "-fps_mode", "passthrough", "-frames:v", "1", "-f", "framecrc", "-")
+    ) as program:
+        assert program.stdout is not None
+        said = program.stdout.read(1 << 16).decode("ascii", "replace").splitlines()
+    base = next((line.split(":")[1] for line in said if line.startswith("#tb 0:")), None)
+    stamp = next((line.split(",")[2] for line in said if line.startswith("0,")), None)
+    try:
+        seconds = float(stamp or 0) * float(Fraction((base or "0").strip()))
+    except (ValueError, ZeroDivisionError):
+        return 0.0
+    return seconds if 0 < seconds < LATEST_S else 0.0
 
 
 @contextmanager

@@ -26,7 +26,7 @@ FRAME = {
     "fresh": "the image is another one than in the frame before; if not, the percept is that of the frame before",
     "attended": "candidate that is fixated; while attention shifts, the last one fixated",
     "head_moves": "attention shifts; for as long as the robot's head would turn, interest does not change",
-    "face_fit": "normalised cross-correlation of the image with the best view of the face, -1..1",
+    "face_fit": "score of the face, 0..1; with the detector templates, its correlation with the best view, -1..1",
 }
 PER_CANDIDATE = ("saliency", "motion", "interest", "visible", "moves", "x_px", "y_px")
 _KINDS = {
@@ -103,23 +103,27 @@ class PerceptLog:
         """Values (frames,) of a column in the last frames, at least ``RECENT`` where there were so many."""
         return self._recent[: self._filled, self._index[name, candidate]]
 
-    def write(self, path: Path) -> None:
+    def write(self, path: Path, start_s: float = 0.0) -> None:
         """Write all rows as a Parquet file.
+
+        Args:
+            path: The file.
+            start_s: Time of the first frame, s.
 
         Raises:
             OutputError: It cannot be written.
         """
-        write_parts(path, self._parts())
+        write_parts(path, self._parts(start_s))
 
-    def _parts(self) -> Iterator[pa.Table]:
+    def _parts(self, start_s: float) -> Iterator[pa.Table]:
         first = 0
         while first < self.frames or first == 0:
             last = min(self.frames, first + BLOCK if first else RECENT + BLOCK)
-            yield self._table(first, self.rows.read(first, last))
+            yield self._table(first, self.rows.read(first, last), start_s)
             first = max(last, 1)
 
-    def _table(self, first: int, values: np.ndarray) -> pa.Table:
-        columns: dict[str, pa.Array] = {"time_s": pa.array(np.arange(first, first + len(values)) / RATE)}
+    def _table(self, first: int, values: np.ndarray, start_s: float) -> pa.Table:
+        columns: dict[str, pa.Array] = {"time_s": pa.array(start_s + np.arange(first, first + len(values)) / RATE)}
         for (name, candidate), index in self._index.items():
             label = name if candidate is None else f"{self.candidates[candidate]}_{name}"
             columns[label] = self._array(name, values[:, index])

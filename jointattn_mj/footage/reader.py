@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 
 from jointattn_mj.errors import FootageError
-from jointattn_mj.footage.interlaced import deinterlaced, interlaced_images
+from jointattn_mj.footage.interlaced import deinterlaced, first_image_s, interlaced_images
 
 RATE = 30
 """Frames a second, section 6.4.1."""
@@ -57,6 +57,7 @@ class Footage:
         jumps: Number of jumps in the timestamps so far.
         timed: Whether the iteration goes by timestamps.
         interlaced: Whether the video is interlaced, so that every other line is filled in.
+        start_s: Time of the first image in the file, s, whose sound may begin earlier.
     """
 
     def __init__(self, path: Path, fps: float | None = None):
@@ -78,6 +79,7 @@ class Footage:
         self.aspect = _pixel_aspect(capture)
         capture.release()
         self.interlaced = interlaced_images(path, 0.0, PROBED_S)
+        self.start_s = 0.0 if fps is not None else first_image_s(path)
         self.images, self.seconds, self.jumps, self.timed = 0, 0.0, 0, fps is None
 
     def __repr__(self) -> str:
@@ -85,6 +87,10 @@ class Footage:
         rate = f"{self.fps:g} images a second" if self.fps else "unknown rate"
         length = f"{self.declared_s:.1f} s" if self.declared_s is not None else "unknown length"
         return f"Footage({self.path}: {rate}, {length})"
+
+    def time_of(self, frame: int) -> float:
+        """Time of a frame in the file, s, as players and coding programs count it."""
+        return self.start_s + frame / RATE
 
     def __iter__(self) -> Iterator[Still]:
         """The frames at 0 s, 1/30 s, 2/30 s and so on.
@@ -166,7 +172,7 @@ class Footage:
     def _interval(self) -> float:
         if not self.fps:
             raise FootageError(
-                f"{self.path} says neither when its images were taken nor how many a second; say it with --fps"
+                f"{self.path} says neither when its images were taken nor how many a second; say it with `fps`"
             )
         return 1 / self.fps
 

@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from jointattn_mj.footage.colours import object_colours
+from jointattn_mj.footage.colours import candidate_names
 from jointattn_mj.footage.config import PerceiveConfig
 from jointattn_mj.footage.frames import PerceivedFrame, frames_of
 from jointattn_mj.footage.run import read_summary
@@ -77,6 +77,12 @@ class PerceptionResult:
         path = self.folder / "faces.parquet"
         return Table.read(path) if path.exists() else None
 
+    @cached_property
+    def people(self) -> Table | None:
+        """A row a face in an image: box, landmarks, score, yaw, and who it is; None with the detector templates."""
+        path = self.folder / "people.parquet"
+        return Table.read(path) if path.exists() else None
+
     @property
     def overlay(self) -> Path | None:
         """The video with everything that was perceived drawn on it, if there is one."""
@@ -84,7 +90,7 @@ class PerceptionResult:
         return path if path.exists() else None
 
     def __iter__(self) -> Iterator[PerceivedFrame]:
-        names, _ = object_colours(self.config.objects)
+        names = candidate_names(self.config.objects, self.config.areas_each)
         return frames_of(self.percepts, (*names, "face"))
 
     def __len__(self) -> int:
@@ -97,7 +103,8 @@ class PerceptionResult:
         return (
             self.config == other.config
             and numbers[0] == numbers[1]
-            and (self.percepts, self.fixations, self.faces) == (other.percepts, other.fixations, other.faces)
+            and (self.percepts, self.fixations, self.faces, self.people)
+            == (other.percepts, other.fixations, other.faces, other.people)
         )
 
     __hash__ = None  # type: ignore[assignment]

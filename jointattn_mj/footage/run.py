@@ -12,7 +12,9 @@ from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.frames import PerceivedFrame, frame_now
 from jointattn_mj.footage.log import PerceptLog
 from jointattn_mj.footage.overlay import HEIGHT, WIDTH, FootageOverlay
+from jointattn_mj.footage.people_log import PeopleLog
 from jointattn_mj.footage.reader import RATE, Still
+from jointattn_mj.footage.spans import write_spans
 from jointattn_mj.footage.summary import summarise
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.io import checkpoint
@@ -31,7 +33,7 @@ def percepts(config: PerceiveConfig) -> Iterator[PerceivedFrame]:
         FootageError: The file is no video, or has no image.
     """
     viewing = Viewing(config)
-    viewing.measure_face()
+    viewing.prepare()
 
     def frames() -> Iterator[PerceivedFrame]:
         for still in viewing.footage:
@@ -76,49 +78,58 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
     """Watch a video in a folder that is held for it."""
     out, config, started = options.out, viewing.config, time.perf_counter()
     every = options.overlay_every if options.overlay else None
-    spent, rows = 0.0, None
+    spent, rows, people_rows = 0.0, None, None
     if options.resume:
-        kinds = (float, bool, dict, RowStore)
-        spent, finished, state, rows = checkpoint.load(out / "checkpoint.bin", config, kind=kinds)
+        kinds = (float, bool, dict, RowStore, RowStore)
+        spent, finished, state, rows, people_rows = checkpoint.load(out / "checkpoint.bin", config, kind=kinds)
         if finished:
             return _summary_of_finished(out)
         viewing.restore(state)
+        if state["blur_faces"] != options.blur_faces:
+            asked = f"`blur_faces={state['blur_faces']}`"
+            raise CheckpointError(f"the viewing in {out} was begun with {asked}; resume with that")
         if state["overlay_every"] != every:
-            asked = f"--overlay-every {state['overlay_every']}" if state["overlay_every"] else "--no-overlay"
+            asked = f"`overlay_every={state['overlay_every']}`" if state["overlay_every"] else "`overlay=False`"
             raise CheckpointError(f"the viewing in {out} was begun with {asked}; resume with that")
     log = PerceptLog(out, viewing.names, rows)
+    faces = PeopleLog(out, people_rows)
     film = PartedReel(log_folder(out), HEIGHT, WIDTH, RATE / (every or 1), viewing.frames)
-    drawing = FootageOverlay(viewing.names, viewing.rgb, config.attention)
 
     def wall_seconds() -> float:
         return spent + time.perf_counter() - started
 
     def save_checkpoint(finished: bool = False) -> None:
         film.cut()
-        state = {**viewing.state(), "overlay_every": every}
-        checkpoint.save(out / "checkpoint.bin", (wall_seconds(), finished, state, log.rows), config)
+        state = {**viewing.state(), "overlay_every": every, "blur_faces": options.blur_faces}
+        checkpoint.save(out / "checkpoint.bin", (wall_seconds(), finished, state, log.rows, faces.rows), config)
 
     if not options.resume:
-        viewing.measure_face()
+        viewing.prepare()
         save_checkpoint()
     if not (out / "config.yaml").exists():
         write_config(out / "config.yaml", config)
+    drawing = FootageOverlay(viewing.names, viewing.rgb, config.attention, options.blur_faces)
     pause = max(1, round(options.checkpoint_minutes * 60 * RATE))
     with deferred() as interrupts, film:
         for still in _new_frames(viewing, interrupts):
             mapped = viewing.see(still)
             log.add(viewing.watcher, still.number, still.fresh)
+            if still.fresh:
+                faces.add(viewing.seen, viewing.chosen, viewing.frames - 1, still.number)
             if every is not None and (viewing.frames - 1) % every == 0:
-                film.add(drawing.compose(still.image, mapped, viewing.watcher, log), viewing.frames - 1)
+                film.add(drawing.compose(still.image, mapped, viewing, log), viewing.frames - 1)
             if viewing.frames % RATE == 0:
                 progress(viewing)
             if viewing.frames % pause == 0:
                 save_checkpoint()
         save_checkpoint()
-    log.write(out / "percepts.parquet")
+    start_s = viewing.footage.start_s
+    log.write(out / "percepts.parquet", start_s)
+    if viewing.people is not None:
+        faces.write(out / "people.parquet", start_s, viewing.people.owner)
     if every is not None:
         film.join(out / "overlay.mp4")
-    summary = _leave_results(viewing, out, interrupts.requested, wall_seconds())
+    summary = _leave_results(viewing, options, interrupts.requested, wall_seconds())
     if interrupts.requested:
         raise KeyboardInterrupt
     save_checkpoint(finished=True)
@@ -162,26 +173,32 @@ def read_summary(out: Path) -> dict[str, Any]:
         raise OutputError(f"{out / 'summary.json'} is missing or damaged; give the folder of a video") from error
 
 
-def _leave_results(viewing: Viewing, out: Path, stopped: bool, wall_seconds: float) -> dict[str, Any]:
+def _leave_results(viewing: Viewing, options: PerceiveOptions, stopped: bool, wall_seconds: float) -> dict[str, Any]:
+    from jointattn_mj.footage.blurring import blurred
     from jointattn_mj.footage.figures import draw_fixations
     from jointattn_mj.gaze_following.figures import draw_som
     from jointattn_mj.io.parquet import write_parquet
 
-    write_parquet(out / "fixations.parquet", viewing.fixations.table(viewing.names))
+    out, start_s = options.out, viewing.footage.start_s
+    write_parquet(out / "fixations.parquet", viewing.fixations.table(viewing.names, start_s))
+    write_spans(out / "events.csv", viewing.events(), start_s)
+    write_spans(out / "checks.csv", viewing.checks(), start_s)
     draw_fixations(
         out / "fixations.png",
-        viewing.sample,
+        blurred(viewing.sample, viewing.sample_faces) if options.blur_faces else viewing.sample,
         viewing.fixations.all,
         out.absolute() / "percepts.parquet",
         viewing.names,
         viewing.rgb,
+        start_s,
     )
     error = None
     if viewing.album.offered:
         som = viewing.album.learn(viewing.config.som)
         error = round(som.quantisation_error(viewing.album.patterns), 4)
-        draw_som(out / "som.png", som)
-        write_parquet(out / "faces.parquet", viewing.album.table(som))
+        if not options.blur_faces:
+            draw_som(out / "som.png", som)
+        write_parquet(out / "faces.parquet", viewing.album.table(som, start_s))
     summary = summarise(viewing, stopped, wall_seconds, error)
     write_whole(out / "summary.json", lambda path: path.write_text(json.dumps(plain(summary), indent=1) + "\n"))
     return summary

@@ -4,12 +4,19 @@ from dataclasses import asdict
 from typing import Any
 
 from jointattn_mj.errors import FootageError
+from jointattn_mj.footage.colours import sought_objects
 from jointattn_mj.footage.faces import KEPT
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.viewing import Viewing
 
 FEWEST_FPS = 15
 """Images a second below which motion and its end are detected late."""
+MOST_CHECKS = 100
+"""Most entries of the list of what to check; checks.csv has all."""
+CAMERA_SHARE = 0.05
+"""Share of the frames in which the camera must move to be told of."""
+SEVERAL_SHARE = 0.3
+"""Share of the images in which an object must have several areas to be told of."""
 MISSING_S = 1.0
 """Seconds of its declared length that a file may lack, for headers round."""
 
@@ -40,6 +47,9 @@ def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: f
             "images_read": footage.images,
             "went_by_timestamps": footage.timed,
             "timestamp_jumps": footage.jumps,
+            "start_seconds": round(footage.start_s, 6),
+            "cuts": viewing.shots.cuts,
+            "camera_moves": round(viewing.camera_moves / frames, 4),
         },
         "watched_seconds": watched,
         "frames": frames,
@@ -51,6 +61,16 @@ def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: f
         },
         "found": dict(zip(viewing.names, (viewing.visible / frames).round(4), strict=True)),
         "moving": dict(zip(viewing.names, (viewing.moves / frames).round(4), strict=True)),
+        "people": _people(viewing),
+        "check": [
+            {
+                "from_s": round(footage.time_of(one.start), 3),
+                "to_s": round(footage.time_of(one.end), 3),
+                "what": one.code,
+            }
+            for one in viewing.checks()[:MOST_CHECKS]
+        ],
+        "checks": len(viewing.checks()),
         "fixations": len(viewing.fixations.all),
         "by_candidate": viewing.fixations.shares(viewing.names),
         "face_patterns": min(viewing.album.offered, KEPT),
@@ -58,6 +78,27 @@ def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: f
         "notes": notes(viewing, stopped),
         "wall_seconds": round(wall_seconds, 2),
     }
+
+
+def _time(viewing: Viewing, frame: int) -> float:
+    return round(viewing.footage.time_of(frame), 3)
+
+
+def _people(viewing: Viewing) -> list[dict[str, Any]]:
+    """Who was in the video, how long, and how sure that is."""
+    if viewing.people is None:
+        return []
+    return [
+        {
+            "person": one.number,
+            "images": one.frames,
+            "images_unsure": one.unsure,
+            "from_s": _time(viewing, one.first),
+            "to_s": _time(viewing, one.last),
+            "perhaps_the_same_as": one.perhaps or None,
+        }
+        for one in viewing.people.people.values()
+    ]
 
 
 def notes(viewing: Viewing, stopped: bool) -> list[str]:
@@ -72,7 +113,9 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
             "off or damaged, or its header is wrong"
         )
     if not footage.timed and viewing.config.fps is None:
-        said.append(f"no timestamps in the file: {footage.fps:g} images a second were assumed; set them by --fps")
+        said.append(
+            f"no timestamps in the file: {footage.fps:g} images a second were assumed; the option fps sets them"
+        )
     if footage.interlaced:
         said.append("the video is interlaced: every other line was filled in from those around it, in space and time")
     if footage.jumps:
@@ -81,12 +124,42 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
         said.append(f"fewer than {FEWEST_FPS} images a second: motion is detected late and in leaps")
     if len(viewing.sizes) > 1:
         said.append(f"the image's size changes ({sorted(viewing.sizes)}): the mapping is that of the last")
-    if not viewing.coloured:
+    said += _of_camera(viewing) + _of_people(viewing)
+    if not viewing.coloured and all(one.picked is None for one in sought_objects(viewing.config.objects)):
         said.append("the video is grey: objects are found by their colour, so none can be")
     elif not viewing.visible[:-1].any():
-        said.append("no object was found; --objects cup=#c03a2b takes a colour as picked from the image")
+        said.append("no object was found; objects may be picked in the video by time and pixel: cup@12.5s:420,310")
     if not viewing.visible[-1]:
+        templates = "a face must look at the camera once, and be 24 pixels wide in the robot's image"
+        small = "a face must be 10 pixels high at least, and be shown from the front or from the side"
+        said.append(f"no face was found: {templates if viewing.people is None else small}")
+    return said
+
+
+def _of_camera(viewing: Viewing) -> list[str]:
+    """Sentences on cuts, and on a camera that moves."""
+    said, moved, cuts = [], viewing.camera_moves / viewing.frames, viewing.shots.cuts
+    if cuts:
+        said.append(f"the video has {cuts} cut{'s' * (cuts != 1)}; faces and objects were searched for anew after each")
+    if moved > CAMERA_SHARE:
         said.append(
-            "no face was found: a face must look at the camera once, and be 24 pixels wide in the robot's image"
+            f"the camera moves in {moved:.0%} of the frames: nothing is said to move meanwhile, and locations are "
+            "those in the image"
         )
+    return said
+
+
+def _of_people(viewing: Viewing) -> list[str]:
+    """Sentences on who was there, and on objects that are several."""
+    said = []
+    people = [] if viewing.people is None else list(viewing.people.people.values())
+    if len(people) > 1:
+        said.append(
+            f"{len(people)} people were told apart; the option face, such as 2, makes another the face of interest"
+        )
+    said += [f"person {one.number} is perhaps person {one.perhaps}" for one in people if one.perhaps]
+    areas = viewing.watcher.perceiver.areas.counts
+    for sought, counts in zip(sought_objects(viewing.config.objects), areas, strict=True):
+        if counts[viewing.config.areas_each + 1 :].sum() > SEVERAL_SHARE * counts.sum():
+            said.append(f"{sought.name} has more areas than are followed; the option areas_each follows several")
     return said

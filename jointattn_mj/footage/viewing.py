@@ -2,27 +2,39 @@
 
 import math
 from collections import deque
+from dataclasses import replace
 from itertools import islice
 from typing import Any
 
 import numpy as np
 
 from jointattn_mj.errors import CheckpointError
-from jointattn_mj.footage.colours import object_colours
+from jointattn_mj.footage.areas import FootageAreas
+from jointattn_mj.footage.checks import CHECK, LOST, LOST_FRAMES, note_checks
+from jointattn_mj.footage.colours import candidate_names, sought_objects
 from jointattn_mj.footage.config import PerceiveConfig
 from jointattn_mj.footage.face_size import face_side, largest_scale
 from jointattn_mj.footage.faces import EVERY, KEPT, FaceAlbum
 from jointattn_mj.footage.fixations import Fixations
-from jointattn_mj.footage.frame_map import FrameMap
+from jointattn_mj.footage.followed import FollowedFace
+from jointattn_mj.footage.frame_map import IMAGE_HEIGHT, IMAGE_WIDTH, FrameMap
+from jointattn_mj.footage.interest import FaceOfInterest, FaceRule
+from jointattn_mj.footage.labels import label_table
+from jointattn_mj.footage.people import People, Sighting
+from jointattn_mj.footage.perceiving import FootagePerception
+from jointattn_mj.footage.picked import picked_tables
 from jointattn_mj.footage.reader import RATE, Footage, Still
+from jointattn_mj.footage.rest import Rest
+from jointattn_mj.footage.shots import Shots
+from jointattn_mj.footage.spans import Span, Spans
 from jointattn_mj.footage.watcher import Watcher
-from jointattn_mj.perception.pixels import PixelPerception
+from jointattn_mj.footage.yunet import model_file
 
 STATE = (
     "watcher", "mapped", "fixations", "album", "frames", "face_side", "visible", "moves", "sample", "coloured", "sizes",
-    "_faces",
+    "_faces", "rgb", "people", "shots", "interest", "spans", "camera_moves", "_chosen_last", "sample_faces",
 )  # fmt: skip
-"""Attributes that change from frame to frame; the rest follows from the config."""
+"""Attributes that change from frame to frame, or come from the video; the rest follows from the config."""
 GREY_SPREAD = 16
 """Difference between the channels of a pixel up to which it has no colour; compression makes small ones."""
 
@@ -46,6 +58,13 @@ class Viewing:
         sample: One of the robot's images for the figure, (240, 320, 3) uint8 RGB: the first with a face.
         coloured: Whether any image had colours.
         sizes: Widths and heights of the video's images.
+        people: All faces; None with the detector templates.
+        seen: The faces in the last image, the largest first.
+        chosen: The face of interest among them; None where it is not there.
+        shots: Cuts and motion of the camera.
+        spans: When who was there, and what should be checked.
+        camera_moves: Number of frames in which the camera moved.
+        sample_faces: (k, 4) x, y, width and height of the faces in ``sample``, pixels of the robot's image.
     """
 
     def __init__(self, config: PerceiveConfig):
@@ -53,13 +72,20 @@ class Viewing:
 
         Raises:
             FootageError: There is no such file, or it is no video.
+            ExtraError: The network that finds faces is not installed.
         """
-        names, self.rgb = object_colours(config.objects)
+        if config.detector == "yunet":
+            model_file()
+        self.config, self.names = config, (*candidate_names(config.objects, config.areas_each), "face")
+        count = len(self.names)
         attention, album = (np.random.default_rng(seed) for seed in np.random.SeedSequence(config.seed).spawn(2))
-        self.config, self.names = config, (*names, "face")
         self.footage = Footage(config.video, config.fps)
-        perceiver = PixelPerception(config.pixels, self.rgb, config.face_follow)
-        self.watcher = Watcher(perceiver, config.attention, len(names), config.shift_frames, attention)
+        table, self.rgb = label_table(config.objects, {}, config.areas_each, config.pixels.colours)
+        by_colour = np.array([one.picked is None for one in sought_objects(config.objects)])
+        areas = FootageAreas(table, by_colour, config.areas_each, config.pixels.colours, config.areas, RATE)
+        followed = FollowedFace() if config.detector == "yunet" else None
+        perceiver = FootagePerception(config.pixels, areas, Rest(config.rest, count), followed, config.face_follow)
+        self.watcher = Watcher(perceiver, config.attention, count - 1, config.shift_frames, attention)
         self.mapped: FrameMap | None = None
         self.fixations = Fixations()
         self.album = FaceAlbum(KEPT, perceiver.pattern_size, album)
@@ -67,48 +93,114 @@ class Viewing:
         if config.max_minutes is not None:
             self.total = max(1, round(config.max_minutes * 60 * RATE))
         self.face_side: float | None = None
-        self.visible = np.zeros(len(self.names), int)
-        self.moves = np.zeros(len(self.names), int)
+        self.visible = np.zeros(count, int)
+        self.moves = np.zeros(count, int)
         self.coloured = False
         self.sizes: set[tuple[int, int]] = set()
-        self.sample = np.zeros((1, 1, 3), np.uint8)
+        self.sample, self.sample_faces = np.zeros((1, 1, 3), np.uint8), np.zeros((0, 4))
+        self.people = People(config.people, RATE, config.face_follow) if config.detector == "yunet" else None
+        self.interest = FaceOfInterest(FaceRule.parsed(config.face))
+        self.seen: list[Sighting] = []
+        self.chosen: Sighting | None = None
+        self.shots = Shots(config.shots)
+        self.spans = Spans(gap=max(RATE // 2, math.ceil(2 * RATE / (self.footage.fps or RATE))))
+        self.camera_moves = 0
+        self._chosen_last: list[float] = []  # frame, centre x, y and height of the face of interest, where it was last
         self._faces = 0
 
     def __repr__(self) -> str:
         """In one line: video, progress and fixations."""
         return f"Viewing({self.footage.path}: {self.frames} frames, {len(self.fixations.all)} fixations)"
 
-    def measure_face(self) -> None:
-        """Measure the face, unless a scale is given, and check that the video can be read.
+    def prepare(self) -> None:
+        """Look up the objects that were picked, measure the face for templates, and check that the video can be read.
 
         Raises:
-            FootageError: The video has no image, or neither timestamps nor a rate.
+            FootageError: The video has no image, neither timestamps nor a rate, or not what was picked.
         """
-        if self.config.scale is None:
-            self.face_side = face_side(self.footage, self.config.fit, self.config.pixels.faces)
-        else:
+        config, each = self.config, self.config.areas_each
+        picked = picked_tables(self.footage, sought_objects(config.objects))
+        if picked:
+            table, self.rgb = label_table(config.objects, picked, each, config.pixels.colours)
+            self.watcher.perceiver.areas.take(table)
+        if config.detector == "templates" and config.scale is None:
+            self.face_side = face_side(self.footage, config.fit, config.pixels.faces)
+        elif not picked:
             deque(islice(self.footage, 2), maxlen=0)
 
     def see(self, still: Still) -> FrameMap:
         """Perceive and attend for one frame; returns the map from the video's image to the robot's."""
         self.mapped = mapped = self._map(still)
+        fresh = still.fresh or self.frames == 0
         first_face = self.visible[-1] == 0
-        image = mapped.image(still.image) if still.fresh or self.frames == 0 else self.sample
-        percept = self.watcher.see(image, still.fresh, still.cut)
+        image = mapped.image(still.image) if fresh else self.sample
+        cut = still.cut
+        if fresh:
+            cut = self._find_faces(still, mapped)
+        percept = self.watcher.see(image, still.fresh, cut or self.shots.camera_moves)
         self.visible += percept.visible
         self.moves += percept.moves
+        self.camera_moves += self.shots.camera_moves
         if still.fresh and percept.visible[-1]:
             if self._faces % EVERY == 0:
                 self.album.add(self.watcher.perceiver.face_pattern(), self.frames / RATE)
             self._faces += 1
         if self.frames == 0 or (first_face and percept.visible[-1]):
-            self.sample = image
+            self.sample, self.sample_faces = image, self._boxes(mapped)
         if still.fresh and self.frames % RATE == 0 and not self.coloured:
             spread = image.max(axis=2) - image.min(axis=2)
             self.coloured = bool(np.percentile(spread, 99) > GREY_SPREAD)
         self.fixations.note(self.watcher, self.frames, mapped)
         self.frames += 1
         return mapped
+
+    def events(self) -> list[Span]:
+        """When who was in the image, when it was cut or the camera moved, and where the robot would have looked."""
+        owner = self.people.owner if self.people is not None else {}
+        named = {f"track {track}": f"person {person}{'' if sure else '?'}" for track, (person, sure) in owner.items()}
+        kept = [replace(one, code=named.get(one.code, one.code)) for one in self.spans.all if one.tier != CHECK]
+        looks = [Span("robot looks at", self.names[one.candidate], one.start, one.end) for one in self.fixations.all]
+        return kept + looks
+
+    def checks(self) -> list[Span]:
+        """What somebody should look at."""
+        brief = {LOST: LOST_FRAMES}
+        return [one for one in self.spans.all if one.tier == CHECK and one.end - one.start >= brief.get(one.code, 1)]
+
+    def known_boxes(self) -> np.ndarray:
+        """(k, 4) x, y, width and height of every face that is followed, believed or not, or was lost a moment ago."""
+        tracks = self.people.tracks if self.people is not None else []
+        return np.array([track.smooth for track in tracks]).reshape(-1, 4)
+
+    def _find_faces(self, still: Still, mapped: FrameMap) -> bool:
+        """Find faces, cuts and motion of the camera in a new image; returns whether it follows upon a cut."""
+        cut = self.shots.see(still.image) or still.cut
+        perceiver, areas = self.watcher.perceiver, self.watcher.perceiver.areas
+        if self.people is not None and isinstance(perceiver.faces, FollowedFace):
+            self.seen = self.people.see(still.image, self.frames, cut)
+            self.chosen = self.interest.choose(self.seen, cut)
+            perceiver.faces.show(self.chosen, still.image, mapped)
+            areas.show_faces(self._boxes(mapped), cut, self.shots.shifted)
+        else:
+            areas.show_faces(self._template_box(), cut, self.shots.shifted)
+        self._chosen_last = note_checks(
+            self.spans, self.frames, self.seen, self.chosen, self.shots, cut and self.frames > 0, self._chosen_last
+        )
+        return cut
+
+    def _boxes(self, mapped: FrameMap) -> np.ndarray:
+        """(k, 4) x, y, width and height of all faces, pixels of the robot's image, the face of interest first."""
+        seen = sorted(self.seen, key=lambda one: one is not self.chosen)
+        boxes = np.array([one.smooth for one in seen]).reshape(-1, 4)
+        corners = mapped.to_image(boxes[:, :2] - 0.5)
+        return np.hstack([corners, boxes[:, 2:] * (mapped.scale_x, mapped.scale_y)])
+
+    def _template_box(self) -> np.ndarray:
+        perceiver = self.watcher.perceiver
+        if not perceiver.fix.found:
+            return np.zeros((0, 4))
+        x0, y0, x1, y1 = perceiver.faces.box(perceiver.fix, (IMAGE_HEIGHT, IMAGE_WIDTH))
+        return np.array([[x0, y0, x1 - x0, y1 - y0]], float)
 
     def state(self) -> dict[str, Any]:
         """State from which a viewing of the same config can go on (see ``restore``)."""
@@ -123,11 +215,11 @@ class Viewing:
         for name in ("bytes", *STATE):
             now = self._bytes() if name == "bytes" else getattr(self, name)
             if name not in state or (now is not None and type(state[name]) is not type(now)):
-                raise CheckpointError(f"the checkpoint has no {name} of a viewing; begin anew in another --out")
+                raise CheckpointError(f"the checkpoint has no {name} of a viewing; begin anew in another folder")
         if state["bytes"] != self._bytes():
             raise CheckpointError(
                 f"{self.footage.path} had {state['bytes']} bytes when it was watched, and has {self._bytes()}; choose "
-                "another --out to watch it anew"
+                "another folder to watch it anew"
             )
         vars(self).update({name: state[name] for name in STATE})
 

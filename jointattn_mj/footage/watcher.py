@@ -6,10 +6,10 @@ meanwhile (Fig. 6.3b). Perception goes on, for the camera is still.
 
 import numpy as np
 
+from jointattn_mj.footage.perceiving import FootagePerception
 from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
 from jointattn_mj.gaze_following.fixation import attend
 from jointattn_mj.perception.percept import Percept, StillObservation
-from jointattn_mj.perception.pixels import PixelPerception
 
 AHEAD = np.zeros(2)
 
@@ -27,7 +27,7 @@ class Watcher:
     """
 
     def __init__(
-        self, perceiver: PixelPerception, config: AttentionConfig, objects: int, shift_frames: int,
+        self, perceiver: FootagePerception, config: AttentionConfig, objects: int, shift_frames: int,
         rng: np.random.Generator,
     ):  # fmt: skip
         """Make a watcher that has perceived nothing.

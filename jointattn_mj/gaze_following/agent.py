@@ -10,11 +10,14 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.attention import Attention, AttentionConfig, AttentionSelector
 from jointattn_mj.gaze_following.fixation import attend
 from jointattn_mj.gaze_following.gate import GazeConfig, HeadShift, gate_probability
-from jointattn_mj.gaze_following.learners import LearnerConfig, make_learner
+from jointattn_mj.gaze_following.learners import LearnerConfig, Places, make_learner
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.percept import Observation, Perceiver, Percept
 from jointattn_mj.perception.som import SOM, SOMConfig, whole_number
 from jointattn_mj.scene.camera import direction_of, off_centre
+
+TIE = 1e-9
+"""Scores of objects that differ by less are equal: they come from sums of hundreds of numbers."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,17 @@ class RobotConfig(Checked):
     familiarise: FamiliariseConfig = field(default_factory=FamiliariseConfig)
     """The minutes before the session in which the map is learned (6.4.1)."""
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        gaze, code = self.gaze, self.learner.code
+        if gaze.gate == "certainty" and (gaze.commands != "object" or code != "cross_situational"):
+            raise ConfigError(
+                "gaze.gate certainty needs gaze.commands object and learner.code cross_situational, whose evidence for "
+                f"an object is a probability; got {gaze.commands} and {code}"
+            )
+        if gaze.read_again and not gaze.feedback_frames:
+            raise ConfigError("gaze.read_again needs gaze.feedback_frames, the frames at which it reads; got none")
+
 
 @dataclass
 class GazeShift:
@@ -55,9 +69,11 @@ class GazeShift:
     by_learner: bool  # whether the learner's suggestion was commanded
     start: np.ndarray  # (2,) head at launch
     command: np.ndarray  # (2,) direction commanded
-    suggestion: np.ndarray | None  # (2,) direction that the learner would command; only from the face
+    suggestion: np.ndarray | None  # (2,) direction to which the learner's map leads; only from the face
     activations: np.ndarray | None  # of the map for the face at launch; only from the face
+    in_view: np.ndarray | None  # (k, 2) turns from the face to the objects in view at launch; only from the face
     source_direction: np.ndarray | None  # (2,) of the source at launch, if it was visible
+    aim: int | None = None  # candidate that the command leads to; None for a bare direction
     reached: int | None = None  # candidate at the centre of view after landing
     learned: bool = False  # whether the shift gave the learner a pair
 
@@ -101,6 +117,8 @@ class GazeFollower:
         self.shift: GazeShift | None = None
         self.landed: GazeShift | None = None
         self._gate = gate
+        self._scores: np.ndarray | None = None  # of the objects in view when the face was last left
+        self._leaving_for: int | None = None  # chosen candidate, while the robot waits for the face to be still
         self._movement: HeadShift | None = None
         self._held = np.zeros(2)  # reference of the head's servos, deg
         self._command = np.zeros(2)  # the same in rad
@@ -135,14 +153,35 @@ class GazeFollower:
         self.percept = percept = self.perceiver.perceive(observation, shift is not None)
         if shift is not None:
             self._land(shift, percept, np.degrees(observation.head_angles))
-        chosen = attend(self.attention, self.attended, percept, fixating=shift is None)
+        chosen = self._choose(percept, fixating=shift is None)
         if chosen is not None:
             self._launch(chosen, percept, np.degrees(observation.head_angles))
         return self._command
 
+    @property
+    def gate_probability(self) -> float:
+        """Probability that the learner commands a shift from the face now; with gate certainty, at the last one."""
+        return gate_probability(self.config.gaze, self.iterations, self._scores)
+
     def face_input(self) -> np.ndarray:
         """Activations (k,) of the map for the face in the last percept: the learner's input."""
         return self.som.activations(self.perceiver.face_pattern())
+
+    def _choose(self, percept: Percept, fixating: bool) -> int | None:
+        """The candidate to which the gaze shifts in this frame; None if it stays, or waits for the face to be still.
+
+        Args:
+            percept: Of this frame.
+            fixating: False in the frame in which a gaze shift ends.
+        """
+        chosen = self._leaving_for
+        if chosen is None:
+            chosen = attend(self.attention, self.attended, percept, fixating)
+        else:
+            self.attention.advance(self.attended, percept.moves)
+        waits = self.config.gaze.wait_for_still_face and self.attended == self.face and percept.moves[self.face]
+        self._leaving_for = chosen if waits else None
+        return chosen if not waits and chosen is not None and percept.visible[chosen] else None
 
     def _hold(self, direction: np.ndarray) -> None:
         """Make ``direction`` (2,), deg, the reference of the head's servos."""
@@ -157,15 +196,16 @@ class GazeFollower:
             head: Direction of the head (2,), deg.
         """
         source = self.attended
+        aim: int | None = chosen
         command = direction_of(percept.px[chosen], head)
-        suggestion = activations = None
+        suggestion = activations = in_view = None
         by_learner = False
         if source == self.face and percept.visible[self.face]:
-            activations = self.face_input()
+            activations, in_view = self.face_input(), self._in_view(percept, head)
             suggestion = head + self.learner.predict(activations)
-            by_learner = bool(self._gate.random() < gate_probability(self.config.gaze, self.iterations))
-            if by_learner:
-                command = suggestion
+            goal, best = self._goal(activations, in_view, percept, head, origin=head)
+            if self._gate.random() < self.gate_probability and goal is not None:
+                by_learner, command, aim = True, goal, best
         source_visible = source is not None and percept.visible[source]
         self.shift = GazeShift(
             source=source,
@@ -175,28 +215,79 @@ class GazeFollower:
             command=command,
             suggestion=suggestion,
             activations=activations,
+            in_view=in_view,
             source_direction=direction_of(percept.px[source], head) if source_visible else None,
+            aim=aim,
         )
         self._movement = HeadShift(self._held, command, self.config.gaze.shift_frames)
         self._hold(self._movement.next_reference())
 
+    def _goal(
+        self, activations: np.ndarray, in_view: np.ndarray, percept: Percept, head: np.ndarray, origin: np.ndarray
+    ) -> tuple[np.ndarray | None, int | None]:
+        """What the learner commands for a face: a direction (2,), deg, and the object there, if it commands objects.
+
+        Both are None where there is no object to command, or no evidence for one rather than another.
+
+        Args:
+            activations: Of the map for the face, (k,).
+            in_view: Turns from the face to the objects in view, (n, 2), deg.
+            percept: Of this frame.
+            head: Direction of the head (2,), deg.
+            origin: Direction (2,) from which a learned turn is counted, deg.
+        """
+        if self.config.gaze.commands == "direction":
+            return origin + self.learner.predict(activations), None
+        self._scores = scores = self.learner.score(activations, Places(in_view))
+        if not len(scores) or (len(scores) > 1 and np.ptp(scores) < TIE):
+            return None, None
+        best = int(np.flatnonzero(percept.visible[: self.face])[np.argmax(scores)])
+        return direction_of(percept.px[best], head), best
+
+    def _in_view(self, percept: Percept, head: np.ndarray) -> np.ndarray:
+        """Turns (k, 2), deg, that lead from the face of a percept, with the head at ``head``, to its k objects."""
+        face = direction_of(percept.px[self.face], head)
+        seen = np.flatnonzero(percept.visible[: self.face])
+        return np.array([direction_of(percept.px[number], head) - face for number in seen]).reshape(-1, 2)
+
     def _turn(self, shift: GazeShift, movement: HeadShift, observation: Observation) -> np.ndarray:
-        """Action (2,), rad, for one frame of a gaze shift; visual feedback corrects its aim on the way.
+        """Action (2,), rad, for one frame of a gaze shift; its aim is corrected on the way.
 
         Args:
             shift: The gaze shift.
             movement: The head's movement.
             observation: See the class.
         """
-        perceives = movement.frame in self.config.gaze.feedback_frames and not movement.commanded
-        if perceives and not shift.by_learner and shift.chosen != self.face:
+        gaze = self.config.gaze
+        reads = gaze.read_again and shift.by_learner
+        perceives = movement.frame in gaze.feedback_frames and not movement.commanded
+        if perceives and (reads or shift.aim not in (None, self.face)):
             percept = self.perceiver.perceive(observation, landed=True)
-            if percept.visible[shift.chosen]:
-                head = np.degrees(observation.head_angles)
-                shift.command = direction_of(percept.px[shift.chosen], head)
-                movement.aim(shift.command)
+            goal, shift.aim = self._corrected(shift, percept, np.degrees(observation.head_angles))
+            if goal is not None:
+                shift.command = goal
+                movement.aim(goal)
         self._hold(movement.next_reference())
         return self._command
+
+    def _corrected(self, shift: GazeShift, percept: Percept, head: np.ndarray) -> tuple[np.ndarray | None, int | None]:
+        """Direction (2,), deg, and candidate to aim at from now on: by the face, if it is read again, or by the object.
+
+        The direction is None where neither is visible.
+
+        Args:
+            shift: The gaze shift.
+            percept: Of this frame.
+            head: Direction of the head (2,), deg.
+        """
+        if self.config.gaze.read_again and shift.by_learner and percept.visible[self.face]:
+            face = direction_of(percept.px[self.face], head)
+            goal, best = self._goal(self.face_input(), self._in_view(percept, head), percept, head, origin=face)
+            if goal is not None:
+                return goal, best
+        if shift.aim is None or not percept.visible[shift.aim]:
+            return None, shift.aim
+        return direction_of(percept.px[shift.aim], head), shift.aim
 
     def _land(self, shift: GazeShift, percept: Percept, head: np.ndarray) -> None:
         """End a gaze shift: attend to the candidate nearest to the centre of view, and learn from the shift.
@@ -227,7 +318,7 @@ class GazeFollower:
         return nearest, distances[nearest]
 
     def _learn(self, shift: GazeShift, percept: Percept, head: np.ndarray) -> None:
-        """Learn from a shift between the face and an object, in either direction (section 6.3.1).
+        """Learn from the face that a shift left or reached, and from the object at its other end (section 6.3.1).
 
         Args:
             shift: The gaze shift, which has reached its end.
@@ -235,32 +326,34 @@ class GazeFollower:
             head: Direction of the head (2,), deg.
         """
         config = self.config.learner
-        if shift.activations is not None and shift.reached not in (None, self.face):
-            centred = config.reference == "object"
-            end = direction_of(percept.px[shift.reached], head) if centred else head
-            self._pair(shift, shift.activations, end - shift.start)
-            self.iterations += 1
-        elif (
-            config.directions == "both"
-            and shift.reached == self.face
-            and shift.source_direction is not None
-            and shift.source != self.face
-        ):
-            activations = self.face_input()
-            start = shift.source_direction if config.reference == "object" else shift.start
-            self._pair(shift, activations, start - head)
-            self.iterations += config.counts == "both"
+        centred = config.reference == "object"
+        if shift.activations is not None and shift.in_view is not None:
+            reached = None
+            if shift.reached not in (None, self.face):
+                end = direction_of(percept.px[shift.reached], head) if centred else head
+                reached = end - shift.start
+                self.iterations += 1
+            if reached is not None or config.uses_all_looks:
+                self._pair(shift, shift.activations, Places(shift.in_view, reached))
+        if config.directions == "both" and shift.reached == self.face:
+            reached = None
+            if shift.source_direction is not None and shift.source != self.face:
+                reached = (shift.source_direction if centred else shift.start) - head
+                self.iterations += config.counts == "both"
+            if reached is not None or config.uses_all_looks:
+                self._pair(shift, self.face_input(), Places(self._in_view(percept, head), reached))
 
-    def _pair(self, shift: GazeShift, activations: np.ndarray, command: np.ndarray) -> None:
-        """Strengthen the connection between a face and the command that leads from it to the object.
+    def _pair(self, shift: GazeShift, face: np.ndarray, places: Places) -> None:
+        """Let the learner learn from a face and the places of objects.
 
         Args:
-            shift: The gaze shift that gives the pair.
-            activations: Of the map for the face, (k,).
-            command: Turn of the head (2,) from the face to the object, deg.
+            shift: The gaze shift that gives them.
+            face: Activations of the map for it, (k,).
+            places: Where objects lay.
         """
-        self.learner.learn(activations, command)
-        shift.learned = True
+        self.learner.learn(face, places)
+        pairs_all = self.config.learner.pairs == "in_view" and len(places.in_view) > 0
+        shift.learned |= places.reached is not None or pairs_all
 
     def weights(self) -> dict[str, np.ndarray]:
         """All that was learned, by name: the map of faces, the learner's weights, and l of eq. 6.8."""

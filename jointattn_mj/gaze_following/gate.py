@@ -17,9 +17,22 @@ from jointattn_mj.scene.movement import minimum_jerk
 class GazeConfig(Checked):
     """Settings of the gate and of gaze shifts."""
 
-    gate: Literal["sigmoid", "shut", "open"] = "sigmoid"
+    gate: Literal["sigmoid", "shut", "open", "certainty"] = "sigmoid"
     """Let a shift from the face to an object be commanded by the draw of eq. 6.8 (sigmoid), by visual feedback alone
-    (shut, a baseline), or by the learner alone (open)."""
+    (shut, a baseline), by the learner alone (open), or by the learner with the probability that it gives to the best
+    object in view (certainty): it then decides as soon as it knows, however many pairs that took."""
+    gate_sharpness: Annotated[float, Real("(0, 100]")] = 3.0
+    """With gate certainty: the probability of an object is its share of exp(sharpness * evidence)."""
+    commands: Literal["direction", "object"] = "direction"
+    """Let the learner command the turn of the head that it has learned for the face, as the text does, or a turn to
+    that object in view which goes best with the face. Seen from the robot objects lie a few degrees apart, so a bare
+    direction often ends beside the right one."""
+    wait_for_still_face: bool = False
+    """Leave the face only in a frame in which it is not seen to move. A head that turns does not yet show where its
+    gaze will rest; a fifth to a quarter of all misses came from that."""
+    read_again: bool = False
+    """In shifts that the learner commands, perceive the face again at the feedback frames, and aim by it anew: the
+    caregiver's gaze may have moved on meanwhile."""
     gate_midpoint: Annotated[float, Real("[-1e9, 1e9]")] = 150.0
     """Learning iterations p after which visual feedback and learner command equally often (eq. 6.8)."""
     gate_width: Positive = 22.5
@@ -37,11 +50,27 @@ class GazeConfig(Checked):
     the view", 6.3.1)."""
 
 
-def gate_probability(config: GazeConfig, iterations: int) -> float:
-    """Probability Pr_g(l) that the learner commands a shift after ``iterations`` learning iterations (eq. 6.8).
+def softmax(values: np.ndarray) -> np.ndarray:
+    """exp(values) (n,) over their sum; (0,) for none."""
+    powers: np.ndarray = np.exp(values - values.max(initial=-np.inf))
+    return powers / powers.sum() if len(powers) else powers
+
+
+def gate_probability(config: GazeConfig, iterations: int, scores: np.ndarray | None = None) -> float:
+    """Probability Pr_g(l) that the learner commands a shift (eq. 6.8).
 
     1 / (1 + exp(-x)) is written as (1 + tanh(x / 2)) / 2, which never overflows.
+
+    Args:
+        config: Kind of the gate, and its constants.
+        iterations: Learning iterations so far, l.
+        scores: The learner's evidence (n,) for the objects in view; read by the gate certainty alone.
+
+    Returns:
+        From 0 to 1; 0 with the gate certainty where no object is in view.
     """
+    if config.gate == "certainty":
+        return float(softmax(config.gate_sharpness * scores).max()) if scores is not None and len(scores) else 0.0
     if config.gate != "sigmoid":
         return float(config.gate == "open")
     return (1 + math.tanh((iterations - config.gate_midpoint) / (2 * config.gate_width))) / 2

@@ -2,9 +2,11 @@
 
 The dissertation has a two-layered perceptron on the activations of the self-organising map. It is trained after every
 shift that ends at an object, with the robot's own motor command as reference. "Two-layered" leaves the output code
-open; both readings are here.
+open; both readings are here. Every learner is told of all places in view with a face (``Places``); those of the
+dissertation take notice of the object reached alone, ``cross_situational`` weighs all of them.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Annotated, Literal, Protocol
 
@@ -19,10 +21,28 @@ from jointattn_mj.options import Angle, Checked, Real, Whole
 class LearnerConfig(Checked):
     """Settings of the online contingency learning module."""
 
-    code: Literal["population", "linear", "network"] = "population"
+    code: Literal["population", "linear", "network", "cross_situational"] = "population"
     """Output code: units tuned to directions, two linear outputs, or a torch network before such units. With linear
     outputs right and wrong pairs average to the middle of the table. A population keeps them apart, and the right one
-    wins for it is more frequent. ``network_learner`` also takes networks of your own."""
+    wins for it is more frequent. ``network_learner`` also takes networks of your own. With cross_situational such units
+    count how often something lies in their direction with each face; the next six options say what counts."""
+    pairs: Literal["reached", "in_view"] = "reached"
+    """With code cross_situational: pair a face with the object that the robot reached, as the text does, or with all
+    objects in view at that moment."""
+    base: Literal["none", "in_view"] = "none"
+    """With code cross_situational: take a direction for the better the more often something lies there with this face
+    (none), or the more often than with any face (in_view): contingency in place of co-occurrence."""
+    competition: Annotated[float, Real("[0, 10]")] = 0.0
+    """With code cross_situational: how sharply the objects in view compete for a face. Each counts by its share of
+    exp(competition * evidence): 0 is alike, 1 by its probability. Above 1.3 the learner confirms its own errors."""
+    compete_after: Annotated[int, Whole("[0, 1e6]")] = 10
+    """With code cross_situational: looks at the face before objects compete. Evidence from none is noise."""
+    forgetting: Annotated[float, Real("[0, 1)")] = 0.0
+    """With code cross_situational: share of all counts that is forgotten at each look at the face. What was counted
+    before objects competed well then goes."""
+    smoothing: Annotated[float, Real("[1e-6, 1e3]")] = 0.05
+    """With code cross_situational: added to shares before they are compared, in units of the mean share of a direction.
+    It keeps what was seen once from being certain."""
     rate: Annotated[float, Real("(0, 1]")] = 0.02
     """Learning rate of the delta rule, normalised by the squared length of the input."""
     context: Annotated[float, Real("[0, 1000]")] = 0.5
@@ -55,16 +75,50 @@ class LearnerConfig(Checked):
             low, high = getattr(self, name)
             if not low < high:
                 raise ConfigError(f"learner.{name} must be a lower and a higher angle; got {low}, {high}")
+        for name in ("pairs", "base", "competition", "compete_after", "forgetting", "smoothing"):
+            if self.code != "cross_situational" and getattr(self, name) != getattr(LearnerConfig, name):
+                raise ConfigError(
+                    f"learner.{name} {getattr(self, name)} needs learner.code cross_situational; got {self.code}, "
+                    f"which learns from the object reached alone (leave out learner.{name}, or set the code)"
+                )
+
+    @property
+    def uses_all_looks(self) -> bool:
+        """Whether something is learned from a look at the face after which, or before which, no object was reached."""
+        return "in_view" in (self.pairs, self.base)
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where objects lay when a face was seen, as turns of the head (pan, tilt) that lead from the face there, deg.
+
+    Attributes:
+        in_view: (n, 2) of all objects in view with the face, in the order of their numbers.
+        reached: (2,) of the one object that the robot's own shift from the face reached, or from which it came to the
+            face; None without such a shift.
+    """
+
+    in_view: np.ndarray
+    reached: np.ndarray | None = None
+
+    @classmethod
+    def only(cls, command: np.ndarray) -> "Places":
+        """One object, the only one in view, that was reached by ``command`` (2,), deg."""
+        there = np.asarray(command)
+        return cls(np.reshape(there, (1, -1)), there)
 
 
 class Learner(Protocol):
-    """Interface of learners; motor commands are turns of the head (pan, tilt) in degrees."""
+    """Interface of learners. A face is the robot's description of it, such as the activations (k,) of a map."""
 
-    def predict(self, activations: np.ndarray) -> np.ndarray:
-        """Motor command (2,) for SOM activations (k,)."""
+    def predict(self, face: np.ndarray) -> np.ndarray:
+        """Motor command (2,), deg, whatever is in view: the turn of the head from the face to what it looks at."""
 
-    def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
-        """Strengthen the connection between SOM activations (k,) and a motor command (2,)."""
+    def score(self, face: np.ndarray, places: Places) -> np.ndarray:
+        """How well each of the n objects in view goes with the face: (n,), the greatest being the best."""
+
+    def learn(self, face: np.ndarray, places: Places) -> None:
+        """Learn from a face and the places of objects."""
 
     def weights(self) -> np.ndarray:
         """All learned weights, as one array."""
@@ -90,6 +144,23 @@ class PopulationCode:
             np.exp(-0.5 * ((self._tilts - command[1]) / self._width) ** 2),
         )
 
+    def shares(self, directions: np.ndarray) -> np.ndarray:
+        """Share of each unit in the bumps of ``directions`` (n, 2), deg: (n, units), each row summing to 1.
+
+        A direction beyond the units is taken for the nearest one that they cover.
+        """
+        pans, tilts = (
+            _bumps(np.clip(given, units[0], units[-1]), units, self._width)
+            for given, units in zip(directions.T, (self._pans, self._tilts), strict=True)
+        )
+        shares: np.ndarray = (pans[:, :, None] * tilts[:, None, :]).reshape(len(directions), math.prod(self.shape))
+        return shares
+
+    def at(self, activity: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """Activity (n,) in each of ``directions`` (n, 2), deg, of an activity (pan units, tilt units)."""
+        there: np.ndarray = self.shares(directions) @ activity.ravel()
+        return there
+
     def decode(self, activity: np.ndarray) -> np.ndarray:
         """Command (2,), deg, for an activity (pan units, tilt units): the centre of mass about the most active unit."""
         pan, tilt = np.unravel_index(np.argmax(activity), activity.shape)
@@ -98,6 +169,14 @@ class PopulationCode:
         bump = np.maximum(activity[pans, tilts], 0) + 1e-12
         bump /= bump.sum()
         return np.array([bump.sum(1) @ self._pans[pans], bump.sum(0) @ self._tilts[tilts]])
+
+
+def _bumps(given: np.ndarray, units: np.ndarray, width: float) -> np.ndarray:
+    """Bumps (n, units) about ``given`` (n,), each summing to 1."""
+    exponents = -0.5 * ((units - given[:, None]) / width) ** 2
+    bumps: np.ndarray = np.exp(exponents - exponents.max(axis=1, keepdims=True))  # of narrow ones the highest stays
+    bumps /= bumps.sum(axis=1, keepdims=True)
+    return bumps
 
 
 class PopulationLearner:
@@ -111,15 +190,25 @@ class PopulationLearner:
         self._rate, self._context, self._code = config.rate, config.context, PopulationCode(config)
         self._weights = np.zeros((inputs + 1, *config.units))
 
-    def predict(self, activations: np.ndarray) -> np.ndarray:
+    def predict(self, face: np.ndarray) -> np.ndarray:
         """The command (2,), deg, whose units the activations (k,) make most active."""
-        given = numbers("activations", activations, (len(self._weights) - 1,))
-        return self._code.decode(np.tensordot(given, self._weights[:-1], 1))
+        return self._code.decode(self._activity(face))
 
-    def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
-        """Make one step of the normalised delta rule towards ``command`` (2,), deg."""
-        command = numbers("command", command, (2,))
-        inputs = np.append(numbers("activations", activations, (len(self._weights) - 1,)), self._context)
+    def score(self, face: np.ndarray, places: Places) -> np.ndarray:
+        """Activity (n,) of the units about each of the n objects in view."""
+        return self._code.at(self._activity(face), places_in_view(places))
+
+    def _activity(self, face: np.ndarray) -> np.ndarray:
+        given = numbers("activations of the face", face, (len(self._weights) - 1,))
+        activity: np.ndarray = np.tensordot(given, self._weights[:-1], 1)
+        return activity
+
+    def learn(self, face: np.ndarray, places: Places) -> None:
+        """Make one step of the normalised delta rule towards the place reached, if one was."""
+        if places.reached is None:
+            return
+        command = numbers("places.reached", places.reached, (2,))
+        inputs = np.append(numbers("activations of the face", face, (len(self._weights) - 1,)), self._context)
         error = self._code.encode(command) - np.tensordot(inputs, self._weights, 1)
         gain = self._rate / (inputs @ inputs)
         self._weights += np.multiply.outer(gain * inputs, error)
@@ -141,15 +230,22 @@ class LinearLearner:
         self._config = config
         self._weights = np.zeros((inputs, 2))
 
-    def predict(self, activations: np.ndarray) -> np.ndarray:
+    def predict(self, face: np.ndarray) -> np.ndarray:
         """The command (2,), deg: the weighted sum of the activations (k,)."""
-        return numbers("activations", activations, (len(self._weights),)) @ self._weights
+        return numbers("activations of the face", face, (len(self._weights),)) @ self._weights
 
-    def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
-        """Make one step of the normalised delta rule towards ``command`` (2,), deg."""
-        off = numbers("command", command, (2,)) - self.predict(activations)
-        gain = self._config.rate / (activations @ activations)
-        self._weights += np.outer(gain * activations, off)
+    def score(self, face: np.ndarray, places: Places) -> np.ndarray:
+        """How near each of the n objects in view is to the command: (n,) distances, negative, deg."""
+        nearness: np.ndarray = -np.linalg.norm(places_in_view(places) - self.predict(face), axis=1)
+        return nearness
+
+    def learn(self, face: np.ndarray, places: Places) -> None:
+        """Make one step of the normalised delta rule towards the place reached, if one was."""
+        if places.reached is None:
+            return
+        off = numbers("places.reached", places.reached, (2,)) - self.predict(face)
+        gain = self._config.rate / (face @ face)
+        self._weights += np.outer(gain * face, off)
 
     def weights(self) -> np.ndarray:
         """Weights (k, 2)."""
@@ -178,7 +274,20 @@ def make_learner(config: LearnerConfig, inputs: int, rng: np.random.Generator) -
         )
 
         return NetworkLearner(config, hidden_layer(config, inputs, rng))
+    if config.code == "cross_situational":
+        from jointattn_mj.gaze_following.cross_situational import CrossSituationalLearner  # it is built on this module
+
+        return CrossSituationalLearner(config, inputs)
     return PopulationLearner(config, inputs) if config.code == "population" else LinearLearner(config, inputs)
+
+
+def places_in_view(places: Places) -> np.ndarray:
+    """The directions (n, 2), deg, of all objects in view.
+
+    Raises:
+        ObservationError: They are no finite numbers of this shape.
+    """
+    return numbers("places.in_view", places.in_view, (-1, 2))
 
 
 def same_shape(given: np.ndarray, own: np.ndarray) -> np.ndarray:
@@ -188,7 +297,10 @@ def same_shape(given: np.ndarray, own: np.ndarray) -> np.ndarray:
         ConfigError: It has another shape, or numbers that are not finite.
     """
     if given.shape != own.shape:
-        raise ConfigError(f"learned weights must have shape {own.shape} under this config; got {given.shape}")
+        raise ConfigError(
+            f"learned weights must have shape {own.shape} under this config; got {given.shape}, those of another "
+            "learner.code or of other numbers of units"
+        )
     if given.dtype.kind not in "biuf":
         raise ConfigError(f"learned weights must be real numbers; got {given.dtype}")
     with np.errstate(over="ignore"):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.gaze_following.learners import LearnerConfig, PopulationCode, same_shape
+from jointattn_mj.gaze_following.learners import LearnerConfig, Places, PopulationCode, places_in_view, same_shape
 from jointattn_mj.io.extras import extra
 
 extra("torch", "torch")
@@ -46,23 +46,37 @@ class NetworkLearner:
         self._network = network
         self._descent = torch.optim.SGD(network.parameters(), lr=config.network_rate)
 
-    def predict(self, activations: np.ndarray) -> np.ndarray:
+    def predict(self, face: np.ndarray) -> np.ndarray:
         """The command (2,), deg, whose units the activations (k,) make most active.
 
         Raises:
             ConfigError: The network has diverged.
         """
+        return self._code.decode(self._activity(face))
+
+    def score(self, face: np.ndarray, places: Places) -> np.ndarray:
+        """Activity (n,) of the units about each of the n objects in view.
+
+        Raises:
+            ConfigError: The network has diverged.
+        """
+        return self._code.at(self._activity(face), places_in_view(places))
+
+    def _activity(self, face: np.ndarray) -> np.ndarray:
         with torch.no_grad():
-            activity = self._network(torch.from_numpy(activations).float())
+            activity = self._network(torch.from_numpy(face).float())
         if not torch.isfinite(activity).all():
             raise ConfigError(f"the network diverged; choose a learner.network_rate below {self.config.network_rate}")
-        return self._code.decode(activity.double().numpy().reshape(self._code.shape))
+        units: np.ndarray = activity.double().numpy().reshape(self._code.shape)
+        return units
 
-    def learn(self, activations: np.ndarray, command: np.ndarray) -> None:
-        """Make one step of backpropagation towards ``command`` (2,), deg."""
-        wanted = torch.from_numpy(self._code.encode(command).ravel()).float()
+    def learn(self, face: np.ndarray, places: Places) -> None:
+        """Make one step of backpropagation towards the place reached, if one was."""
+        if places.reached is None:
+            return
+        wanted = torch.from_numpy(self._code.encode(places.reached).ravel()).float()
         self._descent.zero_grad()
-        (0.5 * (self._network(torch.from_numpy(activations).float()) - wanted).square().sum()).backward()
+        (0.5 * (self._network(torch.from_numpy(face).float()) - wanted).square().sum()).backward()
         self._descent.step()
 
     def weights(self) -> np.ndarray:

@@ -79,7 +79,7 @@ def run_session(
         watchers = (_film(options), *watchers)
     if not options.resume:
         needed = round(BYTES_A_FRAME * config.minutes * FRAMES_PER_MINUTE)
-        check_free(options.out, needed, f"--minutes {config.minutes:g}", "fewer --minutes")
+        check_free(options.out, needed, f"{config.minutes:,g} minutes", "fewer minutes")
     with claimed(options.out, options.resume):
         return _run(config, options, progress, kind, watchers)
 

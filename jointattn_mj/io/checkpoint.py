@@ -121,7 +121,7 @@ def _of_another_config(path: Path, versions: dict[str, str], config: Any) -> str
     if written != __version__:
         return (
             f"{path} was written by version {written} of jointattn-mj, and this version, {__version__}, cannot go on "
-            "with it; go on with the version that wrote it, or begin the run anew in another --out"
+            "with it; go on with the version that wrote it, or begin the run anew in another folder"
         )
     try:
         there = yaml.safe_load((path.parent / "config.yaml").read_text("utf-8"))["config"]
@@ -130,7 +130,7 @@ def _of_another_config(path: Path, versions: dict[str, str], config: Any) -> str
         differing = None
     return (
         f"{path} belongs to a run with another config{f' ({differing})' if differing else ''}; resume with the options "
-        "in config.yaml beside it, or choose another --out"
+        "in config.yaml beside it, or choose another folder"
     )
 
 
@@ -164,7 +164,7 @@ def _checked(path: Path) -> bytes:
     try:
         content = content_of(path)
     except FileNotFoundError as error:
-        raise CheckpointError(f"there is no checkpoint at {path}; run without --resume to begin a session") from error
+        raise CheckpointError(f"there is no checkpoint at {path}; run without `resume` to begin a session") from error
     except OSError as error:
         raise CheckpointError(f"cannot read a checkpoint at {path}: {error.strerror}") from error
     if content.startswith(_PICKLED):

@@ -24,7 +24,7 @@ def claimed(out: Path, resume: bool = False) -> Iterator[None]:
         CheckpointError: ``resume``, and there is no such folder.
     """
     if resume and not out.is_dir():
-        raise CheckpointError(f"there is no checkpoint in {out}; run without --resume to begin")
+        raise CheckpointError(f"there is no checkpoint in {out}; run without `resume` to begin")
     with held(out):
         if not resume:
             _refuse_another(out)
@@ -44,16 +44,16 @@ def held(out: Path) -> Iterator[None]:
         try:
             out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another --out") from error
+            raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another folder") from error
         try:
             alone = stack.enter_context(locked(out / ".lock"))
         except OSError as error:
             if error.errno not in NO_LOCKS:
-                raise OutputError(f"cannot write to {out}: {error.strerror}; choose another --out") from error
+                raise OutputError(f"cannot write to {out}: {error.strerror}; choose another folder") from error
             notice(f"the file system of {out} knows no locks; see to it that no second run begins there")
             alone = True
         if not alone:
-            raise OutputError(f"another process is at work in {out}; wait until it has ended, or choose another --out")
+            raise OutputError(f"another process is at work in {out}; wait until it has ended, or choose another folder")
         forget_partial(out)
         yield
 
@@ -61,18 +61,18 @@ def held(out: Path) -> Iterator[None]:
 def _refuse_another(out: Path) -> None:
     """Refuse a folder with a run in it; a config alone was left by a run that was killed as it began."""
     if (out / "checkpoint.bin").exists():
-        raise OutputError(f"{out} already holds a run; choose another --out, or --resume to go on with that one")
+        raise OutputError(f"{out} already holds a run; choose another folder, or go on with that one by `resume`")
     if (out / "summary.json").exists():
-        raise OutputError(f"{out} already holds a run, and no checkpoint to go on from; choose another --out")
+        raise OutputError(f"{out} already holds a run, and no checkpoint to go on from; choose another folder")
     config = out / "config.yaml"
     try:
         foreign = config.exists() and b"jointattn_mj" not in config.read_bytes()
         if not foreign:
             config.unlink(missing_ok=True)
     except OSError as error:
-        raise OutputError(f"cannot replace {config}: {error.strerror}; choose another --out") from error
+        raise OutputError(f"cannot replace {config}: {error.strerror}; choose another folder") from error
     if foreign:
-        raise OutputError(f"{config} was not written by this package and is left alone; choose another --out")
+        raise OutputError(f"{config} was not written by this package and is left alone; choose another folder")
 
 
 def free_name(path: Path) -> Path:
@@ -105,7 +105,7 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
         raise
     except OSError as error:
         trouble = error.strerror or error
-        raise OutputError(f"cannot write {path}: {trouble}; free space or choose another --out") from error
+        raise OutputError(f"cannot write {path}: {trouble}; free space or choose another folder") from error
     finally:
         with suppress(OSError):  # a read-only file system refuses even to delete what is not there
             temporary.unlink(missing_ok=True)

@@ -32,12 +32,22 @@ development.rendered.stage: Stage StageConfig
 development.table.caregiver: TableCaregiverConfig Rules
 development.table.run: TableRun
 development.table.world: Table TableConfig
+footage.areas: AreaConfig FootageAreas Slot
 footage.faces: FaceAlbum
 footage.fixations: Fixation Fixations
+footage.followed: FollowedFace
 footage.frame_map: FrameMap
+footage.interest: FaceOfInterest FaceRule
+footage.likeness: Appearance
+footage.people: People PeopleConfig Person Track
+footage.perceiving: FootagePerception
+footage.rest: Rest RestConfig
+footage.shots: ShotConfig Shots
+footage.spans: Span Spans
 footage.watcher: Watcher
 gaze_following.agent: FamiliariseConfig GazeFollower GazeShift RobotConfig
 gaze_following.attention: AttentionConfig AttentionSelector
+gaze_following.cross_situational: CrossSituationalLearner
 gaze_following.gate: GazeConfig HeadShift
 gaze_following.learners: LearnerConfig LinearLearner PopulationCode PopulationLearner
 gaze_following.network_learner: NetworkLearner

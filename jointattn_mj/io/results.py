@@ -26,15 +26,15 @@ def result_paths(out: Path, name: str) -> tuple[Path, Path]:
         there = [path for path in paths if path.exists()]
     except (OSError, ValueError) as error:  # a name that is too long, empty, or has a NUL in it
         trouble = getattr(error, "strerror", None) or error
-        raise OutputError(f"cannot write {str(out)[:100]!r}: {trouble}; choose another --out") from error
+        raise OutputError(f"cannot write {str(out)[:100]!r}: {trouble}; choose another path") from error
     if there:
-        raise OutputError(f"{there[0]} is there already; choose another --out")
+        raise OutputError(f"{there[0]} is there already; choose another path")
     try:
         stem.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"cannot make the folder {stem.parent}: {error.strerror}; choose another --out") from error
+        raise OutputError(f"cannot make the folder {stem.parent}: {error.strerror}; choose another folder") from error
     if not os.access(stem.parent, os.W_OK):
-        raise OutputError(f"cannot write to {stem.parent}; choose another --out")
+        raise OutputError(f"cannot write to {stem.parent}; choose another folder")
     return paths
 
 

@@ -268,8 +268,8 @@ class RowStore:
 
 
 def _not_whole(path: Path) -> CheckpointError:
-    return CheckpointError(f"{path} is damaged, or shorter than its checkpoint says; begin anew with another --out")
+    return CheckpointError(f"{path} is damaged, or shorter than its checkpoint says; begin anew in another folder")
 
 
 def _cannot_write(path: Path, error: OSError) -> OutputError:
-    return OutputError(f"cannot write {path}: {error.strerror or error}; free space or choose another --out")
+    return OutputError(f"cannot write {path}: {error.strerror or error}; free space or choose another folder")

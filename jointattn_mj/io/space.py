@@ -25,5 +25,5 @@ def check_free(folder: Path, needed: int, what: str, advice: str) -> None:
     if free is not None and needed > free:
         raise ConfigError(
             f"{what} would write about {needed / 1e9:.1f} GB to {folder}, and {free / 1e9:.1f} GB are free there; ask "
-            f"for {advice}, or choose another --out"
+            f"for {advice}, or choose another folder"
         )

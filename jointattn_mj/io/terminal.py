@@ -1,10 +1,11 @@
 """Standard streams that may be closed or full, and signals that end a command; neither ends in a traceback."""
 
+import atexit
 import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any, TextIO
@@ -95,29 +96,53 @@ def _forget(stream: TextIO) -> None:
 def stopped_like_ctrl_c() -> Iterator[None]:
     """While the block runs, SIGTERM and SIGHUP raise KeyboardInterrupt as Ctrl-C does; ignored signals stay ignored.
 
-    After an interruption each of them ends the process at once with 130, so that a second one cannot break off an
+    So does an error after such a signal: libraries make errors of their own of an interruption while they are imported.
+    After an interruption each signal ends the process at once with 130, so that a second one cannot break off an
     orderly end.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    kept = {number: signal.getsignal(number) for number in STOPS}
-    heeded = [number for number, handler in kept.items() if handler is not signal.SIG_IGN]
+    kept = _heeded()
+    interrupted = False
 
     def stop(number: int, frame: FrameType | None) -> None:
+        nonlocal interrupted
+        interrupted = True
         raise KeyboardInterrupt
 
-    def at_once(number: int, frame: FrameType | None) -> None:
-        os._exit(INTERRUPTED)
-
-    for number in heeded:
-        signal.signal(number, stop)
-    interrupted = False
+    _handle(kept, stop)
+    ended = False
     try:
         yield
-    except KeyboardInterrupt:
-        interrupted = True
+    except BaseException as error:
+        ended = interrupted or isinstance(error, KeyboardInterrupt)
+        if interrupted and not isinstance(error, KeyboardInterrupt):
+            raise KeyboardInterrupt from error
         raise
     finally:
-        for number in heeded:
-            signal.signal(number, at_once if interrupted else kept[number])
+        for number, handler in kept.items():
+            signal.signal(number, _end_at_once if ended else handler)
+
+
+def stopped_at_once() -> None:
+    """From now on a stop signal ends this process at once with 130, and none does when Python clears up at its end."""
+    if threading.current_thread() is threading.main_thread():
+        heeded = _heeded()
+        _handle(heeded, _end_at_once)
+        atexit.register(_handle, heeded, signal.SIG_IGN)
+
+
+def _heeded() -> dict[signal.Signals, Any]:
+    """The stop signals that are not ignored, as by nohup, and what handles them."""
+    handlers = {number: signal.getsignal(number) for number in STOPS}
+    return {number: handler for number, handler in handlers.items() if handler is not signal.SIG_IGN}
+
+
+def _handle(numbers: Iterable[signal.Signals], handler: Any) -> None:
+    for number in numbers:
+        signal.signal(number, handler)
+
+
+def _end_at_once(number: int, frame: FrameType | None) -> None:
+    os._exit(INTERRUPTED)

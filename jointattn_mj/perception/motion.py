@@ -73,6 +73,7 @@ class Motion:
         blocks: (m, 2) centres (x, y), pixels, of the textured blocks.
         flow: (m, 2) displacement (x, y), pixels in ``frames_back`` frames.
         owner: (m,) which object a block belongs to; n for the face.
+        strength: (n + 1,) what is held against epsilon_i, pixels in ``frames_back`` frames, the face last.
     """
 
     face_moves: bool
@@ -80,6 +81,7 @@ class Motion:
     blocks: np.ndarray
     flow: np.ndarray
     owner: np.ndarray
+    strength: np.ndarray
 
     def __repr__(self) -> str:
         moving = np.flatnonzero(self.object_moves).tolist()
@@ -326,5 +328,6 @@ class MotionDetector:
             )  # fmt: skip
         self._kept.append((gray, part, areas))
         return Motion(
-            bool(self._on[n]), self._on[:n], self._blocks[:blocks], self._flow[:blocks], self._owners[:blocks]
-        )
+            bool(self._on[n]), self._on[:n], self._blocks[:blocks], self._flow[:blocks], self._owners[:blocks],
+            self._strength,
+        )  # fmt: skip

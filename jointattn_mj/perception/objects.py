@@ -10,7 +10,7 @@ stray pixels elsewhere (skin, hair, wood) do not shift the centre.
 
 import colorsys
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Protocol
 
 import cv2
 import numpy as np
@@ -242,6 +242,16 @@ def _find(
             visible[k] = True
             px[k, 0], px[k, 1] = sum_x / count, sum_y / count
             box[k, 0], box[k, 1], box[k, 2], box[k, 3] = left, top, right + 1, bottom + 1
+
+
+class ObjectFinder(Protocol):
+    """What an object detector offers."""
+
+    def nothing(self) -> Areas:
+        """Areas to be filled in by ``find``."""
+
+    def find(self, image: np.ndarray, gray: np.ndarray, areas: Areas) -> None:
+        """Detect the objects in an image; see ``ColourAreas.find``."""
 
 
 class ColourAreas:

@@ -14,7 +14,7 @@ from jointattn_mj.options import Checked
 from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig, FaceFinder, FaceFix
 from jointattn_mj.perception.gray import fill_gray, require_image
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
-from jointattn_mj.perception.objects import Areas, ColourAreas, ColourConfig, check_areas
+from jointattn_mj.perception.objects import Areas, ColourAreas, ColourConfig, ObjectFinder, check_areas
 from jointattn_mj.perception.percept import Observation, Percept
 from jointattn_mj.scene import camera
 
@@ -80,16 +80,23 @@ class PixelPerception:
 
     pattern_size = PATCH_SIDE**2
 
-    def __init__(self, config: PixelConfig, rgb: np.ndarray, memory_rate: float = MEMORY_RATE):
+    def __init__(
+        self,
+        config: PixelConfig,
+        rgb: np.ndarray,
+        memory_rate: float = MEMORY_RATE,
+        objects: ObjectFinder | None = None,
+    ):
         """Make the detectors.
 
         Args:
             config: Their options.
             rgb: (n, 3) the objects' nominal colours, 0 to 1.
             memory_rate: Share of each new image in the remembered direction of the face, 0 to 1.
+            objects: Object detector in place of the one by ``rgb``, which then says nothing.
         """
         self.faces: FaceFinder = FaceDetector(config.faces)
-        self.colours = ColourAreas(rgb, config.colours)
+        self.colours: ObjectFinder = ColourAreas(rgb, config.colours) if objects is None else objects
         self._motion = MotionDetector(config.motion)
         self._face_direction = np.zeros(2)
         self._knows_face = False
@@ -98,7 +105,7 @@ class PixelPerception:
         self.fix = FaceFix(float("nan"), float("nan"), -1.0, False)
         self._buffers: deque[tuple[np.ndarray, Areas]] = deque()  # grey images and areas, written to in turn
         self.motion: Motion | None = None
-        count = len(rgb) + 1
+        count = len(self.colours.nothing().visible) + 1
         self._percept = Percept(np.zeros(count, bool), np.full((count, 2), np.nan), np.zeros(count, bool))
 
     def __setstate__(self, state: dict[str, Any]) -> None:

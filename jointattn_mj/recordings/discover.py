@@ -11,8 +11,10 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.results import bracket, number, result_paths, share, write_results
 from jointattn_mj.options import Real, Whole
 from jointattn_mj.recordings.measure import exchange_notes
+from jointattn_mj.recordings.methods import method_notes
 from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
+from jointattn_mj.recordings.steps import Recordings
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class DiscoverOptions(RecordingTestOptions):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not (self.sensors and self.actions and self.results):
-            raise ConfigError("discover needs at least one column each for --sensors, --actions and --results")
+            raise ConfigError("discover needs at least one column each for `sensors`, `actions` and `results`")
 
     @property
     def tests(self) -> int:
@@ -72,6 +74,8 @@ class DiscoverResult:
                 "p_adjusted": one.p_adjusted,
                 "significant": one.p_adjusted <= self.options.alpha,
                 "transitions": one.significance.transitions,
+                "method": one.significance.method,
+                "inflation": one.significance.inflation,
                 "values": "; ".join(self._values(one)),
             }
             for rank, one in enumerate(self.findings, 1)
@@ -106,8 +110,12 @@ class DiscoverResult:
         return [value.words((one.sensor, one.action, one.result), self.labels) for value in one.values]
 
 
-def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = lambda done: None) -> DiscoverResult:
+def run_discover(
+    options: DiscoverOptions, progress: Callable[[int], object] = lambda done: None, data: Recordings | None = None
+) -> DiscoverResult:
     """Read the file, measure and test every event; ``progress`` is told of surrogates and resamples as they are drawn.
+
+    ``data`` is what the file has, where it is read already.
 
     Raises:
         SeriesError: The file or a column cannot be measured.
@@ -115,7 +123,7 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "events")
-    data = options.read(options.file, [*options.sensors, *options.actions, *options.results])
+    data = data or options.read(options.file, [*options.sensors, *options.actions, *options.results])
     findings = discover(
         data.columns,
         options.sensors,
@@ -129,14 +137,20 @@ def run_discover(options: DiscoverOptions, progress: Callable[[int], object] = l
         seed=options.seed,
         explain=options.explain,
         groups=data.groups,
+        timing=options.timing(data.step),
         progress=patient(progress, options.draws, options.yes),
     )
-    notes = [*data.notes(), *exchange_notes([one.significance for one in findings])]
+    tested = [(one.event, one.significance) for one in findings]
+    notes = [
+        *data.notes(),
+        *exchange_notes([one for _, one in tested]),
+        *method_notes(tested, options.method, options.surrogates),
+    ]
     needed = least_surrogates(options.tests, options.alpha)
     if options.correction == "holm" and options.surrogates < needed:
         notes.append(
             f"with {options.surrogates} surrogates no single one of {options.tests} events can be significant; "
-            f"--surrogates {needed} would do"
+            f"{needed} surrogates would do"
         )
     result = DiscoverResult(options, findings, data.labels, tuple(notes))
     if paths is not None:

@@ -1,6 +1,7 @@
 """Labels of a column: which values are missing, which are the same, and in which order they get their codes."""
 
 import re
+from collections.abc import Collection
 from decimal import Decimal
 from typing import Any
 
@@ -15,44 +16,79 @@ MISSING = frozenset(
 """Values that stand for none, blanks around them left out: nothing, and what statistics programs write."""
 
 _WHOLE = re.compile(r"-?(0|[1-9]\d{0,299})")
-_NUMBER = re.compile(r"[+-]?(\d{1,300}[.,]?\d{0,300}|[.,]\d{1,300})([eE][+-]?\d{1,2})?")
+_DECIMAL = re.compile(r"[+-]?(\d{1,300}[.,]?\d{0,300}|[.,]\d{1,300})")
+_NUMBER = re.compile(_DECIMAL.pattern + r"([eE][+-]?\d{1,2})?")
 
 
-def coded(column: Any, name: str, identifies: bool = False) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Codes (rows,) of a dictionary-encoded pyarrow column, -1 where missing, and their labels in order.
+def coded(
+    column: Any, name: str, identifies: bool = False, missing: Collection[str] = (), fractions: bool = False
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Codes of a column, and what they stand for.
 
-    Numbers come ascending, with 1.0 and 1,0 the same as 1; other labels in the order of the alphabet. A column that
-    ``identifies`` recordings holds names, whatever they look like.
+    Args:
+        column: A dictionary-encoded pyarrow column of text (rows,).
+        name: What messages call it.
+        identifies: Whether it holds names of recordings, which stay as they are written.
+        missing: Further values that stand for none.
+        fractions: Whether numbers with fractions are labels like others.
+
+    Returns:
+        Codes (rows,), -1 where missing, and their labels in order: numbers ascending, with 1.0 and 1,0 the same as 1;
+        other labels in the order of the alphabet.
 
     Raises:
-        SeriesError: Numbers with fractions, unless they identify.
+        SeriesError: Numbers with fractions, unless they are allowed.
     """
     array = column.unify_dictionaries().combine_chunks()
     if hasattr(array, "num_chunks"):  # some versions keep the wrapper
         array = array.chunk(0)
     indices = array.indices.fill_null(-1).to_numpy(zero_copy_only=False).astype(np.int64)
     written = [label.strip() for label in array.dictionary.to_pylist()]
-    labels = ordered({label for label in written if label not in MISSING}, name, identifies)
+    none = missing_labels(written, missing)
+    present = {label for label in written if label not in none}
+    labels = {label: label for label in sorted_names(present)} if identifies else ordered(present, name, fractions)
     number = {label: i for i, label in enumerate(dict.fromkeys(labels.values()))}
-    codes = np.array([-1 if label in MISSING else number[labels[label]] for label in written] + [-1], np.int64)
+    codes = np.array([-1 if label in none else number[labels[label]] for label in written] + [-1], np.int64)
     return codes[indices], tuple(number)
 
 
-def ordered(labels: set[str], name: str, identifies: bool = False) -> dict[str, str]:
-    """From labels as written to labels as they count, in order."""
+def missing_labels(labels: Collection[str], missing: Collection[str]) -> frozenset[str]:
+    """Those of some labels that stand for none; a number such as -99 stands for -99.0 and -99,0 too."""
+    codes = {code.strip() for code in missing}
+    numbers = {_number(code) for code in codes} - {None}
+    return frozenset(
+        label for label in labels if label in MISSING or label in codes or (numbers and _number(label) in numbers)
+    )
+
+
+def ordered(labels: set[str], name: str, fractions: bool = False) -> dict[str, str]:
+    """From labels as written to labels as they count, in order.
+
+    Numbers with an exponent, such as 2E1, and with zeros in front, such as 01, are names and stay as they are written.
+    """
     if labels and all(_WHOLE.fullmatch(label) for label in labels):
         return {label: label for label in sorted(labels, key=int)}
-    alphabetical = sorted(labels)
-    as_written = {label: label for label in alphabetical}
+    as_written = {label: label for label in sorted(labels)}
     if not all(_NUMBER.fullmatch(label) for label in labels) or any(re.match(r"[+-]?0\d", one) for one in labels):
         return as_written
-    numbers = {label: Decimal(label.replace(",", ".")) for label in alphabetical}
+    numbers = {label: Decimal(label.replace(",", ".")) for label in as_written}
     for label, value in numbers.items():
         if value != value.to_integral_value():
-            if identifies:
+            if fractions:
                 return as_written
             raise SeriesError(
-                f"column {name!r} holds numbers with fractions, such as {label}; sort them into bins first, "
-                "and give each bin a label"
+                f"column {name!r} holds numbers with fractions, such as {label}; sort them into bins first, and give "
+                "each bin a label. If they are names, say `fractions='names'`"
             )
+    if not all(_DECIMAL.fullmatch(label) for label in labels):
+        return as_written
     return {label: str(int(numbers[label])) for label in sorted(labels, key=numbers.__getitem__)}
+
+
+def sorted_names(names: set[str]) -> list[str]:
+    """Names as they are: whole numbers ascending, others in the order of the alphabet."""
+    return sorted(names, key=int if names and all(_WHOLE.fullmatch(name) for name in names) else None)
+
+
+def _number(text: str) -> Decimal | None:
+    return Decimal(text.replace(",", ".")) if _DECIMAL.fullmatch(text) else None

@@ -1,7 +1,9 @@
 """``jointattn measure``: how much one recorded variable says about what another does next."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -14,17 +16,32 @@ from jointattn_mj.contingency.information import (
     TRANSFER,
     Measure,
 )
+from jointattn_mj.contingency.lagged import timed
+from jointattn_mj.contingency.local import LocalContingency, carriers, local_of_steps
+from jointattn_mj.contingency.scan import LagScan, scan_steps
 from jointattn_mj.contingency.series import check_base
-from jointattn_mj.contingency.significance import Significance, assess_steps
+from jointattn_mj.contingency.significance import Significance, assess_measures
 from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.io.results import bracket, number, result_paths, share, write_results
+from jointattn_mj.options import Whole
+from jointattn_mj.recordings.delays import check_delay, delay_in_steps
+from jointattn_mj.recordings.dyads import DyadResult, by_dyad, groups_by
+from jointattn_mj.recordings.lags import draw_lags, lag_rows, lag_words
+from jointattn_mj.recordings.methods import WORDS, method_notes
 from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
-from jointattn_mj.recordings.reader import Recordings
+from jointattn_mj.recordings.steps import Recordings
 
 ALONE = (TRANSFER, MUTUAL)
 CONDITIONED = (CONTINGENCY, COMBINED, TRANSFER, MUTUAL, CONDITIONAL_MUTUAL)
+Over = Literal["auto", "recordings", "steps"]
+ENOUGH_RECORDINGS = 3
+"""Recordings from which on ``auto`` has values for each."""
+ALPHA = 0.05
+"""Measures with a higher p are not told value by value."""
+MOST_COMBINATIONS = 100_000
+"""Of more combinations of values none is tested."""
 
 
 @dataclass(frozen=True)
@@ -37,16 +54,44 @@ class MeasureOptions(RecordingTestOptions):
     """Column that may be influenced, the result."""
     condition: tuple[str, ...] = ()
     """Column that is known anyway, such as an action: gives T^C (eq. 4.3) and SAC (eq. 5.2) too."""
+    scan: str | None = None
+    """Also measure at all lags from 1 to this one, in steps or as a time such as 3s, and correct p for their number."""
+    by: str | None = None
+    """Column with the same value in all of a recording, such as age: recordings are compared by it."""
+    over: Over = "auto"
+    """Values for each recording, and their mean with an interval over recordings: recordings. steps: only all steps
+    together. auto: recordings where there are at least 3."""
+    explain: Annotated[int, Whole("[0, 1e6]")] = 3
+    """So many values of each measure that is significant at .05 are told: which value of the source brings which result
+    about."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.scan is not None:
+            check_delay("scan", self.scan)
+        if self.by is not None and self.recording is None:
+            raise ConfigError(
+                f"`by={self.by!r}` compares recordings; name the column that tells them apart with `recording`"
+            )
+        if self.by is not None and self.over == "steps":
+            raise ConfigError("`by` compares recordings, so there must be values for each: leave out `over='steps'`")
         if not (self.source and self.target):
-            raise ConfigError("measure needs at least one column each for --source and --target")
+            raise ConfigError("measure needs at least one column each for `source` and `target`")
 
     @property
     def tests(self) -> int:
         """Number of measures."""
         return len(CONDITIONED if self.condition else ALONE)
+
+    @property
+    def draws(self) -> int:
+        """Surrogates and resamples of all tests, and of the lags that are scanned."""
+        return super().draws + (0 if self.scan is None else self.surrogates * len(self.scanned))
+
+    @property
+    def scanned(self) -> tuple[Measure, ...]:
+        """What is measured over lags."""
+        return (CONTINGENCY, COMBINED, TRANSFER) if self.condition else (TRANSFER,)
 
 
 @dataclass(frozen=True)
@@ -59,6 +104,8 @@ class Measured:
     degrees_of_freedom: float
     normalised: float
     """Effective value, divided by the bound ``smallest``."""
+    values: tuple[LocalContingency, ...] = ()
+    """What each combination of values adds to the measure, most first; none where histories are longer than a step."""
 
 
 @dataclass(frozen=True)
@@ -70,8 +117,18 @@ class MeasureResult:
     granger: float
     """Linear Granger causality, given the condition if there is one; NaN where there are too many values for it."""
     notes: tuple[str, ...]
+    scans: tuple[tuple[str, LagScan], ...] = ()
+    """The measures over lags, if asked for."""
+    dyads: tuple[DyadResult, ...] = ()
+    """Values for each recording, if there are several."""
+    step: float | None = None
+    """Seconds of a step, if known."""
+    names: tuple[str, str, str] = ("", "", "")
+    """Of source, condition and target."""
+    labels: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    explain: int = 3
 
-    def rows(self) -> list[dict[str, float | str | int]]:
+    def rows(self) -> list[dict[str, Any]]:
         """A row a measure."""
         return [
             {
@@ -87,15 +144,31 @@ class MeasureResult:
                 "p": one.significance.p,
                 "transitions": one.significance.transitions,
                 "linear_granger": self.granger,
+                "method": one.significance.method,
+                "inflation": one.significance.inflation,
             }
             for one in self.measured
         ]
 
+    def lag_rows(self) -> list[dict[str, Any]]:
+        """A row a measure and lag; none where lags were not scanned."""
+        return [row for name, scan in self.scans for row in lag_rows(name, scan, self.step)]
+
+    def dyad_rows(self) -> list[dict[str, Any]]:
+        """A row a measure and recording."""
+        return [row for one in self.dyads for row in one.rows()]
+
+    def value_rows(self) -> list[dict[str, Any]]:
+        """A row a measure and combination of values, as labels."""
+        return [{"measure": one.name, **self._labelled(value)} for one in self.measured for value in one.values]
+
     def text(self) -> str:
         """A table to read."""
+        of_dyads = [line for one in self.dyads for line in one.lines()]
         lines = [
             self.title,
             "",
+            *([*of_dyads, "", "All steps together:"] if of_dyads else []),
             f"{'measure':14}{'plug-in':>10}{'Miller-M.':>11}{'df':>10}{'effective':>11}{'95% interval':>22}"
             f"{'share':>9}{'p':>9}",
         ]
@@ -109,14 +182,43 @@ class MeasureResult:
         lines += [
             f"{'linear Granger':14}{number(self.granger):>10}",
             "",
-            "effective: plug-in less the mean of permutations of the source within its context; share: of the most",
-            "that is possible. Miller-M. and df: plug-in less analytic estimates of its bias.",
+            "effective: plug-in less the mean of surrogates of the source; share: of the most that is possible.",
+            "Miller-M. and df: plug-in less analytic estimates of its bias.",
         ]
+        for one in self.measured:
+            carried = carriers(one.values, most=self.explain) if one.significance.p <= ALPHA else ()
+            if carried:
+                lines += ["", f"{one.name} is carried by", *(f"  {v.words(self.names, self.labels)}" for v in carried)]
+        if self.scans:
+            lines += ["", *(lag_words(name, scan, self.step) for name, scan in self.scans)]
         return "\n".join([*lines, *(f"Note: {note}." for note in self.notes)])
 
+    def _labelled(self, value: LocalContingency) -> dict[str, Any]:
+        def called(name: str, code: int, used: bool) -> str:
+            return "" if not used else str(self.labels[name][code]) if name in self.labels else str(code)
 
-def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lambda done: None) -> MeasureResult:
+        source, condition, target = self.names
+        return {
+            "before": called(target, value.before, "r" in value.known),
+            "source": called(source, value.sensor, True),
+            "condition": called(condition, value.action, "a" in value.known),
+            "result": called(target, value.result, True),
+            "count": value.count,
+            "occasions": value.occasions,
+            "expected": value.expected,
+            "contribution": value.contribution,
+            "z": value.z,
+            "p": value.p,
+            "p_adjusted": value.p_adjusted,
+        }
+
+
+def run_measure(
+    options: MeasureOptions, progress: Callable[[int], object] = lambda done: None, data: Recordings | None = None
+) -> MeasureResult:
     """Read the file, measure, test; ``progress`` is told of surrogates and resamples as they are drawn.
+
+    ``data`` is what the file has, where it is read already.
 
     Raises:
         SeriesError: The file or a column cannot be measured.
@@ -124,25 +226,62 @@ def run_measure(options: MeasureOptions, progress: Callable[[int], object] = lam
         OutputError: ``out`` is there already or cannot be written.
     """
     paths = None if options.out is None else result_paths(options.out, "measures")
-    data = options.read(options.file, [*options.source, *options.target, *options.condition])
-    source, target = data.joined(options.source)[0], data.joined(options.target)[0]
-    condition = data.joined(options.condition)[0] if options.condition else None
-    given = steps(source, target, condition, data.groups)
+    by = [] if options.by is None else [options.by]
+    data = data or options.read(options.file, [*options.source, *options.target, *options.condition, *by])
+    (source, of_source), (target, of_target) = data.joined(options.source), data.joined(options.target)
+    condition, of_condition = data.joined(options.condition) if options.condition else (None, ())
+    timing = options.timing(data.step)
+    whole = steps(source, target, condition, data.groups)
+    given = timed(whole, timing)
     progress = patient(progress, options.draws, options.yes)
-    streams = np.random.SeedSequence(options.seed).spawn(len(CONDITIONED))
-    measured = tuple(
-        _measured(given, measure, options, np.random.default_rng(stream), progress)
-        for measure, stream in zip(CONDITIONED if options.condition else ALONE, streams, strict=False)
-    )
-    notes = [*data.notes(), *exchange_notes([one.significance for one in measured])]
+    streams = np.random.SeedSequence(options.seed).spawn(len(CONDITIONED) + 2)
+    measured = _measured(given, options, streams, progress)
+    tested = [(one.name, one.significance) for one in measured]
+    notes = [
+        *data.notes(),
+        *exchange_notes([one for _, one in tested]),
+        *method_notes(tested, options.method, options.surrogates),
+    ]
+    scans: list[tuple[str, LagScan]] = []
+    if options.scan is not None:
+        lags = range(1, delay_in_steps("scan", options.scan, data.step) + 1)
+        unit, rng = check_base(options.base), np.random.default_rng(streams[len(CONDITIONED)])
+        for one in options.scanned:
+            scan = scan_steps(whole, one, lags, timing, options.test(), unit, rng, progress)
+            scans.append((one.name, scan))
+        notes.append(
+            f"p over lags comes from {scans[0][1].surrogates} surrogates, {WORDS[scans[0][1].method]}, and the highest "
+            f"of all {len(lags)} lags in each (max-T)"
+        )
+    dyads = _by_recording(given, data, options, streams[-1])
     try:
-        granger = linear_granger(source, target, condition, options.base)
+        granger = _granger(given, options.base)
     except SeriesError as error:
         granger = float("nan")
         notes.append(str(error))
-    result = MeasureResult(_title(options, data), measured, granger, tuple(notes))
+    names = " & ".join(options.source), " & ".join(options.condition), " & ".join(options.target)
+    labels = dict(zip(names, (of_source, of_condition, of_target), strict=True))
+    result = MeasureResult(
+        _title(options, data),
+        measured,
+        granger,
+        tuple(notes),
+        tuple(scans),
+        dyads,
+        data.step,
+        names,
+        labels,
+        options.explain,
+    )
     if paths is not None:
-        write_results(paths, result.rows(), options, notes=result.notes)
+        if scans:
+            draw_lags(_beside(paths[0], "lags"), scans, data.step, result.title.split(":")[0], _unit(options))
+        lags_and_values = {"lags": result.lag_rows()} if scans else {}
+        if dyads:
+            lags_and_values["recordings"] = result.dyad_rows()
+            lags_and_values["groups"] = [asdict(group) for one in dyads for group in one.groups]
+            lags_and_values["comparisons"] = [asdict(pair) for one in dyads for pair in one.comparisons]
+        write_results(paths, result.rows(), options, notes=result.notes, **lags_and_values, values=result.value_rows())
     return result
 
 
@@ -153,35 +292,77 @@ def exchange_notes(found: list[Significance]) -> list[str]:
         return []
     return [
         f"only {least:.0%} of the steps have another value of the source in the same context and recording to change "
-        "places with, so p says little; fewer values, longer recordings or --across-recordings help"
+        "places with, so p says little; fewer values, longer recordings, or permuting across recordings help"
     ]
 
 
 def _measured(
     given: Steps,
-    measure: Measure,
     options: MeasureOptions,
-    rng: np.random.Generator,
+    streams: Sequence[np.random.SeedSequence],
     progress: Callable[[int], object],
-) -> Measured:
+) -> tuple[Measured, ...]:
     unit = check_base(options.base)
     entries = given.entries()
-    found = assess_steps(given, measure, options.test(), unit, rng, progress)
-    bound = measure.bound(entries, "smallest") / unit
-    return Measured(
-        measure.name,
-        found,
-        found.value - measure.bias(entries, "miller_madow") / unit,
-        found.value - measure.bias(entries, "degrees_of_freedom") / unit,
-        found.corrected / bound if bound > 1e-12 else 0.0,
+    measures = CONDITIONED if options.condition else ALONE
+    rngs = [np.random.default_rng(stream) for stream in streams[: len(measures)]]
+    assessed = assess_measures(given, measures, options.test(), unit, rngs, progress)
+    plain = options.source_history == options.target_history == 1 and len(entries.counts) <= MOST_COMBINATIONS
+    measured = []
+    for measure, found in zip(measures, assessed, strict=True):
+        bound = measure.bound(entries, "smallest") / unit
+        measured.append(
+            Measured(
+                measure.name,
+                found,
+                found.value - measure.bias(entries, "miller_madow") / unit,
+                found.value - measure.bias(entries, "degrees_of_freedom") / unit,
+                found.corrected / bound if bound > 1e-12 else 0.0,
+                local_of_steps(given, measure, unit) if plain else (),
+            )
+        )
+    return tuple(measured)
+
+
+def _by_recording(
+    given: Steps, data: Recordings, options: MeasureOptions, stream: np.random.SeedSequence
+) -> tuple[DyadResult, ...]:
+    """Values for each recording, where there are several."""
+    count = len(set(data.groups))
+    if options.over == "steps" or (options.over == "auto" and options.by is None and count < ENOUGH_RECORDINGS):
+        return ()
+    names = {number: data.names[number] if data.names else str(number) for number in set(data.groups)}
+    group_of = None if options.by is None else groups_by(data, options.by, names)
+    unit, streams = check_base(options.base), stream.spawn(len(options.scanned))
+    test = replace(options.test(), method="auto") if options.method == "partners" else options.test()
+    return tuple(
+        by_dyad(given, measure, names, test, unit, one, group_of, options.by or "")
+        for measure, one in zip(options.scanned, streams, strict=True)
     )
+
+
+def _granger(given: Steps, base: float) -> float:
+    """Linear Granger causality at the lag of ``given``; it knows no histories."""
+    if given.history is not None:
+        raise SeriesError("linear Granger is of one past value of the target; left out")
+    condition = None if given.condition is None else given.condition.split()
+    return linear_granger(given.source.split(), given.target.split(), condition, base)
+
+
+def _beside(path: Path, what: str) -> Path:
+    """The figure beside a file of results."""
+    return path.with_name(f"{path.stem}_{what}.png")
+
+
+def _unit(options: MeasureOptions) -> str:
+    return "bits" if options.base == 2 else f"units of base {options.base:g}"
 
 
 def _title(options: MeasureOptions, data: Recordings) -> str:
     given = f" | {' & '.join(options.condition)}" if options.condition else ""
     recordings = len(set(data.groups))
-    unit = "bits" if options.base == 2 else f"units of base {options.base:g}"
+    lag = "" if options.lag.strip() == "1" else f", lag {options.lag}"
     return (
         f"{' & '.join(options.source)} -> {' & '.join(options.target)}{given}: {data.transitions} steps in "
-        f"{recordings} recording{'s' * (recordings != 1)}, {unit}"
+        f"{recordings} recording{'s' * (recordings != 1)}{lag}, {_unit(options)}"
     )

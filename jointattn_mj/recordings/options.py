@@ -6,8 +6,10 @@ from typing import Annotated
 
 import tyro
 
-from jointattn_mj.contingency.significance import TestOptions
-from jointattn_mj.options import Real, Seed, Whole
+from jointattn_mj.contingency.lagged import Timing
+from jointattn_mj.contingency.significance import Method, TestOptions
+from jointattn_mj.options import Count, Real, Seed, Whole
+from jointattn_mj.recordings.delays import check_delay, delay_in_steps
 from jointattn_mj.recordings.reader import ReadOptions
 
 
@@ -16,11 +18,23 @@ class RecordingTestOptions(ReadOptions):
     """A recording of people, and how contingency in it is tested."""
 
     file: tyro.conf.Positional[Path] = field(kw_only=False)
-    """CSV file with a header, or Parquet file, with a row for every step; the row after answers the row before."""
+    """A file, or a folder of files, each a recording: coded events of ELAN, BORIS, Datavyu, Observer, INTERACT or any
+    table with onset and offset, which --step samples; or a CSV, Parquet or Excel table with a row for every step."""
     base: Annotated[float, Real("(1, 1e6]")] = 2
     """Base of the logarithm: 2 for bits."""
+    lag: str = "1"
+    """From source and condition to the result: steps, such as 3, or a time, such as 0.5s or 500ms."""
+    source_history: Count = 1
+    """Values of the source taken as one: the one at the lag, and those before it."""
+    target_history: Count = 1
+    """Past values of the target that are known anyway: what its own past explains is taken off."""
     surrogates: Annotated[int, Whole("[1, 1e9]")] = 1000
-    """Permutations of the source within its context, behind effective values and p."""
+    """Surrogates of the source, behind effective values and p."""
+    method: Method = "auto"
+    """How surrogates are made. permutation: within the context, right where the source or the result is fresh at every
+    step. shift: the source is shifted in a circle within its recording, right for long looks, too. bootstrap: it is put
+    together from its own blocks. partners: it is taken from other recordings. auto: permutation or, where the measured
+    autocorrelation forbids it, shift, or partners where recordings are short and at least 8."""
     resamples: Annotated[int, Whole("[0, 1e9]")] = 500
     """Bootstrap resamples behind the intervals; 0 leaves these out."""
     seed: Seed = 0
@@ -34,7 +48,20 @@ class RecordingTestOptions(ReadOptions):
 
     def test(self) -> TestOptions:
         """Return how significance is found."""
-        return TestOptions(self.surrogates, across_recordings=self.across_recordings, resamples=self.resamples)
+        return TestOptions(
+            self.surrogates,
+            across_recordings=self.across_recordings,
+            resamples=self.resamples,
+            method=self.method,
+        )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_delay("lag", self.lag)
+
+    def timing(self, step: float | None) -> Timing:
+        """Lag and histories in steps of so many seconds; None: their length is not known."""
+        return Timing(delay_in_steps("lag", self.lag, step), self.source_history, self.target_history)
 
     @property
     def tests(self) -> int:

@@ -43,7 +43,7 @@ def patient(
         if left > LONG_S:
             raise ConfigError(
                 f"{total:,} surrogates and resamples would take about {duration(left)} on this machine; ask for fewer, "
-                "or say --yes to wait"
+                "or say `yes=True` to wait"
             )
 
     return watch

@@ -1,98 +1,223 @@
-"""Reads observations from a CSV or Parquet file: a row a step, a column a variable, labels of any kind."""
+"""Reads coded interaction from files of any kind, as events and as steps that the measures take."""
 
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
-
-from jointattn_mj.contingency.series import joint
 from jointattn_mj.errors import SeriesError
-from jointattn_mj.io.progress import count
-from jointattn_mj.options import Checked, Whole, shown
-from jointattn_mj.recordings.labels import coded
-from jointattn_mj.recordings.table_files import read_columns
+from jointattn_mj.options import Real, shown
+from jointattn_mj.recordings.events import Events
+from jointattn_mj.recordings.sampling import Missing, SampleOptions
+from jointattn_mj.recordings.sources import SourceOptions, files_of, open_frame, open_source
+from jointattn_mj.recordings.step_tables import Fractions, read_steps
+from jointattn_mj.recordings.steps import Recordings
+from jointattn_mj.recordings.table_files import TableFile
 
-Missing = Literal["error", "break"]
-"""What a missing value does: it is an ``error``, or it ends the recording there, and the next row begins another."""
+if TYPE_CHECKING:
+    from jointattn_mj.recordings.discover import DiscoverResult
+    from jointattn_mj.recordings.measure import MeasureResult
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReadOptions(Checked):
-    """How a file of observations is read."""
+class ReadOptions(SourceOptions, SampleOptions):
+    """How files of coded interaction are read."""
 
-    recording: str | None = None
-    """Column that tells independent recordings apart: no step leads from one into another."""
-    missing: Missing = "error"
-    """What a missing value does: an error, or a break in the recording."""
-    encoding: str | None = None
-    """Encoding of a text file, such as cp1252; UTF-8 where nothing is said, or what its byte order mark says."""
-    skip_rows: Annotated[int, Whole("[0, 1e9]")] = 0
-    """Lines above the header to leave out."""
-    rows_are_steps: bool = False
-    """Take rows as steps although columns such as onset and offset look like a list of events."""
+    step: Annotated[float, Real("[1e-6, 1e6]")] | None = None
+    """Sample events to steps of so many seconds, such as 0.1; not needed where rows are steps."""
+    fractions: Fractions = "error"
+    """What numbers with fractions are in a column of steps: an error, as measurements are first sorted into bins, or
+    names like others."""
 
-    def read(self, path: Path | str, columns: str | Sequence[str]) -> "Recordings":
-        """The columns as :func:`read_recordings` reads them with these options."""
-        if not isinstance(path, (str, os.PathLike)):
-            raise SeriesError(f"expected the path of a file; got {type(path).__name__}")
+    def read(self, path: Any, columns: str | Sequence[str]) -> Recordings:
+        """The columns or tiers as :func:`read_recordings` reads them with these options."""
         names = [columns] if isinstance(columns, str) else list(dict.fromkeys(columns))
         if not names or not all(isinstance(name, str) for name in names):
             raise SeriesError(f"expected the name of a column, or several; got {shown(columns)}")
-        return _read(Path(path), names, self)
+        return Coding(path, self, tuple(names)).steps(self.step)
 
 
-@dataclass(frozen=True, repr=False)
-class Recordings:
-    """Variables as series of codes, and what the codes are called."""
+@dataclass(frozen=True, eq=False)
+class Coding:
+    """Coded interaction in a file, a folder of files, or a table; it is read when it is asked for.
 
-    columns: dict[str, list[np.ndarray]]
-    """Codes by variable, recording by recording."""
-    labels: dict[str, tuple[str, ...]]
-    """Label of each code by variable: numbers ascending, other labels in the order of the alphabet."""
-    groups: list[int]
-    """Which recording each of the series' arrays belongs to: pieces of one that was cut have the same number."""
-    rows: int
-    """Rows of the file."""
-    cut: int = 0
-    """Rows with missing values, at which recordings were cut."""
-    alone: int = 0
-    """Rows without missing values that take part in no transition, as nothing stands before or after them."""
+    Attributes:
+        source: A path, or a table of pandas, polars or pyarrow.
+        options: How it is read.
+        columns: Columns or tiers that are asked for; None: all.
+    """
 
-    @property
-    def transitions(self) -> int:
-        """Steps that have a next one."""
-        return sum(len(part) - 1 for part in next(iter(self.columns.values())))
+    source: Any
+    options: ReadOptions
+    columns: tuple[str, ...] | None = None
 
     def __repr__(self) -> str:
-        names = ", ".join(self.columns)
-        names = names if len(names) <= 60 else f"{names[:57]}..."
-        recordings = count(len(set(self.groups)), "recording")
-        return f"Recordings({count(self.rows, 'row')}, {recordings}, {count(len(self.columns), 'column')}: {names})"
+        return f"Coding({shown(self.source if isinstance(self.source, (str, Path)) else type(self.source).__name__)})"
 
-    def joined(self, names: Sequence[str]) -> tuple[list[np.ndarray], tuple[str, ...]]:
-        """Several variables taken as one, and the labels of the combinations that occur; one is taken as it is."""
-        if len(names) == 1:
-            return self.columns[names[0]], self.labels[names[0]]
-        codes = joint(*(self.columns[name] for name in names))
-        parts = codes if isinstance(codes, list) else [codes]
-        first = np.unique(np.concatenate(parts), return_index=True)[1]
-        single = [np.concatenate(self.columns[name])[first] for name in names]
-        combinations = zip(
-            *(np.array(self.labels[name])[at] for name, at in zip(names, single, strict=True)), strict=True
-        )
-        return parts, tuple(" & ".join(combination) for combination in combinations)
+    @property
+    def events(self) -> Events:
+        """What is coded from when to when.
 
-    def notes(self) -> tuple[str, ...]:
-        """What a reader should know about rows that could not be used as they are."""
-        notes = []
-        if self.cut:
-            notes.append(f"{self.cut} of {self.rows} rows have missing values; recordings were cut there")
-        if self.alone:
-            notes.append(f"{self.alone} rows have nothing before or after them and take part in no transition")
-        return tuple(notes)
+        Raises:
+            SeriesError: It cannot be read, or it has a row for every step.
+        """
+        content, remarks = self._content
+        events = [one for one in content if isinstance(one, Events)]
+        if len(events) < len(content):
+            path = next(one.path for one in content if isinstance(one, TableFile))
+            raise SeriesError(f"{path} has a row for every step, and no events; take steps()")
+        known: set[tuple[str, str]] = set()
+        for one in events:
+            tiers = {(recording, tier) for recording, tiers in one.tiers.items() for tier in tiers}
+            if known & tiers:
+                recording, tier = min(known & tiers)
+                raise SeriesError(
+                    f"several files have the tier {tier!r} of recording {recording!r}; give recordings different "
+                    "names, or name a column that tells them apart with `recording`"
+                )
+            known |= tiers
+        whole = events[0].joined(*events[1:]) if len(events) > 1 else events[0]
+        return replace(whole, remarks=(*whole.remarks, *remarks))
+
+    def steps(self, step: float | None = None, columns: Iterable[str] | None = None, **how: Any) -> Recordings:
+        """Steps of equal length for the measures.
+
+        Args:
+            step: Length of a step in seconds, for events; None where rows are steps.
+            columns: Tiers or columns; None: all that were asked for.
+            how: Fields of :class:`SampleOptions` other than when the file was opened.
+
+        Returns:
+            A variable for each tier or column, recording by recording.
+
+        Raises:
+            SeriesError: It cannot be read or sampled.
+            ConfigError: An option that cannot work.
+        """
+        options = replace(self.options, step=step, **how)
+        names = self.columns if columns is None else tuple([columns] if isinstance(columns, str) else columns)
+        same = replace(self, options=options, columns=names)
+        content, remarks = same._content
+        if step is None and any(isinstance(one, Events) for one in content):
+            raise SeriesError(f"{same._name} is of events; say how long a step is, such as `step=0.1` (seconds)")
+        if step is None:
+            return read_steps(
+                [one for one in content if isinstance(one, TableFile)],
+                names,
+                options.recording,
+                options.missing,
+                options.missing_values,
+                options.fractions,
+                remarks,
+            )
+        wanted = {name: getattr(options, name) for name in SampleOptions.__dataclass_fields__}
+        return same.events.steps(step, names, **wanted)
+
+    def measure(
+        self,
+        source: str | Sequence[str],
+        target: str | Sequence[str],
+        condition: str | Sequence[str] = (),
+        step: float | None = None,
+        **how: Any,
+    ) -> "MeasureResult":
+        """Measure how much one variable says about the next value of another, as ``jointattn measure`` does.
+
+        Args:
+            source: Tier or column whose influence is asked for; several are taken jointly.
+            target: Tier or column that may be influenced.
+            condition: What is known anyway, such as an action.
+            step: Length of a step in seconds, for events; None where rows are steps.
+            how: Further fields of ``MeasureOptions``, such as ``surrogates``.
+
+        Returns:
+            All measures; ``print(result.text())`` shows them.
+
+        Raises:
+            SeriesError: It cannot be read, sampled or measured.
+            ConfigError: An option that cannot work.
+        """
+        from jointattn_mj.recordings.measure import MeasureOptions, run_measure
+
+        names = _tuple(source), _tuple(target), _tuple(condition)
+        options = MeasureOptions(**self._told(step, how), source=names[0], target=names[1], condition=names[2])
+        return run_measure(options, data=Coding(self.source, options, (*names[0], *names[1], *names[2])).steps(step))
+
+    def discover(
+        self,
+        sensors: str | Sequence[str],
+        actions: str | Sequence[str],
+        results: str | Sequence[str],
+        step: float | None = None,
+        **how: Any,
+    ) -> "DiscoverResult":
+        """Rank events by their contingency, as ``jointattn discover`` does.
+
+        Args:
+            sensors: Tiers or columns of what is sensed.
+            actions: Those of what is done.
+            results: Those of what may come of it.
+            step: Length of a step in seconds, for events; None where rows are steps.
+            how: Further fields of ``DiscoverOptions``, such as ``measure``.
+
+        Returns:
+            The events, the most contingent first; ``print(result.text())`` shows them.
+
+        Raises:
+            SeriesError: It cannot be read, sampled or measured.
+            ConfigError: An option that cannot work.
+        """
+        from jointattn_mj.recordings.discover import DiscoverOptions, run_discover
+
+        names = _tuple(sensors), _tuple(actions), _tuple(results)
+        options = DiscoverOptions(**self._told(step, how), sensors=names[0], actions=names[1], results=names[2])
+        return run_discover(options, data=Coding(self.source, options, (*names[0], *names[1], *names[2])).steps(step))
+
+    def _told(self, step: float | None, how: dict[str, Any]) -> dict[str, Any]:
+        """Fields of the options of a test of this coding."""
+        own = {name: getattr(self.options, name) for name in ReadOptions.__dataclass_fields__}
+        return {**own, "file": Path(self._name), "step": step, **how}
+
+    @property
+    def _name(self) -> str:
+        return str(self.source) if isinstance(self.source, (str, os.PathLike)) else "the table"
+
+    @cached_property
+    def _content(self) -> tuple[list[Events | TableFile], list[str]]:
+        sampled = self.options.step is not None
+        if not isinstance(self.source, (str, os.PathLike)):
+            return [open_frame(self.source, self.options, self.columns, sampled)], []
+        files, remarks = files_of(Path(self.source))
+        return [open_source(path, self.options, self.columns, sampled) for path in files], remarks
+
+
+def read(source: Any, **options: Any) -> Coding:
+    """Read coded interaction: events of ELAN, BORIS, Datavyu, Observer or INTERACT, any table of events, or of steps.
+
+    Args:
+        source: A file, a folder of files, each a recording, or a table of pandas, polars or pyarrow.
+        options: Fields of :class:`ReadOptions`, such as ``recording`` or ``rate``.
+
+    Returns:
+        The coding; ``coding.events`` are its events, ``coding.steps(0.1)`` its steps for the measures.
+
+    Raises:
+        ConfigError: An option that cannot work.
+
+    Examples:
+        >>> from pathlib import Path
+        >>> from jointattn_mj import recordings
+        >>> table = "tier,onset,offset,code\\ninfant,0.0,0.5,toy\\ninfant,0.5,1.0,face\\nmother,0.0,1.0,toy\\n"
+        >>> _ = Path("dyad.csv").write_text(table)
+        >>> coding = recordings.read("dyad.csv")
+        >>> coding.events
+        Events(3 events, 2 tiers, 1 recording)
+        >>> coding.steps(0.25).columns["infant"]
+        [array([1, 1, 0, 0], dtype=int32)]
+    """
+    return Coding(source, ReadOptions(**options))
 
 
 def read_recordings(
@@ -101,30 +226,34 @@ def read_recordings(
     recording: str | None = None,
     missing: Missing = "error",
     *,
+    step: float | None = None,
     encoding: str | None = None,
     skip_rows: int = 0,
     rows_are_steps: bool = False,
+    **options: Any,
 ) -> Recordings:
-    """Read columns of a text or Parquet file as series of codes, for the estimators of ``contingency``.
+    """Read columns of a table, or tiers of coded events, as series of codes for the estimators of ``contingency``.
 
-    A text file has a header, and columns separated by commas, semicolons or tabs. What the file holds counts, not its
-    name. Labels lose blanks around them; 1.0 and 1,0 are the same as 1. Nothing, NA, NaN, null and such are missing.
+    A file is a text, Parquet or Excel table, or of ELAN or Datavyu; what it holds counts, not its name. Labels lose
+    blanks around them; 1.0 and 1,0 are the same as 1. Nothing, NA, NaN, null and such are missing.
 
     Args:
-        path: The file, with a row a step.
+        path: The file, or a folder of files, each a recording.
         columns: Names of the variables to read, or one name.
         recording: Column that tells independent recordings apart: rows with the same value are one, in their order.
         missing: What a missing value does: ``"error"``, or ``"break"``, which cuts the recording there.
+        step: Length of a step in seconds, to which events are sampled; None where rows are steps.
         encoding: Encoding of a text file, such as ``"cp1252"``; by default UTF-8, or what its byte order mark says.
         skip_rows: Lines above the header to leave out.
         rows_are_steps: Take rows as steps although columns such as onset and offset look like a list of events.
+        options: Further fields of ``ReadOptions``, such as ``value_at`` or ``missing_values``.
 
     Returns:
         Codes by variable, recording by recording, and the label of each code.
 
     Raises:
         SeriesError: No such file or column, nothing in it, another encoding, missing values, numbers with fractions,
-            a list of events, or no transition.
+            a list of events without ``step``, events that overlap, or no transition.
 
     Examples:
         >>> from pathlib import Path
@@ -134,51 +263,19 @@ def read_recordings(
         >>> recordings.columns["gaze"], recordings.labels["gaze"]
         ([array([0, 1, 0])], ('left', 'right'))
     """
-    options = ReadOptions(
-        recording=recording, missing=missing, encoding=encoding, skip_rows=skip_rows, rows_are_steps=rows_are_steps
+    if not isinstance(path, (str, os.PathLike)):
+        raise SeriesError(f"expected the path of a file; got {type(path).__name__}")
+    how = ReadOptions(
+        recording=recording,
+        missing=missing,
+        step=step,
+        encoding=encoding,
+        skip_rows=skip_rows,
+        rows_are_steps=rows_are_steps,
+        **options,
     )
-    return options.read(path, columns)
+    return how.read(path, columns)
 
 
-def _read(path: Path, columns: list[str], options: ReadOptions) -> Recordings:
-    recording = options.recording
-    wanted = list(dict.fromkeys([*columns, *([recording] if recording is not None else [])]))
-    table = read_columns(path, wanted, options.encoding, options.skip_rows, options.rows_are_steps)
-    rows = table.num_rows
-    if rows < 2:
-        raise SeriesError(f"{path} has {rows or 'no'} row{'s' * (rows != 1)} below its header; at least 2 are needed")
-    codes = {name: coded(table.column(i), name) for i, name in enumerate(wanted) if name in columns}
-    marks = None if recording is None else coded(table.column(wanted.index(recording)), recording, identifies=True)[0]
-    absent = np.zeros(rows, bool)
-    for name in wanted:
-        gaps = (marks if marks is not None and name == recording else codes[name][0]) < 0
-        if gaps.any() and (options.missing == "error" or name == recording):
-            hint = "" if name == recording else "; fill them in, or cut recordings there with --missing break"
-            raise SeriesError(
-                f"column {name!r} of {path} has {int(gaps.sum())} missing values, the first in data row "
-                f"{int(np.argmax(gaps)) + 1}{hint}"
-            )
-        absent |= gaps
-    pieces = _pieces(absent, marks)
-    kept = [piece for piece in pieces if len(piece) > 1]
-    if not kept:
-        raise SeriesError(f"{path} has no two rows in one recording, so nothing follows anything")
-    return Recordings(
-        {name: [codes[name][0][piece] for piece in kept] for name in columns},
-        {name: codes[name][1] for name in columns},
-        [0 if marks is None else int(marks[piece[0]]) for piece in kept],
-        rows,
-        int(absent.sum()),
-        sum(len(piece) == 1 for piece in pieces),
-    )
-
-
-def _pieces(absent: np.ndarray, recording: np.ndarray | None) -> list[np.ndarray]:
-    """Row numbers of each stretch without gaps in one recording."""
-    order = np.arange(len(absent)) if recording is None else np.argsort(recording, kind="stable")
-    breaks = np.zeros(len(absent), bool)
-    breaks[1:] = absent[order][1:] != absent[order][:-1]
-    if recording is not None:
-        breaks[1:] |= np.diff(recording[order]) != 0
-    pieces = np.split(order, np.flatnonzero(breaks))
-    return [piece for piece in pieces if not absent[piece[0]]]
+def _tuple(names: str | Sequence[str]) -> tuple[str, ...]:
+    return (names,) if isinstance(names, str) else tuple(names)

@@ -1,51 +1,130 @@
-"""Columns of CSV and Parquet files, as text that is encoded by a dictionary. What a file holds says what it is."""
+"""Tables in text, Parquet and Excel files, as dictionary-encoded text. What a file holds says what it is."""
 
+import csv
+import io
 import os
 import re
 import stat
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from difflib import get_close_matches
+from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.io.former_columns import present_name
-from jointattn_mj.options import warn_renamed
-from jointattn_mj.recordings.text_files import as_utf8, layout, line_of_header
+from jointattn_mj.options import Checked, Whole, warn_renamed
+from jointattn_mj.recordings.excel_files import STARTS, clock, sheet_rows
+from jointattn_mj.recordings.text_files import SEARCHED_LINES, SNIFFED_ROWS, TextLayout, are_above, as_utf8, layout
 
-EVENTS = (
-    ("onset", "offset"),
-    ("onset", "duration"),
-    ("begin", "end"),
-    ("begin time", "duration"),
-    ("start", "stop"),
-    ("start", "end"),
-    ("start", "duration"),
-    ("start time", "duration"),
-)
-"""What two columns are called, apart from what is the same in both, where each row is an event of some length."""
 _SHOWN = 20
 
 
-def read_columns(
-    path: Path, wanted: Sequence[str], encoding: str | None = None, skip_rows: int = 0, rows_are_steps: bool = False
-) -> Any:
-    """The columns ``wanted`` (different names) as a pyarrow table of dictionary-encoded text, in their order.
+@dataclass(frozen=True, kw_only=True)
+class TableOptions(Checked):
+    """How a table is found in its file."""
+
+    encoding: str | None = None
+    """Encoding of a text file, such as cp1252; UTF-8 where nothing is said, or what its byte order mark says."""
+    skip_rows: Annotated[int, Whole("[0, 1e9]")] = 0
+    """Lines above the header to leave out; lines that are no part of the table are found."""
+    delimiter: str | None = None
+    """What separates columns in a text file, one character or "tab"; by default comma, semicolon, tab or |."""
+    sheet: str | None = None
+    """Sheet of an Excel workbook; by default the only one, or all that have the same header."""
+    columns: tuple[str, ...] = ()
+    """Names of the columns of a table without a header, such as tier onset offset code; - leaves a column out."""
+
+
+@dataclass(frozen=True)
+class TableFile:
+    """A table in a file, of which columns are read when they are asked for."""
+
+    path: Path
+    header: tuple[str, ...]
+    """Names of the columns; blanks around and within them are single ones."""
+    head: tuple[tuple[str, ...], ...]
+    """The first rows as text, the header among them; empty where the file tells its header apart, as Parquet does."""
+    read: Callable[[Sequence[int]], Any]
+    """Gives columns by their locations as a pyarrow table of dictionary-encoded text, named by their numbers."""
+    named_in: int | None = None
+    """Line, from 0 on, that has the names that were looked for, below lines that may be rows of the table."""
+
+    @property
+    def hint(self) -> str:
+        """What to do where the names stand further down."""
+        return (
+            "" if self.named_in is None else f". Line {self.named_in + 1} names them: say `skip_rows={self.named_in}`"
+        )
+
+    def columns(self, locations: Sequence[int]) -> Any:
+        """Columns by their locations as a pyarrow table of dictionary-encoded text, in their order.
+
+        Raises:
+            SeriesError: They cannot be read.
+        """
+        import pyarrow as pa
+
+        different = list(dict.fromkeys(locations))
+        try:
+            table = self.read(different)
+        except (pa.ArrowException, UnicodeDecodeError, OSError) as error:
+            trouble = re.sub(r"Row #(\d+)", r"data row \1", " ".join(str(error).split()))
+            raise SeriesError(f"{self.path} is no table that can be read: {trouble[:300]}") from error
+        return table.select([different.index(location) for location in locations])
+
+    def locations(self, wanted: Sequence[str]) -> list[int]:
+        """Where columns stand.
+
+        Raises:
+            SeriesError: There is no such column, or two.
+        """
+        meant = [_present(single_blanks(name), self.header) for name in wanted]
+        for name in meant:
+            if self.header.count(name) == 0:
+                close = get_close_matches(name, self.header, 1)
+                hint = f"; did you mean {close[0]!r}?" if close else ""
+                raise SeriesError(
+                    f"{self.path} has no column {name!r}; its columns are: {_shown(self.header)}{hint}{self.hint}"
+                )
+            if self.header.count(name) > 1:
+                raise SeriesError(f"{self.path} has {self.header.count(name)} columns {name!r}; names must differ")
+        return [self.header.index(name) for name in meant]
+
+
+def open_table(
+    data: bytes,
+    path: Path,
+    options: TableOptions,
+    heads: Callable[[Sequence[str]], bool] = lambda names: True,
+) -> TableFile:
+    """Find the table in a file.
+
+    Args:
+        data: The whole file.
+        path: The file, for messages.
+        options: How it is written.
+        heads: Whether names are those of a header that is looked for.
 
     Raises:
-        SeriesError: No such file or column, or nothing that can be read.
+        SeriesError: Nothing that can be read.
     """
-    import pyarrow as pa  # here, so that measures of arrays do without it
+    if data.startswith(b"PAR1"):
+        return _parquet(data, path)
+    if data.startswith(STARTS):
+        return _workbook(sheet_rows(data, path, options.sheet), path, options, heads)
+    return _text(as_utf8(data, path, options.encoding), path, options, heads)
 
-    data = read_bytes(path)
-    try:
-        if data.startswith(b"PAR1"):
-            return _read_parquet(data, path, wanted, rows_are_steps)
-        return _read_csv(as_utf8(data, path, encoding), path, wanted, skip_rows, rows_are_steps)
-    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
-        kind = "Parquet" if data.startswith(b"PAR1") else "CSV"
-        trouble = re.sub(r"Row #(\d+)", r"data row \1", " ".join(str(error).split()))
-        raise SeriesError(f"{path} is no {kind} file that can be read: {trouble[:300]}") from error
+
+def arrow_file(table: Any, path: Path) -> TableFile:
+    """A ``pyarrow.Table`` as a table file."""
+    names = tuple(single_blanks(str(name)) for name in table.column_names)
+
+    def read(locations: Sequence[int]) -> Any:
+        return _as_text([table.column(i) for i in locations], [names[i] for i in locations])
+
+    return TableFile(path, names, (), read)
 
 
 def read_bytes(path: Path) -> bytes:
@@ -67,66 +146,163 @@ def read_bytes(path: Path) -> bytes:
     return content
 
 
-def _read_csv(data: bytes, path: Path, wanted: Sequence[str], skip_rows: int, rows_are_steps: bool) -> Any:
+def single_blanks(name: str) -> str:
+    """A name with single blanks in it and none around."""
+    return " ".join(name.split())
+
+
+def _text(data: bytes, path: Path, options: TableOptions, heads: Callable[[Sequence[str]], bool]) -> TableFile:
+    def known(names: Sequence[str]) -> bool:
+        return bool(options.columns) or heads([single_blanks(name) for name in names])
+
+    found = layout(data, path, options.skip_rows, _delimiter(options), known)
+    lines = io.StringIO(data[: 1 << 20].decode(errors="ignore"), newline="")
+    lines.seek(found.header_at)
+    try:
+        head = tuple(tuple(row) for row in islice(csv.reader(lines, delimiter=found.delimiter), SNIFFED_ROWS))
+    except csv.Error as error:
+        raise SeriesError(f"{path} is no table that can be read: {error}") from error
+    start = found.start
+    if options.columns:
+        found = _named(found, path, options)
+        start = len(lines.getvalue()[: found.header_at].encode())
+    names = tuple(single_blanks(name) for name in found.header)
+    return TableFile(
+        path,
+        names,
+        head,
+        lambda locations: _read_text(data, start, found, path, locations),
+        found.named_in,
+    )
+
+
+def _named(found: TextLayout, path: Path, options: TableOptions) -> TextLayout:
+    """The layout of a table without a header, with the names that are told."""
+    if len(found.header) != len(options.columns):
+        raise SeriesError(
+            f"{path} has {len(found.header)} columns, and `columns` names {len(options.columns)} (- leaves one out)"
+        )
+    return TextLayout(found.delimiter, list(options.columns), found.start, found.header_at)
+
+
+def _delimiter(options: TableOptions) -> str | None:
+    mark = {"tab": "\t", "\\t": "\t", "space": " "}.get(options.delimiter or "", options.delimiter)
+    if mark is not None and (len(mark) != 1 or mark in '\r\n"' or not mark.isascii()):
+        raise SeriesError(f'the delimiter must be one character, or "tab"; got {options.delimiter!r}')
+    return mark
+
+
+def _read_text(data: bytes, start: int, found: TextLayout, path: Path, locations: Sequence[int]) -> Any:
     import pyarrow as pa
     from pyarrow import csv
 
-    table = layout(data, path, skip_rows)
-    try:
-        locations = [str(location) for location in _locations(table.header, wanted, path, rows_are_steps)]
-    except SeriesError as error:
-        line = line_of_header(data, wanted)
-        if line is None or line <= skip_rows:
-            raise
-        raise SeriesError(f"{error}. Line {line + 1} names them: say --skip-rows {line}") from error
-    body = data[table.start :].rstrip(b"\r\n") + b"\n"
-    if not body.strip(b"\r\n"):
-        return pa.table({name: pa.array([], pa.string()).dictionary_encode() for name in wanted})
+    end = len(data)
+    while end > start and data[end - 1] in b"\r\n":
+        end -= 1
+    names = [str(location) for location in locations]
+    if end == start:
+        return pa.table({name: pa.array([], pa.string()).dictionary_encode() for name in names})
     text = pa.dictionary(pa.int32(), pa.string())
-    columns = csv.read_csv(
-        pa.BufferReader(body),
-        read_options=csv.ReadOptions(use_threads=False, column_names=[str(i) for i in range(len(table.header))]),
-        parse_options=csv.ParseOptions(delimiter=table.delimiter, ignore_empty_lines=False, newlines_in_values=True),
-        convert_options=csv.ConvertOptions(
-            include_columns=locations, column_types=dict.fromkeys(locations, text), strings_can_be_null=False
-        ),
-    )
-    return columns.rename_columns(list(wanted))
+    body = pa.py_buffer(data).slice(start, end - start)
+    options = {
+        "read_options": csv.ReadOptions(use_threads=False, column_names=[str(i) for i in range(len(found.header))]),
+        "parse_options": csv.ParseOptions(delimiter=found.delimiter, ignore_empty_lines=False, newlines_in_values=True),
+    }
+    every = [str(i) for i in range(len(found.header))]
+
+    def read(columns: list[str]) -> Any:
+        convert = csv.ConvertOptions(
+            include_columns=columns, column_types=dict.fromkeys(columns, text), strings_can_be_null=False
+        )
+        return csv.read_csv(pa.BufferReader(body), convert_options=convert, **options)
+
+    columns = read(names)
+    if data.find(b'"', start) >= 0 and columns.num_rows < _lines(data, start, end):
+        _refuse_open_quotes(read(every), found, path)
+    return columns
 
 
-def _read_parquet(data: bytes, path: Path, wanted: Sequence[str], rows_are_steps: bool) -> Any:
+def _lines(data: bytes, start: int, end: int) -> int:
+    return (data.count(b"\n", start, end) or data.count(b"\r", start, end)) + 1
+
+
+def _refuse_open_quotes(table: Any, found: TextLayout, path: Path) -> None:
+    """Refuse a table in which a value holds whole rows, as a quotation mark was opened and not closed."""
+    for name, column in zip(found.header, table.columns, strict=True):
+        for value in column.unify_dictionaries().chunk(0).dictionary.to_pylist() if column.num_chunks else ():
+            lines = re.split(r"\r\n|\n|\r", value)
+            whole = len(found.header) - 1
+            if any(line.count(found.delimiter) >= max(whole, 1) for line in lines[1:-1]) or (
+                len(lines) > 1 and lines[0].count(found.delimiter) + lines[-1].count(found.delimiter) >= max(whole, 1)
+            ):
+                raise SeriesError(
+                    f"{path} has a quotation mark in column {name!r} that swallows rows, before "
+                    f"{' '.join(value.split())[:40]!r}; close it, or write two for one"
+                )
+
+
+def _workbook(
+    rows: list[list[str]], path: Path, options: TableOptions, heads: Callable[[Sequence[str]], bool]
+) -> TableFile:
     import pyarrow as pa
-    from pyarrow import compute, parquet
 
-    source = parquet.ParquetFile(pa.BufferReader(data))
+    rows = rows[options.skip_rows :]
+    if not rows:
+        raise SeriesError(f"{path} has no header below the {options.skip_rows} rows that `skip_rows` leaves out")
+    at = next((i for i, row in enumerate(rows[:SEARCHED_LINES]) if heads([single_blanks(cell) for cell in row])), 0)
+    named_in = options.skip_rows + at if at and not are_above(rows[:at], rows[at]) else None
+    at = 0 if named_in is not None else at
+    if options.columns:
+        at = 0
+        if len(rows[0]) != len(options.columns):
+            raise SeriesError(f"{path} has {len(rows[0])} columns, and `columns` names {len(options.columns)}")
+    header = tuple(map(single_blanks, options.columns or rows[at]))
+    body = rows[0 if options.columns else at + 1 :]
+
+    def read(locations: Sequence[int]) -> Any:
+        columns = [pa.array([row[i] for row in body], pa.string()).dictionary_encode() for i in locations]
+        return pa.table(columns, names=[str(i) for i in locations])
+
+    return TableFile(path, header, tuple(tuple(row) for row in rows[at : at + SNIFFED_ROWS]), read, named_in)
+
+
+def _parquet(data: bytes, path: Path) -> TableFile:
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    try:
+        source = parquet.ParquetFile(pa.BufferReader(data))
+    except (pa.ArrowException, OSError) as error:
+        raise SeriesError(
+            f"{path} is no Parquet file that can be read: {' '.join(str(error).split())[:300]}"
+        ) from error
     header = source.schema_arrow.names
-    names = [header[location] for location in _locations(header, wanted, path, rows_are_steps)]
-    columns = source.read(columns=names, use_threads=False).select(names).columns
-    for name, column in zip(wanted, columns, strict=True):
+
+    def read(locations: Sequence[int]) -> Any:
+        names = [header[i] for i in locations]
+        columns = source.read(columns=names, use_threads=False).select(names).columns
+        return _as_text(columns, names)
+
+    return TableFile(path, tuple(map(single_blanks, header)), (), read)
+
+
+def _as_text(columns: Sequence[Any], names: Sequence[str]) -> Any:
+    """Arrow columns as dictionary-encoded text."""
+    import pyarrow as pa
+    from pyarrow import compute
+
+    texts = []
+    for name, column in zip(names, columns, strict=True):
         if pa.types.is_floating(column.type) and compute.any(compute.is_inf(column)).as_py():
             raise SeriesError(f"column {name!r} holds infinite numbers; give each value a label, or leave it missing")
-    return pa.table([column.cast(pa.string()).dictionary_encode() for column in columns], names=list(wanted))
-
-
-def _locations(header: Sequence[str], wanted: Sequence[str], path: Path, rows_are_steps: bool) -> list[int]:
-    """Where the wanted columns stand; blanks around their names do not count."""
-    names = [" ".join(name.split()) for name in header]
-    meant = [_present(" ".join(name.split()), names) for name in wanted]
-    for name in meant:
-        if names.count(name) == 0:
-            close = get_close_matches(name, names, 1)
-            hint = f"; did you mean {close[0]!r}?" if close else ""
-            raise SeriesError(f"{path} has no column {name!r}; its columns are: {_shown(names)}{hint}")
-        if names.count(name) > 1:
-            raise SeriesError(f"{path} has {names.count(name)} columns {name!r}; names must differ")
-    events = None if rows_are_steps else _event_columns(names)
-    if events is not None:
-        raise SeriesError(
-            f"{path} lists events, as its columns {events[0]!r} and {events[1]!r} say: a row is no step, and the next "
-            "row is no answer to it. Sample the events first, with a row for every 0.1 s or so; or, if rows are steps "
-            "of one length, say --rows-are-steps"
-        )
-    return [names.index(name) for name in meant]
+        if pa.types.is_duration(column.type):
+            lengths = column.cast(pa.duration("us"), safe=False).cast(pa.int64()).to_pylist()
+            column = pa.chunked_array(
+                [pa.array([None if us is None else clock(us / 1e6) for us in lengths], pa.string())]
+            )
+        text = column.cast(pa.string())
+        texts.append(text if pa.types.is_dictionary(text.type) else text.dictionary_encode())
+    return pa.table(texts, names=[str(i) for i in range(len(texts))])
 
 
 def _present(name: str, names: Sequence[str]) -> str:
@@ -136,17 +312,6 @@ def _present(name: str, names: Sequence[str]) -> str:
         return name
     warn_renamed(f"column {name!r}", repr(present))
     return present
-
-
-def _event_columns(names: Sequence[str]) -> tuple[str, str] | None:
-    """Two columns that say when an event begins and when it ends, or how long it is."""
-    spelt = {name.casefold(): name for name in names}
-    for first, last in EVENTS:
-        for name in spelt:
-            other = name.replace(first, last)
-            if other != name and other in spelt:
-                return spelt[name], spelt[other]
-    return None
 
 
 def _shown(names: Sequence[str]) -> str:

@@ -3,8 +3,8 @@
 import csv
 import io
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 
@@ -19,15 +19,14 @@ MARKS = (
 )
 """Byte order marks, with which a file tells its encoding; the longer ones first."""
 KINDS = {
-    b"PK\x03\x04": "an Excel workbook or a zip archive",
-    b"\xd0\xcf\x11\xe0": "an Excel workbook",
+    b"PK\x03\x04": "a zip archive",
     b"\x1f\x8b": "a gzip archive",
     b"%PDF": "a PDF file",
     b"ARROW1": "an Arrow file",
     b"SQLite format 3": "a database",
 }
 """How common files that are no text begin."""
-DELIMITERS = ",;\t"
+DELIMITERS = ",;\t|"
 SNIFFED_ROWS = 20
 SEARCHED_LINES = 100
 """Lines among which a header further down is looked for."""
@@ -45,6 +44,10 @@ class TextLayout:
     """Names of the columns, as written."""
     start: int
     """Byte at which the first row below the header begins."""
+    header_at: int = 0
+    """Character at which the header begins."""
+    named_in: int | None = None
+    """Line, from 0 on, that has the names that were looked for, below lines that may be rows of the table."""
 
 
 def as_utf8(data: bytes, path: Path, encoding: str | None = None) -> bytes:
@@ -54,6 +57,7 @@ def as_utf8(data: bytes, path: Path, encoding: str | None = None) -> bytes:
         SeriesError: No text, or text in another encoding.
     """
     chosen = encoding or next((name for mark, name in MARKS if data.startswith(mark)), None)
+    chosen = chosen or _unmarked(data)
     if chosen is None:
         _refuse_binary(data, path)
         try:
@@ -63,7 +67,7 @@ def as_utf8(data: bytes, path: Path, encoding: str | None = None) -> bytes:
             line = data.count(b"\n", 0, error.start) + 1
             raise SeriesError(
                 f"{path} is not in UTF-8 (byte 0x{data[error.start]:02X} in line {line}); say how it was written, such "
-                "as --encoding cp1252 for a file from Windows in a western language"
+                "as `encoding='cp1252'` for a file from Windows in a western language"
             ) from error
     try:
         text = data.decode(chosen).removeprefix("\ufeff")
@@ -77,20 +81,42 @@ def as_utf8(data: bytes, path: Path, encoding: str | None = None) -> bytes:
     return written
 
 
+def _unmarked(data: bytes) -> str | None:
+    """UTF-16 without a byte order mark: every second byte of western text is NUL."""
+    sample = data[: _HEAD_BYTES & ~1]
+    nul = sample[::2].count(0), sample[1::2].count(0)
+    if len(data) % 2 or max(nul) < len(sample) / 8 or min(nul) * 8 > max(nul):
+        return None
+    return "utf-16-le" if nul[1] > nul[0] else "utf-16-be"
+
+
 def _refuse_binary(data: bytes, path: Path) -> None:
     for start, kind in KINDS.items():
         if data.startswith(start):
             raise SeriesError(f"{path} is {kind}, not text; save the table as CSV")
     found = _CONTROL.search(data)
     if found is not None:
-        hint = "; for UTF-16 without a mark say --encoding utf-16-le" if found.group() == b"\0" else ""
-        raise SeriesError(f"{path} is no text file (byte 0x{found.group()[0]:02X} at {found.start()}){hint}")
+        raise SeriesError(f"{path} is no text file (byte 0x{found.group()[0]:02X} at {found.start()})")
 
 
-def layout(data: bytes, path: Path, skip_rows: int = 0) -> TextLayout:
-    """Find the header of UTF-8 text below ``skip_rows`` lines, and the delimiter that it and the next rows agree on.
+def layout(
+    data: bytes,
+    path: Path,
+    skip_rows: int = 0,
+    delimiter: str | None = None,
+    heads: Callable[[Sequence[str]], bool] = lambda names: True,
+) -> TextLayout:
+    """Find the header of UTF-8 text, and the delimiter that it and the next rows agree on.
 
-    A line ``sep=;``, as Excel writes it, may stand above the header.
+    A line ``sep=;``, as Excel writes it, may stand above the header, and so may other lines, which have another
+    number of columns, or which a blank line parts from the header.
+
+    Args:
+        data: The text.
+        path: The file, for messages.
+        skip_rows: Lines to leave out.
+        delimiter: What separates columns; None: found.
+        heads: Whether names are those of a header that is looked for. If none is, the first line is the header.
 
     Raises:
         SeriesError: The text ends before a header, or its header cannot be read.
@@ -99,41 +125,74 @@ def layout(data: bytes, path: Path, skip_rows: int = 0) -> TextLayout:
     lines = io.StringIO(text, newline="")
     for _ in range(skip_rows):
         if not lines.readline():
-            raise SeriesError(f"{path} has no header below the {skip_rows} rows that --skip-rows leaves out")
+            raise SeriesError(f"{path} has no header below the {skip_rows} rows that `skip_rows` leaves out")
     start = lines.tell()
     told = _SEPARATOR.fullmatch(lines.readline())
-    if told is None:
-        lines.seek(start)
-    delimiter = told[1] if told else _delimiter(text[start:])
+    start = lines.tell() if told else start
+    first = _layout_at(text, start, path, told[1] if told else delimiter)
+    if heads(first.header):
+        return first
+    above: list[str] = []
+    lines.seek(start)
+    for _ in range(SEARCHED_LINES):
+        at = lines.tell()
+        line = lines.readline()
+        if not line:
+            break
+        if above and line.strip():
+            found = _layout_at(text, at, path, told[1] if told else delimiter)
+            if heads(found.header):
+                rows = [_cells(one, found.delimiter) for one in above]
+                return found if are_above(rows, found.header) else replace(first, named_in=skip_rows + len(above))
+        above.append(line)
+    return first
+
+
+def _layout_at(text: str, start: int, path: Path, delimiter: str | None) -> TextLayout:
+    lines = io.StringIO(text, newline="")
+    lines.seek(start)
+    mark = delimiter or _delimiter(text[start:])
     try:
-        header = next(csv.reader(lines, delimiter=delimiter), [])
+        header = next(csv.reader(lines, delimiter=mark), [])
     except (csv.Error, ValueError, TypeError) as error:
         raise SeriesError(f"{path} has no header that can be read: {error}") from error
-    if not any(name.strip() for name in header):
-        above = f" below {skip_rows} rows" if skip_rows else ""
-        raise SeriesError(f"{path} is empty{above}; expected a header and a row for every step")
-    return TextLayout(delimiter, header, len(text[: lines.tell()].encode()))
+    if not any(name.strip() for name in header) and start == 0:
+        raise SeriesError(f"{path} is empty; expected a header and a row for every step, or for every event")
+    return TextLayout(mark, header, len(text[: lines.tell()].encode()), start)
 
 
-def line_of_header(data: bytes, names: Sequence[str]) -> int | None:
-    """Number, from 0 on, of the first line in which all ``names`` stand as columns."""
-    lines = io.StringIO(data[:_HEAD_BYTES].decode(errors="ignore"), newline="")
-    for number, line in enumerate(islice(lines, SEARCHED_LINES)):
-        for delimiter in DELIMITERS:
-            row = next(csv.reader([line], delimiter=delimiter), [])
-            if set(names) <= {cell.strip() for cell in row}:
-                return number
-    return None
+def are_above(rows: Sequence[Sequence[str]], header: Sequence[str]) -> bool:
+    """Whether rows above a header are none of its table.
+
+    They have another number of cells, or a name and a value each, or a blank row is between.
+    """
+    if not any(cell.strip() for cell in rows[-1]):
+        return True
+    named_values = _width(header) > 2 and all(_width(row) <= 2 for row in rows)
+    return named_values or all(len(row) != len(header) for row in rows)
+
+
+def _width(row: Sequence[str]) -> int:
+    """Number of cells up to the last that is not blank."""
+    return max((i + 1 for i, cell in enumerate(row) if cell.strip()), default=0)
+
+
+def _cells(line: str, delimiter: str) -> list[str]:
+    try:
+        return next(csv.reader([line], delimiter=delimiter), [])
+    except csv.Error:  # more in a cell than Python takes
+        return []
 
 
 def _delimiter(text: str) -> str:
     """The one by which the first rows are all as long as the header; among several, the most frequent."""
 
     def fits(mark: str) -> tuple[bool, int]:
-        widths, whole = [], True
+        widths: list[int] = []
+        whole = True
         try:
-            reader = csv.reader(io.StringIO(text, newline=""), delimiter=mark, strict=True)
-            widths = [len(row) for row in islice(reader, SNIFFED_ROWS) if row]
+            for row in islice(csv.reader(io.StringIO(text, newline=""), delimiter=mark, strict=True), SNIFFED_ROWS):
+                widths += [len(row)] if row else []
         except csv.Error:
             whole = False
         width = widths[0] if widths else 0

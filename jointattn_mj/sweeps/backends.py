@@ -134,7 +134,7 @@ class Dask:
             from distributed import Client
             from distributed.scheduler import KilledWorker
         except ImportError as error:
-            raise SweepError("--backend dask needs dask: pip install 'jointattn-mj[cluster]'") from error
+            raise SweepError("`backend='dask'` needs dask: pip install 'jointattn-mj[cluster]'") from error
         _silence("distributed", "tornado")
         self.deaths: tuple[type[BaseException], ...] = (KilledWorker,)
         try:
@@ -200,8 +200,8 @@ def new_backend(name: str, jobs: int, address: str | None) -> Backend:
     """
     if name == "loky":
         if address is not None:
-            raise ConfigError(f"--address {address} is for --backend dask; loky's processes are on this machine")
+            raise ConfigError(f"`address={address!r}` is for `backend='dask'`; loky's processes are on this machine")
         return Loky(jobs)
     if address is None:
-        raise ConfigError("--backend dask needs --address, such as tcp://127.0.0.1:8786")
+        raise ConfigError("`backend='dask'` needs `address`, such as tcp://127.0.0.1:8786")
     return Dask(address)

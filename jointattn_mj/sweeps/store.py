@@ -49,6 +49,14 @@ CHOICES_IN_KEYS = {
 }
 """Choices of fields that have been renamed, by field and choice as they are called now; likewise."""
 
+ADDED = {
+    "learner": {"pairs": "reached", "base": "none", "competition": 0.0, "compete_after": 10, "forgetting": 0.0,
+                "smoothing": 0.05},
+    "gaze": {"gate_sharpness": 3.0, "commands": "direction", "wait_for_still_face": False, "read_again": False},
+}  # fmt: skip
+"""Fields that configs have got since trials were first stored, by the field that holds the config, with the values at
+which trials are what they were; keys and stored configs leave them out then. A new field of a config belongs here."""
+
 
 def config_text(config: Any) -> str:
     """The config of a setting as JSON text, with the names of fields that keys are made of."""
@@ -60,10 +68,20 @@ def _with_first_names(value: Any) -> Any:
         return [_with_first_names(item) for item in value]
     if not isinstance(value, dict):
         return value
-    named = {NAMES_IN_KEYS.get(name, name): _first_choice(name, item) for name, item in value.items()}
+    named = {
+        NAMES_IN_KEYS.get(name, name): _first_choice(name, _without_added(name, item)) for name, item in value.items()
+    }
     if isinstance(named.get("state"), dict):
         named["truth"] = named.pop("state")
     return named
+
+
+def _without_added(name: str, value: Any) -> Any:
+    """The value of a field, as it was before there were the fields in ``ADDED``."""
+    added = ADDED.get(name)
+    if added is None or not isinstance(value, dict):
+        return value
+    return {key: item for key, item in value.items() if key not in added or item != added[key]}
 
 
 def _first_choice(name: str, value: Any) -> Any:
@@ -191,7 +209,9 @@ class Store:
             try:
                 folder.mkdir(parents=True, exist_ok=True)
             except OSError as error:
-                raise OutputError(f"cannot make the folder {folder}: {error.strerror}; choose another --out") from error
+                raise OutputError(
+                    f"cannot make the folder {folder}: {error.strerror}; choose another folder"
+                ) from error
             for path in folder.glob(".*"):
                 with suppress(OSError):  # another run has just renamed the file, or the folder is read-only
                     if time.time() - path.stat().st_mtime > ABANDONED_S:

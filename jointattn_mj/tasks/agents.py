@@ -8,7 +8,8 @@ from dm_env import TimeStep
 
 from jointattn_mj.development.agent import Developer, DeveloperConfig
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.gaze_following.agent import GazeFollower, RobotConfig
+from jointattn_mj.gaze_following.agent import GazeFollower
+from jointattn_mj.gaze_following.presets import PRESETS
 from jointattn_mj.io.weights import read_weights
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.scene.model import assets_folder
@@ -60,8 +61,13 @@ class TrainedGazeFollower:
         robot: The agent of the session. Each episode has a new one with what the last one had learned.
     """
 
-    def __init__(self, environment: Environment, seed: int):
-        """Make the agent; ``seed`` draws all of its random numbers.
+    def __init__(self, environment: Environment, seed: int, preset: str = "thesis"):
+        """Make the agent.
+
+        Args:
+            environment: The task.
+            seed: Draws all of its random numbers.
+            preset: Name of the robot, one of ``PRESETS``.
 
         Raises:
             ConfigError: The task does not give the observations that it needs.
@@ -71,7 +77,8 @@ class TrainedGazeFollower:
                 "gaze_follower needs 30 images a second; object_transfer and object_transfer_hard give them"
             )
         self._environment, self._seeds = environment, np.random.SeedSequence(seed)
-        self._weights = read_weights(assets_folder() / "trained" / "robin.npz")
+        self._config = PRESETS[preset]
+        self._weights = read_weights(assets_folder() / "trained" / TRAINED[preset])
         self.robot: GazeFollower | None = None
 
     def act(self, timestep: TimeStep) -> Any:
@@ -84,7 +91,7 @@ class TrainedGazeFollower:
     def _new(self) -> GazeFollower:
         objects = self._environment.task.world.config.scene.objects
         perceiver = PixelPerception(PixelConfig(), np.array([item.rgb for item in objects]))
-        robot = GazeFollower(RobotConfig(), perceiver, len(objects), self._seeds.spawn(1)[0])
+        robot = GazeFollower(self._config, perceiver, len(objects), self._seeds.spawn(1)[0])
         robot.load(self._weights)
         return robot
 
@@ -114,6 +121,8 @@ class RunningDeveloper:
         return self.agent.act(timestep.observation["sensors"], timestep.observation["results"])
 
 
+TRAINED = {"thesis": "robin.npz", "cross_situational": "robin_cross_situational.npz"}
+"""Files with what a robot knew after its session, by the name of its preset."""
 AGENTS: dict[str, Callable[[Environment, int], Any]] = {
     "zero": Zero,
     "random": Random,

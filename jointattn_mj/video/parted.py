@@ -41,7 +41,7 @@ class PartedReel:
                 if part >= self._path(frame):
                     part.unlink()
         except OSError as error:
-            raise OutputError(f"cannot write to {folder}: {error.strerror}; choose another --out") from error
+            raise OutputError(f"cannot write to {folder}: {error.strerror}; choose another folder") from error
 
     def add(self, image: np.ndarray, frame: int) -> None:
         """Write the image of a frame, uint8 (height, width, 3).

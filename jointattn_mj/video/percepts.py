@@ -19,10 +19,15 @@ FLOW_TO_PX = 6.0  # longest arrow, pixels of the image
 
 
 class PerceptInk:
-    """Draws percepts, each candidate in a colour of its own."""
+    """Draws percepts, each candidate in a colour of its own.
+
+    Attributes:
+        face_half_px: Half the side of the face's box, pixels of the robot's image.
+    """
 
     def __init__(self, inks: list[Colour]):
         self._inks = inks
+        self.face_half_px: float = FACE_HALF_PX
 
     def draw(self, area: np.ndarray, percept: Percept, attended: int | None, motion: Motion | None) -> None:
         """Draw a percept on an image.
@@ -44,9 +49,9 @@ class PerceptInk:
         for number in np.flatnonzero(percept.visible & percept.moves).tolist():
             caption(area, locations[number] + np.array([0, self._half(number) + 4]), "moves", paler(self._inks[number]))
 
-    def _half(self, number: int) -> int:
+    def _half(self, number: int) -> float:
         """Half the side of a candidate's box in the drawing."""
-        return (FACE_HALF_PX if number == len(self._inks) - 1 else OBJECT_HALF_PX) * SCALE
+        return (self.face_half_px if number == len(self._inks) - 1 else OBJECT_HALF_PX) * SCALE
 
     def _draw_flow(self, area: np.ndarray, motion: Motion) -> None:
         """Arrows of optical flow in the colour of what they belong to."""

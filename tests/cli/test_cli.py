@@ -143,7 +143,7 @@ def test_without_a_folder(jointattn):
 
 
 def test_more_than_the_disk_holds(jointattn, tmp_path):
-    refused(jointattn("session", "--out", tmp_path / "out", *SHORT, "--minutes", 1e9), 2, "GB", "fewer --minutes")
+    refused(jointattn("session", "--out", tmp_path / "out", *SHORT, "--minutes", 1e9), 2, "GB", "fewer minutes")
     assert not (tmp_path / "out").exists()
 
 
@@ -331,6 +331,40 @@ def test_stopped_from_outside(tmp_path, number):
     """Ctrl-C, the kind signal of a scheduler, a closed terminal: a checkpoint, one line that says how to go on, 130."""
     refused(stopped(number, tmp_path, "session", *SHORT, "--minutes", 600), 130, "--resume", str(tmp_path))
     assert {path.name for path in tmp_path.iterdir()} - {"log"} == {"checkpoint.bin", "config.yaml"}
+
+
+INTERRUPTED = """
+import os, signal, sys
+
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == MODULE:
+            try:
+                signal.raise_signal(signal.SIGINT)
+            except KeyboardInterrupt as error:
+                raise ImportError("initialization failed") from error  # as compiled libraries do
+
+sys.meta_path.insert(0, Interrupting())
+from jointattn_mj.cli.main import main
+main()
+"""
+
+
+@pytest.mark.parametrize("module", ["jointattn_mj.cli.execution", "tyro", "mujoco"])
+def test_stopped_while_libraries_are_imported(tmp_path, module):
+    code = INTERRUPTED.replace("MODULE", repr(module))
+    program = [sys.executable, "-c", code, "session", "--perception", "state", "--out", str(tmp_path / "out")]
+    done = subprocess.run(program, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+    assert not (tmp_path / "out").exists()
+
+
+def test_stopped_when_all_is_done():
+    """While Python clears up: what the command said counts."""
+    code = "import atexit, signal; atexit.register(signal.raise_signal, signal.SIGINT)\n"
+    code += "from jointattn_mj.cli.main import main\nmain()"
+    done = subprocess.run([sys.executable, "-c", code, "--version"], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_bad_benchmark(jointattn):

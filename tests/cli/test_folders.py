@@ -120,7 +120,7 @@ def test_config_without_a_checkpoint(jointattn, inputs, tmp_path, name):
     assert jointattn(*arguments, "--seed", 1).code == 0
     (tmp_path / "checkpoint.bin").unlink()
     kept = {path: path.read_bytes() for path in tmp_path.iterdir()}
-    refused(jointattn(*arguments, "--seed", 2), 2, "already holds a run", "no checkpoint", "another --out")
+    refused(jointattn(*arguments, "--seed", 2), 2, "already holds a run", "no checkpoint", "another folder")
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == kept
     (tmp_path / "summary.json").unlink()
     assert jointattn(*arguments, "--seed", 2).code == 0
@@ -129,7 +129,7 @@ def test_config_without_a_checkpoint(jointattn, inputs, tmp_path, name):
 
 def test_somebody_elses_config(jointattn, tmp_path):
     (tmp_path / "config.yaml").write_text("mine: true\n")
-    refused(jointattn(*SESSION, "--out", tmp_path), 2, "config.yaml", "another --out")
+    refused(jointattn(*SESSION, "--out", tmp_path), 2, "config.yaml", "another folder")
     assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("config.yaml", "mine: true\n")]
 
 

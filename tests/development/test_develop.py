@@ -340,8 +340,8 @@ def test_needs_no_3d_world():
 def test_too_little_space(tmp_path, monkeypatch):
     """Refused before anything is written."""
     monkeypatch.setattr(space, "free_bytes", lambda folder: 1_000_000)
-    with pytest.raises(ConfigError, match="fewer --steps"):
+    with pytest.raises(ConfigError, match="fewer steps"):
         run_development(config(steps=1_000_000), DevelopmentOptions(tmp_path / "out"))
-    with pytest.raises(ConfigError, match="larger --sample-every"):
+    with pytest.raises(ConfigError, match="larger `sample_every`"):
         run_development(config(sample_every=1), DevelopmentOptions(tmp_path / "out"))
     assert not (tmp_path / "out").exists()

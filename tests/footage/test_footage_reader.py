@@ -143,7 +143,7 @@ def test_images_that_cannot_be_decoded(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("fps", [0, float("nan"), -1, 90_000])
 def test_neither_timestamps_nor_a_rate(monkeypatch, tmp_path, fps):
-    with pytest.raises(FootageError, match="--fps"):
+    with pytest.raises(FootageError, match="`fps`"):
         list(footage_of(monkeypatch, tmp_path, Capture([0, 0, 0], fps=fps)))
     numbers = shown(footage_of(monkeypatch, tmp_path, Capture([0, 33, 67], fps=fps)))  # timestamps are enough
     assert numbers == [0, 1, 2]

@@ -69,5 +69,5 @@ def test_extreme_sizes(width, height):
 
 def test_a_video_is_not_made_larger_than_memory_is():
     assert FrameMap.scaled(640, 480, 1.0, 10.0).scale_x == 10
-    with pytest.raises(FootageError, match=r"3840x2160 .* 38400x21600.*--scale"):
+    with pytest.raises(FootageError, match=r"3840x2160 .* 38400x21600.*`scale`"):
         FrameMap.scaled(3840, 2160, 1.0, 10.0)

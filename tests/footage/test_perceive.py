@@ -13,7 +13,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 import yaml
-from clips import Clip, counted, encode
+from clips import DETECTOR, Clip, counted, encode
 from shell import Outcome, refused
 
 from jointattn_mj.errors import CheckpointError
@@ -38,6 +38,7 @@ def clip() -> Clip:
 
 def perceive(video: Path, out: Path, **options) -> tuple[dict, dict[str, np.ndarray]]:
     """The summary, and the columns of the percepts."""
+    options = {"objects": NAMES[:-1], "detector": DETECTOR, **options}
     config = PerceiveConfig(video, som=SOMConfig(updates=200), **options)
     summary = run_perceive(config, PerceiveOptions(out, overlay=False))
     table = pq.read_table(out / "percepts.parquet")
@@ -47,7 +48,7 @@ def perceive(video: Path, out: Path, **options) -> tuple[dict, dict[str, np.ndar
 def off(found: dict[str, np.ndarray], name: str, locations: np.ndarray) -> np.ndarray:
     """How far off a candidate was seen, (n, 2) px of the robot's image; the face less its constant part.
 
-    The template of a face is centred where the cascade found it, a few pixels below the centre of the head.
+    A face is centred between brow and chin, a few pixels below the centre of the head; it goes down as the head nods.
     """
     wrong = np.stack([found[f"{name}_x_px"], found[f"{name}_y_px"]], axis=1) - locations
     return wrong - np.nanmedian(wrong, axis=0) if name == "face" else wrong
@@ -60,16 +61,26 @@ def rates(found: dict[str, np.ndarray], moving: np.ndarray) -> tuple[float, floa
     return tuple(float(flags[really == want].mean()) for flags, really in (face, objects) for want in (True, False))
 
 
+FINDS = ("--detector", DETECTOR)
+
+
+def face_height(out: Path, frame: int) -> float:
+    """Height of the face in a frame, smoothed as the program does, about: the median of those before it."""
+    table = pq.read_table(out / "people.parquet")
+    before = np.abs(table["frame"].to_numpy() - frame) < 15
+    return float(np.median(table["height_px"].to_numpy()[before]))
+
+
 NOISE = np.random.default_rng(5).normal(0, 1, (FRAMES, 240, 320, 3)).astype(np.float32)
 CASES = {
     # what is done to the clip: noise (grey values), ffmpeg's arguments, file; then most error of face and objects, px,
     # least hits and most false alarms of the face's motion
-    "lossless": (0, ("-c:v", "ffv1"), "a.mkv", 1.2, 1.2, 0.85, 0.08),
-    "noise": (6, ("-c:v", "ffv1"), "a.mkv", 1.2, 1.2, 0.85, 0.25),
-    "h264": (3, ("-c:v", "libx264", "-crf", "28"), "a.mp4", 1.5, 1.2, 0.7, 0.15),
-    "mpeg4": (2, ("-c:v", "mpeg4", "-q:v", "8"), "a.avi", 1.5, 1.5, 0.6, 0.2),
-    "large": (3, ("-vf", "scale=640:480", "-c:v", "libx264", "-crf", "26"), "a.mp4", 1.5, 1.2, 0.7, 0.15),
-    "odd": (0, ("-vf", "scale=515:387", "-pix_fmt", "yuv444p", "-c:v", "libx264"), "a.mp4", 1.5, 1.2, 0.7, 0.15),
+    "lossless": (0, ("-c:v", "ffv1"), "a.mkv", 1.7, 1.2, 0.85, 0.08),
+    "noise": (6, ("-c:v", "ffv1"), "a.mkv", 1.7, 1.2, 0.8, 0.25),
+    "h264": (3, ("-c:v", "libx264", "-crf", "28"), "a.mp4", 1.8, 1.2, 0.7, 0.15),
+    "mpeg4": (2, ("-c:v", "mpeg4", "-q:v", "8"), "a.avi", 1.8, 1.5, 0.6, 0.2),
+    "large": (3, ("-vf", "scale=640:480", "-c:v", "libx264", "-crf", "26"), "a.mp4", 1.8, 1.2, 0.7, 0.15),
+    "odd": (0, ("-vf", "scale=515:387", "-pix_fmt", "yuv444p", "-c:v", "libx264"), "a.mp4", 1.8, 1.2, 0.7, 0.15),
 }
 
 
@@ -90,7 +101,7 @@ def test_found_where_it_is(clip, tmp_path, case):
     face_hits, face_alarms, object_hits, object_alarms = rates(found, clip.moving)
     assert face_hits > hits
     assert face_alarms < alarms
-    assert object_hits > 0.7
+    assert object_hits > 0.65
     assert object_alarms < 0.05
 
 
@@ -99,7 +110,7 @@ def test_a_face_too_large_makes_the_image_smaller(clip, tmp_path):
     """A camera twice as near: the middle of the clip, enlarged."""
     near = np.array([cv2.resize(image[30:150, 80:240], (640, 480)) for image in clip.images[:90]])
     video = encode(tmp_path / "a.mp4", near, "-c:v", "libx264")
-    summary, found = perceive(video, tmp_path / "out")
+    summary, found = perceive(video, tmp_path / "out", detector="templates")
     assert 0.2 < summary["mapping"]["scale_x"] < 0.33  # rather than a half
     assert 110 < summary["mapping"]["cascade_face_side_in_video_px"] < 170
     assert summary["found"]["face"] > 0.95
@@ -107,7 +118,7 @@ def test_a_face_too_large_makes_the_image_smaller(clip, tmp_path):
     truth = (clip.locations[:90, 4] - (80, 30) + 0.5) * 4 - 0.5
     truth = (truth + 0.5) * (mapping["scale_x"], mapping["scale_y"]) - 0.5 + (mapping["left"], mapping["top"])
     assert np.sqrt(np.nanmean(off(found, "face", truth) ** 2)) < 1.5
-    given, _ = perceive(video, tmp_path / "given", scale=0.5)
+    given, _ = perceive(video, tmp_path / "given", scale=0.5, detector="templates")
     assert given["mapping"]["scale_x"] == 0.5
 
 
@@ -121,7 +132,7 @@ def test_somebody_who_sways_is_followed(clip, tmp_path):
     ]
     _, found = perceive(encode(tmp_path / "a.mkv", np.array(moved)), tmp_path / "out")
     locations = clip.locations[:, 4] + np.column_stack([shifts, np.zeros(FRAMES)])
-    assert np.nanpercentile(np.linalg.norm(off(found, "face", locations), axis=1), 95) < 4
+    assert np.nanpercentile(np.abs(off(found, "face", locations)[:, 0]), 95) < 4  # down it goes when the head nods
 
 
 @needs_gl
@@ -155,13 +166,14 @@ def test_files(jointattn, clip, tmp_path):
     """Whole command line: everything is there, fits together, and can be looked at."""
     video, out = encode(tmp_path / "a.mp4", clip.images, "-c:v", "libx264"), tmp_path / "out"
     outcome = jointattn(
-        "perceive", video, "--out", out, "--objects", "red", "sun=#ebd300", "blue", "green", "--seed", 2
+        "perceive", video, "--out", out, "--objects", "red", "sun=#ebd300", "blue", "green", "--seed", 2, *FINDS
     )
     assert (outcome.code, outcome.err) == (0, "")
     assert "sun 100%" in outcome.out and str(out) in outcome.out
     assert {path.name for path in out.iterdir()} == {
         "config.yaml", "summary.json", "percepts.parquet", "fixations.parquet", "fixations.png", "faces.parquet",
-        "som.png", "overlay.mp4", "checkpoint.bin",
+        "som.png", "overlay.mp4", "checkpoint.bin", "events.csv", "checks.csv",
+        *(("people.parquet",) if DETECTOR == "yunet" else ()),
     }  # fmt: skip
     assert yaml.safe_load((out / "config.yaml").read_text())["config"]["seed"] == 2
     summary = json.loads((out / "summary.json").read_text())
@@ -183,12 +195,14 @@ def test_files(jointattn, clip, tmp_path):
     row = fixations.to_pylist()[0]
     middle = round((row["start_s"] + row["end_s"]) * 15)
     x, y = (round(2 * percepts[f"{row['candidate']}_{axis}_px"][middle].as_py()) for axis in "xy")
-    radius = 48 if row["candidate"] == "face" else 39  # the white ring around what is attended
+    radius = 39  # the white ring around what is attended
+    if row["candidate"] == "face":
+        radius = 48 if DETECTOR == "templates" else round(3 * 0.55 * face_height(out, middle))
     ring = images[middle][44 + y - radius - 3 : 44 + y - radius + 4, 16 + x]
     assert ring.min(axis=1).max() > 180
     for name in ("fixations.png", "som.png"):
         assert cv2.imread(str(out / name)).std() > 20
-    again = jointattn("perceive", video, "--out", out)
+    again = jointattn("perceive", video, "--out", out, *FINDS)
     refused(again, 2, "already holds a run", "--resume")
 
 
@@ -205,16 +219,16 @@ def test_what_cannot_be_perceived(jointattn, tmp_path):
     """Refused in one line, and the folder stays free."""
     (tmp_path / "notes.mp4").write_text("no video")
     out = tmp_path / "out"
-    refused(jointattn("perceive", tmp_path / "notes.mp4", "--out", out), 2, "notes.mp4", "no video")
-    refused(jointattn("perceive", tmp_path / "missing.mp4", "--out", out), 2, "missing.mp4", "does not exist")
+    refused(jointattn("perceive", tmp_path / "notes.mp4", "--out", out, *FINDS), 2, "notes.mp4", "no video")
+    refused(jointattn("perceive", tmp_path / "missing.mp4", "--out", out, *FINDS), 2, "missing.mp4", "does not exist")
     video = encode(tmp_path / "a.mp4", counted(10), "-c:v", "libx264")
     refused(jointattn("perceive", video, "--out", out, "--objects", "mauve"), 2, "mauve")
     refused(jointattn("perceive", video, "--out", out, "--fps", 0), 2, "fps")
     refused(jointattn("perceive", video), 2, "--out")
     nowhere = {"PATH": str(tmp_path), "IMAGEIO_FFMPEG_EXE": str(tmp_path / "ffmpeg")}
-    refused(jointattn("perceive", video, "--out", out, env=nowhere), 1, "ffmpeg")
+    refused(jointattn("perceive", video, "--out", out, *FINDS, env=nowhere), 1, "ffmpeg")
     assert not out.exists()
-    full = jointattn("perceive", video, "--out", out, "--no-overlay", file_limit=3000)
+    full = jointattn("perceive", video, "--out", out, "--no-overlay", *FINDS, file_limit=3000)
     refused(full, 2, str(out), "free space")
 
 
@@ -244,7 +258,7 @@ def long_video(tmp_path: Path) -> Path:
 
 def started(video: Path, out: Path, *options: str) -> subprocess.Popen:
     """``jointattn perceive`` in a process group of its own, which has begun to watch."""
-    arguments = ["--out", str(out), "--scale", "1", "--som.updates", "10", *options]
+    arguments = ["--out", str(out), "--scale", "1", "--som.updates", "10", *FINDS, *options]
     process = subprocess.Popen(
         [sys.executable, "-m", "jointattn_mj.cli.main", "perceive", str(video), *arguments],
         stdout=subprocess.PIPE,
@@ -278,8 +292,8 @@ def test_stopped_from_outside(tmp_path):
     assert not [path for path in out.iterdir() if path.name.startswith(".")]
     assert shown_frames(out / "overlay.mp4") == frames
     options = PerceiveOptions(out, resume=True, overlay=False)
-    with pytest.raises(CheckpointError, match="--overlay-every 1"):
-        run_perceive(PerceiveConfig(video, scale=1, som=SOMConfig(updates=10)), options)
+    with pytest.raises(CheckpointError, match="`overlay_every=1`"):
+        run_perceive(PerceiveConfig(video, scale=1, som=SOMConfig(updates=10), detector=DETECTOR), options)
 
 
 KILLED = """
@@ -302,7 +316,17 @@ FILES = ("config.yaml", "percepts.parquet", "fixations.parquet", "faces.parquet"
 def test_killed_and_resumed(jointattn, clip, tmp_path):
     """Killed twice, before and after a checkpoint: the same bytes as of a viewing that nothing disturbs."""
     video = encode(tmp_path / "a.mp4", clip.images, "-c:v", "libx264")
-    options = ["perceive", str(video), "--seed", "3", "--som.updates", "200", "--checkpoint-minutes", str(40 / 1800)]
+    options = [
+        "perceive",
+        str(video),
+        *FINDS,
+        "--seed",
+        "3",
+        "--som.updates",
+        "200",
+        "--checkpoint-minutes",
+        str(40 / 1800),
+    ]
     straight, out = tmp_path / "straight", tmp_path / "on"
     assert jointattn(*options, "--out", straight).code == 0
     for at, more in ((20, ()), (70, ("--resume",))):
@@ -329,7 +353,7 @@ def test_killed_and_resumed(jointattn, clip, tmp_path):
 
 def test_another_video_under_the_same_name(tmp_path):
     video, out = encode(tmp_path / "a.mkv", counted(60)), tmp_path / "out"
-    config = PerceiveConfig(video, scale=1)
+    config = PerceiveConfig(video, scale=1, detector=DETECTOR)
 
     def stop(viewing) -> None:
         raise KeyboardInterrupt

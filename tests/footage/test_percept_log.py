@@ -90,6 +90,6 @@ def test_going_on_from_a_checkpoint(tmp_path):
 
 def test_a_place_that_cannot_be_written(tmp_path):
     log = PerceptLog(tmp_path / "nowhere", NAMES)
-    with pytest.raises(OutputError, match=r"percepts.*--out"):
+    with pytest.raises(OutputError, match=r"percepts.*another folder"):
         for frame in range(BLOCK):
             log.add(watcher(frame), frame, True)

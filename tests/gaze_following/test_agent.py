@@ -10,7 +10,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, RobotConfig
 from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.gaze_following.gate import GazeConfig
-from jointattn_mj.gaze_following.learners import LearnerConfig
+from jointattn_mj.gaze_following.learners import LearnerConfig, Places
 from jointattn_mj.perception.percept import Percept, StillObservation
 from jointattn_mj.scene.camera import in_image, pixel_of
 
@@ -94,9 +94,9 @@ def pairs_of(robot: GazeFollower) -> list[tuple[np.ndarray, np.ndarray]]:
     """The pairs that the learner will be given from now on."""
     pairs, learn = [], robot.learner.learn
 
-    def keep(activations, command):
-        pairs.append((activations.copy(), command.copy()))
-        learn(activations, command)
+    def keep(face, places):
+        pairs.append((face.copy(), places.reached.copy()))
+        learn(face, places)
 
     robot.learner.learn = keep
     return pairs
@@ -267,7 +267,7 @@ def test_the_gate_lets_the_learner_command():
     advance(robot, scene, 1)
     activations = robot.som.activations(scene.face)
     for _ in range(300):
-        robot.learner.learn(activations, np.subtract(LOCATIONS[BLUE], LOCATIONS[FACE]))
+        robot.learner.learn(activations, Places.only(np.subtract(LOCATIONS[BLUE], LOCATIONS[FACE])))
     shift = advance(robot, scene, 1)[0]
     assert (shift.by_learner, shift.chosen, shift.reached) == (True, RED, BLUE)
     np.testing.assert_array_equal(shift.command, shift.suggestion)
@@ -284,7 +284,7 @@ def test_landing_on_nothing(attends, attended):
     advance(robot, scene, 1)
     activations = robot.som.activations(scene.face)
     for _ in range(300):
-        robot.learner.learn(activations, np.array([15.0, -13.0]))  # 7 degrees beside red
+        robot.learner.learn(activations, Places.only([15.0, -13.0]))  # 7 degrees beside red
     shift = advance(robot, scene, 1)[0]
     assert shift.reached is None
     assert not shift.learned
@@ -386,3 +386,165 @@ def test_options_are_frozen():
     config = RobotConfig()
     assert replace(config, gaze=GazeConfig(gate="open")) != config
     assert hash(config) == hash(RobotConfig())
+
+
+CROSS = {"code": "cross_situational", "pairs": "in_view", "base": "in_view"}
+
+
+class TestObjects:
+    """The learner commands objects in view rather than bare directions."""
+
+    def knows(self, robot: GazeFollower, face: np.ndarray, place: int, other: int) -> None:
+        """Teach the learner that this face goes with one place, and faces unlike it with another."""
+        far = np.array([-25.0, 25.0])
+        for seen, there in ((face, place), (far, other)):
+            activations = robot.som.activations(seen)
+            for _ in range(20):
+                robot.learner.learn(activations, Places.only(np.subtract(LOCATIONS[there], LOCATIONS[FACE])))
+
+    def make(self, scene: Scene, *wanted: int, **gaze) -> GazeFollower:
+        return make(scene, *wanted, gaze={"gate": "open", "commands": "object", **gaze}, learner=CROSS)
+
+    def test_the_object_that_goes_with_the_face_is_looked_at(self):
+        scene = Scene()
+        robot = self.make(scene, FACE, RED)
+        advance(robot, scene, 1)
+        self.knows(robot, scene.face, BLUE, RED)
+        shift = advance(robot, scene, 1)[0]
+        assert (shift.by_learner, shift.chosen, shift.aim, shift.reached) == (True, RED, BLUE, BLUE)
+        np.testing.assert_allclose(scene.head, LOCATIONS[BLUE], atol=1e-6)
+
+    def test_visual_feedback_follows_it(self):
+        scene = Scene()
+        robot = self.make(scene, FACE, RED)
+        advance(robot, scene, 1)
+        self.knows(robot, scene.face, BLUE, RED)
+
+        def carry():
+            if robot.shift is not None:
+                scene.locations[BLUE] = (-3.0, -5.0)
+
+        assert advance(robot, scene, 1, carry)[0].reached == BLUE
+        np.testing.assert_allclose(scene.head, (-3, -5), atol=1e-6)
+
+    def test_without_evidence_the_eyes_decide(self):
+        """Neither object goes better with the face: nothing was learned yet."""
+        scene = Scene()
+        robot = self.make(scene, FACE, BLUE)
+        shift = advance(robot, scene, 2)[1]
+        assert (shift.source, shift.by_learner, shift.reached) == (FACE, False, BLUE)
+
+    def test_one_object_is_looked_at(self):
+        scene = Scene()
+        robot = self.make(scene, FACE, RED)
+        advance(robot, scene, 1)
+        scene.hidden = {BLUE}
+        shift = advance(robot, scene, 1)[0]
+        assert (shift.by_learner, shift.reached) == (True, RED)
+
+    @pytest.mark.parametrize("gaze", [{}, {"gate": "certainty"}])
+    def test_no_object_in_view(self, gaze):
+        """The robot leaves the face for what attention chose before it vanished, or stays; nothing is learned."""
+        scene = Scene()
+        robot = self.make(scene, FACE, RED, **gaze)
+        advance(robot, scene, 1)
+        learned = robot.learner.weights()
+        scene.hidden = {RED, BLUE}
+        for _ in range(60):
+            scene.frame(robot)
+        assert robot.attended == FACE and robot.shift is None
+        np.testing.assert_array_equal(robot.learner.weights(), learned)
+
+    def test_every_look_at_the_face_is_learned(self):
+        """On leaving it and on coming to it, with all objects in view, whatever was reached."""
+        scene = Scene()
+        robot = self.make(scene, FACE, RED, gate="shut")
+        advance(robot, scene, 1)
+        assert robot.learner.weights()[-1, -1] == 1
+        leaving, coming = advance(robot, scene, 2)
+        assert leaving.learned and coming.learned
+        assert robot.learner.weights()[-1, -1] == 3
+        assert robot.iterations == 1
+
+    def test_certainty(self):
+        """The gate opens as far as one object goes better with the face than the others."""
+        scene = Scene()
+        robot = self.make(scene, FACE, RED, gate="certainty")
+        assert robot.gate_probability == 0
+        advance(robot, scene, 2)
+        assert robot.gate_probability == pytest.approx(0.5, abs=0.01)
+        self.knows(robot, scene.face, BLUE, RED)
+        advance(robot, scene, 2)
+        assert robot.gate_probability > 0.9
+
+    def test_waiting_for_a_still_face(self):
+        scene = Scene()
+        robot = self.make(scene, FACE, RED, wait_for_still_face=True)
+        advance(robot, scene, 1)
+        scene.moves[FACE] = True
+        for _ in range(60):
+            scene.frame(robot)
+        assert robot.shift is None and robot.attended == FACE
+        scene.moves[FACE] = False
+        scene.frame(robot)
+        assert robot.shift is not None and robot.shift.chosen == RED
+        scene.moves[FACE] = True
+        robot.attention.draw = Wants(BLUE)
+        assert advance(robot, scene, 1)[0].reached == RED
+        assert advance(robot, scene, 1)[0].reached == BLUE  # no face was left, so none is waited for
+
+    def test_what_it_waited_for_is_gone(self):
+        scene = Scene()
+        robot = self.make(scene, FACE, RED, wait_for_still_face=True)
+        advance(robot, scene, 1)
+        scene.moves[FACE] = True
+        for _ in range(30):
+            scene.frame(robot)
+        scene.hidden = {RED}
+        scene.moves[FACE] = False
+        scene.frame(robot)
+        assert robot.shift is None and robot.attended == FACE
+
+    @pytest.mark.parametrize(("reads", "reached"), [(True, BLUE), (False, RED)])
+    def test_the_face_is_read_again_on_the_way(self, reads, reached):
+        scene = Scene()
+        robot = self.make(scene, FACE, RED, read_again=reads)
+        advance(robot, scene, 1)
+        first, later = np.array([20.0, 10.0]), np.array([-25.0, 25.0])
+        self.knows(robot, first, RED, BLUE)
+        scene.face = first
+
+        def turn_away():
+            if robot.shift is not None:
+                scene.face = later
+
+        shift = advance(robot, scene, 1, turn_away)[0]
+        assert shift.by_learner and shift.reached == reached
+
+    def test_a_bare_direction_is_read_again(self):
+        scene = Scene()
+        robot = self.make(scene, FACE, RED, commands="direction", read_again=True)
+        advance(robot, scene, 1)
+        first, later = np.array([20.0, 10.0]), np.array([-25.0, 25.0])
+        self.knows(robot, first, RED, BLUE)
+        scene.face = first
+
+        def turn_away():
+            if robot.shift is not None:
+                scene.face = later
+
+        shift = advance(robot, scene, 1, turn_away)[0]
+        assert shift.aim is None and shift.reached == BLUE
+
+
+@pytest.mark.parametrize(
+    ("gaze", "learner", "named"),
+    [
+        ({"gate": "certainty"}, CROSS, "commands object"),
+        ({"gate": "certainty", "commands": "object"}, {}, "cross_situational"),
+        ({"read_again": True, "feedback_frames": ()}, CROSS, "feedback_frames"),
+    ],
+)
+def test_options_that_contradict_each_other(gaze, learner, named):
+    with pytest.raises(ConfigError, match=named):
+        RobotConfig(gaze=GazeConfig(**gaze), learner=LearnerConfig(**learner))

@@ -96,3 +96,12 @@ def test_aiming_at_the_same_place_changes_nothing():
 def test_impossible_options(options):
     with pytest.raises(ConfigError, match=next(iter(options))):
         GazeConfig(**options)
+
+
+def test_certainty_is_the_probability_of_the_best_object():
+    config = GazeConfig(gate="certainty", gate_sharpness=2.0)
+    scores = np.log([4.0, 2.0, 2.0])
+    assert gate_probability(config, 0, scores) == pytest.approx(16 / 24)
+    assert gate_probability(config, 10**9, scores[:0]) == gate_probability(config, 10**9) == 0
+    assert gate_probability(config, 0, scores[:1]) == 1
+    assert gate_probability(config, 0, np.array([-1e9, 1e9])) == 1

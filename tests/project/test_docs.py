@@ -14,7 +14,7 @@ import tomllib
 import pytest
 from documented import ROOT, Block, blocks, commands, pages
 
-from jointattn_mj.cli import main as cli
+from jointattn_mj.cli import execution as cli
 from jointattn_mj.errors import ConfigError
 
 pytestmark = pytest.mark.integration

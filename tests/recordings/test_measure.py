@@ -156,7 +156,7 @@ class TestDiscover:
         assert "T^C" in text
         assert "Benjamini and Hochberg" in text
         assert "would do" not in text
-        assert "--surrogates 79 would do" in run_discover(replace(options, correction="holm")).text()
+        assert "79 surrogates would do" in run_discover(replace(options, correction="holm")).text()
 
     def test_progress(self, coding):
         told = []
@@ -208,7 +208,7 @@ def test_more_surrogates_than_one_can_wait_for(coding, tmp_path, monkeypatch):
     measure = MeasureOptions(coding, ("gaze",), ("object",), surrogates=200, out=tmp_path / "x")
     discover = DiscoverOptions(coding, ("gaze",), ("turn",), ("object",), surrogates=200, out=tmp_path / "y")
     for run, options in ((run_measure, measure), (run_discover, discover)):
-        with pytest.raises(ConfigError, match=rf"{options.draws:,} surrogates and resamples would take .*--yes"):
+        with pytest.raises(ConfigError, match=rf"{options.draws:,} surrogates and resamples would take .*`yes=True`"):
             run(options)
     assert list(tmp_path.iterdir()) == []
     run_measure(replace(measure, yes=True))

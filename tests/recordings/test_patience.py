@@ -16,7 +16,7 @@ def watched(total, seconds, reports=3, yes=False):
 
 
 def test_days_are_refused_in_words():
-    with pytest.raises(ConfigError, match=r"1,000,000,000 surrogates .* about 231 days .* --yes"):
+    with pytest.raises(ConfigError, match=r"1,000,000,000 surrogates .* about 231 days .* `yes=True`"):
         watched(1_000_000_000, 1.0)
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pyarrow as pa
 import pytest
+from coded_files import as_parquet, workbook
 from pyarrow import csv, parquet
 
 import jointattn_mj.contingency as c
@@ -51,6 +52,11 @@ SAME = {
     "UTF-8 with a mark": b"\xef\xbb\xbfa,b\nx,1\ny,0\nx,1\n",
     "UTF-16 with a mark": "a\tb\nx\t1\ny\t0\nx\t1\n".encode("utf-16"),
     "UTF-16 with its other mark": b"\xfe\xff" + "a\tb\r\nx\t1\r\ny\t0\r\nx\t1\r\n".encode("utf-16-be"),
+    "UTF-16 without a mark": "a\tb\nx\t1\ny\t0\nx\t1\n".encode("utf-16-le"),
+    "UTF-16 without its other mark": "a\tb\nx\t1\ny\t0\nx\t1\n".encode("utf-16-be"),
+    "vertical bars": "a|b\nx|1\ny|0\nx|1\n",
+    "lines above the header": "Observation id;dyad 3;\nMedia file;x.mp4;\na;b\nx;1\ny;0\nx;1\n",
+    "a blank line above the header": "Observation id;dyad 3\n;\na;b\nx;1\ny;0\nx;1\n",
     "UTF-32 with a mark": "a;b\nx;1\ny;0\nx;1\n".encode("utf-32"),
 }
 
@@ -87,16 +93,37 @@ class TestParquet:
 
     def test_what_cannot_be_a_label(self, tmp_path):
         parquet.write_table(pa.table({"a": [[1], [2]]}), tmp_path / "seen.parquet")
-        with pytest.raises(SeriesError, match="no Parquet file that can be read"):
+        with pytest.raises(SeriesError, match="no table that can be read"):
             read_recordings(tmp_path / "seen.parquet", ["a"])
         with pytest.raises(SeriesError, match="no column 'b'"):
             read_recordings(tmp_path / "seen.parquet", ["b"])
 
 
+def test_the_same_table_in_every_kind_of_file(write):
+    """Whole numbers, words, truth values, ids, missing values; with a blank before some."""
+    header = ("who", "a", "b", "c", "d")
+    rows = [("12.1", "x", 1.0, True, " NA"), ("12.1", " y", 2.0, False, "u"), ("12.1", "x", 1.0, True, "v")]
+    rows += [("12.10", *row[1:]) for row in rows[1:]] + [("12.10", "x", None, True, "u")]
+    text = "who,a,b,c,d\n12.1,x,1.0,true, NA\n12.1, y,2.0,false,u\n12.1,x,1,true,v\n"
+    text += "12.10,y,2,false,u\n12.10,x,1.0,true,v\n12.10,x,,true,u\n"
+    table = pa.table({name: [row[i] for row in rows] for i, name in enumerate(header)})
+    files = [text, text.replace(",", "\t").encode("utf-16"), as_parquet(table), workbook([header, *rows])]
+    for file in files:
+        data = read_recordings(write(file), list("abcd"), "who", "break")
+        assert data.labels == {"a": ("x", "y"), "b": ("1", "2"), "c": ("false", "true"), "d": ("u", "v")}
+        assert [codes(data, name) for name in "abcd"] == [
+            [[1, 0], [1, 0]],
+            [[1, 0], [1, 0]],
+            [[0, 1], [0, 1]],
+            [[0, 1], [0, 1]],
+        ]
+        assert data.names == ("12.1", "12.10")
+
+
 def test_labels_that_look_like_numbers(write):
     data = read_recordings(write("a,b,c\n01,0.5,1e3\n1,low,2\n01,high,1000\n"), ["a", "b", "c"])
-    assert data.labels == {"a": ("01", "1"), "b": ("0.5", "high", "low"), "c": ("2", "1000")}
-    assert codes(data, "c") == [[1, 0, 1]]
+    assert data.labels == {"a": ("01", "1"), "b": ("0.5", "high", "low"), "c": ("1000", "1e3", "2")}
+    assert codes(data, "c") == [[1, 2, 0]]
 
 
 BAD = {
@@ -106,20 +133,23 @@ BAD = {
     "header only": ("a,b\n", ["a"], "no rows"),
     "one row": ("a,b\n1,2\n", ["a"], "1 row "),
     "no such column": ("a,b\n1,2\n1,2\n", ["a", "c"], "its columns are: a, b"),
-    "wrong delimiter": ("a|b\n1|2\n1|2\n", ["a"], r"a\|b"),
+    "a delimiter that is not found": ("a:b\n1:2\n1:2\n", ["a"], "a:b"),
     "twice the same column": ("a,a\n1,2\n1,2\n", ["a"], "2 columns 'a'"),
     "fractions": ("a,b\n1,0.25\n1,0.5\n", ["b"], "bins"),
     "missing": ("a,b\n1,2\n,2\n1,2\nNA,2\n", ["a"], "2 missing values, the first in data row 2"),
     "blank line": ("a,b\n1,2\n\n1,2\n", ["a", "b"], "1 missing values"),
     "short row": ("a,b\n1,2\n1\n1,2\n", ["a"], "data row 2: Expected 2 columns"),
-    "another encoding": (b"a,b\n1,\xff\xfe\n1,2\n", ["b"], r"not in UTF-8 \(byte 0xFF in line 2\).*--encoding cp1252"),
-    "UTF-16 without a mark": ("a,b\n1,2\n1,2\n".encode("utf-16-le"), ["a"], "--encoding utf-16-le"),
-    "Excel": (b"PK\x03\x04\x14\0\x06\0" + bytes(200), ["a"], "Excel workbook.*save the table as CSV"),
+    "another encoding": (
+        b"a,b\n1,\xff\xfe\n1,2\n",
+        ["b"],
+        r"not in UTF-8 \(byte 0xFF in line 2\).*`encoding=.cp1252.`",
+    ),
+    "a damaged workbook": (b"PK\x03\x04\x14\0\x06\0" + bytes(200), ["a"], "no workbook that can be read"),
     "compressed": (b"\x1f\x8b\x08\0" + bytes(200), ["a"], "gzip"),
     "binary": (bytes(range(256)), ["a"], "no text file"),
-    "a header of its own": ("id;3\nwhen;now\na;b\n1;2\n1;2\n", ["a", "b"], "Line 3 names them: say --skip-rows 2"),
+    "a header of its own": ("id;3\nwhen;now\na;b\n1;2\n1;2\n", ["a", "b"], "Line 3 names them: say `skip_rows=2`"),
     "nearly the name": ("mother,infant\n1,2\n1,2\n", ["mothr"], "did you mean 'mother'"),
-    "onset and offset": ("a,onset,offset\n1,0,2\n2,2,3\n", ["a"], "'onset' and 'offset'.*--rows-are-steps"),
+    "onset and offset": ("a,onset,offset\n1,0,2\n2,2,3\n", ["a"], "'onset' and 'offset'.*`rows_are_steps=True`"),
     "begin and end": ("Begin Time - ms\tEnd Time - ms\ta\n0\t2\t1\n2\t3\t1\n", ["a"], "lists events"),
     "two people's events": ("m.onset,m.offset,m.a\n0,2,1\n2,3,1\n", ["m.a"], "'m.onset' and 'm.offset'"),
     "onset and duration": ("onset,duration,a\n0,2,1\n2,1,1\n", ["a"], "lists events"),

@@ -25,9 +25,9 @@ def heads(folder):
 
 
 def test_options_that_do_not_go_together():
-    with pytest.raises(ConfigError, match="needs --address, such as"):
+    with pytest.raises(ConfigError, match="needs `address`, such as"):
         new_backend("dask", 0, None)
-    with pytest.raises(ConfigError, match="is for --backend dask"):
+    with pytest.raises(ConfigError, match="is for `backend='dask'`"):
         new_backend("loky", 0, "tcp://127.0.0.1:1")
     with pytest.raises(ConfigError, match="1 or more"):
         new_backend("loky", -1, None)

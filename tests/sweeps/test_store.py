@@ -190,3 +190,18 @@ def test_runs_of_one_folder_are_told_apart(tmp_path):
         assert again == 0
     with Store(tmp_path / "not there").berth() as nowhere:
         assert nowhere == 0
+
+
+def test_a_field_that_came_later_changes_no_key():
+    """At the value that it had without being there; any other is another trial."""
+    from jointattn_mj.gaze_following.gate import GazeConfig
+    from jointattn_mj.gaze_following.learners import LearnerConfig
+    from jointattn_mj.sweeps.store import ADDED, config_text
+
+    def text(**options) -> str:
+        return config_text({"learner": LearnerConfig(**options), "gaze": GazeConfig()})
+
+    assert not [name for names in ADDED.values() for name in names if f'"{name}"' in text()]
+    assert '"pairs":"in_view"' in text(code="cross_situational", pairs="in_view")
+    for group, config in (("learner", LearnerConfig()), ("gaze", GazeConfig())):
+        assert all(getattr(config, name) == value for name, value in ADDED[group].items())

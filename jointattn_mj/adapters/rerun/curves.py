@@ -11,7 +11,6 @@ from jointattn_mj.adapters.rerun import entities as at
 from jointattn_mj.adapters.rerun.rows import Rows
 from jointattn_mj.gaze_following.film.composer import DOES, verdict_in_words
 from jointattn_mj.gaze_following.film.panels import face_cells, lit
-from jointattn_mj.gaze_following.gate import gate_probability
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.shifts import ShiftRow
 from jointattn_mj.gaze_following.summary import rate_of_success
@@ -47,7 +46,7 @@ class AgentCurves:
         self._rows.add(at.INTEREST, rr.Scalars, scalars=robot.attention.interest.copy())
         self._rows.add(at.HEAD, rr.Scalars, scalars=np.degrees(session.world.head_angles()))
         self._write_doings(session)
-        chance = gate_probability(session.config.robot.gaze, robot.iterations)
+        chance = robot.gate_probability
         self._write(at.GATE, chance, lambda: rr.Scalars(chance))
         self._write_map(session)
         for row in session.shifts[self._counted :]:

@@ -53,7 +53,7 @@ class SessionLog:
                 self._outlet.opened()
         except (OSError, RuntimeError) as error:
             trouble = getattr(error, "strerror", None) or error
-            raise OutputError(f"cannot write {self._path}: {trouble}; choose another --rerun") from error
+            raise OutputError(f"cannot write {self._path}: {trouble}; choose another file") from error
         self._open = True
         session = self._session
         inks: list[Colour] = [*(ink_of(item.rgb) for item in session.config.world.scene.objects), PERSON]

@@ -6,7 +6,6 @@ A panel paints once what never changes, and keeps an image of what changes rarel
 import cv2
 import numpy as np
 
-from jointattn_mj.gaze_following.gate import gate_probability
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.summary import rate_of_success
 from jointattn_mj.perception.som import SOM
@@ -151,7 +150,7 @@ class GatePanel:
         """Draw the bar; it is full when the learner always decides."""
         x, y, width, _ = self._box
         bar = Box(x + 12, y + 59, width - 24, 14)
-        chance = gate_probability(session.config.robot.gaze, session.robot.iterations)
+        chance = session.robot.gate_probability
         bar.of(canvas)[:] = FAINT
         filled = round(bar.width * chance)
         bar.of(canvas)[:, bar.width - filled :] = LEARNED

@@ -1,0 +1,83 @@
+"""The face of interest as the robot's perception takes it: location, box, and pattern from the video's own pixels."""
+
+import cv2
+import numpy as np
+
+from jointattn_mj.footage.frame_map import IMAGE_HEIGHT, IMAGE_WIDTH, FrameMap
+from jointattn_mj.footage.people import Sighting
+from jointattn_mj.perception.faces import PATCH_SIDE, FaceFix
+
+PATTERN_HEIGHTS = 1.1
+"""Side of the square that becomes the pattern, in heights of the face's box, which reaches from brow to chin."""
+BLUR_PX = 0.7
+"""Standard deviation of the pattern's blur, as of ``perception.faces``."""
+NOWHERE = FaceFix(float("nan"), float("nan"), -1.0, False)
+
+
+class FollowedFace:
+    """Hands a face that was found in the video to ``PixelPerception``, in place of its own detector."""
+
+    reach_px = 0
+
+    def __init__(self) -> None:
+        self._fix = NOWHERE
+        self._side = np.zeros(2)
+        self._pattern = np.zeros((PATCH_SIDE, PATCH_SIDE), np.float32)
+
+    def show(self, seen: Sighting | None, image: np.ndarray, mapped: FrameMap) -> None:
+        """Say where the face is in the next image.
+
+        Args:
+            seen: The face; None where it was not found.
+            image: (h, w, 3) uint8 BGR, the video's image.
+            mapped: From its pixels to those of the robot's image.
+        """
+        self._fix = NOWHERE
+        if seen is None:
+            return
+        x, y = mapped.to_image(seen.centre - 0.5)
+        if not (0 <= x < IMAGE_WIDTH and 0 <= y < IMAGE_HEIGHT):
+            return
+        high = PATTERN_HEIGHTS * float(seen.smooth[3])
+        side = np.array([high * mapped.scale_y / mapped.scale_x, high])
+        self._fix = FaceFix(float(x), float(y), seen.score, True)
+        self._side = side * (mapped.scale_x, mapped.scale_y)
+        self._pattern = pattern(image, seen.centre, side)
+
+    def detect(self, gray: np.ndarray, expected_px: tuple[float, float] | None, complete: object) -> FaceFix:
+        """The face that was shown last."""
+        return self._fix
+
+    def patch(self, gray: np.ndarray, fix: FaceFix) -> np.ndarray:
+        """Its pattern: (32, 32) float32 grey values, 0 to 255."""
+        return self._pattern
+
+    def box(self, fix: FaceFix, shape: tuple[int, int]) -> tuple[int, int, int, int]:
+        """Its region x0, y0, x1, y1 (the last two exclusive), cut at the border of an image (h, w)."""
+        wide, high = (round(float(side)) for side in self._side)
+        x0, y0 = round(fix.x - (wide - 1) / 2), round(fix.y - (high - 1) / 2)
+        return max(x0, 0), max(y0, 0), min(x0 + wide, shape[1]), min(y0 + high, shape[0])
+
+
+def pattern(image: np.ndarray, centre: np.ndarray, side: np.ndarray) -> np.ndarray:
+    """A region of an image as a face pattern.
+
+    Args:
+        image: (h, w, 3) uint8 BGR.
+        centre: (2,) x, y of its middle, pixels from the image's left and upper edge.
+        side: (2,) its width and height, pixels.
+
+    Returns:
+        (32, 32) float32 grey values, 0 to 255.
+    """
+    times = int(np.ceil(max(*side, PATCH_SIDE) / PATCH_SIDE))  # each pixel of the pattern is a mean of times x times
+    out = PATCH_SIDE * times
+    scale = out / side
+    corner = centre - side / 2
+    into = np.array(
+        [[scale[0], 0, scale[0] * (0.5 - corner[0]) - 0.5], [0, scale[1], scale[1] * (0.5 - corner[1]) - 0.5]]
+    )
+    region = cv2.warpAffine(image, into, (out, out), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    gray = cv2.cvtColor(region, cv2.COLOR_BGR2GRAY).astype(np.float32)
+    small = cv2.resize(gray, (PATCH_SIDE, PATCH_SIDE), interpolation=cv2.INTER_AREA)
+    return np.ascontiguousarray(cv2.GaussianBlur(small, (0, 0), BLUR_PX))

@@ -1,0 +1,234 @@
+"""Agreement of two coders of the same recording: Cohen's kappa by units of time, with tolerance."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+
+from jointattn_mj.errors import SeriesError
+from jointattn_mj.options import Checked, Real, Seed, Whole
+from jointattn_mj.recordings.events import Events
+from jointattn_mj.recordings.intervals import at_times, intervals_of
+
+
+@dataclass(frozen=True)
+class AgreementOptions(Checked):
+    """Units of time, tolerance and interval."""
+
+    step: Annotated[float, Real("[1e-3, 1e3]")] = 0.1
+    """Unit of time in seconds."""
+    tolerance_s: Annotated[float, Real("[0, 60]")] = 0.0
+    """A unit counts as agreement if the other coder has the same code within so many seconds before or after."""
+    resamples: Annotated[int, Whole("[0, 1e6]")] = 500
+    """Bootstrap resamples behind the interval; 0 leaves it out."""
+    block_s: Annotated[float, Real("(0, 1e5]")] = 30.0
+    """Seconds of a block that is drawn: longer than looks last, as units within one look tell the same."""
+    level: Annotated[float, Real("(0, 1)")] = 0.95
+    """Coverage of the interval."""
+    seed: Seed = 0
+    """Random seed of the resamples."""
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How far two coders agree on one tier."""
+
+    tier: str
+    labels: tuple[str, ...]
+    matrix: np.ndarray
+    """Units (codes, codes): first coder's code, second coder's code. With tolerance the mean of both directions."""
+    interval: tuple[float, float]
+    """Of kappa; NaN where it was left out."""
+    step: float
+    tolerance_s: float
+    outside_s: float
+    """Seconds that only one of the two has coded: they are left out."""
+
+    @property
+    def observed(self) -> float:
+        """Share of units in which they agree."""
+        return float(np.trace(self.matrix) / self.matrix.sum())
+
+    @property
+    def expected(self) -> float:
+        """The same by chance, given how often each uses each code."""
+        return _expected(self.matrix)
+
+    @property
+    def kappa(self) -> float:
+        """Cohen's kappa (1960); NaN where both use one code alone."""
+        return kappa(self.matrix)
+
+    @property
+    def kappa_max(self) -> float:
+        """The highest kappa that is possible with these frequencies of codes."""
+        shares = self.matrix / self.matrix.sum()
+        most = float(np.minimum(shares.sum(0), shares.sum(1)).sum())
+        return (most - self.expected) / (1 - self.expected) if self.expected < 1 else float("nan")
+
+    def by_code(self) -> dict[str, float]:
+        """Kappa of each code against all others."""
+        found = {}
+        for i, label in enumerate(self.labels):
+            both, first, second = self.matrix[i, i], self.matrix[i].sum(), self.matrix[:, i].sum()
+            rest = self.matrix.sum() - first - second + both
+            found[label] = kappa(np.array([[both, first - both], [second - both, rest]]))
+        return found
+
+    def row(self) -> dict[str, Any]:
+        """In one row."""
+        return {
+            "tier": self.tier, "kappa": self.kappa, "low": self.interval[0], "high": self.interval[1],
+            "observed": self.observed, "expected": self.expected, "kappa_max": self.kappa_max,
+            "units": float(self.matrix.sum()), "step": self.step, "tolerance_s": self.tolerance_s,
+            "outside_s": self.outside_s,
+        }  # fmt: skip
+
+
+def kappa(matrix: np.ndarray) -> float:
+    """Cohen's kappa of an agreement matrix (codes, codes); NaN where it is not defined.
+
+    Examples:
+        >>> round(kappa(np.array([[88, 14, 18], [10, 40, 10], [2, 6, 12]])), 3)  # Cohen (1960)
+        0.492
+    """
+    matrix = np.asarray(matrix, float)
+    expected = _expected(matrix)
+    if not expected < 1:
+        return float("nan")
+    return float((np.trace(matrix) / matrix.sum() - expected) / (1 - expected))
+
+
+def agreement(
+    first: Events, second: Events, tiers: Sequence[str] | None = None, options: AgreementOptions | None = None
+) -> tuple[Agreement, ...]:
+    """Compare two coders, tier by tier. Recordings are matched by name, or one with one whatever their names.
+
+    Nothing coded is a code of its own. What only one coder has coded is left out, and told.
+
+    Args:
+        first: Events of the first coder.
+        second: Events of the second coder.
+        tiers: Names of tiers that both have; None: all of these.
+        options: Units, tolerance and interval; None: the defaults.
+
+    Raises:
+        SeriesError: No tier or recording in common, a tier that one of them lacks, or nothing to compare.
+    """
+    options = options or AgreementOptions()
+    pairs = _matched(first, second)
+    common = [name for name in first.tier_names if name in second.tier_names]
+    chosen = common if tiers is None else list(tiers)
+    for tier in chosen:
+        if tier not in common:
+            raise SeriesError(f"both coders need a tier {tier!r}; they share {', '.join(common) or 'none'}")
+    if not chosen:
+        raise SeriesError(
+            f"the coders share no tier: {', '.join(first.tier_names)} against {', '.join(second.tier_names)}"
+        )
+    return tuple(_of_tier(first, second, pairs, tier, options) for tier in chosen)
+
+
+def _of_tier(
+    first: Events, second: Events, pairs: list[tuple[str, str]], tier: str, options: AgreementOptions
+) -> Agreement:
+    found, outside = [], 0.0
+    for names in pairs:
+        ends = [_ends(events, name) for events, name in zip((first, second), names, strict=True)]
+        start, stop = max(end[0] for end in ends), min(end[1] for end in ends)
+        outside += max(end[1] for end in ends) - min(end[0] for end in ends) - max(stop - start, 0.0)
+        units = int((stop - start) / options.step + 1e-6)
+        if units > 0:
+            middles = start + (np.arange(units) + 0.5) * options.step
+            found.append(
+                [_codes_at(events, name, tier, middles) for events, name in zip((first, second), names, strict=True)]
+            )
+    if not found:
+        raise SeriesError(f"the coders have no time of tier {tier!r} in common")
+    labels = sorted({str(label) for pair in found for one in pair for label in np.unique(one)})
+    number = {label: i for i, label in enumerate(labels)}
+    reach = round(options.tolerance_s / options.step)
+    coded = [[np.array([number[label] for label in one]) for one in pair] for pair in found]
+    counted = [_tallied(a, b, reach) for a, b in coded]
+    matrix = sum(_matrix(one, len(labels)) for one in counted) / 2
+    interval = _interval(counted, len(labels), options)
+    return Agreement(
+        tier, tuple(labels), np.asarray(matrix), interval, options.step, options.tolerance_s, float(max(outside, 0.0))
+    )
+
+
+def _tallied(first: np.ndarray, second: np.ndarray, reach: int) -> np.ndarray:
+    """(units, 4): first's and second's code as tallied from the first, and from the second.
+
+    In a unit where one coder has the other's code within ``reach`` units, it counts as this.
+    """
+    return np.stack([first, _nearby(first, second, reach), _nearby(second, first, reach), second], 1)
+
+
+def _nearby(one: np.ndarray, other: np.ndarray, reach: int) -> np.ndarray:
+    """The other's codes (units,), replaced by this one's wherever the other has that within ``reach``."""
+    taken = other.copy()
+    for shift in range(1, reach + 1):
+        for direction in (shift, -shift):
+            moved = np.full(len(other), -1)
+            if shift < len(other):
+                if direction > 0:
+                    moved[shift:] = other[:-shift]
+                else:
+                    moved[:-shift] = other[shift:]
+            taken = np.where(moved == one, one, taken)
+    return np.where(other == one, one, taken)
+
+
+def _matrix(tallied: np.ndarray, size: int) -> np.ndarray:
+    both = [np.bincount(tallied[:, i] * size + tallied[:, i + 1], minlength=size * size) for i in (0, 2)]
+    return (both[0] + both[1]).reshape(size, size).astype(float)
+
+
+def _interval(counted: list[np.ndarray], size: int, options: AgreementOptions) -> tuple[float, float]:
+    if not options.resamples:
+        return float("nan"), float("nan")
+    length = max(1, round(options.block_s / options.step))
+    blocks = np.array(
+        [_matrix(one[at : at + length], size) for one in counted for at in range(0, len(one), length)]
+    )  # (blocks, codes, codes)
+    rng = np.random.default_rng(options.seed)
+    draws = rng.multinomial(len(blocks), np.full(len(blocks), 1 / len(blocks)), options.resamples)
+    values = np.array([kappa(np.tensordot(draw, blocks, 1)) for draw in draws])
+    values = values[np.isfinite(values)]
+    if not len(values):
+        return float("nan"), float("nan")
+    low, high = np.quantile(values, [(1 - options.level) / 2, (1 + options.level) / 2])
+    return float(low), float(high)
+
+
+def _expected(matrix: np.ndarray) -> float:
+    shares = matrix / matrix.sum()
+    return float(shares.sum(0) @ shares.sum(1))
+
+
+def _matched(first: Events, second: Events) -> list[tuple[str, str]]:
+    common = [name for name in first.recordings if name in second.recordings]
+    if common:
+        return [(name, name) for name in common]
+    if len(first.recordings) == len(second.recordings) == 1:
+        return [(first.recordings[0], second.recordings[0])]
+    raise SeriesError(
+        f"the coders share no recording: {', '.join(first.recordings[:5])} against {', '.join(second.recordings[:5])}"
+    )
+
+
+def _ends(events: Events, recording: str) -> tuple[float, float]:
+    """When coding began and ended."""
+    if recording in events.spans:
+        return events.spans[recording]
+    rows = events.table["recording"] == recording
+    if not rows.any():
+        return 0.0, 0.0
+    return float(events.table["onset"][rows].min()), float(events.table["offset"][rows].max())
+
+
+def _codes_at(events: Events, recording: str, tier: str, times: np.ndarray) -> np.ndarray:
+    """Codes (units,) at some times, ``(none)`` where nothing is coded."""
+    return at_times(intervals_of(events, recording, tier), times)

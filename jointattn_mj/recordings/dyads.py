@@ -1,0 +1,268 @@
+"""Many dyads: a value for each, their mean with an interval over dyads, and groups of dyads compared.
+
+The dyad is the unit: steps of different dyads are never put into one table.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import combinations
+from math import comb
+from typing import Any
+
+import numpy as np
+
+from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.series import Coded
+from jointattn_mj.contingency.significance import Significance, TestOptions, assess_steps
+from jointattn_mj.contingency.table import Steps
+from jointattn_mj.errors import SeriesError
+from jointattn_mj.io.results import bracket, number
+from jointattn_mj.recordings.steps import Recordings
+
+FEWEST = 2
+"""Dyads of a group that can be compared."""
+MOST_EXACT = 20_000
+"""Up to so many ways to part dyads into two groups, all are tried."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """The dyads of one group, or all."""
+
+    name: str
+    dyads: int
+    mean: float
+    """Mean of the effective values."""
+    sd: float
+    interval: tuple[float, float]
+    """Of the mean, over dyads: by Student's t; NaN for one dyad."""
+    p: float
+    """Of values so high by chance: the dyads' own p-values together, by Stouffer's method."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two groups, or all of them at once."""
+
+    first: str
+    second: str
+    """``all`` for a test of all groups at once."""
+    difference: float
+    """Of the means; of all groups: the share of variance between them (eta squared)."""
+    p: float
+    """Two-sided, by permutation of the dyads over the groups."""
+
+
+@dataclass(frozen=True)
+class DyadResult:
+    """A measure dyad by dyad."""
+
+    measure: str
+    names: tuple[str, ...]
+    values: tuple[Significance, ...]
+    groups: tuple[Group, ...]
+    """All dyads together, then each group."""
+    comparisons: tuple[Comparison, ...]
+    group_of: tuple[str, ...] = ()
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row a dyad."""
+        return [
+            {
+                "measure": self.measure, "recording": name, **({"group": self.group_of[i]} if self.group_of else {}),
+                "plug_in": one.value, "effective": one.corrected, "low": one.interval[0], "high": one.interval[1],
+                "z": one.z, "p": one.p, "transitions": one.transitions, "method": one.method,
+            }
+            for i, (name, one) in enumerate(zip(self.names, self.values, strict=True))
+        ]  # fmt: skip
+
+    def lines(self) -> list[str]:
+        """The groups and their comparison, in words."""
+        lines = [
+            f"{self.measure}, {one.name}: mean effective value {number(one.mean)} {bracket(one.interval)} over "
+            f"{one.dyads} recordings, p {_p(one.p)}"
+            for one in self.groups
+        ]
+        for one in self.comparisons:
+            what = f"{one.first} against {one.second}" if one.second != "all" else f"all by {one.first}"
+            size = "difference" if one.second != "all" else "eta squared"
+            lines.append(f"{self.measure}, {what}: {size} {number(one.difference)}, p {_p(one.p)}")
+        return lines
+
+
+def by_dyad(
+    given: Steps,
+    measure: Measure,
+    names: Mapping[int, str],
+    options: TestOptions,
+    unit: float,
+    seed: np.random.SeedSequence,
+    group_of: Mapping[str, str] | None = None,
+    by: str = "group",
+    progress: Callable[[int], object] = lambda done: None,
+) -> DyadResult:
+    """Measure each dyad on its own, and compare groups of dyads.
+
+    Args:
+        given: The transitions; ``groups`` says which pieces are of one recording.
+        measure: What is measured.
+        names: Name of each recording by its number in ``given.groups``.
+        options: How each dyad is tested; partners are not possible within one.
+        unit: Natural logarithm of the base.
+        seed: Of surrogates, resamples and permutations.
+        group_of: Group of each recording by its name; None: no comparison.
+        by: What the groups are called together, such as ``age``.
+        progress: Called with the number of surrogates or resamples drawn since the last call.
+
+    Raises:
+        SeriesError: There is one recording only, or a recording without a group.
+    """
+    dyads = split(given)
+    if len(dyads) < FEWEST:
+        raise SeriesError(f"values by recording need at least {FEWEST} recordings; got {len(dyads)}")
+    streams = seed.spawn(len(dyads) + 1)
+    called = tuple(names.get(number, str(number)) for number, _ in dyads)
+    values = tuple(
+        assess_steps(dyad, measure, options, unit, np.random.default_rng(stream), progress)
+        for (_, dyad), stream in zip(dyads, streams, strict=False)
+    )
+    of: tuple[str, ...] = ()
+    if group_of is not None:
+        without = [name for name in called if name not in group_of]
+        if without:
+            raise SeriesError(f"recording {without[0]!r} has no {by}")
+        of = tuple(group_of[name] for name in called)
+    found = np.array([one.corrected for one in values])
+    p = np.array([min(one.p, 1 - 0.5 / (1 + one.surrogates)) for one in values])
+    groups = [_group("all", found, p)]
+    kinds = sorted(set(of), key=_numeric)
+    labels = np.array(of)
+    if len(kinds) > 1:
+        groups += [_group(f"{by} {kind}", found[labels == kind], p[labels == kind]) for kind in kinds]
+    comparisons = compare(found, labels, kinds, by, options.surrogates, np.random.default_rng(streams[-1]))
+    return DyadResult(measure.name, called, values, tuple(groups), tuple(comparisons), of)
+
+
+def groups_by(data: Recordings, column: str, names: Mapping[int, str]) -> dict[str, str]:
+    """Group of each recording by its name.
+
+    Args:
+        data: Has the column.
+        column: With one value in all of a recording.
+        names: Name of each recording by its number.
+
+    Raises:
+        SeriesError: The column changes within a recording.
+    """
+    found: dict[str, str] = {}
+    for group, part in zip(data.groups, data.columns[column], strict=True):
+        name = names[group]
+        values = {data.labels[column][code] for code in np.unique(part)}
+        values |= {found[name]} if name in found else set()
+        if len(values) > 1:
+            there = ", ".join(sorted(values)[:5])
+            raise SeriesError(
+                f"{column!r} changes within recording {name!r}: {there}; it must have one value in all of a recording"
+            )
+        found[name] = values.pop()
+    return found
+
+
+def split(given: Steps) -> list[tuple[int, Steps]]:
+    """The recordings of some transitions, each with its number."""
+    bounds = given.target.bounds
+    numbers = np.arange(len(bounds) - 1) if given.groups is None else given.groups
+    first = np.flatnonzero(np.concatenate([[True], np.diff(numbers) != 0]))
+    last = np.append(first[1:], len(numbers))
+    parts = []
+    for start, stop in zip(first.tolist(), last.tolist(), strict=True):
+        cut = partial(_cut, bounds=bounds[start : stop + 1])
+        condition = None if given.condition is None else cut(given.condition)
+        history = None if given.history is None else cut(given.history)
+        groups = np.zeros(stop - start, np.int64)
+        parts.append((int(numbers[start]), Steps(cut(given.source), cut(given.target), condition, groups, history)))
+    return parts
+
+
+def _cut(one: Coded, bounds: np.ndarray) -> Coded:
+    return replace(one, codes=one.codes[bounds[0] : bounds[-1]], bounds=bounds - bounds[0])
+
+
+def compare(
+    values: np.ndarray,
+    labels: np.ndarray,
+    kinds: Sequence[str],
+    by: str,
+    permutations: int,
+    rng: np.random.Generator,
+) -> list[Comparison]:
+    """Compare groups of dyads by permuting dyads over them.
+
+    Args:
+        values: One for each dyad (n,).
+        labels: Group of each dyad (n,).
+        kinds: The groups.
+        by: What they are called together.
+        permutations: Number of permutations, where there are too many to try all.
+        rng: Draws them.
+
+    Returns:
+        With two groups their difference; with more, all at once and then each pair, not corrected for their number.
+    """
+    if len(kinds) < 2:
+        return []
+    found = []
+    if len(kinds) > 2:
+        member = (labels[:, None] == np.array(kinds)).astype(float)
+        observed = float(_eta(values[None], member)[0])
+        drawn = _eta(rng.permuted(np.tile(values, (permutations, 1)), axis=1), member)
+        found.append(Comparison(by, "all", observed, float((1 + np.sum(drawn >= observed - 1e-12)) / (1 + len(drawn)))))
+    for first, second in combinations(kinds, 2):
+        a, b = values[labels == first], values[labels == second]
+        p = _two_sided(a, b, permutations, rng) if min(len(a), len(b)) >= FEWEST else float("nan")
+        found.append(Comparison(first, second, float(a.mean() - b.mean()), p))
+    return found
+
+
+def _two_sided(a: np.ndarray, b: np.ndarray, permutations: int, rng: np.random.Generator) -> float:
+    """p of the difference of two means; all ways are tried where they are few."""
+    both, size = np.concatenate([a, b]), len(a)
+    exact = comb(len(both), size) <= MOST_EXACT
+    if exact:
+        sums = both[np.array(list(combinations(range(len(both)), size)))].sum(1)
+    else:
+        sums = rng.permuted(np.tile(both, (permutations, 1)), axis=1)[:, :size].sum(1)
+    differences = np.abs(sums / size - (both.sum() - sums) / len(b))
+    extreme = int(np.sum(differences >= abs(a.mean() - b.mean()) - 1e-12))
+    return extreme / len(sums) if exact else (1 + extreme) / (1 + permutations)
+
+
+def _eta(values: np.ndarray, member: np.ndarray) -> np.ndarray:
+    """Share of the variance between groups (k,), for values (k, n) and membership (n, groups)."""
+    deviations = values - values.mean(1, keepdims=True)
+    whole = (deviations**2).sum(1)
+    between = ((deviations @ member) ** 2 / member.sum(0)).sum(1)
+    share: np.ndarray = np.divide(between, whole, out=np.zeros(len(values)), where=whole > 0)
+    return share
+
+
+def _group(name: str, values: np.ndarray, p: np.ndarray) -> Group:
+    from scipy.stats import norm, t
+
+    n = len(values)
+    mean, sd = float(values.mean()), float(values.std(ddof=1)) if n > 1 else float("nan")
+    half = float(t.ppf(0.975, n - 1)) * sd / np.sqrt(n) if n > 1 else float("nan")
+    return Group(name, n, mean, sd, (mean - half, mean + half), float(norm.sf(norm.isf(p).sum() / np.sqrt(n))))
+
+
+def _p(p: float) -> str:
+    return "< 0.0001" if p < 0.0001 else f"{p:.4f}"
+
+
+def _numeric(label: str) -> tuple[int, float, str]:
+    """Numbers ascending, then words."""
+    try:
+        return 0, float(label), label
+    except ValueError:
+        return 1, 0.0, label
