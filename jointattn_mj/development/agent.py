@@ -102,12 +102,10 @@ class AgentState(NamedTuple):
     """Whether all steps are kept."""
     experience: Experience
     """The steps that are kept."""
-    radix: np.ndarray
-    """(results,) what a value of each result adds to the joint result, the last of ``r``; none where ``r`` has none."""
     s: np.ndarray
     """(sensors,) values in this step, S_Pi of the modules included."""
     r: np.ndarray
-    """(results,) values in this step; a joint result comes last."""
+    """(results,) values in this step."""
     a: np.ndarray
     """(actions,) commands of the joints, then A_Pi of the modules."""
     driver: np.ndarray
@@ -178,13 +176,9 @@ def think(state: AgentState, s: np.ndarray, r: np.ndarray) -> int:
     _copy(s, state.s)
     _copy(state.a[len(state.driver) :], state.s[len(s) :])
     _copy(r, state.r)
-    if len(state.radix) > 0:
-        state.r[len(r)] = 0
-        for result in range(len(r)):
-            state.r[len(r)] += r[result] * state.radix[result]
     select(state.maps, state.s, state.r, state.random, state.strength, state.a, state.driver)
     if state.keeping:
-        keep(state.experience, state.n_steps[0] - 1, state.s, state.a, r)
+        keep(state.experience, state.n_steps[0] - 1, state.s, state.a, state.r)
     return event
 
 
@@ -224,13 +218,10 @@ class Developer:
         joints, results = len(variables.joints), len(variables.results)
         self._tables = [module.table(variables) for module in self.reactive]
         self._made_at: list[int] = []
-        joint = self.local and config.local.condition == "joint"
-        sizes = [len(result.values) for result in variables.results]
-        self._condition = results if joint else None
         keeping = self.local or any(isinstance(module, LearningModule) for module in self.reactive)
         self._next_look = config.local.first_look if keeping else 0
         rows = self._next_look + 1 if keeping else 0
-        maps = flat_maps(variables, [], self._tables, config.selector, self._condition)
+        maps = flat_maps(variables, [], self._tables, config.selector)
         of_selector, of_looks = _streams(seed)
         self._random = np.random.default_rng(of_looks)
         self.state = AgentState(
@@ -242,9 +233,8 @@ class Developer:
             counting=not self.local,
             keeping=keeping,
             experience=empty_experience(rows, len(variables.sensors), len(variables.actions), results),
-            radix=np.array([np.prod(sizes[number + 1 :]) for number in range(results)] if joint else [], np.int64),
             s=np.zeros(len(variables.sensors), np.int64),
-            r=np.zeros(results + joint, np.int64),
+            r=np.zeros(results, np.int64),
             a=np.zeros(joints, np.int64),
             driver=np.full(joints, NOBODY, np.int64),
             strength=np.zeros(len(maps.joint)),
@@ -309,10 +299,6 @@ class Developer:
         self.state = self.state._replace(experience=roomier(self.state.experience, 2 * self._next_look, *widths))
         return event
 
-    def row(self, module: Module) -> int:
-        """Position in ``state.r`` of the value by which the rows of a module's map go."""
-        return module.event.result if self._condition is None else self._condition
-
     def take_in(self, event: int) -> Module | None:
         """Make maps anew where that is due, and a module of the event of number ``event``, unless it is NOTHING.
 
@@ -376,7 +362,7 @@ class Developer:
     def _steps(self) -> Steps:
         """All steps so far, with what hindsight says of the modules."""
         n_steps, variables = int(self.state.n_steps[0]), self.variables
-        steps = Steps(self.state.experience, n_steps, variables, self._condition is not None)
+        steps = Steps(self.state.experience, n_steps, variables)
         world = len(variables.sensors) - variables.modules
         for number, module in enumerate(self.modules):
             if self.local and self.config.local.hindsight:
@@ -438,7 +424,7 @@ class Developer:
     def _set_modules(self, modules: list[Module]) -> None:
         """Let the selector choose among these modules; those that it had keep their habituation."""
         old, known = self.state.maps, len(self.modules)
-        maps = flat_maps(self.variables, modules, self._tables, self.config.selector, self._condition)
+        maps = flat_maps(self.variables, modules, self._tables, self.config.selector)
         maps.repeats[:known], maps.under[:known] = old.repeats[:known], old.under[:known]
         self.modules = modules
         self.state = self.state._replace(maps=maps, strength=np.zeros(len(maps.joint)))

@@ -4,6 +4,7 @@ Counts of transitions that are taken as they come (``counts``) cannot follow whe
 module's variable S_Pi says whether the module was used; with hindsight it is read anew whenever a map changes.
 """
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -85,19 +86,17 @@ class Steps:
 
     Attributes:
         n_steps: Number of steps.
-        joint: Whether results are conditioned on all results together, or each on itself.
     """
 
-    def __init__(self, experience: Experience, n_steps: int, variables: Variables, joint: bool):
+    def __init__(self, experience: Experience, n_steps: int, variables: Variables):
         """Take the steps as they were.
 
         Args:
             experience: What was kept.
             n_steps: How many steps of it.
             variables: Of the agent.
-            joint: See the attribute.
         """
-        self.n_steps, self.joint, self._variables = n_steps, joint, variables
+        self.n_steps, self._variables = n_steps, variables
         self._s, self._a, self._r = (np.asfortranarray(part[:n_steps], np.int64) for part in experience)
         self._begin = np.zeros(len(variables.sensors), np.int64)
         self._together = joint_code(self._r, self.result_sizes)
@@ -112,29 +111,21 @@ class Steps:
         """Number of values of each result."""
         return [len(result.values) for result in self._variables.results]
 
-    def conditions(self, result: int) -> int:
-        """Number of values of what a result is conditioned on."""
-        return int(np.prod(self.result_sizes)) if self.joint else self.result_sizes[result]
-
-    def before(self, result: int) -> np.ndarray:
-        """(n,) what a result is conditioned on, in each step."""
-        return self._together if self.joint else self._r[:, result]
-
-    def of(self, event: Event, given: Sequence[int] = ()) -> EventSeries:
+    def of(self, event: Event, joint: bool = False, given: Sequence[int] = ()) -> EventSeries:
         """The series of an event.
 
         Args:
             event: The event.
+            joint: Whether its result is conditioned on all results together, or on itself.
             given: Sensors of modules on whose values its result is conditioned as well.
         """
         sensor, action = self._variables.sensors[event.sensor], self._variables.actions[event.action]
-        sizes = [self.conditions(event.result), len(sensor.values), len(action.values), self.result_sizes[event.result]]
-        before = self.before(event.result)
+        before = self._together if joint else self._r[:, event.result]
+        values = math.prod(self.result_sizes) if joint else self.result_sizes[event.result]
         for other in given:
-            before = 2 * before + self._s[:, other]
-            sizes[0] *= 2
-        columns = self._s[:, event.sensor], self._a[:, event.action], before, self._r[:, event.result]
-        return EventSeries(columns, np.array(sizes))
+            before, values = 2 * before + self._s[:, other], 2 * values
+        sizes = np.array([values, len(sensor.values), len(action.values), self.result_sizes[event.result]])
+        return EventSeries((self._s[:, event.sensor], self._a[:, event.action], before, self._r[:, event.result]), sizes)
 
     def sensed(self, joint: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, int]]:
         """What the world lets the agent sense after each command of a joint.
@@ -164,7 +155,7 @@ class Steps:
             module: The module. Its map may look at an earlier module's S_Pi, so earlier ones come first.
         """
         event = module.event
-        offered = module.command[self.before(event.result), self._s[:, event.sensor]]
+        offered = module.command[self._r[:, event.result], self._s[:, event.sensor]]
         used = (offered != OFFERS_NOTHING) & (offered == self._a[:, event.action])
         self._s[0, sensor] = 0
         self._s[1:, sensor] = used[:-1]

@@ -25,7 +25,7 @@ import numpy as np
 
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event
-from jointattn_mj.contingency.online.experience import Steps, beyond_last
+from jointattn_mj.contingency.online.experience import EventSeries, Steps, beyond_last
 from jointattn_mj.contingency.online.local_values import Draws, count, event_values, log_evidence, predictive_evidence
 from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Share, Whole
 
@@ -131,7 +131,7 @@ def search(
     is_first = (hoped[rivals] <= (1 + config.tolerance) * lead[first]).all(axis=0).mean() >= config.best
     if not is_first or values[first] <= config.deviations * lead[first].std():
         return NOTHING, values
-    series = steps.of(events[first], _given(steps, events[first], served, config))
+    series = _series(steps, events[first], served, config)
     begin, enough = steps.begin(events[first]), np.log(len(events) / config.false_alarm)
     least = np.log(config.evidence_overall)
     overall = series
@@ -166,18 +166,17 @@ def _drawn(
     lead, hoped = np.zeros((2, len(events), config.draws))
     rises = np.zeros(len(events), np.bool_)
     for number, event in enumerate(events):
-        series, first = steps.of(event, _given(steps, event, served, config)), steps.begin(event)
+        series, first = _series(steps, event, served, config), steps.begin(event)
         rises[number] = event_values(
             *series.columns, first, since, series.sizes, draws, random, lead[number], hoped[number]
         )
     return lead, hoped, rises
 
 
-def _given(steps: Steps, event: Event, served: Sequence[Event], config: LocalConfig) -> list[int]:
-    """Sensors of the modules that bring about the event's result."""
-    if not config.given_modules:
-        return []
-    return [steps.of_world + number for number, one in enumerate(served) if one.result == event.result]
+def _series(steps: Steps, event: Event, served: Sequence[Event], config: LocalConfig) -> EventSeries:
+    """The series of an event, conditioned as configured."""
+    alike = [steps.of_world + number for number, one in enumerate(served) if one.result == event.result]
+    return steps.of(event, config.condition == "joint", alike if config.given_modules else ())
 
 
 def _candidates(

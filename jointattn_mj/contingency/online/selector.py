@@ -71,7 +71,6 @@ def flat_maps(
     modules: Sequence[Module],
     tables: Sequence[ReactiveTable],
     config: SelectorConfig,
-    condition: int | None = None,
 ) -> Maps:
     """The modules as arrays, without habituation.
 
@@ -80,7 +79,6 @@ def flat_maps(
         modules: Contingency reproduction modules, in the order in which they were made.
         tables: Tables of the reactive modules, one or more for each joint.
         config: Settings of the selector.
-        condition: Position in ``r`` of the value by which the rows of all maps go; None: each module's own result.
 
     Raises:
         ConfigError: A reactive module's table does not fit the variables, or a joint has no reactive module.
@@ -102,7 +100,7 @@ def flat_maps(
     odds = [np.size(table.odds) for table in tables]
     return Maps(
         sensor=np.array(looks, np.int64),
-        result=np.array([m.event.result if condition is None else condition for m in modules] + [NOBODY] * len(tables), np.int64),
+        result=np.array([m.event.result for m in modules] + [NOBODY] * len(tables), np.int64),
         joint=np.array(drives + [joints.index(table.joint) for table in tables], np.int64),
         uses=np.array(uses + [NOBODY] * len(tables), np.int64),
         size=np.array([len(variables.sensors[number].values) for number in looks], np.int64),
