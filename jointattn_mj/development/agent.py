@@ -24,11 +24,11 @@ from jointattn_mj.contingency.online.counts import (
 from jointattn_mj.contingency.online.detector import NOTHING, DetectorConfig, Watch, grown, new_watch, update
 from jointattn_mj.contingency.online.events import Event, Variable, Variables
 from jointattn_mj.contingency.online.experience import Experience, Steps, empty_experience, keep, roomier
-from jointattn_mj.contingency.online.followed_maps import followed_map
-from jointattn_mj.contingency.online.local import LocalConfig, search
-from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module, ReproductionConfig, make_module
+from jointattn_mj.contingency.online.local import LocalConfig
+from jointattn_mj.contingency.online.modules import Module, ReproductionConfig, make_module
 from jointattn_mj.contingency.online.reactive import LearningModule, RandomModule, ReactiveModule
 from jointattn_mj.contingency.online.selector import NOBODY, Maps, SelectorConfig, flat_maps, select
+from jointattn_mj.development.looks import Looks
 from jointattn_mj.development.one_type import one_type
 from jointattn_mj.development.restored_agent import check_agent, check_module
 from jointattn_mj.errors import ConfigError, SeriesError
@@ -64,6 +64,11 @@ class DeveloperConfig(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.detector.stop_rule == "local" and (self.memory != "whole" or self.refresh_every):
+            raise ConfigError(
+                "stop_rule local keeps all steps and reads maps anew at its own looks: it needs memory whole and "
+                f"refresh_every 0; got {self.memory} and {self.refresh_every}"
+            )
         if self.memory == "fading" and (self.detector.stop_rule == "confidence" or self.detector.correction != "none"):
             raise ConfigError(
                 "memory fading keeps weights, for which neither stop_rule confidence nor a correction is defined; "
@@ -117,8 +122,6 @@ class AgentState(NamedTuple):
     random: np.random.Generator
 
 
-LOOKS = 1000
-"""Key of the random stream of looks, beside that of the selector."""
 FADED = 1e9
 """Memory fading: when the weight exceeds this, it becomes 1 again and all counts are divided by it."""
 
@@ -217,13 +220,11 @@ class Developer:
         self.reactive += [RandomModule(joint.name) for joint in variables.joints if joint.name not in served]
         joints, results = len(variables.joints), len(variables.results)
         self._tables = [module.table(variables) for module in self.reactive]
-        self._made_at: list[int] = []
         keeping = self.local or any(isinstance(module, LearningModule) for module in self.reactive)
-        self._next_look = config.local.first_look if keeping else 0
-        rows = self._next_look + 1 if keeping else 0
+        sequence = seed if isinstance(seed, np.random.SeedSequence) else np.random.SeedSequence(seed)
+        self._looks = Looks(config.local, sequence)
+        rows = self._looks.next if keeping else 0
         maps = flat_maps(variables, [], self._tables, config.selector)
-        of_selector, of_looks = _streams(seed)
-        self._random = np.random.default_rng(of_looks)
         self.state = AgentState(
             counts=empty_counts(variables, [] if self.local else self.events),
             watch=new_watch(config.detector, len(self.events)),
@@ -239,7 +240,7 @@ class Developer:
             driver=np.full(joints, NOBODY, np.int64),
             strength=np.zeros(len(maps.joint)),
             n_steps=np.zeros(1, np.int64),
-            random=np.random.default_rng(of_selector),
+            random=np.random.default_rng(sequence),
         )
 
     def act(self, s: np.ndarray, r: np.ndarray) -> np.ndarray:
@@ -261,42 +262,41 @@ class Developer:
         return self.state.a[: len(self.state.driver)].copy()
 
     @property
-    def next_pause(self) -> int:
-        """Number of steps after which the agent has something to do between two steps; 0 for never."""
-        every, done = self.config.refresh_every, int(self.state.n_steps[0])
-        pauses = [(done // every + 1) * every] if every else []
-        return min([*pauses, self._next_look] if self._next_look else pauses, default=0)
+    def next_pause(self) -> int | None:
+        """Number of steps after which the agent has something to do between two steps; None for never."""
+        every, pauses = self.config.refresh_every, list[int]()
+        if self.state.keeping:
+            pauses.append(self._looks.next)
+        if every and not self.local:
+            pauses.append((int(self.state.n_steps[0]) // every + 1) * every)
+        return min(pauses, default=None)
 
     def looked(self, event: int) -> int:
         """Look back over all steps where that is due.
 
         Args:
-            event: Number of the event that was found in the step, or NOTHING.
+            event: Number of the event that was found in the last step, or NOTHING.
 
         Returns:
             Number of the event that is found, or NOTHING.
         """
-        if not self._next_look or self.state.n_steps[0] < self._next_look:
+        n_steps = int(self.state.n_steps[0])
+        if not self.state.keeping or n_steps < self._looks.next:
             return event
-        steps, config = self._steps(), self.config.local
+        steps = self._steps()
         self._tables = [
             module.learned(self.variables, steps) if isinstance(module, LearningModule) else table
             for module, table in zip(self.reactive, self._tables, strict=True)
         ]
         modules = self.modules
         if self.local:
-            modules = self._followed(steps)
-            since = self._made_at[-1] if self._made_at else 0
-            event, values = search(
-                steps, self.events, [one.event for one in modules], since, config, self._random,
-                lambda one: bool((self._read(one, steps).command != OFFERS_NOTHING).any()),
-            )
+            modules = self._looks.followed(steps, self.modules)
+            event, values = self._looks.find(steps, self.events, modules)
             self.state.watch.values[:] = values / np.log(self.config.detector.base)
         self._set_modules(modules)
-        n_steps = int(self.state.n_steps[0])
-        self._next_look = n_steps + max(config.look_every, int(n_steps * config.look_again))
+        self._looks.postpone(n_steps)
         widths = len(self.variables.sensors), len(self.variables.actions)
-        self.state = self.state._replace(experience=roomier(self.state.experience, 2 * self._next_look, *widths))
+        self.state = self.state._replace(experience=roomier(self.state.experience, self._looks.next, *widths))
         return event
 
     def take_in(self, event: int) -> Module | None:
@@ -342,7 +342,9 @@ class Developer:
             ValueError: Compiled code cannot use it.
         """
         self.__dict__.update(state)
+        self._looks.check(len(self.modules))
         check_agent(self.state, self._untrained().state, self.variables)
+        flat_maps(self.variables, self.modules, self._tables, self.config.selector)
 
     def _untrained(self) -> "Developer":
         """A new agent with the same variables and modules."""
@@ -360,35 +362,13 @@ class Developer:
         return made + [type(module).__name__ for module in self.reactive]
 
     def _steps(self) -> Steps:
-        """All steps so far, with what hindsight says of the modules."""
-        n_steps, variables = int(self.state.n_steps[0]), self.variables
-        steps = Steps(self.state.experience, n_steps, variables)
-        world = len(variables.sensors) - variables.modules
-        for number, module in enumerate(self.modules):
-            if self.local and self.config.local.hindsight:
-                steps.see_in_hindsight(world + number, module)
-            else:
-                steps.begins_at(world + number, self._made_at[number])
-        return steps
-
-    def _followed(self, steps: Steps) -> list[Module]:
-        """The modules with maps from all steps, each in the light of those before it."""
-        if self.config.local.maps == "frozen":
-            return self.modules
-        modules, world = list[Module](), len(self.variables.sensors) - self.variables.modules
-        for number, module in enumerate(self.modules):
-            modules.append(self._read(module.event, steps))
-            if self.config.local.hindsight:
-                steps.see_in_hindsight(world + number, modules[-1])
-        return modules
-
-    def _read(self, event: Event, steps: Steps) -> Module:
-        """The module of an event by the steps so far."""
-        return followed_map(event, steps.of(event), steps.begin(event), self.config.local)
+        """All steps so far."""
+        n_steps, modules = int(self.state.n_steps[0]), self.modules if self.local else []
+        return self._looks.steps(self.state.experience, n_steps, self.variables, modules)
 
     def _module(self, event: Event) -> Module:
         if self.local:
-            return self._read(event, self._steps())
+            return self._looks.module(event, self._steps())
         table = joint_table(self.state.counts, self.events.index(event))
         return make_module(event, table, self.config.reproduction)
 
@@ -399,7 +379,7 @@ class Developer:
         known = set(self.events)
         new = [one for one in self.variables.events(of_joints=self.local) if one not in known]
         self.events += new
-        self._made_at.append(int(state.n_steps[0]))
+        self._looks.made_at.append(int(state.n_steps[0]))
         anew = config.memory == "reset"
         if self.local:
             counts = state.counts
@@ -467,10 +447,3 @@ def _observed(values: np.ndarray, variables: Sequence[Variable]) -> np.ndarray:
         wanted = ", ".join(f"{variable.name} 0 to {len(variable.values) - 1}" for variable in variables)
         raise SeriesError(f"a step needs whole numbers for {wanted}; got {codes.tolist()}")
     return codes.astype(np.int64)
-
-
-def _streams(seed: np.random.SeedSequence | int) -> tuple[np.random.SeedSequence, np.random.SeedSequence]:
-    """Seeds of the selector and of the looks."""
-    given = seed if isinstance(seed, np.random.SeedSequence) else np.random.SeedSequence(seed)
-    of_looks = np.random.SeedSequence(given.entropy, spawn_key=(*given.spawn_key, LOOKS), pool_size=given.pool_size)
-    return given, of_looks

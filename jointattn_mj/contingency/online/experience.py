@@ -41,13 +41,19 @@ def empty_experience(rows: int, sensors: int, actions: int, results: int) -> Exp
 def roomier(experience: Experience, rows: int, sensors: int, actions: int) -> Experience:
     """The same steps with room for more of them, and for the variables of more modules, 0 so far.
 
+    Where there is too little room for steps there will be twice as much as asked for, so that steps are seldom copied.
+
     Args:
         experience: What is kept.
         rows: Number of steps that there must be room for.
         sensors: Number of sensors.
         actions: Number of actions.
     """
-    more = empty_experience(max(rows, len(experience.s)), sensors, actions, experience.r.shape[1])
+    before = len(experience.s)
+    if rows <= before and (experience.s.shape[1], experience.a.shape[1]) == (sensors, actions):
+        return experience
+    room = before if rows <= before else 2 * rows
+    more = empty_experience(room, sensors, actions, experience.r.shape[1])
     for old, new in zip(experience, more, strict=True):
         new[: len(old), : old.shape[1]] = old
     return more
@@ -125,7 +131,9 @@ class Steps:
         for other in given:
             before, values = 2 * before + self._s[:, other], 2 * values
         sizes = np.array([values, len(sensor.values), len(action.values), self.result_sizes[event.result]])
-        return EventSeries((self._s[:, event.sensor], self._a[:, event.action], before, self._r[:, event.result]), sizes)
+        return EventSeries(
+            (self._s[:, event.sensor], self._a[:, event.action], before, self._r[:, event.result]), sizes
+        )
 
     def sensed(self, joint: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, int]]:
         """What the world lets the agent sense after each command of a joint.
@@ -143,22 +151,22 @@ class Steps:
         """First step in which the event could occur."""
         return int(self._begin[event.sensor])
 
-    def begins_at(self, sensor: int, step: int) -> None:
-        """Leave out the steps before a sensor existed."""
-        self._begin[sensor] = step
+    def begins_at(self, number: int, step: int) -> None:
+        """Leave out the steps before module ``number`` was made, where its sensor is concerned."""
+        self._begin[self.of_world + number] = step
 
-    def see_in_hindsight(self, sensor: int, module: Module) -> None:
+    def see_in_hindsight(self, number: int, module: Module) -> None:
         """Say in which steps a module was used, by its present map: where the robot did what the module offers.
 
         Args:
-            sensor: Number of the sensor S_Pi of the module.
+            number: Of the module.
             module: The module. Its map may look at an earlier module's S_Pi, so earlier ones come first.
         """
         event = module.event
         offered = module.command[self._r[:, event.result], self._s[:, event.sensor]]
         used = (offered != OFFERS_NOTHING) & (offered == self._a[:, event.action])
-        self._s[0, sensor] = 0
-        self._s[1:, sensor] = used[:-1]
+        self._s[0, self.of_world + number] = 0
+        self._s[1:, self.of_world + number] = used[:-1]
 
 
 def beyond_last(series: EventSeries) -> EventSeries:

@@ -179,9 +179,7 @@ def _series(steps: Steps, event: Event, served: Sequence[Event], config: LocalCo
     return steps.of(event, config.condition == "joint", alike if config.given_modules else ())
 
 
-def _candidates(
-    events: Sequence[Event], served: Sequence[Event], rises: np.ndarray, config: LocalConfig
-) -> np.ndarray:
+def _candidates(events: Sequence[Event], served: Sequence[Event], rises: np.ndarray, config: LocalConfig) -> np.ndarray:
     """Numbers of the events that may be found, and are rivals of each other."""
     done = {event.result for event in served}
     all_served = done >= {event.result for event in events}

@@ -27,7 +27,9 @@ class Draws(NamedTuple):
 
 
 @njit(cache=True)
-def count(s: np.ndarray, a: np.ndarray, before: np.ndarray, after: np.ndarray, span: tuple[int, int], table: np.ndarray) -> None:
+def count(
+    s: np.ndarray, a: np.ndarray, before: np.ndarray, after: np.ndarray, span: tuple[int, int], table: np.ndarray
+) -> None:
     """Count transitions.
 
     Args:
