@@ -13,8 +13,8 @@ known. An event is found when
 - a module of it would offer something.
 
 Two more conditions keep apart what is the same contingency seen from two sides. What the modules that bring about a
-result say of it already does not count again: the result is conditioned on their use. And of two events that mirror each
-other, because what brings one result about takes another away, the one that brings about comes first.
+result say of it already does not count again: the result is conditioned on their use. And of two events that mirror
+each other, because what brings one result about takes another away, the one that brings about comes first.
 """
 
 from collections.abc import Callable, Sequence
