@@ -34,7 +34,8 @@ class DevelopmentConfig(Checked):
     preset: Annotated[str, Choice(PRESETS)] = "thesis"
     """Reading of the text that gives --table.* and --agent.* their defaults; each option can still be set by itself.
     thesis: chapter 5 as it is written. thesis_robot_first: the robot acts first in a step. fast: makes the same modules
-    in a fraction of the steps, by standard errors. chapter4: finds events and makes no modules."""
+    in a fraction of the steps, by standard errors. local: in fewer still, by what is contingent where it holds, with
+    curious gaze. chapter4: finds events and makes no modules."""
     steps: Annotated[int, Whole("[1, 1e10]")] = 100_000
     """Length of the run in steps. In a step the caregiver shifts gaze, the robot observes, and the robot acts."""
     seed: Seed = 0
