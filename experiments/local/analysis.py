@@ -1,11 +1,210 @@
-"""Stub."""
+"""How soon the three modules are found, how surely, what is found where there is nothing, and what each part does."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+from matplotlib.figure import Figure
 
-def analyse(trials: Any) -> list:
-    return []
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
+from jointattn_mj.sweeps.statistics import median_interval, proportion
+
+from ..tables import STAGES, in_order
+from .sweep import CHANCES, PARTS, SETTINGS, SPOTS
+
+ORACLE = 1_151
+"""Steps that a sequential probability ratio test needs which knows the true probabilities, with gaze at random, at the
+table with 3 spots (median of 40 runs); with half of the gazes at the face 600."""
+KEEPS = 0.3
+"""Least rate of keeping eye contact in which gaze alternation shows; before the first module it is .12 to .17."""
+NULLS = {"null/profile shows nothing": "a profile that shows nothing", "null/silent": "neither follows nor answers"}
+REALTIME = {
+    "realtime/state": "in real time from the state",
+    "realtime/pixels": "in real time from images",
+    "realtime/pixels, no cues": "in real time from images, without motion cues",
+    "realtime/state, late answers": "in real time from the state, answers after .5 to 1 s",
+}
+Results = Sequence[Mapping[str, Any]]
 
 
-def draw(trials: Any) -> dict:
-    return {}
+def results(trials: Trials, setting: str) -> list[dict[str, Any]]:
+    """Results of the setting of that name; without one, of those whose names begin with it and a slash.
+
+    Settings with the same config share their trials; each takes as many as it has runs.
+    """
+    names = [setting] if setting in trials else [name for name in trials if name.startswith(f"{setting}/")]
+    return [trial.result for name in names for trial in trials[name][: SETTINGS[name].runs]]
+
+
+def grid(trials: Trials, spots: int) -> list[dict[str, Any]]:
+    """Results at tables with so many spots, all pairs of p_r and p_i together."""
+    names = [f"table/{spots} spots, follow {f}, lead {p}" for f in CHANCES for p in CHANCES]
+    return [trial.result for name in names for trial in trials.get(name, ())[: SETTINGS[name].runs]]
+
+
+def third(some: Results, unit: str = "turns") -> list[float]:
+    """Step, or minute, of gaze alternation in each run; infinite where the three modules are not there in order."""
+    return [result[unit][2] if in_order(dict(result)) else np.inf for result in some]
+
+
+def analyse(trials: Trials) -> list[Comparison]:
+    """At the table, with wrong observations, where there is nothing, on images, in real time, part by part."""
+    rows = list[Comparison]()
+    rows += _both("at the table", results(trials, "table") if "table" in trials else [])
+    for spots in SPOTS:
+        rows += _both(f"{spots} spots, nine pairs of p_r, p_i", grid(trials, spots))
+    for spots in (3, 6):
+        rows += _both(f"3% wrong observations, {spots} spots", results(trials, f"wrong/{spots} spots"))
+    for name, words in NULLS.items():
+        rows += _null(words, results(trials, name), silent=name == "null/silent")
+    for answer in ("0.5", "0"):
+        rows += _answering(answer, results(trials, f"answer/{answer}"))
+    for name, words in (("rendered/steady", "from images, step by step"), ("rendered/unsteady", "unsteady bodies")):
+        rows += _both(words, results(trials, name))
+    for name, words in REALTIME.items():
+        rows += _both(words, results(trials, name), "minutes")
+        rows += _behaviour(words, results(trials, name)) if "late" not in name else []
+    rows += _two_hours(results(trials, "realtime/state, two hours"))
+    for name in PARTS:
+        rows += _both(f"2, 3 and 6 spots, {name}", results(trials, f"part/{name}"))
+    return rows
+
+
+def _row(what: str, ours: Any, note: str = "", dissertation: str = "not tried") -> Comparison:
+    return Comparison(what, dissertation, ours, Verdict.EXTENSION, note)
+
+
+def _both(words: str, some: Results, unit: str = "turns") -> list[Comparison]:
+    """Order and time of gaze alternation."""
+    if not some:
+        return []
+    others = [" ".join(result["modules"][:3]) or "nothing" for result in some if not in_order(dict(result))]
+    times = third(some, unit)
+    late = float(np.quantile(times, 0.9, method="higher"))
+    name = "minutes" if unit == "minutes" else "step"
+    return [
+        _row(
+            f"the three modules in order, {words}",
+            proportion(len(some) - len(others), len(some)),
+            "else " + ", ".join(sorted(set(others))) if others else "",
+            "90% of ten runs",
+        ),
+        _row(
+            f"{name} of gaze alternation (median), {words}",
+            median_interval(times),
+            f"nine of ten by {late:,.0f}" if np.isfinite(late) else "",
+            "more than 45,000 steps in the example",
+        ),
+    ]
+
+
+def _null(words: str, some: Results, silent: bool) -> list[Comparison]:
+    """Modules where there is nothing to find, or nothing but gaze following."""
+    if not some:
+        return []
+    if not silent:
+        return [_row(f"any module, {words}", proportion(sum(bool(one["modules"]) for one in some), len(some)))]
+    more = proportion(sum(one["modules"] != [STAGES[0]] for one in some), len(some))
+    note = (
+        "not chance: after following the face is frontal in 26% of looks, else in 35% (300,000 steps), since a "
+        "caregiver who leads looks at the robot between two objects only"
+    )
+    return [_row(f"modules besides gaze following, a caregiver who {words}", more, note)]
+
+
+def _answering(answer: str, some: Results) -> list[Comparison]:
+    """What is found with a caregiver who seldom or never looks up after joint attention."""
+    if not some:
+        return []
+    rows = []
+    for number, name in enumerate(("gaze following", "looking back after it")):
+        right = sum(one["modules"][: number + 1] == list(STAGES[: number + 1]) for one in some)
+        rows.append(_row(f"{name} found, p_e = {answer}", proportion(right, len(some))))
+    return rows
+
+
+def _behaviour(words: str, some: Results) -> list[Comparison]:
+    """Whether gaze alternation shows in behaviour."""
+    kept = [one["phases"][3][2] if len(one["phases"]) > 3 else 0.0 for one in some]
+    if not kept:
+        return []
+    note = f"rate {np.mean([rate for rate in kept if rate]):.2f} (mean); Fig. 5.5 as reproduced: .49"
+    return [
+        _row(
+            f"keeps eye contact after gaze alternation, {words}",
+            proportion(sum(k > KEEPS for k in kept), len(kept)),
+            note,
+        )
+    ]
+
+
+def _two_hours(some: Results) -> list[Comparison]:
+    """What comes after the third module."""
+    if not some:
+        return []
+    right = sum(in_order(dict(one)) and len(one["modules"]) == 3 for one in some)
+    return [_row("no module but the three in two hours, from the state", proportion(right, len(some)))]
+
+
+def draw(trials: Trials) -> Mapping[str, Figure]:
+    """When gaze alternation is found: at tables, and in an hour of real time; and what each part does."""
+    if "table" not in trials:
+        return {}
+    figure = Figure(figsize=(10, 7), layout="constrained")
+    (left, right), (low_left, low_right) = figure.subplots(2, 2)
+    _curve(left, third([trial.result for trial in trials["table"]]), "3 spots")
+    for spots in SPOTS:
+        _curve(left, third(grid(trials, spots)), f"{spots} spots")
+    left.axvline(ORACLE, color="k", ls=":", label="knows the true odds")
+    left.set(xlabel="step", ylabel="share of runs", title="Gaze alternation at the table", xlim=(0, 8_000))
+    for name, words in REALTIME.items():
+        if name in trials:
+            _curve(right, third(results(trials, name), "minutes"), words.removeprefix("in real time "))
+    right.set(xlabel="simulated minutes", ylabel="share of runs", title="Gaze alternation in real time", xlim=(0, 60))
+    for axes in (left, right):
+        axes.set_ylim(0, 1.02)
+        axes.legend(fontsize=7, loc="lower right")
+        axes.grid(alpha=0.3)
+    _parts(low_left, trials)
+    _rates(low_right, trials)
+    return {"local": figure}
+
+
+def _curve(axes: Any, times: Sequence[float], label: str) -> None:
+    """Share of runs by time."""
+    ordered = np.sort(times)
+    if len(ordered):
+        axes.step(
+            ordered, (np.arange(len(ordered)) + 1) / len(ordered), where="post", label=f"{label} ({len(ordered)})"
+        )
+
+
+def _parts(axes: Any, trials: Trials) -> None:
+    """Order and time with one part changed."""
+    names = [name for name in PARTS if results(trials, f"part/{name}")]
+    for place, name in enumerate(names):
+        some = results(trials, f"part/{name}")
+        share = proportion(sum(map(in_order, some)), len(some))
+        axes.errorbar(
+            share.mean, place, xerr=[[share.mean - share.low], [share.high - share.mean]], fmt="o", color="C0"
+        )
+        median = np.median(third(some))
+        axes.text(1.03, place, f"{median:,.0f}" if np.isfinite(median) else "-", va="center", fontsize=7)
+    axes.set_yticks(range(len(names)), names, fontsize=7)
+    axes.invert_yaxis()
+    axes.set(xlim=(0, 1.2), xlabel="runs in order; number: median step", title="One part changed (2, 3 and 6 spots)")
+    axes.grid(alpha=0.3, axis="x")
+
+
+def _rates(axes: Any, trials: Trials) -> None:
+    """Rates of behaviour before and after the modules, in real time from images."""
+    some = [one for one in results(trials, "realtime/pixels") if len(one["phases"]) > 3]
+    if some:
+        rates = np.mean([[one["phases"][0], one["phases"][3]] for one in some], axis=0)
+        places = np.arange(rates.shape[1])
+        axes.bar(places - 0.2, rates[0], 0.4, label="before the first module")
+        axes.bar(places + 0.2, rates[1], 0.4, label="after gaze alternation")
+        words = ("follows", "does not\nfollow", "keeps eye\ncontact", "shifts to\ncaregiver", "stays", "other\nspot")
+        axes.set_xticks(places, words, fontsize=7)
+        axes.legend(fontsize=7)
+    axes.set(ylabel="share of steps", title="What the robot does with its gaze, from images")
