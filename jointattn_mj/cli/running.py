@@ -58,8 +58,8 @@ def of_a_checkpoint(out: Path, resumed: bool) -> Iterator[None]:
             raise
         said = f"{type(error).__name__}: {' '.join(str(error).split())[:200]}".removesuffix(": ")
         raise CheckpointError(
-            f"{out / 'checkpoint.bin'} does not fit: the run that it holds cannot go on ({said}); begin anew in another "
-            "folder, or report this as a fault of jointattn if nobody has changed the file"
+            f"{out / 'checkpoint.bin'} does not fit: the run that it holds cannot go on ({said}); begin anew in "
+            "another folder, or report this as a fault of jointattn if nobody has changed the file"
         ) from error
 
 

@@ -50,7 +50,7 @@ def test_names_of_a_table_are_those_of_a_new_session(members, tmp_path, word):
     state = json.loads(members["state.json"])
     entry, place = next(entries_with(state, word))
     entry[place] = "other"
-    with pytest.raises(CheckpointError, match="must be|has no|has other|cannot be"):
+    with pytest.raises(CheckpointError, match=r"must be|has no|has other|cannot be"):
         resumed(tmp_path / "out", members, state)
 
 
