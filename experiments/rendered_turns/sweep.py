@@ -30,9 +30,9 @@ UNSTEADY = StageConfig(head_jitter_deg=4.0, motor_noise_deg=1.0, object_jitter_m
 degrees and 4 cm nothing was found after gaze following in four runs of 20,000 steps, whichever part was exact."""
 
 
-def _unsteady(*truth: str) -> Setting:
+def _unsteady(*state: str) -> Setting:
     config = RenderedConfig(stage=UNSTEADY)
-    return Setting(Visible("fast", 20_000, replace(config, senses=replace(config.senses, truth=truth))), runs=20)
+    return Setting(Visible("fast", 20_000, replace(config, senses=replace(config.senses, state=state))), runs=20)
 
 
 FIRST_SEED = 61_000

@@ -45,18 +45,18 @@ def main() -> None:
     run = Babbling(replace(preset.world, spots=SPOTS), RunConfig(SPOTS).growing, SEED)
     with GrowthFilm(FILM) as film:
         run.advance(50)
-        film.scene(run, run.growth.resolution, "At first: a face or none, somewhere or at the caregiver", _babbling, 4)
+        film.growth(run, run.growth.resolution, "At first: a face or none, somewhere or at the caregiver", _babbling, 4)
         while run.steps_done < MOST:
             known = len(run.growth.steps)
             run.advance(1)
             for number, step in enumerate(run.growth.steps[known:], known + 1):
                 what = {"S": "Faces split", "A": "Gaze splits"}.get(step.split.kind, "Faces and gaze split together")
-                film.scene(
+                film.growth(
                     run, step.resolution, f"{what}: split {number}, after {step.n_transitions:,} steps", _babbling, 2
                 )
         agent = GrowingRun(run, preset.agent, SEED, MOST, (RandomModule(GAZE),))
         agent.advance(1)
-        film.scene(agent, agent.resolution, "An agent with these values, before gaze following", _driven, 4)
+        film.growth(agent, agent.resolution, "An agent with these values, before gaze following", _driven, 4)
         while not agent.found and agent.steps_done < MOST:
             agent.advance(50)
         before: deque[bytes] = deque(maxlen=2)
@@ -66,7 +66,7 @@ def main() -> None:
             agent.advance(1)
             if _mover(agent) != "at random" and len(before) == 2:
                 moment = pickle.loads(before[0])
-                film.scene(moment, agent.resolution, "Gaze following with the values it has found", _driven, 3)
+                film.growth(moment, agent.resolution, "Gaze following with the values it has found", _driven, 3)
                 moment.body.stage.world.close()
                 before.clear()
                 shown += 1

@@ -10,13 +10,16 @@ import re
 import shutil
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import redirect_stdout, suppress
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import is_dataclass, replace
+from itertools import takewhile
 from typing import Annotated, Any, get_args, get_type_hints
 
 import tyro
 from tyro.constructors import ConstructorRegistry, StructConstructorSpec, StructFieldSpec, StructTypeInfo
 
+from jointattn_mj.cli.usage import complaint
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import TOP_LEVEL, Checked
 
 Choose = Callable[[type[Checked], str, Any], bool]
@@ -33,8 +36,11 @@ def help_text(command: Callable[..., Any], prog: str, arguments: Sequence[str]) 
         command: Its annotations say which options there are.
         prog: What stands before the options.
         arguments: Words of the command line; with --help-all among them everything is shown.
+
+    Raises:
+        ConfigError: They name no sub-command.
     """
-    words = ["--help" if word in HELP else word for word in arguments]
+    words = [*takewhile(lambda word: not word.startswith("-"), arguments), "--help"]  # sub-commands, no options
     own = set(configs_of(command))
     more = []
     if "config" in get_type_hints(command):
@@ -80,7 +86,7 @@ def _is_nested(hint: Any) -> bool:
 
 def _text(command: Callable[..., Any], prog: str, arguments: Sequence[str], choose: Choose) -> str:
     """What tyro says with the fields that are chosen, as plain text."""
-    registry, said = ConstructorRegistry(), io.StringIO()
+    registry, said, trouble = ConstructorRegistry(), io.StringIO(), io.StringIO()
     asking = False
 
     @registry.struct_rule
@@ -103,7 +109,7 @@ def _text(command: Callable[..., Any], prog: str, arguments: Sequence[str], choo
         hint: Any = field.type
         return _is_nested(hint) or choose(kind, field.name, hint)
 
-    with redirect_stdout(said), suppress(SystemExit):
+    with redirect_stdout(said), redirect_stderr(trouble), suppress(SystemExit):
         tyro.cli(
             command,
             prog=prog,
@@ -112,6 +118,8 @@ def _text(command: Callable[..., Any], prog: str, arguments: Sequence[str], choo
             registry=registry,
             config=(tyro.conf.DisallowNone,),
         )
+    if trouble.getvalue():
+        raise ConfigError(complaint(trouble.getvalue()))
     lines = [line.rstrip() for line in said.getvalue().splitlines() if not re.fullmatch(r" *-{9,} *", line)]
     width = shutil.get_terminal_size().columns
     return "\n".join(

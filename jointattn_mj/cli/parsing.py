@@ -63,10 +63,11 @@ def parsed(name: str, arguments: Sequence[str]) -> Callable[[], None]:
             start = module.defaults_for(words, start)
         command = command if start is None else with_defaults(command, **{CONFIG: start})
     with GIVEN:
+        words = with_names_of_today(words, command)
         if any(word in HELP for word in words):
             print(help_text(command, prog, words))
             raise SystemExit(0)
-        return by_tyro(command, prog, with_names_of_today(words, command))
+        return by_tyro(command, prog, words)
 
 
 def by_tyro(command: Callable[..., None], prog: str, arguments: Sequence[str]) -> Callable[[], None]:

@@ -53,12 +53,12 @@ def session(
         shown.doing("session")
         shown.to(session.frame / FRAMES_PER_MINUTE, f"{count(counted, 'gaze shift')}, {rate}")
 
-    with going_on_from(options.out, "the session"), shown:
+    with going_on_from(options.out, "the session", options.resume), shown:
         summary = run_logged(config, options, progress, VariedSessionRun)
     late = summary.late_success_rate
     last = f" over the last {LATE_MINUTES:g} minutes" if config.minutes > LATE_MINUTES else ""
     print(
-        f"{summary.gaze_shifts} gaze shifts from the face to an object, {summary.successes} to where "
+        f"{count(summary.gaze_shifts, 'gaze shift')} from the face to an object, {summary.successes} to where "
         f"the caregiver looked ({'-' if late is None else format(late, '.0%')}{last}), "
         f"in {summary.wall_seconds:.0f} s. Results: {options.out}"
     )

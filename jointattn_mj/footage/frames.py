@@ -63,7 +63,20 @@ class PerceivedPerson:
 
 @dataclass(frozen=True)
 class PerceivedFrame:
-    """One frame of a video as the robot perceives it; frames are a thirtieth of a second apart."""
+    """One frame of a video as the robot perceives it: what ``perceive`` gives one after the other.
+
+    Frames are a thirtieth of a second apart. Pixels of face and objects are those of the robot's image.
+
+    Examples:
+        >>> from jointattn_mj.footage.frames import PerceivedCandidate, PerceivedFrame
+        >>> face = PerceivedCandidate(True, 160.0, 52.5, True, 0.5, 3.0, 1.5)
+        >>> cup = PerceivedCandidate(False, None, None, False, 1.0, 0.0, 1.0)
+        >>> frame = PerceivedFrame(0.5, 12, True, face, 0.9, {"cup": cup}, "face")
+        >>> frame.objects["cup"]
+        PerceivedCandidate(not detected, interest 1)
+        >>> frame.face.x_px
+        160.0
+    """
 
     time_s: float
     """Time in the video, as players count it."""

@@ -11,6 +11,7 @@ from jointattn_mj.gaze_following.attention import Attention, AttentionConfig, At
 from jointattn_mj.gaze_following.fixation import attend
 from jointattn_mj.gaze_following.gate import GazeConfig, HeadShift, gate_probability
 from jointattn_mj.gaze_following.learners import LearnerConfig, Places, make_learner
+from jointattn_mj.io.progress import count
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.percept import Observation, Perceiver, Percept
 from jointattn_mj.perception.som import SOM, SOMConfig, whole_number
@@ -126,7 +127,7 @@ class GazeFollower:
     def __repr__(self) -> str:
         """In one line: what is attended, and how much was learned."""
         attended = {None: "nothing", self.face: "the face"}.get(self.attended, f"object {self.attended}")
-        return f"GazeFollower(attends to {attended}, {self.iterations} learning iterations)"
+        return f"GazeFollower(attends to {attended}, {count(self.iterations, 'learning iteration')})"
 
     def familiarise(self, observation: Observation, frame: int) -> np.ndarray:
         """Action (2,) for one frame before the session: look at the face, and learn its patterns.

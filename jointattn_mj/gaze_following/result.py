@@ -17,6 +17,7 @@ from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.files import claimed
 from jointattn_mj.io.former_columns import present_name
 from jointattn_mj.io.kinds import check_kind
+from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.table import Table
 from jointattn_mj.io.weights import read_weights, write_weights
@@ -169,4 +170,4 @@ class SessionResult:
         summary = self.summary
         rate = "" if summary.success_rate is None else f", {summary.success_rate:.0%} successes"
         where = "in memory" if self.folder is None else f"in {self.folder}"
-        return f"SessionResult({summary.minutes:g} min, {summary.gaze_shifts} gaze shifts{rate}, {where})"
+        return f"SessionResult({summary.minutes:g} min, {count(summary.gaze_shifts, 'gaze shift')}{rate}, {where})"

@@ -13,6 +13,7 @@ from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, FRAMES_PER_SE
 from jointattn_mj.gaze_following.shifts import write_shifts
 from jointattn_mj.gaze_following.summary import SessionSummary
 from jointattn_mj.gaze_following.tables import write_frames
+from jointattn_mj.guards.fitting import check_attributes, check_fits
 from jointattn_mj.io import checkpoint
 from jointattn_mj.io.files import claimed, free_name
 from jointattn_mj.io.interrupts import deferred
@@ -123,7 +124,9 @@ def _run(
     out, path = options.out, options.out / "checkpoint.bin"
     started = time.perf_counter()
     if options.resume:
-        spent, session = checkpoint.load(path, config, kind.__module__, kind=(float, kind))
+        spent, session = checkpoint.load(
+            path, config, kind.__module__, kind=(float, kind), check=lambda loaded: _check_fits(loaded[1], kind(config))
+        )
     else:
         spent, session = 0.0, kind(config)
 
@@ -155,6 +158,23 @@ def _run(
         return _leave_results(session, out, spent + time.perf_counter() - started)
     finally:
         session.close()
+
+
+def _check_fits(session: SessionRun, new: SessionRun) -> None:
+    """Refuse a session from a checkpoint whose tables, or what it has learned, are not built as in a new one.
+
+    Raises:
+        ValueError: They are not.
+    """
+    try:
+        check_attributes(session, new, "the session")
+        check_attributes(session.robot, new.robot, "the robot")
+        for name in ("names", "config", "total", "frames", "shifts"):
+            check_fits(getattr(session, name), getattr(new, name), name)
+        for name in ("som", "learner"):
+            check_fits(getattr(session.robot, name), getattr(new.robot, name), name)
+    finally:
+        new.close()
 
 
 def _film(options: SessionOptions) -> Watcher:

@@ -13,6 +13,7 @@ from jointattn_mj.gaze_following.columns import SHIFT, described
 from jointattn_mj.gaze_following.scoring import Judgement, Moment
 from jointattn_mj.gaze_following.tables import PHASES
 from jointattn_mj.io.parquet import write_parts
+from jointattn_mj.io.progress import count
 from jointattn_mj.io.rows import RowStore, spans
 from jointattn_mj.scene.camera import off_centre
 from jointattn_mj.scene.caregiver import FRAME_S
@@ -177,7 +178,8 @@ class Shifts(Sequence[ShiftRow]):
     def __repr__(self) -> str:
         """In one line: how many there are."""
         counted, successes = (int(np.sum(self.column(name) == 1)) for name in ("face_to_object", "success"))
-        return f"Shifts({len(self)} gaze shifts, {counted} from the face to an object, {successes} successes)"
+        of_all = f"{count(len(self), 'gaze shift')}, {counted} from the face to an object"
+        return f"Shifts({of_all}, {successes} success{'es' * (successes != 1)})"
 
     def append(self, row: ShiftRow) -> None:
         """Add a shift that has just landed.

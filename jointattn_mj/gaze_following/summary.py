@@ -67,6 +67,14 @@ class SessionSummary(Summary):
 
     ``gaze_shifts`` and all counts of successes are about shifts from the caregiver's face to an object. Two summaries
     are equal if all but ``wall_seconds`` is.
+
+    Examples:
+        >>> from jointattn_mj import Session
+        >>> summary = Session(minutes=0.2, perception="state", seed=0).run().summary
+        >>> summary.frames, summary.minutes
+        (360, 0.2)
+        >>> summary.successes <= summary.gaze_shifts <= summary.gaze_shifts_of_all_kinds
+        True
     """
 
     minutes: float

@@ -18,6 +18,7 @@ import json
 import platform
 import re
 import zipfile
+from collections.abc import Callable
 from functools import partial
 from importlib import metadata
 from pathlib import Path
@@ -82,7 +83,14 @@ def save(path: Path, state: Any, config: Any, own: str = "") -> None:
     write_whole(path, lambda temporary: temporary.write_bytes(content))
 
 
-def load(path: Path, config: Any, own: str = "", *, kind: type | tuple[type, ...] = object) -> Any:
+def load(
+    path: Path,
+    config: Any,
+    own: str = "",
+    *,
+    kind: type | tuple[type, ...] = object,
+    check: Callable[[Any], object] = lambda loaded: None,
+) -> Any:
     """Read what ``save`` wrote for the same ``config``.
 
     Args:
@@ -90,6 +98,7 @@ def load(path: Path, config: Any, own: str = "", *, kind: type | tuple[type, ...
         config: The run's; what is restored refers to it.
         own: Name of a module whose classes may be in the file too.
         kind: What is expected: an object of this class, or a tuple of one object of each of these.
+        check: Is called with what was read; whatever it raises says that this cannot be gone on with.
 
     Raises:
         CheckpointError: No such file, damaged, of another config, of another version, or not what is expected.
@@ -105,6 +114,7 @@ def load(path: Path, config: Any, own: str = "", *, kind: type | tuple[type, ...
         loaded = Decoder(state["entries"], array, config, own).value(state["root"])
         if not _is(loaded, kind):
             raise ValueError(f"it holds {_called(loaded)}")
+        check(loaded)
     except CheckpointError:
         raise
     except Exception as error:  # classes that check what they are given, zipfile and json raise dozens of kinds

@@ -40,21 +40,38 @@ def held(out: Path) -> Iterator[None]:
     Raises:
         OutputError: Another process holds it, or it cannot be made or written to.
     """
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another folder") from error
+    busy = f"another process is at work in {out}; wait until it has ended, or choose another folder"
+    with alone(out / ".lock", out, busy):
+        forget_partial(out)
+        yield
+
+
+@contextmanager
+def alone(lock: Path, out: Path, busy: str) -> Iterator[None]:
+    """Hold a lock while the block runs. Where the file system knows no locks, say so and go on.
+
+    Args:
+        lock: Its file.
+        out: What it stands for: a folder, or a file.
+        busy: What the error says where another process holds it.
+
+    Raises:
+        OutputError: Another process holds it, or its file cannot be made.
+    """
     with ExitStack() as stack:
         try:
-            out.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another folder") from error
-        try:
-            alone = stack.enter_context(locked(out / ".lock"))
+            free = stack.enter_context(locked(lock))
         except OSError as error:
             if error.errno not in NO_LOCKS:
                 raise OutputError(f"cannot write to {out}: {error.strerror}; choose another folder") from error
             notice(f"the file system of {out} knows no locks; see to it that no second run begins there")
-            alone = True
-        if not alone:
-            raise OutputError(f"another process is at work in {out}; wait until it has ended, or choose another folder")
-        forget_partial(out)
+            free = True
+        if not free:
+            raise OutputError(busy)
         yield
 
 

@@ -93,6 +93,11 @@ class ForeignError(TypeError):
     """A class has no place in a checkpoint."""
 
 
+def is_part(kind: type) -> bool:
+    """Whether a class is on the list."""
+    return f"{kind.__module__}.{kind.__qualname__}" in PARTS
+
+
 def name_of(kind: type, own: str) -> str:
     """The dotted name under which a class is written.
 

@@ -3,12 +3,13 @@
 import csv
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from jointattn_mj.errors import OutputError
-from jointattn_mj.io.files import write_whole
+from jointattn_mj.io.files import alone, write_whole
 from jointattn_mj.io.provenance import plain, versions
 
 
@@ -36,6 +37,20 @@ def result_paths(out: Path, name: str) -> tuple[Path, Path]:
     if not os.access(stem.parent, os.W_OK):
         raise OutputError(f"cannot write to {stem.parent}; choose another folder")
     return paths
+
+
+@contextmanager
+def claimed_paths(out: Path, name: str) -> Iterator[tuple[Path, Path]]:
+    """As ``result_paths``, and no other process can have these names while the block runs.
+
+    Raises:
+        OutputError: As ``result_paths``, or another process is about to write them.
+    """
+    paths = result_paths(out, name)
+    table = paths[0]
+    busy = f"another process is about to write {table}; choose another path"
+    with alone(table.with_name(f".{table.stem}.lock"), table, busy):
+        yield result_paths(out, name)  # again, for another process may have ended in between
 
 
 def write_results(paths: tuple[Path, Path], rows: Sequence[dict[str, Any]], config: Any, **more: Any) -> None:

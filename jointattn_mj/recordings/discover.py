@@ -1,14 +1,16 @@
 """``jointattn discover``: which events in a recording are contingent, and which values carry them."""
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any
 
 from jointattn_mj.contingency.discovery import Finding, discover, least_surrogates
 from jointattn_mj.contingency.names import OF_EVENTS, measure_choice
 from jointattn_mj.contingency.significance import Adjust
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.io.results import bracket, number, result_paths, share, write_results
+from jointattn_mj.io.results import bracket, claimed_paths, number, share, write_results
 from jointattn_mj.options import Real, Whole
 from jointattn_mj.recordings.measure import exchange_notes
 from jointattn_mj.recordings.methods import method_notes
@@ -120,9 +122,19 @@ def run_discover(
     Raises:
         SeriesError: The file or a column cannot be measured.
         ConfigError: The surrogates would take more than half an hour, and ``yes`` is not said.
-        OutputError: ``out`` is there already or cannot be written.
+        OutputError: ``out`` is there already, is about to be, or cannot be written.
     """
-    paths = None if options.out is None else result_paths(options.out, "events")
+    with nullcontext() if options.out is None else claimed_paths(options.out, "events") as paths:
+        return _run(options, progress, data, paths)
+
+
+def _run(
+    options: DiscoverOptions,
+    progress: Callable[[int], object],
+    data: Recordings | None,
+    paths: tuple[Path, Path] | None,
+) -> DiscoverResult:
+    """Measure, test, and write where ``paths`` says."""
     data = data or options.read(options.file, [*options.sensors, *options.actions, *options.results])
     findings = discover(
         data.columns,

@@ -1,6 +1,7 @@
 """``jointattn measure``: how much one recorded variable says about what another does next."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -23,7 +24,7 @@ from jointattn_mj.contingency.series import check_base
 from jointattn_mj.contingency.significance import Significance, assess_measures
 from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import ConfigError, SeriesError
-from jointattn_mj.io.results import bracket, number, result_paths, share, write_results
+from jointattn_mj.io.results import bracket, claimed_paths, number, share, write_results
 from jointattn_mj.options import Whole
 from jointattn_mj.recordings.delays import check_delay, delay_in_steps
 from jointattn_mj.recordings.dyads import DyadResult, by_dyad, groups_by
@@ -225,9 +226,16 @@ def run_measure(
     Raises:
         SeriesError: The file or a column cannot be measured.
         ConfigError: The surrogates would take more than half an hour, and ``yes`` is not said.
-        OutputError: ``out`` is there already or cannot be written.
+        OutputError: ``out`` is there already, is about to be, or cannot be written.
     """
-    paths = None if options.out is None else result_paths(options.out, "measures")
+    with nullcontext() if options.out is None else claimed_paths(options.out, "measures") as paths:
+        return _run(options, progress, data, paths)
+
+
+def _run(
+    options: MeasureOptions, progress: Callable[[int], object], data: Recordings | None, paths: tuple[Path, Path] | None
+) -> MeasureResult:
+    """Measure, test, and write where ``paths`` says."""
     by = [] if options.by is None else [options.by]
     data = data or options.read(options.file, [*options.source, *options.target, *options.condition, *by])
     (source, of_source), (target, of_target) = data.joined(options.source), data.joined(options.target)

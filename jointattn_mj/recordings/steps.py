@@ -13,7 +13,23 @@ from jointattn_mj.io.table import Table
 
 @dataclass(frozen=True, repr=False)
 class Recordings:
-    """Variables as series of codes, and what the codes are called."""
+    """Variables as series of codes, and what the codes are called: what ``read_recordings`` returns.
+
+    Its arrays go into the functions of ``contingency`` as they are; ``notes()`` says what a reader should know of them.
+
+    Examples:
+        >>> import numpy as np
+        >>> from jointattn_mj.recordings import Recordings
+        >>> gaze = {"mother": [np.array([0, 1, 1, 0])], "infant": [np.array([0, 0, 1, 1])]}
+        >>> both = Recordings(gaze, dict.fromkeys(gaze, ("away", "toy")), groups=[0], rows=4, step=0.5)
+        >>> both
+        Recordings(4 rows, 1 recording, 2 columns: mother, infant)
+        >>> both.transitions
+        3
+        >>> codes, labels = both.joined(["mother", "infant"])
+        >>> labels
+        ('away & away', 'away & toy', 'toy & away', 'toy & toy')
+    """
 
     columns: dict[str, list[np.ndarray]]
     """Codes by variable, recording by recording."""
@@ -46,7 +62,14 @@ class Recordings:
         return f"Recordings({count(self.rows, 'row')}, {recordings}, {count(len(self.columns), 'column')}: {names})"
 
     def joined(self, names: Sequence[str]) -> tuple[list[np.ndarray], tuple[str, ...]]:
-        """Several variables taken as one, and the labels of the combinations that occur; one is taken as it is."""
+        """Several variables taken as one; a single one is taken as it is.
+
+        Args:
+            names: Names of columns.
+
+        Returns:
+            Codes of the combinations, recording by recording, and the labels of those that occur, by their code.
+        """
         if len(names) == 1:
             return self.columns[names[0]], self.labels[names[0]]
         codes = joint(*(self.columns[name] for name in names))

@@ -118,6 +118,10 @@ class Plan:
     grasp: np.ndarray
     joints: np.ndarray
 
+    def __post_init__(self) -> None:
+        if len({len(part) for part in (self.gaze, self.head, self.grasp, self.joints)}) != 1:
+            raise ValueError("all parts of a plan must have as many frames")
+
     def __repr__(self) -> str:
         return f"Plan({len(self.joints)} frames)"
 

@@ -16,7 +16,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from matplotlib.figure import Figure
 
 from jointattn_mj.errors import OutputError, SweepError
-from jointattn_mj.io.files import write_whole
+from jointattn_mj.io.files import alone, write_whole
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import plain
 from jointattn_mj.io.results import without_nan
@@ -86,12 +86,23 @@ def write_report(registry: Registry, ids: Sequence[str], folder: Path) -> Path:
         Path of report.html.
 
     Raises:
-        OutputError: The folder is missing, has no trials of these claims, or cannot be written.
+        OutputError: The folder is missing, has no trials of these claims, or cannot be written; or another report is
+            being written there.
         SweepError: An analysis failed; the rest of the report has been written.
     """
     chapters = [chapter(registry, claim, Store(folder)) for claim in ids]
     if not any(one.runs for one in chapters):
         raise OutputError(f"{folder} holds no trials of {', '.join(ids)}; run some with `{command(['ID'], folder)}`")
+    busy = f"another process writes a report into {folder}; wait until it has ended"
+    with alone(folder / ".report.lock", folder, busy):
+        _write_all(chapters, folder)
+    trouble = [f"{one.entry.id}: {error}" for one in chapters for error in one.trouble]
+    if trouble:
+        raise SweepError(f"{folder / 'report.html'} is written, but not all of it: {'; '.join(trouble)}")
+    return folder / "report.html"
+
+
+def _write_all(chapters: Sequence[Chapter], folder: Path) -> None:
     images = {one.entry.id: _save(one, folder / "figures") for one in chapters}
     tables = {
         "claims.json": json.dumps(without_nan([_facts(one) for one in chapters]), indent=1, ensure_ascii=False) + "\n",
@@ -101,10 +112,6 @@ def write_report(registry: Registry, ids: Sequence[str], folder: Path) -> Path:
     }
     for name, text in tables.items():
         _write(folder / name, text.encode())
-    trouble = [f"{one.entry.id}: {error}" for one in chapters for error in one.trouble]
-    if trouble:
-        raise SweepError(f"{folder / 'report.html'} is written, but not all of it: {'; '.join(trouble)}")
-    return folder / "report.html"
 
 
 def chapter(registry: Registry, claim_id: str, store: Store) -> Chapter:

@@ -73,7 +73,7 @@ def _with_first_names(value: Any) -> Any:
     named = {
         NAMES_IN_KEYS.get(name, name): _first_choice(name, _without_added(name, item)) for name, item in value.items()
     }
-    if isinstance(named.get("state"), dict):
+    if isinstance(named.get("state"), dict | list):
         named["truth"] = named.pop("state")
     return named
 

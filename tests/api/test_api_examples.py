@@ -7,6 +7,9 @@ import pytest
 from clips import Clip, encode
 
 import jointattn_mj
+from jointattn_mj.footage.frames import PerceivedFrame
+from jointattn_mj.gaze_following.summary import SessionSummary
+from jointattn_mj.recordings import Recordings
 from jointattn_mj.scene import gl
 
 pytestmark = pytest.mark.integration
@@ -26,10 +29,11 @@ def folder(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
-def check(name: str) -> None:
-    """Run the examples of a name and of its methods."""
-    tried = 0
-    for test in doctest.DocTestFinder().find(getattr(jointattn_mj, name), name, globs={}):
+def check(public: str | type) -> None:
+    """Run the examples of a public name, or of a class, and of its methods."""
+    tried, name = 0, public if isinstance(public, str) else public.__name__
+    documented = getattr(jointattn_mj, public) if isinstance(public, str) else public
+    for test in doctest.DocTestFinder().find(documented, name, globs={}):
         told: list[str] = []
         result = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(test, out=told.append)
         assert not result.failed, "".join(told)
@@ -40,6 +44,14 @@ def check(name: str) -> None:
 @pytest.mark.parametrize("name", STATE)
 def test_an_example(name):
     check(name)
+
+
+@pytest.mark.parametrize(
+    "kind", [Recordings, PerceivedFrame, SessionSummary], ids=["Recordings", "PerceivedFrame", "SessionSummary"]
+)
+def test_an_example_of_what_is_returned(kind):
+    """Classes that nobody makes, but everybody gets."""
+    check(kind)
 
 
 @needs_gl

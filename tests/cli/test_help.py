@@ -120,3 +120,11 @@ def test_each_world_has_its_own_options(jointattn, world, every):
     if world != "rendered":
         outcome = jointattn("develop", world, "--video", "--out", "x")
         assert (outcome.code, "no option --video" in outcome.err) == (2, True)
+
+
+@pytest.mark.parametrize(("words", "old"), [(("--perception", "truth"), True), (("--perception", "moon"), False)])
+def test_help_is_given_whatever_else_is_typed(jointattn, words, old):
+    """Old names are taken as without it, and a wrong value does not hide what would be right."""
+    done = jointattn("session", *words, "--help")
+    assert done.code == 0 and "--perception {pixels,state}" in done.out
+    assert done.err.count("\n") == old

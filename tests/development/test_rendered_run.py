@@ -27,7 +27,7 @@ pytestmark = pytest.mark.integration
 HASTY = DeveloperConfig(detector=DetectorConfig(threshold=5e-3), most_modules=2)
 SHORT = RenderedConfig(exploration=240)
 PLAIN = replace(SHORT, stage=StageConfig(variation="none"))
-TRUE = replace(SHORT, senses=SensesConfig(truth=PARTS))
+TRUE = replace(SHORT, senses=SensesConfig(state=PARTS))
 TABLE = TableConfig()
 
 
@@ -131,7 +131,7 @@ def test_options_that_cannot_work(wrong):
 
 def test_parts_of_perception_have_names():
     with pytest.raises(ConfigError, match="face, category, object"):
-        SensesConfig(truth=("ears",))
+        SensesConfig(state=("ears",))
 
 
 def test_the_command_leaves_results_and_a_film_and_resumes_to_the_same(tmp_path, monkeypatch):

@@ -222,6 +222,6 @@ def test_what_a_shift_and_tables_are_fits_a_line(session):
     assert said.startswith("ShiftRow(1.00 to 1.90 s: face to red, commanded by visual_feedback, ")
     shifts = Shifts(NAMES)
     shifts.append(row())
-    assert repr(shifts) == "Shifts(1 gaze shifts, 1 from the face to an object, 1 successes)"
+    assert repr(shifts) == "Shifts(1 gaze shift, 1 from the face to an object, 1 success)"
     assert repr(session.frames).startswith("FrameTable(") and repr(session.robot).startswith("GazeFollower(attends to ")
     assert max(map(len, (said, repr(session.frames), repr(session.robot)))) < 120

@@ -16,7 +16,7 @@ from jointattn_mj.io import checkpoint
 from jointattn_mj.io.files import forget_partial, free_name, write_whole
 from jointattn_mj.io.parquet import write_parquet
 from jointattn_mj.io.provenance import write_config
-from jointattn_mj.io.results import write_results
+from jointattn_mj.io.results import claimed_paths, write_results
 from jointattn_mj.io.weights import write_weights
 
 NOISE = np.random.default_rng(0).random((200, 200))
@@ -139,3 +139,24 @@ def test_free_name(tmp_path):
     for expected in ("video.mp4", "video_2.mp4", "video_3.mp4"):
         assert free_name(path).name == expected
         free_name(path).touch()
+
+
+class TestClaimedPaths:
+    """Names of results that an analysis writes when it has ended."""
+
+    def test_no_second_analysis_gets_the_same_names(self, tmp_path):
+        with claimed_paths(tmp_path / "a.csv", "x") as paths:
+            assert paths == (tmp_path / "a.csv", tmp_path / "a.json")
+            with pytest.raises(OutputError, match="about to write"), claimed_paths(tmp_path / "a", "x"):
+                pass
+            with claimed_paths(tmp_path, "x") as others:
+                assert others[0].name == "x.csv"
+        assert not list(tmp_path.iterdir())
+
+    def test_names_are_free_again_after_a_failure(self, tmp_path):
+        with pytest.raises(ValueError), claimed_paths(tmp_path / "a", "x"):
+            raise ValueError
+        with claimed_paths(tmp_path / "a", "x") as paths:
+            paths[0].touch()
+        with pytest.raises(OutputError, match="there already"), claimed_paths(tmp_path / "a", "x"):
+            pass

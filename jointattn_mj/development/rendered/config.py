@@ -125,7 +125,7 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
                 title = f"After {made[-1].label}" if made else "Before the first module"
                 if isinstance(film, GrowthFilm):
                     assert isinstance(run, GrowingRun)
-                    film.scene(run, run.resolution, title, _driven, n_steps=12)
+                    film.growth(run, run.resolution, title, _driven, n_steps=12)
                     run.body.stage.world.close()
                 else:
                     assert isinstance(run, RenderedRun)

@@ -4,6 +4,7 @@ A copy of the run is filmed; the run itself goes on as without a film.
 """
 
 import pickle
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -18,7 +19,7 @@ from jointattn_mj.development.rendered.observer import ObservedRun
 from jointattn_mj.development.rendered.run import RenderedRun
 from jointattn_mj.development.table.world import CAREGIVER
 from jointattn_mj.scene.camera import FOCAL_PX
-from jointattn_mj.scene.looker import Pose
+from jointattn_mj.scene.looker import Pose, TableWorld
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 from jointattn_mj.scene.movement import minimum_jerk
 from jointattn_mj.scene.world import World
@@ -72,6 +73,10 @@ _TURNS = "turns its head"
 _STILL_DEG = 1.0  # a smaller turn of the head is not mentioned
 
 
+Step = Callable[[], tuple[np.ndarray, str, str]]
+"""Does a step; gives what stays the same in its images, and in words what the robot sees as it moves and rests."""
+
+
 class RunFilm:
     """``with RunFilm(path) as film: film.scene(run, "before", n_steps=12)``."""
 
@@ -106,21 +111,37 @@ class RunFilm:
             VideoError: ffmpeg has given up.
         """
         copy: RenderedRun = pickle.loads(pickle.dumps(run))
-        world = copy.stage.world
+
+        def step() -> tuple[np.ndarray, str, str]:
+            driver = int(copy.agent.state.driver[0]) if copy.steps_done else -1
+            head = copy.stage.world.head_angles()
+            copy.advance(1)
+            turns = np.abs(copy.stage.world.head_angles() - head).max() > np.radians(_STILL_DEG)
+            looks_at, sensed = copy.stage.table.state[CAREGIVER], _sensed(copy)
+            canvas = still(copy, title, f"step {copy.steps_done:,}", driver, looks_at)
+            return canvas, _TURNS if turns else sensed, sensed
+
+        last = min(n_steps, copy.n_steps - copy.steps_done)
+        self._film(copy.stage.world, copy.config.senses.centre_radius_deg, last, step)
+
+    def _film(self, world: TableWorld, radius_deg: float, n_steps: int, step: Step) -> None:
+        """Film steps and close the world.
+
+        Args:
+            world: The world in which they happen.
+            radius_deg: Angle from the centre of view within which a thing is gazed at.
+            n_steps: Steps that are filmed.
+            step: Does one of them, and gives what is drawn beside both views.
+        """
         onlooker = Onlooker(world, OUTSIDE.width, OUTSIDE.height)
         try:
-            for _ in range(min(n_steps, copy.n_steps - copy.steps_done)):
-                driver = int(copy.agent.state.driver[0]) if copy.steps_done else -1
-                before, head = world.pose(), world.head_angles()
-                copy.advance(1)
-                turns = np.abs(world.head_angles() - head).max() > np.radians(_STILL_DEG)
-                looks_at = copy.stage.table.state[CAREGIVER]
-                canvas = still(copy, title, f"step {copy.steps_done:,}", driver, looks_at)
-                radius, sensed = copy.config.senses.centre_radius_deg, _sensed(copy)
+            for _ in range(n_steps):
+                before = world.pose()
+                canvas, moving, resting = step()
                 for number, pose in enumerate(_way(before, world.pose())):
                     world.stand(pose)
-                    words = _TURNS if turns and number < MOVING - 1 else sensed
-                    self._reel.add(with_views(canvas, world, onlooker, radius, words))
+                    words = moving if number < MOVING - 1 else resting
+                    self._reel.add(with_views(canvas, world, onlooker, radius_deg, words))
         finally:
             onlooker.close()
             world.close()
@@ -170,15 +191,28 @@ def still(run: ObservedRun, title: str, when: str, driver: int, looks_at: int) -
         driver: Module that moved the gaze; others than made modules are shown as the initial ones.
         looks_at: Spot at which the caregiver looks, from 0; the number of spots for the robot.
     """
+    canvas = headed(title, when, looks_at, run.spots)
+    _draw_drivers(canvas, run, driver)
+    _draw_strip(canvas, run)
+    return canvas
+
+
+def headed(title: str, when: str, looks_at: int, spots: int) -> np.ndarray:
+    """An image with its title and the names of both views, (720, 1280, 3) uint8.
+
+    Args:
+        title: Of the scene.
+        when: Time or step, in words.
+        looks_at: Spot at which the caregiver looks, from 0; ``spots`` for the robot.
+        spots: Number of spots.
+    """
     canvas = np.full((HEIGHT, WIDTH, 3), GROUND, np.uint8)
     left = write(canvas, WIDTH - 16, 14, when, WHITE, 22, align="right") - width_of(when, 22)
     write(canvas, 16, 10, title, WHITE, fitting(title, left - 40, (26, 22, 18, 15), True), True)
     write(canvas, EYE.x, 54, "What the robot sees", WHITE, 22, True)
     write(canvas, OUTSIDE.x, 54, "From outside", WHITE, 22, True)
-    where = "the robot" if looks_at == run.spots else f"spot {looks_at + 1}"
+    where = "the robot" if looks_at == spots else f"spot {looks_at + 1}"
     write(canvas, OUTSIDE.x + OUTSIDE.width, 58, f"the caregiver looks at {where}", PERSON, 18, align="right")
-    _draw_drivers(canvas, run, driver)
-    _draw_strip(canvas, run)
     return canvas
 
 

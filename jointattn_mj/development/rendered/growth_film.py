@@ -2,25 +2,17 @@
 
 import pickle
 from collections.abc import Callable
-from pathlib import Path
-from types import TracebackType
 from typing import TypeVar
 
 import cv2
 import numpy as np
 
 from jointattn_mj.contingency.online.resolution import Resolution
-from jointattn_mj.development.rendered.film import HEIGHT, INKS, MOVING, RATE, RESTING, WIDTH
+from jointattn_mj.development.rendered.film import INKS, RunFilm, headed
 from jointattn_mj.development.rendered.growing import Babbling, FreeGazeBody, GrowingRun
-from jointattn_mj.scene.camera import FOCAL_PX
-from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
-from jointattn_mj.scene.movement import minimum_jerk
-from jointattn_mj.video.onlooker import Onlooker
 from jointattn_mj.video.paint import (
     GREY,
-    GROUND,
     PANEL,
-    PERSON,
     ROBOT,
     SMALL,
     TEXT,
@@ -29,13 +21,9 @@ from jointattn_mj.video.paint import (
     Box,
     disc,
     fitting,
-    width_of,
     write,
 )
-from jointattn_mj.video.reel import Reel
 
-_EYE = Box(16, 88, 2 * IMAGE_WIDTH, 2 * IMAGE_HEIGHT)
-_OUTSIDE = Box(672, 88, 592, 340)
 _FACES = Box(672, 440, 268, 268)
 _TABLE = Box(952, 440, 312, 268)
 _WORDS = Box(16, 580, 640, 128)
@@ -43,24 +31,10 @@ _WORDS = Box(16, 580, 640, 128)
 Running = TypeVar("Running", Babbling, GrowingRun)
 
 
-class GrowthFilm:
-    """``with GrowthFilm(path) as film: film.scene(run, resolution, "at first", words, n_steps=5)``."""
+class GrowthFilm(RunFilm):
+    """``with GrowthFilm(path) as film: film.growth(run, resolution, "at first", words, n_steps=5)``."""
 
-    def __init__(self, path: Path):
-        self._reel = Reel(path, HEIGHT, WIDTH, RATE)
-
-    def __enter__(self) -> "GrowthFilm":
-        """Start ffmpeg."""
-        self._reel.__enter__()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        """Finish the file."""
-        self._reel.__exit__(kind, error, traceback)
-
-    def scene(
+    def growth(
         self, run: Running, resolution: Resolution, title: str, words: Callable[[Running], list[str]], n_steps: int
     ) -> None:
         """Film the next steps of a copy of ``run``.
@@ -73,39 +47,17 @@ class GrowthFilm:
             n_steps: Steps that are filmed.
         """
         copy: Running = pickle.loads(pickle.dumps(run))
-        world = copy.body.stage.world
-        onlooker = Onlooker(world, _OUTSIDE.width, _OUTSIDE.height)
-        try:
-            for _ in range(n_steps):
-                before = world.pose()
-                copy.advance(1)
-                after, still = world.pose(), _still(copy, resolution, title, words(copy))
-                for share in (*minimum_jerk(MOVING), *[1.0] * RESTING):
-                    world.stand(after._replace(qpos=before.qpos + share * (after.qpos - before.qpos)))
-                    canvas = still.copy()
-                    eye = _EYE.of(canvas)
-                    size = (_EYE.width, _EYE.height)
-                    eye[:] = cv2.resize(world.image(), size, interpolation=cv2.INTER_CUBIC)
-                    radius = 2 * np.radians(copy.body.config.senses.centre_radius_deg) * FOCAL_PX
-                    disc(eye, np.array(size) / 2, radius, ROBOT, 2)
-                    _OUTSIDE.of(canvas)[:] = onlooker.render()
-                    self._reel.add(canvas)
-        finally:
-            onlooker.close()
-            world.close()
+
+        def step() -> tuple[np.ndarray, str, str]:
+            copy.advance(1)
+            return _still(copy, resolution, title, words(copy)), "", ""
+
+        self._film(copy.body.stage.world, copy.body.config.senses.centre_radius_deg, n_steps, step)
 
 
 def _still(run: Babbling | GrowingRun, resolution: Resolution, title: str, words: list[str]) -> np.ndarray:
     """All that stays the same during a step, (720, 1280, 3) uint8."""
-    canvas = np.full((HEIGHT, WIDTH, 3), GROUND, np.uint8)
-    when = f"step {run.steps_done:,}"
-    left = write(canvas, WIDTH - 16, 14, when, WHITE, 22, align="right") - width_of(when, 22)
-    write(canvas, 16, 10, title, WHITE, fitting(title, left - 40, (26, 22, 18, 15), True), True)
-    write(canvas, _EYE.x, 54, "What the robot sees", WHITE, 22, True)
-    write(canvas, _OUTSIDE.x, 54, "From outside", WHITE, 22, True)
-    looks_at = run.body.looks_at()
-    where = "the robot" if looks_at == run.body.spots else f"spot {looks_at + 1}"
-    write(canvas, _OUTSIDE.x + _OUTSIDE.width, 58, f"the caregiver looks at {where}", PERSON, 18, align="right")
+    canvas = headed(title, f"step {run.steps_done:,}", run.body.looks_at(), run.body.spots)
     _draw_faces(_FACES.of(canvas), run.body, resolution)
     _draw_table(_TABLE.of(canvas), run.body, resolution)
     area = _WORDS.of(canvas)

@@ -48,10 +48,11 @@ class SensesConfig(Checked):
     frontal_share: Annotated[float, Real("[0, 1)")] = 0.05
     """A category is frontal if it got more than this share of the calibration's faces. Frontal faces may fall into two
     categories; a robot that took one of them for a profile found nothing after gaze following."""
-    truth: tuple[Literal["face", "category", "object"], ...] = ()
-    """Parts of perception that are replaced by ground truth: face, category, object."""
+    state: tuple[Literal["face", "category", "object"], ...] = ()
+    """Parts of perception that are taken from the simulator's state: face, category, object."""
 
     ADVANCED: ClassVar = ("frontal_share",)
+    RENAMED: ClassVar = {"truth": "state"}
 
 
 class CentralView(NamedTuple):
@@ -127,16 +128,16 @@ class Senses:
             calibration: How many of them, at the beginning, are the calibration's.
             rng: For the map of faces.
         """
-        self._truth = {part: part in config.truth for part in PARTS}
-        self.looks = not all(self._truth.values())
+        self._from_state = {part: part in config.state for part in PARTS}
+        self.looks = not all(self._from_state.values())
         som = SOM(patterns.shape[1], config.som, rng)
         som.train(patterns, rng)
         self.categories = FaceCategories(som, patterns, config.grouping)
         of_table = table_variables(table)
         self._not_visible = len(of_table.sensors[0].values) - 1
-        self.variables = of_table if self._truth["category"] else with_faces(of_table, self.categories.count)
+        self.variables = of_table if self._from_state["category"] else with_faces(of_table, self.categories.count)
         self._no_face = len(self.variables.sensors[0].values) - 1
-        if self._truth["category"]:
+        if self._from_state["category"]:
             shown = np.array([table.spots])
         else:
             shown = np.array([self.categories.of(pattern) for pattern in patterns[:calibration]])
@@ -161,17 +162,17 @@ class Senses:
             s: (2,) is written.
             r: (results,) is written.
         """
-        truth = self._truth
-        visible = sensors[0] != self._not_visible if truth["face"] else view.face
+        from_state = self._from_state
+        visible = sensors[0] != self._not_visible if from_state["face"] else view.face
         if not visible:
             face = self._no_face
-        elif truth["category"]:
+        elif from_state["category"]:
             face = sensors[0] if sensors[0] != self._not_visible else self._likeliest
         elif view.pattern is not None:
             face = self.categories.of(view.pattern)
         else:
             face = self._likeliest
-        there = sensors[1] == OBJECT if truth["object"] else view.object and not visible
+        there = sensors[1] == OBJECT if from_state["object"] else view.object and not visible
         write_values(face, there, self.frontal, s, r)
 
 

@@ -1,0 +1,120 @@
+"""Checkpoints of a session that are whole by their digest, and changed inside: one named error, or a session."""
+
+import json
+import random
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from jointattn_mj.cli.running import of_a_checkpoint
+from jointattn_mj.errors import CheckpointError, ConfigError, JointAttnError
+from jointattn_mj.gaze_following.run import SessionOptions, run_session
+from jointattn_mj.gaze_following.session import SessionRun
+from jointattn_mj.guards.fitting import check_fits
+from jointattn_mj.io.checkpoint import save
+from tests.io.test_checkpoint import CONFIG, members_of, sealed
+
+PLACES = ("visible", "x_px", "iterations")
+
+
+@pytest.fixture(scope="module")
+def members(tmp_path_factory) -> dict[str, bytes]:
+    """Of a checkpoint after two seconds."""
+    path = tmp_path_factory.mktemp("session") / "c"
+    session = SessionRun(CONFIG)
+    session.begin()
+    for _ in range(60):
+        session.step()
+    save(path, (1.0, session), CONFIG, SessionRun.__module__)
+    return members_of(path)
+
+
+def resumed(folder: Path, members: dict[str, bytes], state: Any) -> None:
+    folder.mkdir()
+    (folder / "checkpoint.bin").write_bytes(sealed(members | {"state.json": json.dumps(state).encode()}))
+    run_session(CONFIG, SessionOptions(folder, resume=True))
+
+
+def entries_with(state: Any, word: str) -> Iterator[tuple[list[Any], int]]:
+    """Entries in which a word stands, and where."""
+    for entry in state["entries"]:
+        for place, value in enumerate(entry):
+            if value == word:
+                yield entry, place
+
+
+@pytest.mark.parametrize("word", PLACES)
+def test_names_of_a_table_are_those_of_a_new_session(members, tmp_path, word):
+    state = json.loads(members["state.json"])
+    entry, place = next(entries_with(state, word))
+    entry[place] = "other"
+    with pytest.raises(CheckpointError, match=r"must be|has no|has other|cannot be"):
+        resumed(tmp_path / "out", members, state)
+
+
+@pytest.mark.parametrize(
+    ("kind", "attribute"), [("SOM", "_norms"), ("PopulationLearner", "_weights"), ("FrameTable", "above")]
+)
+def test_what_is_missing_is_named(members, tmp_path, kind, attribute):
+    state = json.loads(members["state.json"])
+    entry = next(one for one in state["entries"] if one[0] == "object" and one[1].endswith(f".{kind}"))
+    place = entry.index(attribute)
+    del entry[place : place + 2]
+    with pytest.raises(CheckpointError, match=f"has no {attribute}"):
+        resumed(tmp_path / "out", members, state)
+
+
+def test_weights_of_another_robot(members, tmp_path):
+    """One array in the place of another."""
+    state = json.loads(members["state.json"])
+    learner, som = (
+        next(one for one in state["entries"] if one[0] == "object" and one[1].endswith(f".{kind}"))
+        for kind in ("PopulationLearner", "SOM")
+    )
+    learner[learner.index("_weights") + 1] = som[som.index("weights") + 1]
+    with pytest.raises(CheckpointError, match="_weights must be"):
+        resumed(tmp_path / "out", members, state)
+
+
+def test_what_no_check_has_foreseen_is_laid_to_the_checkpoint(tmp_path):
+    with pytest.raises(CheckpointError, match=r"checkpoint\.bin does not fit.*IndexError: 7"):  # noqa: SIM117
+        with of_a_checkpoint(tmp_path, resumed=True):
+            raise IndexError(7)
+    with pytest.raises(IndexError), of_a_checkpoint(tmp_path, resumed=False):
+        raise IndexError(7)
+    with pytest.raises(ConfigError), of_a_checkpoint(tmp_path, resumed=True):
+        raise ConfigError("no")
+
+
+@pytest.mark.slow
+def test_changed_anywhere(members, tmp_path):
+    """Random changes: a session that ends, or one line that is an error of this package."""
+    for number in range(150):
+        draw = random.Random(number)
+        state = json.loads(members["state.json"])
+        entry = draw.choice([one for one in state["entries"] if len(one) > 1])
+        entry[draw.randrange(len(entry))] = draw.choice([None, True, -1, 0, 300, 2**63, 1e308, -1.5, "", "x", [0], [9]])
+        out = tmp_path / str(number)
+        try:
+            with of_a_checkpoint(out, resumed=True):
+                resumed(out, members, state)
+        except JointAttnError as error:
+            assert "\n" not in str(error)
+
+
+class TestFits:
+    @pytest.mark.parametrize(
+        ("restored", "new"), [(3, 5), (3, 2.5), (None, None), ([1, 2], [0]), ([1], []), ({"a": 2}, {"a": 1}), (4, None)]
+    )
+    def test_what_may_differ(self, restored, new):
+        check_fits(restored, new, "it")
+
+    @pytest.mark.parametrize(
+        ("restored", "new"),
+        [(2.5, 3), (True, 3), (1, True), (None, 3), ("x", 3), (["x"], [0]), ({"b": 1}, {"a": 1}), ((1, 2), (1, 3))],
+    )
+    def test_what_may_not(self, restored, new):
+        with pytest.raises(ValueError, match="it"):
+            check_fits(restored, new, "it")
