@@ -105,7 +105,7 @@ class RecordingReport:
     attention: JointAttention
     steps: Recordings
     pairs: Mapping[tuple[str, str], MeasureResult]
-    """Transfer entropy from the one tier to the other, at the lag."""
+    """Transfer entropy from the one tier to the other, at the lag. From three recordings on, each has a value too."""
     p_adjusted: Mapping[tuple[str, str], float]
     """By Holm, for all pairs."""
     transitions: Mapping[tuple[str, str], LagTable]
@@ -126,16 +126,11 @@ class RecordingReport:
 
     def ranking(self) -> list[dict[str, Any]]:
         """A row a pair of tiers, the most contingent first."""
-        rows = []
-        for (source, target), found in self.pairs.items():
-            row = found.rows()[0]
-            kept = ("plug_in", "effective", "low", "high", "normalised", "z", "p")
-            rows.append(
-                {"source": source, "target": target, **{name: row[name] for name in kept},
-                 "p_adjusted": self.p_adjusted[source, target],
-                 "significant": bool(self.p_adjusted[source, target] <= self.options.alpha),
-                 "transitions": row["transitions"], "method": row["method"], "inflation": row["inflation"]}
-            )  # fmt: skip
+        rows = [
+            {"source": pair[0], "target": pair[1], **_value(found), "p_adjusted": self.p_adjusted[pair],
+             "significant": bool(self.p_adjusted[pair] <= self.options.alpha)}
+            for pair, found in self.pairs.items()
+        ]  # fmt: skip
         return sorted(rows, key=lambda row: (-row["effective"], row["source"], row["target"]))
 
     def tables(self) -> dict[str, list[dict[str, Any]]]:
@@ -247,11 +242,11 @@ def analyse(
                 of_looks = {source, target} == looks
                 asked = MeasureOptions(
                     options.file, source=(source,), target=(target,), lag=options.lag, method=options.method,
-                    scan=options.scan if of_looks else None, over="auto" if of_looks else "steps",
+                    scan=options.scan if of_looks else None,
                     surrogates=options.surrogates, resamples=options.resamples, seed=options.seed, yes=options.yes,
                 )  # fmt: skip
                 pairs[source, target] = run_measure(asked, progress, steps)
-    p = adjust([one.rows()[0]["p"] for one in pairs.values()], "holm")
+    p = adjust([_value(one)["p"] for one in pairs.values()], "holm")
     lag = delay_in_steps("lag", options.lag, options.step)
     sequential = SequentialOptions(lag=lag, surrogates=options.surrogates, seed=options.seed)
     transitions = {pair: lag_table(steps, *pair, sequential) for pair in (options.looks, options.looks[::-1])}
@@ -266,6 +261,18 @@ def analyse(
         options, events, attention, steps, pairs, dict(zip(pairs, map(float, p), strict=True)), transitions,
         agreements, tuple(notes), options.out,
     )  # fmt: skip
+
+
+def _value(found: MeasureResult) -> dict[str, Any]:
+    """Transfer entropy: of several recordings their mean, with an interval over recordings; else of all steps."""
+    row = found.rows()[0]
+    told = {name: row[name] for name in ("effective", "low", "high", "p")}
+    if found.dyads:
+        every = found.dyads[0].groups[0]
+        told = {"effective": every.mean, "low": every.interval[0], "high": every.interval[1], "p": every.p}
+    unit = count(found.dyads[0].groups[0].dyads, "recording") if found.dyads else "all steps"
+    return {**told, "of": unit, "all_steps": row["effective"], "transitions": row["transitions"],
+            "method": row["method"], "inflation": row["inflation"]}  # fmt: skip
 
 
 def _first_measure(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -1,6 +1,7 @@
 """Figures of the page about coded interaction."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -137,7 +138,7 @@ def transition_figure(tables: Mapping[tuple[str, str], LagTable], lag_s: float) 
     return figure
 
 
-def ranking_figure(rows: Sequence[Mapping[str, object]], unit: str) -> Figure:
+def ranking_figure(rows: Sequence[Mapping[str, Any]], unit: str) -> Figure:
     """Effective transfer entropy of each pair with its interval, the most contingent on top.
 
     Args:
@@ -148,8 +149,8 @@ def ranking_figure(rows: Sequence[Mapping[str, object]], unit: str) -> Figure:
     axes = figure.subplots()
     for place, row in enumerate(rows):
         ink = "#c0392b" if row["significant"] else "#7f8c8d"
-        axes.plot([row["low"], row["high"]], [place, place], color=ink, lw=1.6)  # type: ignore[list-item]
-        axes.plot(row["effective"], place, "o", color=ink, ms=5)  # type: ignore[arg-type]
+        axes.plot([row["low"], row["high"]], [place, place], color=ink, lw=1.6)
+        axes.plot(row["effective"], place, "o", color=ink, ms=5)
     axes.axvline(0, color="black", lw=0.6)
     axes.set_yticks(range(len(rows)), [f"{row['source']} → {row['target']}" for row in rows], fontsize=9)
     axes.set_ylim(len(rows) - 0.5, -0.5)
@@ -206,4 +207,3 @@ def latency_figure(chances: Sequence[GazeFollowing], followers: Sequence[str], w
     axes.legend(fontsize=9, frameon=False, loc="upper left")
     axes.spines[["top", "right"]].set_visible(False)
     return figure
-

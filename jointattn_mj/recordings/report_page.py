@@ -2,7 +2,7 @@
 
 import shlex
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -64,14 +64,15 @@ def write_page(report: RecordingReport, folder: Path) -> None:
         "ranking": report.ranking(),
         "transitions": _transitions(report),
         "carried": _carried(report.pairs),
-        "dyads": [line for one in report.pairs.values() for dyad in one.dyads for line in dyad.lines()],
+        "dyads": _of_dyads(report.pairs),
+        "by_recording": _by_recording(report),
         "hidden": len(report.events.recordings) - len(shown),
         "settings": _settings(report.options),
         "versions": versions(),
         "command": _command(report.options),
     }
     filters = {"number": number, "bracket": lambda row: bracket((row["low"], row["high"])), "share": share}
-    text = page("jointattn_mj.recordings", PAGE, values, p=p_words, **filters)
+    text = page("jointattn_mj.recordings", PAGE, values, p=lambda p: p_words(p)[2:].removeprefix("= "), **filters)
     write_text(folder / PAGE, text)
 
 
@@ -90,7 +91,8 @@ def _figures(report: RecordingReport) -> dict[str, Figure]:
     figures["ranking"] = ranking_figure(report.ranking(), UNIT)
     scans = [(f"{a} → {b}", scan) for (a, b), one in report.pairs.items() for _, scan in one.scans]
     figures["lags"] = lag_figure(scans, options.step, "transfer entropy", UNIT)
-    dyads = {pair: one.dyads[0] for pair, one in report.pairs.items() if one.dyads}
+    ways = (options.looks, options.looks[::-1])
+    dyads = {pair: report.pairs[pair].dyads[0] for pair in ways if report.pairs[pair].dyads}
     if dyads:
         figures["dyads"] = dyad_figure(dyads, UNIT)
     return figures
@@ -117,6 +119,25 @@ def _carried(pairs: "Mapping[tuple[str, str], MeasureResult]") -> dict[str, list
             if lines:
                 found[f"{source} → {target}"] = lines
     return found
+
+
+def _by_recording(report: RecordingReport) -> list[dict[str, Any]]:
+    """A row a recording: the transfer entropy of both directions of looks."""
+    ways = [report.pairs[pair] for pair in (report.options.looks, report.options.looks[::-1])]
+    if not all(one.dyads for one in ways):
+        return []
+    rows = [one.dyads[0].rows() for one in ways]
+    return [{"name": a["recording"], "ways": [a, b]} for a, b in zip(*rows, strict=True)]
+
+
+def _of_dyads(pairs: "Mapping[tuple[str, str], MeasureResult]") -> list[str]:
+    """Mean values over recordings, in words."""
+    named = [
+        replace(one, measure=f"{a} → {b}")
+        for (a, b), result in pairs.items()
+        for one in (result.dyads[:1] if result.scans else ())
+    ]
+    return [line for one in named for line in one.lines()]
 
 
 def _settings(options: ReportOptions) -> list[tuple[str, str]]:

@@ -46,7 +46,7 @@ def methods_paragraph(report: "RecordingReport") -> str:
         f"Contingency is transfer entropy in bits (Schreiber, 2000) from one tier to another at a lag of "
         f"{lag * o.step:g} s ({count(lag, 'step')}), less the mean of {o.surrogates:,} surrogates. "
         f"{_surrogates(report)} "
-        + (f"Intervals (95%) come from {o.resamples:,} block bootstrap resamples. " if o.resamples else "")
+        + _unit_words(report)
         + f"P-values of {len(report.pairs)} pairs of tiers were corrected by Holm's method; over lags of {o.step:g} to "
         f"{o.lags * o.step:g} s ({count(o.lags, 'lag')}) by the maximum over lags in each surrogate (Westfall and "
         f"Young, 1993). Transitions are adjusted residuals (Bakeman and Quera, 2011), tested by {o.surrogates:,} "
@@ -71,7 +71,7 @@ def _results(report: "RecordingReport") -> list[str]:
     """The values of the two directions of looks."""
     sentences = []
     for source, target in (report.options.looks, report.options.looks[::-1]):
-        row = report.pairs[source, target].rows()[0]
+        row = next(one for one in report.ranking() if (one["source"], one["target"]) == (source, target))
         p = report.p_adjusted[source, target]
         sentences.append(
             f"{source} to {target}: {number(row['effective'])} bits {bracket((row['low'], row['high']))}, {p_words(p)}"
@@ -91,6 +91,18 @@ def _surrogates(report: "RecordingReport") -> str:
         else ""
     )
     return f"Surrogates are {chosen}{why}."
+
+
+def _unit_words(report: "RecordingReport") -> str:
+    """Whether values are of recordings or of steps."""
+    dyads = next((one.dyads[0].groups[0].dyads for one in report.pairs.values() if one.dyads), None)
+    if dyads is not None:
+        return (
+            f"Values are means over {dyads} recordings, with 95% intervals over recordings by Student's t; p is of "
+            "the recordings together (Stouffer). Curves over lags and transitions are of all recordings' steps. "
+        )
+    resamples = report.options.resamples
+    return f"Intervals (95%) come from {resamples:,} block bootstrap resamples. " if resamples else ""
 
 
 def _some(names: list[str]) -> str:
