@@ -97,7 +97,7 @@ def _elan(path: Path, tiers: Sequence[str], rows: Sequence[Row]) -> None:
 
 def _datavyu(path: Path, tiers: Sequence[str], rows: Sequence[Row]) -> None:
     cells = {tier: [row[1:] for row in rows if row[0] == tier] for tier in tiers}
-    header = [f"{tier}.{name}" for tier in tiers for name in ("ordinal", "onset", "offset", "code")]
+    header = [f"{tier}{end}" for tier in tiers for end in (".ordinal", ".onset", ".offset", "")]
     lines = []
     for i in range(max(map(len, cells.values()))):
         line: list[Any] = []

@@ -122,7 +122,7 @@ class RecordingReport:
 
     def main(self) -> list[str]:
         """A sentence for each main value."""
-        return [*self._following(), *self._contingency(), *self._agreement()]
+        return [*self.following(), *self.over_lags(), *self._agreement()]
 
     def ranking(self) -> list[dict[str, Any]]:
         """A row a pair of tiers, the most contingent first."""
@@ -162,7 +162,8 @@ class RecordingReport:
 
         return methods_paragraph(self)
 
-    def _following(self) -> list[str]:
+    def following(self) -> list[str]:
+        """Who follows whom, how often and how soon."""
         lines = []
         for follower, leader in ((self.options.infant, self.options.partner), self.options.looks):
             chances = [one for one in self.attention.opportunities if one.follower == follower]
@@ -175,7 +176,8 @@ class RecordingReport:
                 )
         return lines
 
-    def _contingency(self) -> list[str]:
+    def over_lags(self) -> list[str]:
+        """The lag that stands out, in both directions of looks."""
         from jointattn_mj.recordings.lags import lag_words
 
         lines = []

@@ -29,13 +29,13 @@ def methods_paragraph(report: "RecordingReport") -> str:
     seconds = np.array(list(report.attention.seconds.values()))
     lag = delay_in_steps("lag", o.lag, o.step)
     value = "the code at its middle" if o.value_at == "middle" else "the code that lasted for most of it"
-    nothing = "a value of its own" if o.nothing == "none" else "missing, and recordings were cut there"
+    nothing = "has a value of its own" if o.nothing == "none" else "is missing, and recordings were cut there"
     still = " while the partner still looked there" if r.still_looking else ""
     parts = [
         f"Coded events of {count(len(seconds), 'recording')} ({seconds.sum() / 60:.1f} min in all; {seconds.min():.0f} "
         f"to {seconds.max():.0f} s each) on {count(len(report.events.tier_names), 'tier')} "
         f"({', '.join(report.events.tier_names)}) were sampled to steps of {o.step:g} s; each step has {value}; where "
-        f"nothing was coded the value is {nothing} ({report.steps.transitions:,} transitions).",
+        f"nothing was coded it {nothing} ({report.steps.transitions:,} transitions).",
         f"Shared attention is looking of {r.infant} and {r.partner} at the same target, other than "
         f"{_some([r.infant_at_partner, r.partner_at_infant, *r.nowhere])}. A look follows if it begins within "
         f"{r.follow_within_s:g} s after the partner began to look at the target{still}; looks that begin within "
@@ -76,8 +76,8 @@ def _results(report: "RecordingReport") -> list[str]:
         sentences.append(
             f"{source} to {target}: {number(row['effective'])} bits {bracket((row['low'], row['high']))}, {p_words(p)}"
         )
-    found = [f"Found: {'; '.join([*sentences, *report.main()])}."]
-    return [found[0].replace("->", "to")]
+    found = "; ".join([*sentences, *report.following(), *report.over_lags()])
+    return [f"Found: {found}.".replace("->", "to")]
 
 
 def _surrogates(report: "RecordingReport") -> str:
