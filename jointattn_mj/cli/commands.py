@@ -32,6 +32,10 @@ JOBS: dict[str, dict[str, Command]] = {
             "Show what the robot perceives and attends to in a video of a person at a table.",
             "tables of percepts and fixations, figures, a summary, an annotated video",
         ),
+        "recordings": Command(
+            "Make one page of coded interaction: timelines, joint attention, transitions, contingency.",
+            "report.html, a paragraph on methods, CSV and JSON, figures",
+        ),
         "measure": Command(
             "Measure how much one recorded variable says about the next value of another.",
             "a table of measures with intervals and p-values; --out for files",
@@ -39,6 +43,10 @@ JOBS: dict[str, dict[str, Command]] = {
         "discover": Command(
             "Find the contingent events (sensor, action) -> result of a recording.",
             "a ranking of events with p-values; --out for files",
+        ),
+        "looks": Command(
+            "Write the looks of a robot and its caregiver as files of ELAN, BORIS or Datavyu.",
+            "a file for each recording",
         ),
     },
     "Try and compare": {

@@ -24,7 +24,7 @@ TOGETHER = "together"
 """Code of the leader tier where both began at the same time."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class JointAttentionRules(Checked):
     """What counts as joint attention."""
 

@@ -2,10 +2,13 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from jointattn_mj.contingency.scan import LagScan
 from jointattn_mj.io.results import number
+
+if TYPE_CHECKING:  # drawing takes half a second to import
+    from matplotlib.figure import Figure
 
 INK, CHANCE, BEST = "#2471a3", "#7f8c8d", "#c0392b"
 WIDTH, HEIGHT = 7.0, 3.2
@@ -47,18 +50,22 @@ def lag_words(name: str, scan: LagScan, step: float | None, alpha: float = 0.05)
 
 
 def draw_lags(path: Path, scans: Sequence[tuple[str, LagScan]], step: float | None, title: str, unit: str) -> None:
+    """Write the figure of ``lag_figure`` as PNG to ``path``."""
+    from jointattn_mj.io.figures import save
+
+    save(lag_figure(scans, step, title, unit), path)
+
+
+def lag_figure(scans: Sequence[tuple[str, LagScan]], step: float | None, title: str, unit: str) -> "Figure":
     """Draw each measure over lags, with what stays below chance at one lag and at all together.
 
     Args:
-        path: Of the PNG file.
         scans: Names of measures and what was found.
         step: Seconds of a step, if known; then the axis is in seconds.
         title: What is measured.
         unit: Of the values, such as bits.
     """
     from matplotlib.figure import Figure
-
-    from jointattn_mj.io.figures import save
 
     figure = Figure((WIDTH, HEIGHT * len(scans)), layout="constrained")
     every = figure.subplots(len(scans), 1, squeeze=False)[:, 0]
@@ -80,7 +87,7 @@ def draw_lags(path: Path, scans: Sequence[tuple[str, LagScan]], step: float | No
     figure.legend(
         *every[0].get_legend_handles_labels(), loc="outside upper center", ncols=2, fontsize=8.5, frameon=False
     )
-    save(figure, path)
+    return figure
 
 
 def _ranges(lags: Sequence[int]) -> str:

@@ -19,6 +19,7 @@ from jointattn_mj.recordings.table_files import TableFile
 if TYPE_CHECKING:
     from jointattn_mj.recordings.discover import DiscoverResult
     from jointattn_mj.recordings.measure import MeasureResult
+    from jointattn_mj.recordings.report import RecordingReport
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,6 +177,27 @@ class Coding:
         names = _tuple(sensors), _tuple(actions), _tuple(results)
         options = DiscoverOptions(**self._told(step, how), sensors=names[0], actions=names[1], results=names[2])
         return run_discover(options, data=Coding(self.source, options, (*names[0], *names[1], *names[2])).steps(step))
+
+    def report(self, out: Path | str, **how: Any) -> "RecordingReport":
+        """Make one page of the coding, as ``jointattn recordings`` does.
+
+        Args:
+            out: Folder for the page and its tables.
+            how: Further fields of ``ReportOptions``, such as ``infant``, ``partner``, ``step`` or ``surrogates``.
+
+        Returns:
+            What the page shows; ``report.tables()`` are its tables.
+
+        Raises:
+            SeriesError: It cannot be read or analysed.
+            ConfigError: An option that cannot work.
+            OutputError: ``out`` holds a report, or cannot be written.
+        """
+        from jointattn_mj.recordings.report import ReportOptions, run_report
+
+        told = self._told(self.options.step or 0.1, how)
+        source = None if isinstance(self.source, (str, os.PathLike)) else self.source
+        return run_report(ReportOptions(**told, out=Path(out)), source=source)
 
     def _told(self, step: float | None, how: dict[str, Any]) -> dict[str, Any]:
         """Fields of the options of a test of this coding."""

@@ -1,6 +1,5 @@
 """Reports of stored trials: one page to read, and tables for programs. The same trials give the same bytes."""
 
-import base64
 import csv
 import io
 import json
@@ -10,13 +9,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import yaml
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from matplotlib.figure import Figure
 
 from jointattn_mj.errors import OutputError, SweepError
 from jointattn_mj.io.files import alone, write_whole
+from jointattn_mj.io.page import data_uri, drawn, page
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import plain
 from jointattn_mj.io.results import without_nan
@@ -27,11 +25,6 @@ from jointattn_mj.sweeps.store import Store, Stored
 
 FEWEST = 5
 """Runs below which the verdict is undecided, if the claim asks for more."""
-LARGEST_SVG = 300_000
-"""Size in bytes above which a figure is shown as PNG."""
-DPI = 150
-"""Resolution of PNG figures."""
-UNCHANGING: dict[Any, Any] = {"svg.hashsalt": "jointattn", "svg.fonttype": "path"}
 
 
 @dataclass(frozen=True)
@@ -220,20 +213,11 @@ def _notes(stored: Stored, failures: Sequence[Mapping[str, Any]]) -> list[str]:
 def _save(one: Chapter, folder: Path) -> dict[str, str]:
     """Write the figures as PNG files; returns each as a data URI."""
     uris = {}
-    with matplotlib.rc_context(UNCHANGING):
-        for stem, figure in one.figures.items():
-            drawing, image = io.BytesIO(), io.BytesIO()
-            figure.savefig(image, format="png", dpi=DPI, metadata={"Software": None})
-            figure.savefig(drawing, format="svg", metadata={"Date": None, "Creator": None})
-            folder.mkdir(parents=True, exist_ok=True)
-            _write(folder / f"{one.entry.id}-{stem}.png", image.getvalue())
-            small = len(drawing.getvalue()) <= LARGEST_SVG
-            uris[stem] = _uri("image/svg+xml", drawing.getvalue()) if small else _uri("image/png", image.getvalue())
+    for stem, figure in one.figures.items():
+        image, uris[stem] = drawn(figure)
+        folder.mkdir(parents=True, exist_ok=True)
+        _write(folder / f"{one.entry.id}-{stem}.png", image)
     return uris
-
-
-def _uri(kind: str, content: bytes) -> str:
-    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
 def _facts(one: Chapter) -> dict[str, Any]:
@@ -324,19 +308,13 @@ def _plain_in_markdown(text: str) -> str:
 
 
 def _page(chapters: Sequence[Chapter], images: Mapping[str, Mapping[str, str]], folder: Path) -> str:
-    environment = Environment(
-        loader=PackageLoader("jointattn_mj.sweeps"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["count"] = count
-    environment.filters["seeds"] = _seeds_in_words
-    environment.filters["yaml"] = lambda config: yaml.safe_dump(config, sort_keys=False, default_flow_style=None)
-    films = {one.entry.id: _uri("video/mp4", one.film.read_bytes()) for one in chapters if one.film is not None}
-    return environment.get_template("report.html").render(
-        chapters=chapters, images=images, films=films, folder=shlex.quote(str(folder))
+    films = {one.entry.id: data_uri("video/mp4", one.film.read_bytes()) for one in chapters if one.film is not None}
+    return page(
+        "jointattn_mj.sweeps",
+        "report.html",
+        {"chapters": chapters, "images": images, "films": films, "folder": shlex.quote(str(folder))},
+        seeds=_seeds_in_words,
+        yaml=lambda config: yaml.safe_dump(config, sort_keys=False, default_flow_style=None),
     )
 
 

@@ -1,0 +1,309 @@
+"""``jointattn recordings``: one page about coded interaction, from the files of a coding program."""
+
+import csv
+import io
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import tyro
+
+from jointattn_mj.contingency.significance import Method, adjust
+from jointattn_mj.errors import ConfigError, OutputError
+from jointattn_mj.io.files import held, write_whole
+from jointattn_mj.io.progress import count
+from jointattn_mj.io.provenance import plain, versions
+from jointattn_mj.io.results import without_nan
+from jointattn_mj.options import NotNegative, Real, Seed, Whole
+from jointattn_mj.recordings.agreement import Agreement, AgreementOptions, agreement
+from jointattn_mj.recordings.delays import check_delay, delay_in_steps
+from jointattn_mj.recordings.events import Events
+from jointattn_mj.recordings.joint_attention import JointAttention, JointAttentionRules, joint_attention
+from jointattn_mj.recordings.measure import MeasureOptions, MeasureResult, run_measure
+from jointattn_mj.recordings.reader import ReadOptions, read
+from jointattn_mj.recordings.sampling import SampleOptions
+from jointattn_mj.recordings.sequential import LagTable, SequentialOptions, lag_table
+from jointattn_mj.recordings.steps import Recordings
+
+PAGE = "report.html"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportOptions(ReadOptions, JointAttentionRules):
+    """What is read, what counts as joint attention, and how contingency is tested."""
+
+    file: tyro.conf.Positional[Path] = field(kw_only=False)
+    """A folder of files of ELAN, BORIS, Datavyu, Observer or INTERACT or of tables with onset and offset, each a
+    recording; or one such file."""
+    out: Path
+    """Folder for the page and its tables."""
+    step: Annotated[float, Real("[1e-3, 1e3]")] = 0.1
+    """Events are sampled to steps of so many seconds."""
+    tiers: tuple[str, ...] = ()
+    """Tiers that are ranked by how much each says about the others; by default all, the two of looks among them."""
+    lag: str = "0.5s"
+    """From the earlier to the later look, in steps or as a time: about as long as a look takes to be answered."""
+    scan: str = "3s"
+    """Longest lag of the curve, in steps or as a time: as long as a look may follow another."""
+    second: Path | None = None
+    """A second coder's file or folder of the same recordings, for kappa."""
+    tolerance_s: Annotated[float, Real("[0, 60]")] = 0.0
+    """Two coders agree if the other has the same code within so many seconds."""
+    surrogates: Annotated[int, Whole("[1, 1e9]")] = 1000
+    """Surrogates behind effective values and p."""
+    resamples: Annotated[int, Whole("[0, 1e9]")] = 500
+    """Bootstrap resamples behind intervals; 0 leaves these out."""
+    method: Method = "auto"
+    """How surrogates are made, as for measure; auto: as the measured autocorrelation says."""
+    alpha: Annotated[float, Real("[1e-9, 1)")] = 0.05
+    """Level of significance."""
+    seed: Seed = 0
+    """Random seed of surrogates and resamples."""
+    timelines: Annotated[int, Whole("[0, 1e4]")] = 40
+    """Recordings whose timelines are drawn, the first ones."""
+    row_s: NotNegative = 120.0
+    """Seconds in a row of a timeline, so that looks can be told apart."""
+    title: str = "Coded interaction"
+    """Title of the page."""
+    yes: bool = False
+    """Go on however long the surrogates take; without it, more than half an hour is refused."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_delay("lag", self.lag)
+        check_delay("scan", self.scan)
+        if self.row_s < 1:
+            raise ConfigError(f"row_s: expected at least 1 second in a row; got {self.row_s:g}")
+        delay_in_steps("lag", self.lag, self.step)
+
+    @property
+    def rules(self) -> JointAttentionRules:
+        """What counts as joint attention."""
+        return JointAttentionRules(**{one.name: getattr(self, one.name) for one in fields(JointAttentionRules)})
+
+    @property
+    def looks(self) -> tuple[str, str]:
+        """The two tiers of looks, the partner's first."""
+        return self.partner, self.infant
+
+    @property
+    def lags(self) -> int:
+        """Longest lag in steps."""
+        return delay_in_steps("scan", self.scan, self.step)
+
+
+@dataclass(frozen=True)
+class RecordingReport:
+    """What the page shows."""
+
+    options: ReportOptions
+    events: Events
+    """As they were read."""
+    attention: JointAttention
+    steps: Recordings
+    pairs: Mapping[tuple[str, str], MeasureResult]
+    """Transfer entropy from the one tier to the other, at the lag. From three recordings on, each has a value too."""
+    p_adjusted: Mapping[tuple[str, str], float]
+    """By Holm, for all pairs."""
+    transitions: Mapping[tuple[str, str], LagTable]
+    """What the looks of the one lead to in the other, both ways."""
+    agreements: tuple[Agreement, ...]
+    notes: tuple[str, ...]
+    """What was left out, and why; where p-values come from."""
+    out: Path | None = None
+    """Where it was written."""
+
+    def text(self) -> str:
+        """The main values, to read on a terminal."""
+        return "\n".join([*self.main(), *([] if self.out is None else [f"Page: {self.out / PAGE}"])])
+
+    def main(self) -> list[str]:
+        """A sentence for each main value."""
+        return [*self.following(), *self.over_lags(), *self._agreement()]
+
+    def ranking(self) -> list[dict[str, Any]]:
+        """A row a pair of tiers, the most contingent first."""
+        rows = [
+            {"source": pair[0], "target": pair[1], **_value(found), "p_adjusted": self.p_adjusted[pair],
+             "significant": bool(self.p_adjusted[pair] <= self.options.alpha)}
+            for pair, found in self.pairs.items()
+        ]  # fmt: skip
+        return sorted(rows, key=lambda row: (-row["effective"], row["source"], row["target"]))
+
+    def tables(self) -> dict[str, list[dict[str, Any]]]:
+        """All tables by the names of their files."""
+        pairs = self.pairs.items()
+
+        def named(pair: tuple[str, str], rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+            return [{"source": pair[0], "target": pair[1], **row} for row in rows]
+
+        events = self.attention.events.table
+        columns = ("recording", "tier", "code", "onset", "offset")
+        return {
+            "joint_attention": self.attention.rows(),
+            "following": [vars(one) for one in self.attention.opportunities],
+            "ranking": self.ranking(),
+            "lags": [row for pair, one in pairs for row in named(pair, one.lag_rows())],
+            "values": [row for pair, one in pairs for row in named(pair, _first_measure(one.value_rows()))],
+            "dyads": [row for pair, one in pairs for row in named(pair, one.dyad_rows())],
+            "transitions": [row for pair, one in self.transitions.items() for row in named(pair, one.rows())],
+            "agreement": [one.row() for one in self.agreements],
+            "events": [
+                dict(zip(columns, row, strict=True)) for row in zip(*(events[name] for name in columns), strict=True)
+            ],
+        }
+
+    def methods(self) -> str:
+        """A paragraph to paste: what was done, with every number and setting."""
+        from jointattn_mj.recordings.report_words import methods_paragraph
+
+        return methods_paragraph(self)
+
+    def following(self) -> list[str]:
+        """Who follows whom, how often and how soon."""
+        lines = []
+        for follower, leader in ((self.options.infant, self.options.partner), self.options.looks):
+            chances = [one for one in self.attention.opportunities if one.follower == follower]
+            latencies = [one.latency for one in chances if one.latency == one.latency]
+            if chances:
+                median = f", median latency {np.median(latencies):.2f} s" if latencies else ""
+                lines.append(
+                    f"{follower} follows {len(latencies)} of {count(len(chances), 'look')} of {leader} "
+                    f"({len(latencies) / len(chances):.0%}) within {self.options.follow_within_s:g} s{median}"
+                )
+        return lines
+
+    def over_lags(self) -> list[str]:
+        """The lag that stands out, in both directions of looks."""
+        from jointattn_mj.recordings.lags import lag_words
+
+        lines = []
+        for pair in (self.options.looks, self.options.looks[::-1]):
+            found = self.pairs[pair]
+            lines += [lag_words(f"{pair[0]} -> {pair[1]}", scan, found.step) for _, scan in found.scans]
+        return lines
+
+    def _agreement(self) -> list[str]:
+        return [f"Two coders, {one.tier}: kappa {one.kappa:.2f}" for one in self.agreements]
+
+
+def run_report(
+    options: ReportOptions, progress: Callable[[int], object] = lambda done: None, source: Any = None
+) -> RecordingReport:
+    """Read the files, analyse them, and write the page and its tables.
+
+    Args:
+        options: What is read, how it is analysed, and where the page goes.
+        progress: Called with the number of surrogates and resamples drawn since the last call.
+        source: A table of pandas, polars or pyarrow in place of ``options.file``.
+
+    Raises:
+        SeriesError: The files cannot be read or analysed.
+        ConfigError: The surrogates would take more than half an hour, and ``yes`` is not said.
+        OutputError: ``out`` holds a report, or cannot be written.
+    """
+    from jointattn_mj.recordings.report_page import write_page
+
+    if (options.out / PAGE).exists():
+        raise OutputError(f"{options.out / PAGE} is there already; choose another folder")
+    reading = {one.name: getattr(options, one.name) for one in fields(ReadOptions)}
+    events = read(options.file if source is None else source, **reading).events
+    second = None if options.second is None else read(options.second, **reading).events
+    report = analyse(events, second, options, progress)
+    with held(options.out):
+        write_page(report, options.out)
+    return report
+
+
+def analyse(
+    events: Events, second: Events | None, options: ReportOptions, progress: Callable[[int], object]
+) -> RecordingReport:
+    """All that the page shows.
+
+    Args:
+        events: What is coded.
+        second: The same, by a second coder.
+        options: How it is analysed.
+        progress: Called with the number of surrogates and resamples drawn since the last call.
+
+    Raises:
+        SeriesError: A tier is not there, or the events cannot be sampled or measured.
+    """
+    attention = joint_attention(events, options.rules)
+    how = {one.name: getattr(options, one.name) for one in fields(SampleOptions)}
+    tiers = list(dict.fromkeys([*options.looks, *(options.tiers or events.tier_names)]))
+    steps = events.steps(options.step, tiers, **how)
+    pairs = {}
+    looks = set(options.looks)
+    for source in tiers:
+        for target in tiers:
+            if source != target:
+                of_looks = {source, target} == looks
+                asked = MeasureOptions(
+                    options.file, source=(source,), target=(target,), lag=options.lag, method=options.method,
+                    scan=options.scan if of_looks else None,
+                    surrogates=options.surrogates, resamples=options.resamples, seed=options.seed, yes=options.yes,
+                )  # fmt: skip
+                pairs[source, target] = run_measure(asked, progress, steps)
+    p = adjust([_value(one)["p"] for one in pairs.values()], "holm")
+    lag = delay_in_steps("lag", options.lag, options.step)
+    sequential = SequentialOptions(lag=lag, surrogates=options.surrogates, seed=options.seed)
+    transitions = {pair: lag_table(steps, *pair, sequential) for pair in (options.looks, options.looks[::-1])}
+    agreements: tuple[Agreement, ...] = ()
+    if second is not None:
+        same = AgreementOptions(
+            step=options.step, tolerance_s=options.tolerance_s, resamples=options.resamples, seed=options.seed
+        )
+        agreements = agreement(events, second, None, same)
+    notes = dict.fromkeys([*steps.notes(), *(note for one in pairs.values() for note in one.notes)])
+    return RecordingReport(
+        options, events, attention, steps, pairs, dict(zip(pairs, map(float, p), strict=True)), transitions,
+        agreements, tuple(notes), options.out,
+    )  # fmt: skip
+
+
+def _value(found: MeasureResult) -> dict[str, Any]:
+    """Transfer entropy: of several recordings their mean, with an interval over recordings; else of all steps."""
+    row = found.rows()[0]
+    told = {name: row[name] for name in ("effective", "low", "high", "p")}
+    if found.dyads:
+        every = found.dyads[0].groups[0]
+        told = {"effective": every.mean, "low": every.interval[0], "high": every.interval[1], "p": every.p}
+    unit = count(found.dyads[0].groups[0].dyads, "recording") if found.dyads else "all steps"
+    return {**told, "of": unit, "all_steps": row["effective"], "transitions": row["transitions"],
+            "method": row["method"], "inflation": row["inflation"]}  # fmt: skip
+
+
+def _first_measure(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows of the first measure, transfer entropy."""
+    return [row for row in rows if row["measure"] == rows[0]["measure"]]
+
+
+def write_tables(report: RecordingReport, folder: Path) -> list[str]:
+    """Write each table that has rows as CSV, and all of them with settings and versions as report.json.
+
+    Returns:
+        Names of the files.
+    """
+    tables = {name: rows for name, rows in report.tables().items() if rows}
+    for name, rows in tables.items():
+        text = io.StringIO()
+        writer = csv.DictWriter(text, list(dict.fromkeys(key for row in rows for key in row)), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+        write_text(folder / f"{name}.csv", text.getvalue())
+    document = {
+        "config": plain(report.options), "versions": versions(), "main": report.main(), "methods": report.methods(),
+        "notes": list(report.notes), **plain({name: rows for name, rows in tables.items() if name != "events"}),
+    }  # fmt: skip
+    write_text(folder / "report.json", json.dumps(without_nan(document), indent=1, ensure_ascii=False) + "\n")
+    write_text(folder / "methods.txt", report.methods() + "\n")
+    return [*(f"{name}.csv" for name in tables), "report.json", "methods.txt"]
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file, whole or not at all."""
+    write_whole(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))

@@ -1,0 +1,161 @@
+"""The page about coded interaction, its figures and tables, as files."""
+
+import shlex
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from matplotlib.figure import Figure
+
+from jointattn_mj.contingency.local import carriers
+from jointattn_mj.io.files import write_whole
+from jointattn_mj.io.page import drawn, page
+from jointattn_mj.io.provenance import plain, versions
+from jointattn_mj.io.results import bracket, number, share
+from jointattn_mj.recordings.delays import delay_in_steps
+from jointattn_mj.recordings.lags import lag_figure
+from jointattn_mj.recordings.report import PAGE, RecordingReport, ReportOptions, write_tables, write_text
+from jointattn_mj.recordings.report_figures import (
+    code_colours,
+    dyad_figure,
+    latency_figure,
+    ranking_figure,
+    timeline,
+    transition_figure,
+)
+from jointattn_mj.recordings.report_words import p_words
+
+if TYPE_CHECKING:
+    from jointattn_mj.recordings.measure import MeasureResult
+
+UNIT = "bits"
+OPEN = 3
+"""Timelines that are shown at once; the others unfold."""
+MOST_TRANSITIONS = 12
+"""Transitions in the page's table, those that stand out most; the file has all."""
+
+
+def write_page(report: RecordingReport, folder: Path) -> None:
+    """Write report.html, the tables and figures/*.png into a folder; the page comes last.
+
+    Args:
+        report: What was found.
+        folder: Where it goes.
+
+    Raises:
+        OutputError: A file cannot be written.
+    """
+    names = write_tables(report, folder)
+    images = {}
+    for stem, figure in _figures(report).items():
+        content, images[stem] = drawn(figure)
+        (folder / "figures").mkdir(exist_ok=True)
+        write_whole(folder / "figures" / f"{stem}.png", lambda path, content=content: path.write_bytes(content))  # type: ignore[misc]
+    shown = [recording for recording in report.events.recordings][: report.options.timelines]
+    timelines = {recording: images[f"timeline_{place}"] for place, recording in enumerate(shown, 1)}
+    values = {
+        "report": report,
+        "options": report.options,
+        "images": images,
+        "timelines": timelines,
+        "opened": OPEN,
+        "files": names,
+        "ranking": report.ranking(),
+        "transitions": _transitions(report),
+        "carried": _carried(report.pairs),
+        "dyads": _of_dyads(report.pairs),
+        "by_recording": _by_recording(report),
+        "hidden": len(report.events.recordings) - len(shown),
+        "settings": _settings(report.options),
+        "versions": versions(),
+        "command": _command(report.options),
+    }
+    filters = {"number": number, "bracket": lambda row: bracket((row["low"], row["high"])), "share": share}
+    text = page("jointattn_mj.recordings", PAGE, values, p=lambda p: p_words(p)[2:].removeprefix("= "), **filters)
+    write_text(folder / PAGE, text)
+
+
+def _figures(report: RecordingReport) -> dict[str, Figure]:
+    options, colours = report.options, code_colours(report.events)
+    figures = {
+        f"timeline_{place}": timeline(
+            report.attention, report.events.tiers[recording], recording, options.row_s, colours
+        )
+        for place, recording in enumerate(report.events.recordings[: options.timelines], 1)
+    }
+    lag_s = delay_in_steps("lag", options.lag, options.step) * options.step
+    followers = options.infant, options.partner
+    figures["latencies"] = latency_figure(report.attention.opportunities, followers, options.follow_within_s)
+    figures["transitions"] = transition_figure(report.transitions, lag_s)
+    figures["ranking"] = ranking_figure(report.ranking(), UNIT)
+    scans = [(f"{a} → {b}", scan) for (a, b), one in report.pairs.items() for _, scan in one.scans]
+    figures["lags"] = lag_figure(scans, options.step, "transfer entropy", UNIT)
+    ways = (options.looks, options.looks[::-1])
+    dyads = {pair: report.pairs[pair].dyads[0] for pair in ways if report.pairs[pair].dyads}
+    if dyads:
+        figures["dyads"] = dyad_figure(dyads, UNIT)
+    return figures
+
+
+def _transitions(report: RecordingReport) -> list[dict[str, Any]]:
+    """Those that stand out most, of both directions."""
+    rows = [
+        {"source": pair[0], "result": pair[1], "p_shift": None, **row}
+        for pair, table in report.transitions.items()
+        for row in table.rows()
+        if row["adjusted_residual"] == row["adjusted_residual"]
+    ]
+    return sorted(rows, key=lambda row: -abs(row["adjusted_residual"]))[:MOST_TRANSITIONS]
+
+
+def _carried(pairs: "Mapping[tuple[str, str], MeasureResult]") -> dict[str, list[str]]:
+    """Which looks carry the transfer entropy of each pair that is significant on its own."""
+    found = {}
+    for (source, target), result in pairs.items():
+        one = result.measured[0]
+        if one.significance.p <= 0.05 and result.scans:
+            lines = [value.words(result.names, result.labels) for value in carriers(one.values, most=result.explain)]
+            if lines:
+                found[f"{source} → {target}"] = lines
+    return found
+
+
+def _by_recording(report: RecordingReport) -> list[dict[str, Any]]:
+    """A row a recording: the transfer entropy of both directions of looks."""
+    ways = [report.pairs[pair] for pair in (report.options.looks, report.options.looks[::-1])]
+    if not all(one.dyads for one in ways):
+        return []
+    rows = [one.dyads[0].rows() for one in ways]
+    return [{"name": a["recording"], "ways": [a, b]} for a, b in zip(*rows, strict=True)]
+
+
+def _of_dyads(pairs: "Mapping[tuple[str, str], MeasureResult]") -> list[str]:
+    """Mean values over recordings, in words."""
+    named = [
+        replace(one, measure=f"{a} → {b}")
+        for (a, b), result in pairs.items()
+        for one in (result.dyads[:1] if result.scans else ())
+    ]
+    return [line for one in named for line in one.lines()]
+
+
+def _settings(options: ReportOptions) -> list[tuple[str, str]]:
+    """Every option and its value."""
+    given = plain(options)
+    return [(one.name, "" if given[one.name] in (None, []) else str(given[one.name])) for one in fields(options)]
+
+
+def _command(options: ReportOptions) -> str:
+    """The command line that makes this page again: options that are not the defaults."""
+    words = ["jointattn", "recordings", str(options.file)]
+    for one in fields(options):
+        value = getattr(options, one.name)
+        if one.name == "file" or value == one.default:
+            continue
+        name = f"--{one.name.replace('_', '-')}"
+        if isinstance(value, bool):
+            words.append(name if value else name.replace("--", "--no-", 1))
+        else:
+            words += [name, *(map(str, value) if isinstance(value, tuple) else [str(value)])]
+    return shlex.join(words)

@@ -1,0 +1,109 @@
+"""The paragraph on methods that can be pasted into a paper: what was done, with every number and setting."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from jointattn_mj.io.progress import count
+from jointattn_mj.io.provenance import versions
+from jointattn_mj.io.results import bracket, number
+from jointattn_mj.recordings.delays import delay_in_steps
+from jointattn_mj.recordings.methods import WORDS
+
+if TYPE_CHECKING:
+    from jointattn_mj.recordings.report import RecordingReport
+
+
+def p_words(p: float) -> str:
+    """A p-value as papers have it: ``p = .012``, ``p < .001``."""
+    return "p < .001" if p < 0.001 else f"p = {p:.3f}".replace("0.", ".", 1)
+
+
+def methods_paragraph(report: "RecordingReport") -> str:
+    """The paragraph.
+
+    Args:
+        report: What was done and found.
+    """
+    o, r = report.options, report.options.rules
+    seconds = np.array(list(report.attention.seconds.values()))
+    lag = delay_in_steps("lag", o.lag, o.step)
+    value = "the code at its middle" if o.value_at == "middle" else "the code that lasted for most of it"
+    nothing = "has a value of its own" if o.nothing == "none" else "is missing, and recordings were cut there"
+    still = " while the partner still looked there" if r.still_looking else ""
+    parts = [
+        f"Coded events of {count(len(seconds), 'recording')} ({seconds.sum() / 60:.1f} min in all; {seconds.min():.0f} "
+        f"to {seconds.max():.0f} s each) on {count(len(report.events.tier_names), 'tier')} "
+        f"({', '.join(report.events.tier_names)}) were sampled to steps of {o.step:g} s; each step has {value}; where "
+        f"nothing was coded it {nothing} ({report.steps.transitions:,} transitions).",
+        f"Shared attention is looking of {r.infant} and {r.partner} at the same target, other than "
+        f"{_some([r.infant_at_partner, r.partner_at_infant, *r.nowhere])}. A look follows if it begins within "
+        f"{r.follow_within_s:g} s after the partner began to look at the target{still}; looks that begin within "
+        f"{r.together_s:g} s of each other begin together. Mutual gaze lasts at least {r.least_mutual_s:g} s. "
+        f"Engagement is shared attention of at least {r.least_engagement_s:g} s with breaks of up to {r.bridge_s:g} s "
+        f"bridged (after Bakeman and Adamson, 1984); it is coordinated with at least "
+        f"{count(r.glances, 'look')} of {r.infant} at the partner's face.",
+        f"Contingency is transfer entropy in bits (Schreiber, 2000) from one tier to another at a lag of "
+        f"{lag * o.step:g} s ({count(lag, 'step')}), less the mean of {o.surrogates:,} surrogates. "
+        f"{_surrogates(report)} "
+        + _unit_words(report)
+        + f"P-values of {len(report.pairs)} pairs of tiers were corrected by Holm's method; over lags of {o.step:g} to "
+        f"{o.lags * o.step:g} s ({count(o.lags, 'lag')}) by the maximum over lags in each surrogate (Westfall and "
+        f"Young, 1993). Transitions are adjusted residuals (Bakeman and Quera, 2011), tested by {o.surrogates:,} "
+        "circular shifts.",
+        *_results(report),
+    ]
+    if report.agreements:
+        first = report.agreements[0]
+        kappas = "; ".join(
+            f"{one.tier}: {one.kappa:.2f} [{one.interval[0]:.2f}, {one.interval[1]:.2f}]" for one in report.agreements
+        )
+        parts.append(
+            f"Agreement of two coders is Cohen's kappa by units of {first.step:g} s with a tolerance of "
+            f"{first.tolerance_s:g} s: {kappas}."
+        )
+    known = versions()
+    parts.append(f"Computed by jointattn_mj {known.get('jointattn_mj', '')} (seed {o.seed}).".replace("  ", " "))
+    return " ".join(parts)
+
+
+def _results(report: "RecordingReport") -> list[str]:
+    """The values of the two directions of looks."""
+    sentences = []
+    for source, target in (report.options.looks, report.options.looks[::-1]):
+        row = next(one for one in report.ranking() if (one["source"], one["target"]) == (source, target))
+        p = report.p_adjusted[source, target]
+        sentences.append(
+            f"{source} to {target}: {number(row['effective'])} bits {bracket((row['low'], row['high']))}, {p_words(p)}"
+        )
+    found = "; ".join([*sentences, *report.following(), *report.over_lags()])
+    return [f"Found: {found}.".replace("->", "to")]
+
+
+def _surrogates(report: "RecordingReport") -> str:
+    methods = {row["method"] for one in report.pairs.values() for row in one.rows()[:1]}
+    inflation = [one.rows()[0]["inflation"] for one in report.pairs.values()]
+    chosen = " or ".join(WORDS[method] for method in sorted(methods))
+    why = (
+        f", chosen by the measured autocorrelation (variance by chance {min(inflation):.2f} to {max(inflation):.2f} "
+        "times that of permutations)"
+        if report.options.method == "auto"
+        else ""
+    )
+    return f"Surrogates are {chosen}{why}."
+
+
+def _unit_words(report: "RecordingReport") -> str:
+    """Whether values are of recordings or of steps."""
+    dyads = next((one.dyads[0].groups[0].dyads for one in report.pairs.values() if one.dyads), None)
+    if dyads is not None:
+        return (
+            f"Values are means over {dyads} recordings, with 95% intervals over recordings by Student's t; p is of "
+            "the recordings together (Stouffer). Curves over lags and transitions are of all recordings' steps. "
+        )
+    resamples = report.options.resamples
+    return f"Intervals (95%) come from {resamples:,} block bootstrap resamples. " if resamples else ""
+
+
+def _some(names: list[str]) -> str:
+    return ", ".join(dict.fromkeys(names))

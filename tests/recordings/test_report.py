@@ -1,0 +1,114 @@
+"""The page of coded interaction: what it says is what the measures say, and it is one file."""
+
+import csv
+import json
+import re
+
+import numpy as np
+import pytest
+
+from jointattn_mj import recordings
+from jointattn_mj.errors import ConfigError, OutputError, SeriesError
+from jointattn_mj.recordings.agreement import AgreementOptions, agreement
+from jointattn_mj.recordings.events import Events
+from jointattn_mj.recordings.export import write_events
+from jointattn_mj.recordings.joint_attention import joint_attention
+from jointattn_mj.recordings.report import ReportOptions, run_report
+
+FEW = {"surrogates": 60, "resamples": 20, "step": 0.5, "lag": "0.5s", "scan": "2s"}
+
+
+def coding(name: str, rng: np.random.Generator) -> Events:
+    """A mother, and an infant who looks where she does half a second later in four of five looks."""
+    looks, onset = [], 0.0
+    while onset < 90:
+        code, offset = rng.choice(["cup", "ball", "face"]), onset + rng.choice([1.0, 1.5, 2.0])
+        looks.append(("mother", code, onset, offset))
+        looks.append(("infant", code if rng.random() < 0.8 else rng.choice(["cup", "away"]), onset + 0.5, offset + 0.5))
+        onset = offset
+    return Events.of(*zip(*looks, strict=True), recording=name)
+
+
+@pytest.fixture(scope="module")
+def codings(tmp_path_factory):
+    folder, rng = tmp_path_factory.mktemp("codings"), np.random.default_rng(0)
+    every = [coding(name, rng) for name in ("a <b>", "c & d", "e")]
+    write_events(every[0].joined(*every[1:]), folder / "first", "boris")
+    write_events(every[0], folder / "second", "table")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def report(codings):
+    options = ReportOptions(codings / "first", out=codings / "out", second=codings / "second", **FEW)
+    return run_report(options)
+
+
+def test_the_page_is_one_file_with_all_parts(report, codings):
+    text = (codings / "out" / "report.html").read_text("utf-8")
+    assert re.findall(r'id="([\w-]+)"', text) == [
+        "timelines", "joint-attention", "transitions", "ranking", "lags", "agreement", "left-out", "methods",
+    ]  # fmt: skip
+    assert not re.findall(r'(?:src|href)="(?!data:|#)', text)
+    assert "a &lt;b&gt;" in text and "<b>" not in text
+    assert text.count("Timeline of") == 3
+
+
+def test_values_are_those_of_the_measures(report, codings):
+    coded = recordings.read(codings / "first")
+    alone = coded.measure("mother", "infant", step=0.5, lag="0.5s", surrogates=60, resamples=20)
+    (row,) = [one for one in report.ranking() if (one["source"], one["target"]) == ("mother", "infant")]
+    assert row["effective"] == alone.dyads[0].groups[0].mean > 0.1
+    assert row["all_steps"] == alone.rows()[0]["effective"]
+    assert report.attention.rows() == joint_attention(coded.events).rows()
+    second = recordings.read(codings / "second").events
+    options = AgreementOptions(step=0.5, resamples=20)
+    assert [one.row() for one in report.agreements] == [
+        one.row() for one in agreement(coded.events, second, None, options)
+    ]
+
+
+def test_tables_lie_beside_it(report, codings):
+    out = codings / "out"
+    document = json.loads((out / "report.json").read_text("utf-8"))
+    for name, rows in report.tables().items():
+        with (out / f"{name}.csv").open(newline="", encoding="utf-8") as file:
+            assert len(list(csv.DictReader(file))) == len(rows) > 0
+        assert name == "events" or len(document[name]) == len(rows)
+    assert (out / "methods.txt").read_text("utf-8").strip() == report.methods() == document["methods"]
+    assert {path.name for path in (out / "figures").iterdir()} >= {"timeline_1.png", "lags.png", "dyads.png"}
+
+
+def test_the_paragraph_has_every_number_of_the_settings(report):
+    said = report.methods()
+    assert "steps of 0.5 s" in said and "60 surrogates" in said and "0.5 to 2 s (4 lags)" in said
+    for one in report.agreements:
+        assert f"{one.tier}: {one.kappa:.2f}" in said
+
+
+def test_the_same_seed_gives_the_same_page(report, codings):
+    again = recordings.read(codings / "first").report(codings / "again", second=codings / "second", **FEW)
+    assert repr(again.tables()) == repr(report.tables())  # NaN equals itself
+    pages = [(codings / name / "report.html").read_text("utf-8") for name in ("out", "again")]
+    assert pages[0].replace(str(codings / "out"), "") == pages[1].replace(str(codings / "again"), "")
+
+
+def test_the_command_line_makes_it_from_two_tiers_of_other_names(codings, tmp_path, jointattn):
+    write_events(
+        Events.of(["baby"] * 4 + ["dad"] * 2, list("xyxyxy"), [0, 2, 4, 6, 0, 3], [2, 4, 6, 8, 3, 8]), tmp_path
+    )
+    words = ("recordings", tmp_path, "--infant", "baby", "--partner", "dad", "--step", "0.5", "--scan", "2")
+    done = jointattn(*words, "--surrogates", "20", "--out", tmp_path / "out")
+    assert done.code == 0, done.err
+    assert "dad follows 1 of 2 looks of baby" in done.out and (tmp_path / "out" / "report.html").exists()
+    assert "is there already" in jointattn(*words, "--out", tmp_path / "out").err
+
+
+def test_what_cannot_be_reported_is_told(codings, report, tmp_path):
+    with pytest.raises(OutputError, match="is there already"):
+        run_report(report.options)
+    with pytest.raises(SeriesError, match="there is no tier 'baby'"):
+        run_report(ReportOptions(codings / "first", out=tmp_path / "x", infant="baby"))
+    assert not (tmp_path / "x").exists()
+    with pytest.raises(ConfigError, match="scan"):
+        ReportOptions(codings / "first", out=tmp_path / "x", scan="soon")
