@@ -84,8 +84,10 @@ class Codings:
             onsets.append(at)
             at += offset - onset
             offsets.append(at)
-        coders = [Events.of([TIER] * len(pairs), [one[i] for one in pairs], onsets, offsets) for i in (2, 3)]
-        found = agreement(*coders, options=AgreementOptions(step=min(1.0, at)))[0]
+        tier = [TIER] * len(pairs)
+        own = Events.of(tier, [mine for _, _, mine, _ in pairs], onsets, offsets)
+        others = Events.of(tier, [theirs for _, _, _, theirs in pairs], onsets, offsets)
+        found = agreement(own, others, options=AgreementOptions(step=min(1.0, at)))[0]
         low, high = found.interval
         return {
             "kappa": found.kappa,

@@ -43,8 +43,9 @@ class LooksCoded:
     Attributes:
         labels: What codes mean: the candidates, then away, unsure, cannot be seen.
         codes: (n,) index of the answer among the labels.
-        best: (n,) index of the most probable target, also where the answer is unsure.
-        posterior: (n, k + 1) of each target, the last being away, given all looks; NaN where the face is not seen.
+        best: (n,) index of the most probable target, also where the answer is unsure or nothing was coded.
+        posterior: (n, k + 1) of each target, the last being away, given all looks; NaN where the face is not seen, and
+            where nothing was coded.
         alone: (n,) posterior of the best object among the objects, by this look alone; NaN where the face is not seen.
         placements: (k,) places at which each candidate has rested.
         doubt: Why nothing was coded; empty where something was.
@@ -69,7 +70,7 @@ class LooksCoded:
                 for code, label in enumerate(self.labels)
             },
             "placements": dict(zip(self.labels, self.placements.tolist(), strict=False)),
-            "sure": round(float((self.posterior[seen].max(axis=1, initial=0) > config.sure).sum() / count), 4),
+            "sure": round(float((self.posterior[seen] > config.sure).any(axis=1).sum() / count), 4),
             "sure_by_a_look_alone": round(float((self.alone[seen] > config.sure).sum() / count), 4),
             "coded": not self.doubt,
             "why_not": self.doubt or None,
@@ -101,7 +102,7 @@ def code_looks(looks: LooksSeen, config: LooksConfig) -> LooksCoded:
     doubt = _doubt(counts, alone[seen], config)
     codes = np.where((likely.max(axis=1, initial=0) < config.least) | bool(doubt), labels.index(UNSURE), best)
     codes[lost] = labels.index(UNSEEN)
-    likely[lost] = np.nan
+    likely[lost | bool(doubt)] = np.nan
     alone[~seen] = np.nan
     return LooksCoded(labels, codes, best, likely, alone, counts, doubt)
 

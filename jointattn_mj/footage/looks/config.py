@@ -21,8 +21,8 @@ class LooksConfig(Checked):
     """Added to shares before they are compared, in units of the mean share. It keeps what was seen once from being
     certain."""
     away: Annotated[float, Real("[-10, 10]")] | None = 0.6
-    """Evidence (log ratio) that an object must have not to lose to "away", a target that is no object. Higher finds more
-    looks away, and loses more looks at objects. None leaves that answer out."""
+    """Evidence (log ratio) that an object must have not to lose to "away", a target that is no object. Higher finds
+    more looks away, and loses more looks at objects. None leaves that answer out."""
     dwell_s: Annotated[float, Real("[0.01, 1000]")] = 5.0
     """Time for which a target is looked at on average: posteriors are smoothed forward and backward with it."""
     trust: Annotated[float, Real("(0, 1]")] = 0.45
@@ -35,6 +35,7 @@ class LooksConfig(Checked):
     """Places at which objects must have rested in all. With fewer, nothing is coded but "unsure": where nothing moves,
     nothing tells at what somebody looks."""
     sure_alone: Share = 0.1
-    """Share of looks of which one object must be sure among the objects before they are smoothed; with fewer, nothing is coded but "unsure"."""
+    """Share of looks in which one object must be sure among the objects before they are smoothed; with fewer, nothing
+    is coded but "unsure"."""
     lost_s: Annotated[float, Real("[0, 1e4]")] = 1.0
     """Seconds without the face after which the answer is "cannot be seen"; shorter gaps are bridged."""

@@ -40,7 +40,8 @@ def looks_table(coded: LooksCoded, times: np.ndarray) -> pa.Table:
         "posterior_alone": share(coded.alone),
     }
     columns |= {f"{name}_posterior": share(coded.posterior[:, k]) for k, name in enumerate(targets)}
-    return described(pa.table(columns), MEANINGS)
+    posteriors = {f"{name}_posterior": f"probability of {name}, given all looks of the video" for name in targets}
+    return described(pa.table(columns), MEANINGS | posteriors)
 
 
 def looks_spans(coded: LooksCoded, frames: np.ndarray, end: int) -> list[Span]:
