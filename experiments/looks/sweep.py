@@ -52,7 +52,7 @@ class Table(Checked):
 
 
 def table(objects: int = 4, head_share: float | None = None, **more: Any) -> Setting:
-    """Four sessions with some settings changed.
+    """Three sessions with some settings changed.
 
     Args:
         objects: How many there are on the table.
@@ -62,7 +62,7 @@ def table(objects: int = 4, head_share: float | None = None, **more: Any) -> Set
     world = WorldConfig()
     behaviour = world.behaviour if head_share is None else replace(world.behaviour, head_share=head_share)
     scene = replace(world.scene, objects=OBJECTS[:objects])
-    return Setting(Table(replace(world, scene=scene, behaviour=behaviour), **more), 4)
+    return Setting(Table(replace(world, scene=scene, behaviour=behaviour), **more), 3)
 
 
 SETTINGS = {

@@ -35,7 +35,7 @@ class Codings:
 
         Args:
             path: A file with one tier, or with one that is called "looks at". Codes are names of objects, and "away";
-                time with "unsure", "turn" or "cannot be seen" is left out.
+                time with "unsure", "turn" or "cannot be seen" is left out. Columns onset_s and offset_s are seconds.
 
         Raises:
             SeriesError: It cannot be read, or has not one such tier of one recording.

@@ -20,7 +20,7 @@ class LooksConfig(Checked):
     smoothing: Annotated[float, Real("[1e-6, 1e3]")] = 0.05
     """Added to shares before they are compared, in units of the mean share. It keeps what was seen once from being
     certain."""
-    away: Annotated[float, Real("[-10, 10]")] | None = 0.6
+    away: Annotated[float, Real("[-10, 10]")] | None = 0.3
     """Evidence (log ratio) that an object must have not to lose to "away", a target that is no object. Higher finds
     more looks away, and loses more looks at objects. None leaves that answer out."""
     dwell_s: Annotated[float, Real("[0.01, 1000]")] = 5.0
@@ -34,7 +34,7 @@ class LooksConfig(Checked):
     placements: Annotated[int, Whole("[0, 1e6]")] = 12
     """Places at which objects must have rested in all. With fewer, nothing is coded but "unsure": where nothing moves,
     nothing tells at what somebody looks."""
-    sure_alone: Share = 0.1
+    sure_alone: Share = 0.02
     """Share of looks in which one object must be sure among the objects before they are smoothed; with fewer, nothing
     is coded but "unsure"."""
     lost_s: Annotated[float, Real("[0, 1e4]")] = 1.0
