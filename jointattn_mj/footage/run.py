@@ -69,19 +69,23 @@ def run_perceive(
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
         VideoError: The overlay cannot be written.
+        ConfigError: ``check`` without ``looks``.
+        SeriesError: The codings cannot be read or compared.
     """
     if options.overlay:
         find_ffmpeg()
+    codings = _codings(config, options)
     viewing = Viewing(config)
     with claimed(options.out, options.resume):
-        return _run(viewing, options, progress)
+        return _run(viewing, options, codings, progress)
 
 
-def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing], object]) -> dict[str, Any]:
+def _run(
+    viewing: Viewing, options: PerceiveOptions, codings: Codings | None, progress: Callable[[Viewing], object]
+) -> dict[str, Any]:
     """Watch a video in a folder that is held for it."""
     out, config, started = options.out, viewing.config, time.perf_counter()
     every = options.overlay_every if options.overlay else None
-    codings = _codings(config, options)
     spent, rows, people_rows, looks_rows = 0.0, None, None, None
     if options.resume:
         kinds = (float, bool, dict, RowStore, RowStore, RowStore)

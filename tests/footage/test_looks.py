@@ -160,7 +160,9 @@ def test_table_and_events_say_the_same():
 
 def coding(path: Path, *rows: tuple[float, float, str], tier: str = "gaze") -> Path:
     with path.open("w", newline="") as file:
-        csv.writer(file).writerows([("onset_s", "offset_s", "tier", "code"), *((a, b, tier, code) for a, b, code in rows)])
+        csv.writer(file).writerows(
+            [("onset_s", "offset_s", "tier", "code"), *((a, b, tier, code) for a, b, code in rows)]
+        )
     return path
 
 
