@@ -31,6 +31,8 @@ REGISTRY = Registry(
           "The first two modules change behaviour little; gaze alternation changes it drastically."),
     Entry("fast", "fast", "Contingency in fewer steps", "section 7.1, asked for",
           "More than 45,000 steps are more than a person can be asked for."),
+    Entry("local", "local", "Contingency within an hour", "section 7.1, asked for",
+          "More than 45,000 steps are more than a person can be asked for."),
     Entry("ablations", "ablations", "What each open choice of chapter 5 changes", "sections 5.2 and 5.3",
           "The text leaves these open."),
     Entry("6.6", "som", "The map of face patterns", "section 6.4.1, Fig. 6.6",

@@ -176,7 +176,7 @@ class Checked(metaclass=_ConfigType):
     GONE: ClassVar[Sequence[str]] = ()
     """Fields of the last version that say nothing any more: they are left out."""
     ADVANCED: ClassVar[Sequence[str]] = ()
-    """Fields that are tuned constants: the command line lists them last, and in --help-all only."""
+    """Fields that few people ever set: the command line lists them in --help-all only, last."""
 
     def __init_subclass__(cls) -> None:
         if "__repr__" not in vars(cls):

@@ -1,7 +1,7 @@
-"""Help in two lengths: ``--help`` has what people set, ``--help-all`` everything, tuned constants last.
+"""Help in two lengths: ``--help`` has what people set, ``--help-all`` everything, what few people set last.
 
 What people set are the options without a dot: those of the command's own configs, and those marked ``TOP_LEVEL`` in
-nested ones. Every option is accepted, whatever help shows.
+nested ones, without those that a config calls ``ADVANCED``. Every option is accepted, whatever help shows.
 """
 
 import inspect
@@ -23,7 +23,7 @@ Choose = Callable[[type[Checked], str, Any], bool]
 """Whether a field is shown, from its class, its name and its annotation."""
 ALL = "--help-all"
 HELP = ("-h", "--help", ALL)
-ADVANCED = "advanced: constants tuned once for the robot's camera and scene, in no test, experiment or page"
+ADVANCED = "advanced: what few people ever set"
 
 
 def help_text(command: Callable[..., Any], prog: str, arguments: Sequence[str]) -> str:
@@ -40,15 +40,22 @@ def help_text(command: Callable[..., Any], prog: str, arguments: Sequence[str]) 
     if "config" in get_type_hints(command):
         more.append("--config FILE takes defaults from the config.yaml of an earlier run; options override them.")
     if ALL in arguments:
-        text = _text(command, prog, words, lambda kind, name, hint: name not in kind.ADVANCED)
-        tuned = _text(command, prog, words, lambda kind, name, hint: name in kind.ADVANCED)
+        text = _text(command, prog, words, lambda kind, name, hint: not _is_advanced(kind, name))
+        tuned = _text(command, prog, words, lambda kind, name, hint: _is_advanced(kind, name))
         groups = [part for part in tuned.split("\n\n ") if re.match(r".+ options\n", part)]
         more = [ADVANCED, "", *(f" {group}\n" for group in groups), *more] if groups else more
     else:
-        text = _text(command, prog, words, lambda kind, name, hint: kind in own or TOP_LEVEL in get_args(hint))
+        text = _text(
+            command,
+            prog,
+            words,
+            lambda kind, name, hint: (kind in own and not _is_advanced(kind, name)) or TOP_LEVEL in get_args(hint),
+        )
         text = re.sub(r"\n\n \S+ options\n(?:  [^ -].*\n)*(?=  -)", "\n", text)  # all in one group
         if any(_is_nested(hint) for kind in own for hint in get_type_hints(kind).values()):
             more.append(f"{ALL} lists the options of all parts too.")
+        elif any(base.__dict__.get("ADVANCED") for kind in own for base in kind.__mro__):
+            more.append(f"{ALL} lists the options that few people set too.")
     return "\n".join([text, "", *more]) if more else text
 
 
@@ -60,6 +67,11 @@ def configs_of(command: Callable[..., Any]) -> Iterator[type[Checked]]:
         if isinstance(hint, type) and issubclass(hint, Checked):
             yield hint
         todo += get_args(hint)
+
+
+def _is_advanced(kind: type[Checked], name: str) -> bool:
+    """Whether a config, or one that it derives from, calls an option advanced."""
+    return any(name in base.__dict__.get("ADVANCED", ()) for base in kind.__mro__)
 
 
 def _is_nested(hint: Any) -> bool:

@@ -23,9 +23,12 @@ from jointattn_mj.contingency.online.counts import (
 )
 from jointattn_mj.contingency.online.detector import NOTHING, DetectorConfig, Watch, grown, new_watch, update
 from jointattn_mj.contingency.online.events import Event, Variable, Variables
+from jointattn_mj.contingency.online.experience import Experience, Steps, empty_experience, keep, roomier
+from jointattn_mj.contingency.online.local import LocalConfig
 from jointattn_mj.contingency.online.modules import Module, ReproductionConfig, make_module
-from jointattn_mj.contingency.online.reactive import RandomModule, ReactiveModule
+from jointattn_mj.contingency.online.reactive import LearningModule, RandomModule, ReactiveModule
 from jointattn_mj.contingency.online.selector import NOBODY, Maps, SelectorConfig, flat_maps, select
+from jointattn_mj.development.looks import Looks
 from jointattn_mj.development.one_type import one_type
 from jointattn_mj.development.restored_agent import check_agent, check_module
 from jointattn_mj.errors import ConfigError, SeriesError
@@ -39,6 +42,8 @@ class DeveloperConfig(Checked):
     """Settings of the agent of chapter 5."""
 
     detector: DetectorConfig = field(default_factory=DetectorConfig)
+    local: LocalConfig = field(default_factory=LocalConfig)
+    """Stop rule local: how it ranks events, and what an agent with it does at its looks."""
     reproduction: ReproductionConfig = field(default_factory=ReproductionConfig)
     selector: SelectorConfig = field(default_factory=SelectorConfig)
     memory: Literal["whole", "reset", "window", "fading"] = "whole"
@@ -59,6 +64,11 @@ class DeveloperConfig(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.detector.stop_rule == "local" and (self.memory != "whole" or self.refresh_every):
+            raise ConfigError(
+                "stop_rule local keeps all steps and reads maps anew at its own looks: it needs memory whole and "
+                f"refresh_every 0; got {self.memory} and {self.refresh_every}"
+            )
         if self.memory == "fading" and (self.detector.stop_rule == "confidence" or self.detector.correction != "none"):
             raise ConfigError(
                 "memory fading keeps weights, for which neither stop_rule confidence nor a correction is defined; "
@@ -91,6 +101,12 @@ class AgentState(NamedTuple):
     past: RecentSteps
     forgets: bool
     """Whether old transitions lose their weight (memory window or fading)."""
+    counting: bool
+    """Whether counts and detector follow every step; not with stop rule local, which counts at its looks."""
+    keeping: bool
+    """Whether all steps are kept."""
+    experience: Experience
+    """The steps that are kept."""
     s: np.ndarray
     """(sensors,) values in this step, S_Pi of the modules included."""
     r: np.ndarray
@@ -153,7 +169,7 @@ def think(state: AgentState, s: np.ndarray, r: np.ndarray) -> int:
         Number of the event that was just found to be contingent, or NOTHING.
     """
     event = NOTHING
-    if state.n_steps[0] > 0:
+    if state.n_steps[0] > 0 and state.counting:
         if state.forgets:
             _remember_for_a_while(state, r)
         else:
@@ -164,6 +180,8 @@ def think(state: AgentState, s: np.ndarray, r: np.ndarray) -> int:
     _copy(state.a[len(state.driver) :], state.s[len(s) :])
     _copy(r, state.r)
     select(state.maps, state.s, state.r, state.random, state.strength, state.a, state.driver)
+    if state.keeping:
+        keep(state.experience, state.n_steps[0] - 1, state.s, state.a, state.r)
     return event
 
 
@@ -194,26 +212,35 @@ class Developer:
             reactive: Initial modules; a joint without any moves at random.
         """
         self.config, self.variables = config, variables
-        self.events = list(variables.events())
+        self.local = config.detector.stop_rule == "local"
+        self.events = list(variables.events(of_joints=self.local))
         self.modules: list[Module] = []
         self.reactive = list(reactive)
         served = {module.table(variables).joint for module in self.reactive}
         self.reactive += [RandomModule(joint.name) for joint in variables.joints if joint.name not in served]
-        joints = len(variables.joints)
-        maps = flat_maps(variables, [], self.reactive, config.selector)
+        joints, results = len(variables.joints), len(variables.results)
+        self._tables = [module.table(variables) for module in self.reactive]
+        keeping = self.local or any(isinstance(module, LearningModule) for module in self.reactive)
+        sequence = seed if isinstance(seed, np.random.SeedSequence) else np.random.SeedSequence(seed)
+        self._looks = Looks(config.local, sequence)
+        rows = self._looks.next if keeping else 0
+        maps = flat_maps(variables, [], self._tables, config.selector)
         self.state = AgentState(
-            counts=empty_counts(variables, self.events),
+            counts=empty_counts(variables, [] if self.local else self.events),
             watch=new_watch(config.detector, len(self.events)),
             maps=maps,
             past=self._empty_past(),
             forgets=config.memory in ("window", "fading"),
+            counting=not self.local,
+            keeping=keeping,
+            experience=empty_experience(rows, len(variables.sensors), len(variables.actions), results),
             s=np.zeros(len(variables.sensors), np.int64),
-            r=np.zeros(len(variables.results), np.int64),
+            r=np.zeros(results, np.int64),
             a=np.zeros(joints, np.int64),
             driver=np.full(joints, NOBODY, np.int64),
             strength=np.zeros(len(maps.joint)),
             n_steps=np.zeros(1, np.int64),
-            random=np.random.default_rng(seed),
+            random=np.random.default_rng(sequence),
         )
 
     def act(self, s: np.ndarray, r: np.ndarray) -> np.ndarray:
@@ -231,8 +258,46 @@ class Developer:
         """
         variables = self.variables
         sensors = variables.sensors[: len(variables.sensors) - variables.modules]
-        self.take_in(think(self.state, _observed(s, sensors), _observed(r, variables.results)))
+        self.take_in(self.looked(think(self.state, _observed(s, sensors), _observed(r, variables.results))))
         return self.state.a[: len(self.state.driver)].copy()
+
+    @property
+    def next_pause(self) -> int | None:
+        """Number of steps after which the agent has something to do between two steps; None for never."""
+        every, pauses = self.config.refresh_every, list[int]()
+        if self.state.keeping:
+            pauses.append(self._looks.next)
+        if every and not self.local:
+            pauses.append((int(self.state.n_steps[0]) // every + 1) * every)
+        return min(pauses, default=None)
+
+    def looked(self, event: int) -> int:
+        """Look back over all steps where that is due.
+
+        Args:
+            event: Number of the event that was found in the last step, or NOTHING.
+
+        Returns:
+            Number of the event that is found, or NOTHING.
+        """
+        n_steps = int(self.state.n_steps[0])
+        if not self.state.keeping or n_steps < self._looks.next:
+            return event
+        steps = self._steps()
+        self._tables = [
+            module.learned(self.variables, steps) if isinstance(module, LearningModule) else table
+            for module, table in zip(self.reactive, self._tables, strict=True)
+        ]
+        modules = self.modules
+        if self.local:
+            modules = self._looks.followed(steps, self.modules)
+            event, values = self._looks.find(steps, self.events, modules)
+            self.state.watch.values[:] = values / np.log(self.config.detector.base)
+        self._set_modules(modules)
+        self._looks.postpone(n_steps)
+        widths = len(self.variables.sensors), len(self.variables.actions)
+        self.state = self.state._replace(experience=roomier(self.state.experience, self._looks.next, *widths))
+        return event
 
     def take_in(self, event: int) -> Module | None:
         """Make maps anew where that is due, and a module of the event of number ``event``, unless it is NOTHING.
@@ -241,7 +306,7 @@ class Developer:
             The new module; None where there is none.
         """
         every = self.config.refresh_every
-        if every and self.modules and self.state.n_steps[0] % every == 0:
+        if every and not self.local and self.modules and self.state.n_steps[0] % every == 0:
             self._set_modules([self._module(module.event) for module in self.modules])
         if event == NOTHING:
             return None
@@ -277,7 +342,9 @@ class Developer:
             ValueError: Compiled code cannot use it.
         """
         self.__dict__.update(state)
+        self._looks.check(len(self.modules))
         check_agent(self.state, self._untrained().state, self.variables)
+        flat_maps(self.variables, self.modules, self._tables, self.config.selector)
 
     def _untrained(self) -> "Developer":
         """A new agent with the same variables and modules."""
@@ -294,7 +361,14 @@ class Developer:
         made = [f"module {number}" for number in range(1, len(self.modules) + 1)]
         return made + [type(module).__name__ for module in self.reactive]
 
+    def _steps(self) -> Steps:
+        """All steps so far."""
+        n_steps, modules = int(self.state.n_steps[0]), self.modules if self.local else []
+        return self._looks.steps(self.state.experience, n_steps, self.variables, modules)
+
     def _module(self, event: Event) -> Module:
+        if self.local:
+            return self._looks.module(event, self._steps())
         table = joint_table(self.state.counts, self.events.index(event))
         return make_module(event, table, self.config.reproduction)
 
@@ -303,20 +377,24 @@ class Developer:
         state, config = self.state, self.config
         self.variables = self.variables.with_module(f"module {len(self.modules) + 1}")
         known = set(self.events)
-        new = [one for one in self.variables.events() if one not in known]
+        new = [one for one in self.variables.events(of_joints=self.local) if one not in known]
         self.events += new
+        self._looks.made_at.append(int(state.n_steps[0]))
         anew = config.memory == "reset"
-        if anew:
+        if self.local:
+            counts = state.counts
+        elif anew:
             counts = empty_counts(self.variables, self.events)
         else:
             counts = joined(state.counts, empty_counts(self.variables, new))
-        if config.history == "full":
+        if config.history == "full" and not self.local:
             for one in new:
                 set_joint_table(counts, self.events.index(one), self._unused(one))
         self.state = state._replace(
             counts=counts,
             watch=grown(state.watch, len(self.events), event, anew),
             past=self._wider(state.past),
+            experience=roomier(state.experience, 0, len(state.s) + 1, len(state.a) + 1),
             s=np.append(state.s, 0),
             a=np.append(state.a, 0),
             driver=np.where(state.driver >= len(self.modules), state.driver + 1, state.driver),
@@ -326,7 +404,7 @@ class Developer:
     def _set_modules(self, modules: list[Module]) -> None:
         """Let the selector choose among these modules; those that it had keep their habituation."""
         old, known = self.state.maps, len(self.modules)
-        maps = flat_maps(self.variables, modules, self.reactive, self.config.selector)
+        maps = flat_maps(self.variables, modules, self._tables, self.config.selector)
         maps.repeats[:known], maps.under[:known] = old.repeats[:known], old.under[:known]
         self.modules = modules
         self.state = self.state._replace(maps=maps, strength=np.zeros(len(maps.joint)))

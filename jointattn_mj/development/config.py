@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
-from jointattn_mj.contingency.online.reactive import AvoidingModule, RandomModule, ReactiveModule
+from jointattn_mj.contingency.online.reactive import AvoidingModule, CuriousModule, RandomModule, ReactiveModule
 from jointattn_mj.development.agent import DeveloperConfig
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.meaning import CAREGIVER, GAZE
@@ -34,14 +34,15 @@ class DevelopmentConfig(Checked):
     preset: Annotated[str, Choice(PRESETS)] = "thesis"
     """Reading of the text that gives --table.* and --agent.* their defaults; each option can still be set by itself.
     thesis: chapter 5 as it is written. thesis_robot_first: the robot acts first in a step. fast: makes the same modules
-    in a fraction of the steps, by standard errors. chapter4: finds events and makes no modules."""
+    in a fraction of the steps, by standard errors. local: in fewer still, by what is contingent where it holds, with
+    curious gaze. chapter4: finds events and makes no modules."""
     steps: Annotated[int, Whole("[1, 1e10]")] = 100_000
     """Length of the run in steps. In a step the caregiver shifts gaze, the robot observes, and the robot acts."""
     seed: Seed = 0
     """Random seed of table, caregiver and robot."""
-    reactive: Literal["random", "face_avoiding"] = "random"
-    """Initial module of the gaze: random shifts, or shifts that mostly avoid the caregiver (a model of autism, section
-    5.4)."""
+    reactive: Literal["random", "face_avoiding", "curious"] = "random"
+    """Initial module of the gaze. random: shifts at random. face_avoiding: shifts that mostly avoid the caregiver (a
+    model of autism, section 5.4). curious: each target as often as what is sensed there is hard to foresee."""
     sample_every: Annotated[int, Whole("[1, 1e10]")] = 100
     """Log the contingency of every event every N steps."""
     table: TableConfig = field(default_factory=TableConfig)
@@ -78,7 +79,7 @@ class DevelopmentConfig(Checked):
         """
         start = cls(preset=given["preset"]) if "preset" in given else cls()  # type: ignore[call-arg]
         preset = PRESETS[start.preset]
-        return replace(start, table=preset.world, agent=preset.agent)
+        return replace(start, table=preset.world, agent=preset.agent, reactive=preset.reactive)
 
     @property
     def kind(self) -> type[DevelopmentRun]:
@@ -97,6 +98,8 @@ class DevelopmentConfig(Checked):
 
     def initial_modules(self) -> tuple[ReactiveModule, ...]:
         """The reactive module of the gaze; the gesture always moves at random."""
+        if self.reactive == "curious":
+            return (CuriousModule(GAZE),)
         return (RandomModule(GAZE) if self.reactive == "random" else AvoidingModule(GAZE, CAREGIVER),)
 
     def new_run(self) -> DevelopmentRun:

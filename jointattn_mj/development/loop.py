@@ -177,6 +177,7 @@ class DevelopmentRun(ABC):
 
     def take_in(self, event: int) -> None:
         """Make a module of the event of that number, unless it is NOTHING."""
+        event = self.agent.looked(event)
         module = self.agent.take_in(event)
         if event != NOTHING:
             self.found.append(Found(self.steps_done, self.agent.events[event], module))
@@ -214,9 +215,9 @@ class DevelopmentRun(ABC):
         return self._log, self.noted
 
     def _pause(self, last: int) -> int:
-        """Step before which the agent's maps need no refresh."""
-        every = self.agent.config.refresh_every
-        return min(last, (self.steps_done // every + 1) * every) if every else last
+        """Step before which the agent has nothing to do between two steps."""
+        pause = self.agent.next_pause
+        return min(last, pause) if pause else last
 
 
 @njit(cache=True, forceinline=True)

@@ -48,7 +48,8 @@ def check_agent(state: "AgentState", model: "AgentState", variables: Variables) 
     Raises:
         ValueError: Something differs, or a value is none of its variable.
     """
-    check_alike(state, model)
+    check_alike(state._replace(experience=model.experience), model)
+    check_array("n_steps", state.n_steps, (1,), np.int64, 0)
     counts, maps, past = state.counts, state.maps, state.past
     fixed = {"of_event": (counts.of_event, model.counts.of_event)}
     fixed |= {name: (counts.contexts[name], model.counts.contexts[name]) for name in LAYOUT}
@@ -66,8 +67,10 @@ def check_agent(state: "AgentState", model: "AgentState", variables: Variables) 
     for values, size in ((past.s, sizes[0]), (past.a, sizes[1]), (past.r, sizes[2]), (past.r_next, sizes[2])):
         check_array("past", values, values.shape, np.int64, 0, size - 1)
     check_array("past", past.contexts, past.contexts.shape, np.int64, 0, len(counts.contexts))
+    rows = int(state.n_steps[0]) if state.keeping else 0
+    for name, part, size in zip("sar", state.experience, sizes, strict=True):
+        check_array(f"experience of {name}", part, (max(rows, len(part)), len(size)), np.int8, 0, size - 1)
     check_array("driver", state.driver, state.driver.shape, np.int64, -1, len(maps.joint) - 1)
-    check_array("n_steps", state.n_steps, (1,), np.int64, 0)
     check_array("first", state.watch.first[:1], (1,), np.int64, -1, len(state.watch.values) - 1)
     check_array("counts", counts.entries, counts.entries.shape, float, 0)
     if len(past.contexts):  # what is forgotten is taken out of the counts again

@@ -39,7 +39,8 @@ class Development:
 
     Args:
         preset: ``"thesis"`` (chapter 5 as it is written), ``"thesis_robot_first"``, ``"fast"`` (the same modules in a
-            fraction of the steps) or ``"chapter4"``; None: ``"thesis"`` at the table, else ``"fast"``.
+            fraction of the steps), ``"local"`` (in fewer still, within an hour of real time) or ``"chapter4"``; None:
+            ``"thesis"`` at the table, else ``"fast"``.
         world: ``"table"``: the state of the table is told in symbols. ``"rendered"``: the robot sees it, an image a
             step. ``"realtime"``: the same at 30 frames a second; the caregiver does not wait.
         options: Any other option by name, such as ``steps``, ``seed``, ``reactive`` or, in real time, ``minutes``; a

@@ -14,12 +14,15 @@ _CLASSES = """
 contingency.online.counts: Counts
 contingency.online.detector: DetectorConfig Rule Watch
 contingency.online.events: Event Variable Variables
+contingency.online.experience: Experience
+contingency.online.local: LocalConfig
 contingency.online.modules: Module ReproductionConfig
-contingency.online.reactive: AvoidingModule RandomModule
+contingency.online.reactive: AvoidingModule CuriousModule RandomModule ReactiveTable
 contingency.online.resolution: Growth Resolution ResolutionConfig Split Step
 contingency.online.selector: Maps SelectorConfig
 development.agent: Developer DeveloperConfig AgentState RecentSteps
 development.contingency_log: ContingencyLog
+development.looks: Looks
 development.loop: Found
 development.realtime.partner: Partner PartnerConfig PartnerWorld
 development.realtime.run: RealtimeConfig RealtimeRun

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -64,6 +64,8 @@ class MeasureOptions(RecordingTestOptions):
     explain: Annotated[int, Whole("[0, 1e6]")] = 3
     """So many values of each measure that is significant at .05 are told: which value of the source brings which result
     about."""
+
+    ADVANCED: ClassVar[Sequence[str]] = ("over", "explain")
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -1,8 +1,9 @@
 """Options that ``measure`` and ``discover`` have in common: the file, the permutation test, and where results go."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import tyro
 
@@ -45,6 +46,8 @@ class RecordingTestOptions(ReadOptions):
     """Also write the rows here, as .csv and, with config and versions, as .json."""
     yes: bool = False
     """Go on however long the surrogates take; without it, more than half an hour is refused."""
+
+    ADVANCED: ClassVar[Sequence[str]] = ("base", "resamples", "across_recordings", "yes")
 
     def test(self) -> TestOptions:
         """Return how significance is found."""

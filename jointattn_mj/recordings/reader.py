@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import Real, shown
@@ -30,6 +30,8 @@ class ReadOptions(SourceOptions, SampleOptions):
     fractions: Fractions = "error"
     """What numbers with fractions are in a column of steps: an error, as measurements are first sorted into bins, or
     names like others."""
+
+    ADVANCED: ClassVar[Sequence[str]] = ("fractions",)
 
     def read(self, path: Any, columns: str | Sequence[str]) -> Recordings:
         """The columns or tiers as :func:`read_recordings` reads them with these options."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -54,6 +54,8 @@ class SampleOptions(Checked):
     slack: Annotated[float, Real("[0, 60]")] | None = None
     """Overlaps and gaps between two events of a tier up to so many seconds are closed, as they come from how offsets
     are written; by default one millisecond, or one frame where times are frames."""
+
+    ADVANCED: ClassVar[Sequence[str]] = ("span", "coded", "absent", "missing", "slack")
 
 
 def sample(events: "Events", step: float, tiers: Sequence[str], options: SampleOptions) -> Recordings:

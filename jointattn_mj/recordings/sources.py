@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import Real
@@ -43,6 +43,8 @@ class SourceOptions(TableOptions):
     """Columns of an event table that together name the tier, such as Subject Behavior; by default as is usual."""
     code_columns: tuple[str, ...] = ()
     """Columns of an event table that together are the code, such as Behavior; by default as is usual."""
+
+    ADVANCED: ClassVar[Sequence[str]] = ("rows_are_steps", "time_unit", "rate", "tier_columns", "code_columns")
 
     @property
     def of_events(self) -> bool:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import islice
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.io.former_columns import present_name
@@ -35,6 +35,8 @@ class TableOptions(Checked):
     """Sheet of an Excel workbook; by default the only one, or all that have the same header."""
     columns: tuple[str, ...] = ()
     """Names of the columns of a table without a header, such as tier onset offset code; - leaves a column out."""
+
+    ADVANCED: ClassVar[Sequence[str]] = ("skip_rows", "delimiter", "sheet", "columns")
 
 
 @dataclass(frozen=True)

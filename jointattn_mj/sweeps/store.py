@@ -52,6 +52,8 @@ CHOICES_IN_KEYS = {
 ADDED = {
     "learner": {"pairs": "reached", "base": "none", "competition": 0.0, "compete_after": 10, "forgetting": 0.0,
                 "smoothing": 0.05},
+    "world": {"wrong": 0.0, "profile_shows": "gaze"},
+    "table": {"wrong": 0.0, "profile_shows": "gaze"},
     "gaze": {"gate_sharpness": 3.0, "commands": "direction", "wait_for_still_face": False, "read_again": False},
 }  # fmt: skip
 """Fields that configs have got since trials were first stored, by the field that holds the config, with the values at
@@ -77,11 +79,12 @@ def _with_first_names(value: Any) -> Any:
 
 
 def _without_added(name: str, value: Any) -> Any:
-    """The value of a field, as it was before there were the fields in ``ADDED``."""
-    added = ADDED.get(name)
-    if added is None or not isinstance(value, dict):
+    """The value of a field, as it was before there were the fields in ``ADDED``, or stop rule local."""
+    if not isinstance(value, dict):
         return value
-    return {key: item for key, item in value.items() if key not in added or item != added[key]}
+    added = ADDED.get(name, {})
+    unused = {"local"} if value.get("detector", {}).get("stop_rule") != "local" else set[str]()
+    return {key: item for key, item in value.items() if key not in unused and (key not in added or item != added[key])}
 
 
 def _first_choice(name: str, value: Any) -> Any:

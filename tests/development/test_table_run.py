@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 import jointattn_mj.contingency as c
 from jointattn_mj.contingency.online.detector import DetectorConfig
 from jointattn_mj.contingency.online.events import Event
+from jointattn_mj.contingency.online.local import LocalConfig
 from jointattn_mj.contingency.online.reactive import AvoidingModule
 from jointattn_mj.development.agent import Developer, DeveloperConfig
 from jointattn_mj.development.table.presets import PRESETS
@@ -29,6 +30,11 @@ AGENTS = {
     "fading": replace(HASTY, memory="fading", horizon=500),
     "full": replace(HASTY, history="full"),
     "refresh": replace(HASTY, refresh_every=150),
+    "local": DeveloperConfig(
+        detector=DetectorConfig(stop_rule="local"),
+        local=LocalConfig(deviations=1.0, best=0.5, false_alarm=1.0, evidence_overall=1e-9),
+        most_modules=3,
+    ),
 }
 STEPS = 1200
 

@@ -109,7 +109,7 @@ def agents() -> Iterator[Case]:
     }.items():  # fmt: skip
         yield f"joint table {name}", lambda t=table: set_joint_table(counts, 0, t)
     yield "update with another number of events", lambda: update(new_watch(DetectorConfig(), len(events) + 3), counts)
-    maps = flat_maps(world, [], [RandomModule("a0")], SelectorConfig())
+    maps = flat_maps(world, [], [RandomModule("a0").table(world)], SelectorConfig())
     working = {"strength": np.zeros(1), "a": np.zeros(1, np.int64), "driver": np.zeros(1, np.int64)}
 
     def choose(s=fine["s"], r=fine["r"], **changed):
@@ -120,7 +120,7 @@ def agents() -> Iterator[Case]:
     for part in working:
         yield f"select without room for {part}", choose(**{part: working[part][:0]})
     for odds in (np.full((3, 4), NAN), np.full((3, 4), -1.0), np.zeros((3, 0)), np.full((3, 4), 0.25).tolist()[:2]):
-        yield f"odds {np.shape(odds)}", lambda o=odds: flat_maps(world, [], [Born(o)], SelectorConfig())
+        yield f"odds {np.shape(odds)}", lambda o=odds: flat_maps(world, [], [Born(o).table(world)], SelectorConfig())
     agent = Developer(world)
     for name, (s, r) in {
         "high": ([3, 0], [0, 0]), "negative": ([-1, 0], [0, 0]), "NaN": ([NAN, 0], [0, 0]), "few": ([0], [0, 0]),

@@ -37,9 +37,10 @@ class DetectorConfig(Checked):
     base: Annotated[float, Real("(1, 1e6]")] = 2.0
     """Base of the logarithm; the text does not say. With 2, theta of stop rule ``convergence`` gives the
     dissertation's times."""
-    stop_rule: Literal["convergence", "confidence"] = "convergence"
+    stop_rule: Literal["convergence", "confidence", "local"] = "convergence"
     """When an event is found. ``convergence``: the estimates change by less than ``threshold`` for ``hold`` steps.
-    ``confidence``: the standard errors say that the first event is the first."""
+    ``confidence``: the standard errors say that the first event is the first. ``local``: events are ranked by how
+    contingent they are in the situations where they hold; the options of this rule are ``--agent.local.*``."""
     modelled: Literal["keep", "drop"] = "keep"
     """What happens to an event that has a module. ``keep``: it stays in the ranking and can keep others from being
     found. ``drop``: it leaves the ranking; the agent then makes modules of all other events, one after the other."""

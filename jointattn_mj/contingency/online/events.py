@@ -65,10 +65,14 @@ class Variables:
         sensors, actions = self.sensors[: len(self.sensors) - self.modules], self.joints
         return replace(self, sensors=sensors, actions=actions, modules=0)
 
-    def events(self) -> Iterator[Event]:
-        """Every (sensor, action, result); results change fastest."""
+    def events(self, of_joints: bool = False) -> Iterator[Event]:
+        """Every (sensor, action, result); results change fastest.
+
+        Args:
+            of_joints: Only those whose action is a motor command.
+        """
         for sensor in range(len(self.sensors)):
-            for action in range(len(self.actions)):
+            for action in range(len(self.joints if of_joints else self.actions)):
                 for result in range(len(self.results)):
                     yield Event(sensor, action, result)
 

@@ -4,11 +4,12 @@ Your own is a class with a method ``table``, as in ``ReactiveModule``.
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from jointattn_mj.contingency.online.events import Variable, Variables
+from jointattn_mj.contingency.online.experience import Steps
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Positive, Share
 
@@ -39,6 +40,19 @@ class ReactiveModule(Protocol):
         """Its table for an agent with these variables."""
 
 
+@runtime_checkable
+class LearningModule(ReactiveModule, Protocol):
+    """What a reactive module that learns must have in addition."""
+
+    def learned(self, variables: Variables, steps: Steps) -> ReactiveTable:
+        """Its table after so many steps.
+
+        Args:
+            variables: Of the agent.
+            steps: What was sensed, done and found.
+        """
+
+
 @dataclass(frozen=True)
 class RandomModule(Checked):
     """Every command of a joint has the same probability (section 5.3)."""
@@ -53,6 +67,43 @@ class RandomModule(Checked):
         sensor, joint = variables.sensors[0], _named(variables.joints, self.joint)
         count = len(joint.values)
         return ReactiveTable(self.joint, sensor.name, np.full((len(sensor.values), count), 1 / count), self.trust)
+
+
+@dataclass(frozen=True)
+class CuriousModule(Checked):
+    """A command is as frequent as what is sensed after it is manifold: in proportion to the perplexity of that.
+
+    The perplexity exp H(s' | s, a), of all sensors of the world together after command a under value s of the first
+    sensor, is the number of equally frequent values that would be as hard to foresee. A command after which the same is
+    always sensed has 1.
+    """
+
+    joint: str
+    """Name of the joint."""
+    trust: Positive = 1.0
+    """alpha (section 5.2.3), the reliability of the module."""
+    concentration: Positive = 20.0
+    """Steps that the prior is worth: what is sensed after command a whatever was sensed before it."""
+
+    def table(self, variables: Variables) -> ReactiveTable:
+        """See ``ReactiveModule``; before anything is known each command has the same probability."""
+        return RandomModule(self.joint, self.trust).table(variables)
+
+    def learned(self, variables: Variables, steps: Steps) -> ReactiveTable:
+        """See ``LearningModule``."""
+        joint = variables.joints.index(_named(variables.joints, self.joint))
+        sensed, done, following, sizes = steps.sensed(joint)
+        counts = np.zeros((sizes[0], sizes[1], following.max(initial=-1) + 1))
+        np.add.at(counts, (sensed, done, following), 1.0)
+        anyway = counts.sum(axis=0)
+        total = anyway.sum(axis=1, keepdims=True)
+        anyway = np.divide(anyway, total, out=np.zeros_like(anyway), where=total > 0)
+        p = counts + self.concentration * anyway
+        whole = p.sum(axis=2, keepdims=True)
+        p = np.divide(p, whole, out=np.zeros_like(p), where=whole > 0)
+        perplexity = np.exp(-(p * np.log(np.where(p > 0, p, 1.0))).sum(axis=2))
+        name = variables.sensors[0].name
+        return ReactiveTable(self.joint, name, perplexity / perplexity.sum(axis=1, keepdims=True), self.trust)
 
 
 @dataclass(frozen=True)

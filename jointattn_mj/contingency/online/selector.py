@@ -8,7 +8,7 @@ import numpy as np
 
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
-from jointattn_mj.contingency.online.reactive import ReactiveModule, ReactiveTable
+from jointattn_mj.contingency.online.reactive import ReactiveTable
 from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.guards.border import checked_by, require_array
 from jointattn_mj.io.compiled import njit
@@ -67,14 +67,17 @@ class Maps(NamedTuple):
 
 
 def flat_maps(
-    variables: Variables, modules: Sequence[Module], reactive: Sequence[ReactiveModule], config: SelectorConfig
+    variables: Variables,
+    modules: Sequence[Module],
+    tables: Sequence[ReactiveTable],
+    config: SelectorConfig,
 ) -> Maps:
     """The modules as arrays, without habituation.
 
     Args:
         variables: Variables of the agent.
         modules: Contingency reproduction modules, in the order in which they were made.
-        reactive: Reactive modules, one or more for each joint.
+        tables: Tables of the reactive modules, one or more for each joint.
         config: Settings of the selector.
 
     Raises:
@@ -88,7 +91,7 @@ def flat_maps(
         used = module.event.action - len(joints)
         drives.append(module.event.action if used < 0 else drives[used])
         uses.append(NOBODY if used < 0 else used)
-    tables = [_fitting(module.table(variables), variables) for module in reactive]
+    tables = [_fitting(table, variables) for table in tables]
     unserved = set(joints) - {table.joint for table in tables}
     if unserved:
         raise ConfigError(f"each joint needs a reactive module; {', '.join(sorted(unserved))} got none")

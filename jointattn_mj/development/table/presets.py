@@ -1,6 +1,7 @@
 """Presets: readings of chapters 4 and 5, each a table and the agent that develops at it."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 from jointattn_mj.contingency.online.detector import DetectorConfig
 from jointattn_mj.development.agent import DeveloperConfig
@@ -15,6 +16,8 @@ class Preset:
     world: TableConfig
     agent: DeveloperConfig
     why: str
+    reactive: Literal["random", "curious"] = "random"
+    """Initial module of the gaze."""
 
 
 PRESETS = {
@@ -35,6 +38,13 @@ PRESETS = {
         DeveloperConfig(detector=DetectorConfig(stop_rule="confidence", correction="miller_madow"), memory="reset"),
         "Counts begin anew with each module, because with it the robot behaves differently; an event is found when its "
         "estimate's standard error says so.",
+    ),
+    "local": Preset(
+        CHAPTER_5,
+        DeveloperConfig(detector=DetectorConfig(stop_rule="local")),
+        "Events are ranked by how contingent they are in the situations where they hold, maps follow what is learned "
+        "later, and the gaze goes where most is to be learned: the three modules within an hour of interaction.",
+        reactive="curious",
     ),
     "chapter4": Preset(
         CHAPTER_4,

@@ -12,7 +12,7 @@ from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.guards.border import checked_by, require_array
 from jointattn_mj.guards.restored import check_alike, check_array
 from jointattn_mj.io.compiled import njit
-from jointattn_mj.options import Checked, Whole
+from jointattn_mj.options import Checked, Share, Whole
 
 ROBOT, CAREGIVER, RETURNS_TO, OPTION, STEP = range(5)
 """Positions in ``Table.state``."""
@@ -44,9 +44,17 @@ class TableConfig(Checked):
     placed, the caregiver shifts, the robot observes the sensors."""
     caregiver: TableCaregiverConfig = field(default_factory=TableCaregiverConfig)
     """How the caregiver shifts gaze."""
+    wrong: Share = 0.0
+    """Share of observations that are wrong: a face that is seen to look elsewhere, an object that is missed where one
+    is, or seen where none is."""
+    profile_shows: Literal["gaze", "nothing"] = "gaze"
+    """What the robot sees of the caregiver's gaze in a profile. ``gaze``: where it goes. ``nothing``: a spot drawn anew
+    in each step, for runs in which there is nothing to find."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.order == "robot_first" and (self.wrong or self.profile_shows == "nothing"):
+            raise ConfigError("wrong observations and profiles that show nothing need order caregiver_first")
         if self.objects > self.spots:
             raise ConfigError(f"a table needs as many spots as objects, or more; got {self.spots} for {self.objects}")
         if not (self.kinds == 1 or self.kinds >= self.objects):
@@ -102,8 +110,13 @@ class Table(NamedTuple):
     """(kinds,) likewise."""
     allowed: np.ndarray
     """(N,) working space: spots that the caregiver may choose."""
+    wrong: float
+    """Share of observations that are wrong."""
+    shows_gaze: bool
+    """Whether a profile shows where the caregiver looks."""
     world_random: np.random.Generator
     caregiver_random: np.random.Generator
+    observation_random: np.random.Generator
 
 
 def table_witnessed(config: TableConfig) -> dict[str, tuple[str, ...]]:
@@ -119,7 +132,7 @@ def new_table(config: TableConfig, seed: np.random.SeedSequence) -> Table:
         config: Rules of the table.
         seed: Of the places of objects and of the caregiver.
     """
-    world, caregiver = (np.random.default_rng(child) for child in seed.spawn(2))
+    world, caregiver, observation = (np.random.default_rng(child) for child in seed.spawn(3))
     layout = (config.objects, config.kinds, config.replaced_every, config.profile, config.order == "robot_first")
     return Table(
         full=np.zeros(config.spots, np.bool_),
@@ -130,8 +143,11 @@ def new_table(config: TableConfig, seed: np.random.SeedSequence) -> Table:
         order=np.arange(config.spots),
         kinds=np.arange(config.kinds),
         allowed=np.zeros(config.spots, np.bool_),
+        wrong=float(config.wrong),
+        shows_gaze=config.profile_shows == "gaze",
         world_random=world,
         caregiver_random=caregiver,
+        observation_random=observation,
     )
 
 
@@ -155,7 +171,7 @@ def check_table(table: Table, config: TableConfig) -> None:
     for name, order in (("spots", table.order), ("kinds", table.kinds)):
         if not np.array_equal(np.sort(order), np.arange(len(order))):
             raise ValueError(f"{name} of the table must each occur once")
-    if table.rules != model.rules:
+    if (table.rules, table.wrong, table.shows_gaze) != (model.rules, model.wrong, model.shows_gaze):
         raise ValueError("rules of the table are others than its config's")
 
 
@@ -189,6 +205,26 @@ def _write_results(table: Table, r: np.ndarray) -> None:
     if table.layout[PROFILE]:
         r[1] = at_face and not frontal
     r[len(r) - 1] = not at_face and table.full[state[ROBOT]]
+
+
+@njit(cache=True, forceinline=True)
+def _mistake(table: Table, s: np.ndarray, r: np.ndarray) -> None:
+    """Let the robot see something else than what is there, as often as configured."""
+    face, random = len(table.full), table.observation_random
+    if table.state[ROBOT] == face:
+        if not table.shows_gaze and s[0] != face:
+            s[0] = int(random.random() * face)
+        if random.random() < table.wrong:
+            other = int(random.random() * face)
+            s[0] = other + (other >= s[0])
+            r[0] = s[0] == face
+            if table.layout[PROFILE]:
+                r[1] = s[0] != face
+    elif random.random() < table.wrong:
+        there = r[len(r) - 1] == 0
+        kinds = table.layout[KINDS]
+        s[1] = int(random.random() * kinds) if there else kinds
+        r[len(r) - 1] = there
 
 
 def _check_step(table: Any, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
@@ -235,4 +271,6 @@ def step(table: Table, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
         s[1] = table.kind[state[ROBOT]] if table.full[state[ROBOT]] else table.layout[KINDS]
     if not table.layout[ROBOT_FIRST]:
         _write_results(table, r)
+        if table.wrong > 0.0 or not table.shows_gaze:
+            _mistake(table, s, r)
     state[STEP] += 1

@@ -1,0 +1,1 @@
+"""Contingency found within an hour: ranked where it holds, at the table, from images and in real time."""

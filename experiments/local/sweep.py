@@ -1,0 +1,161 @@
+"""The preset ``local`` at the table, on images and in real time; in worlds with nothing to find; and part by part."""
+
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
+
+import numpy as np
+
+from jointattn_mj.development.behaviour import BehaviourLog, phases
+from jointattn_mj.development.config import DevelopmentConfig, config_class
+from jointattn_mj.development.loop import DevelopmentRun
+from jointattn_mj.development.realtime.run import RealtimeRun
+from jointattn_mj.development.rendered.observer import ObservedRun
+from jointattn_mj.options import Checked, Whole
+from jointattn_mj.sweeps.claim import Setting
+
+from ..rendered_turns.sweep import UNSTEADY
+
+CHANCES = (0.25, 0.5, 0.75)
+SPOTS = (2, 4, 5, 6, 8)
+STEPS = 12_000
+"""At the table: a run that has not found all three by then has failed."""
+NULL_STEPS = 20_000
+
+
+@dataclass(frozen=True)
+class Watched(Checked):
+    """A run, and when it may stop."""
+
+    development: DevelopmentConfig
+    modules: Annotated[int, Whole("[1, 100]")] = 3
+    """Number of modules after which it stops."""
+    further_steps: Annotated[int, Whole("[0, 1e9]")] = 0
+    """Steps that it goes on after the last of these."""
+
+
+def _table(spots: int = 3, steps: int = STEPS, *, modules: int = 3, caregiver: Any = None, local: Any = None,
+           preset: str = "local", **table: Any) -> Watched:  # fmt: skip
+    """A run at the symbolic table.
+
+    Args:
+        spots: Number of spots; the objects are two, or one on two spots.
+        steps: Length.
+        modules: See ``Watched``.
+        caregiver: Changed options of the caregiver.
+        local: Changed options of the stop rule.
+        preset: Name of the preset.
+        table: Changed options of the table; ``reactive`` is one of the run.
+    """
+    reactive = {"reactive": table.pop("reactive")} if "reactive" in table else {}
+    world = {"spots": spots, "objects": min(2, spots - 1), "caregiver": caregiver or {}, **table}
+    config = config_class("table").of(
+        preset=preset, steps=steps, sample_every=steps, table=world, agent={"local": local or {}}, **reactive
+    )
+    return Watched(config, modules)
+
+
+def _rendered(steps: int, **rendered: Any) -> Watched:
+    config = config_class("rendered").of(preset="local", steps=steps, sample_every=steps, rendered=rendered)
+    return Watched(config)
+
+
+def _realtime(perception: str, minutes: float, *, modules: int = 3, further_steps: int = 0, local: Any = None,
+              reactive: str = "curious", **realtime: Any) -> Watched:  # fmt: skip
+    config = config_class("realtime").of(
+        preset="local", minutes=minutes, steps=20_000, sample_every=20_000, reactive=reactive,
+        realtime={"perception": perception, **realtime}, agent={"local": local or {}},
+    )  # fmt: skip
+    return Watched(config, modules, further_steps)
+
+
+PARTS: dict[str, dict[str, Any]] = {
+    "the whole": {},
+    "gaze at random": {"reactive": "random"},
+    "SAC of the whole": {"local": {"smallest_share": 1.0}},
+    "reference policy only": {"local": {"policy": "reference"}},
+    "actual policy only": {"local": {"policy": "actual"}},
+    "own result": {"local": {"condition": "own"}},
+    "no doubt": {"local": {"doubt": 0.0}},
+    "not given modules": {"local": {"given_modules": False}},
+    "unserved first": {"local": {"given_modules": False, "unserved_first": True}},
+    "taking away counts": {"local": {"increasing_first": False}},
+    "offers not needed": {"local": {"needs_offers": False}},
+    "no hindsight": {"local": {"hindsight": False}},
+    "maps frozen": {"local": {"maps": "frozen"}},
+    "offers not tested": {"local": {"offer_gain": 0.0, "offer_deviations": 0.0}},
+    "no evidence": {"local": {"false_alarm": 1.0, "evidence_overall": 1e-9}},
+}
+"""Single changes of the preset, each at tables with 2, 3 and 6 spots."""
+SILENT = {"follow": 0.0, "answer": 0.0}
+"""A caregiver who neither follows nor answers."""
+FIRST_SEED = 120_000
+"""Settings were chosen on seeds 1000 to 1053 and, in real time from the state, on 1000 to 1009."""
+SETTINGS = {
+    "table": Setting(_table(), runs=100),
+    **{
+        f"table/{spots} spots, follow {follow}, lead {lead}": Setting(
+            _table(spots, caregiver={"follow": follow, "lead": lead}), runs=4
+        )
+        for spots in SPOTS
+        for follow in CHANCES
+        for lead in CHANCES
+    },
+    "wrong/3 spots": Setting(_table(wrong=0.03), runs=40),
+    "wrong/6 spots": Setting(_table(6, wrong=0.03), runs=40),
+    "realtime/state": Setting(_realtime("state", 60.0, further_steps=300), runs=20),
+    "realtime/state, two hours": Setting(_realtime("state", 120.0, modules=20), runs=10),
+    "rendered/steady": Setting(_rendered(6_000), runs=20),
+    "realtime/pixels": Setting(_realtime("pixels", 60.0, further_steps=300), runs=20),
+    "null/profile shows nothing": Setting(_table(steps=NULL_STEPS, profile_shows="nothing"), runs=200),
+    "null/silent": Setting(_table(steps=NULL_STEPS, caregiver=SILENT), runs=200),
+    **{
+        f"part/{name}/{spots} spots": Setting(_table(spots, **changes), runs=8)
+        for name, changes in PARTS.items()
+        for spots in (2, 3, 6)
+    },
+    "answer/0.5": Setting(_table(caregiver={"answer": 0.5}), runs=20),
+    "answer/0": Setting(_table(caregiver={"answer": 0.0}), runs=20),
+    "realtime/pixels, no cues": Setting(
+        _realtime("pixels", 60.0, further_steps=300, attention={"motion_cues": False}), runs=20
+    ),
+    "realtime/state, late answers": Setting(_realtime("state", 60.0, partner={"latency_s": (0.5, 1.0)}), runs=12),
+    "rendered/unsteady": Setting(_rendered(20_000, stage=UNSTEADY), runs=20),
+}  # fmt: skip
+"""World, a slash, and what is special."""
+
+
+def trial(config: Watched, seed: int) -> dict[str, Any]:
+    """Modules, when they were made and what they offer at the end, and rates of behaviour in each phase."""
+    run = replace(config.development, seed=seed).new_run()
+    try:
+        _go(run, config)
+        made = [one for one in run.found if one.module is not None]
+        steps = [one.step for one in made]
+        return {
+            "modules": [run.agent.variables.symbol(one.event) for one in made],
+            "turns": steps,
+            "minutes": [run.minutes_at(step) for step in steps] if isinstance(run, RealtimeRun) else None,
+            "done": run.steps_done,
+            "spent": float(run.spent),
+            "mostly": run.confusion()[:-1].argmax(axis=1).tolist() if isinstance(run, ObservedRun) else None,
+            "offers": [_offers(run, number) for number in range(min(3, len(made)))],
+            "phases": [list(phase.rates) for phase in phases(BehaviourLog(run), steps, window=STEPS)],
+        }
+    finally:
+        run.close()
+
+
+def _go(run: DevelopmentRun, config: Watched) -> None:
+    """Advance until the run may stop."""
+    at_a_time = 1 if config.development.unit == "min" else 100
+    last: float = np.inf
+    while run.steps_done < min(run.n_steps, last) and run.spent < config.development.length:
+        run.advance(at_a_time)
+        if len(run.found) >= config.modules and last == np.inf:
+            last = run.found[config.modules - 1].step + config.further_steps
+
+
+def _offers(run: DevelopmentRun, number: int) -> list[list[int]]:
+    """Commands of a module as rows of (value of its sensor, command), each once."""
+    command = run.agent.modules[number].command
+    return sorted({(int(s), int(command[r, s])) for r, s in np.argwhere(command >= 0)})

@@ -1,0 +1,213 @@
+"""Stop rule local: values against the measure for whole series, evidence against slow sums, and what is found."""
+
+import math
+
+import numpy as np
+import pytest
+
+from jointattn_mj.contingency.online.detector import NOTHING
+from jointattn_mj.contingency.online.events import Event, Variable, Variables
+from jointattn_mj.contingency.online.experience import Experience, Steps, beyond_last, joint_code
+from jointattn_mj.contingency.online.followed_maps import followed_map, gains
+from jointattn_mj.contingency.online.local import LocalConfig, search
+from jointattn_mj.contingency.online.local_values import (
+    STRENGTHS,
+    Draws,
+    count,
+    event_values,
+    log_evidence,
+    predictive_evidence,
+)
+from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
+from jointattn_mj.contingency.online.reactive import CuriousModule
+from jointattn_mj.contingency.situations import PosteriorOptions, situation_contingency
+
+ALL = Draws(2000, 2.0, 1.0, 3.0, True, False, 0.0)
+YES = ("no", "yes")
+
+
+def variables(sensors=(3,), actions=(3,), results=2) -> Variables:
+    return Variables(
+        tuple(Variable(f"s{i}", tuple(map(str, range(size)))) for i, size in enumerate(sensors)),
+        tuple(Variable(f"a{i}", tuple(map(str, range(size)))) for i, size in enumerate(actions)),
+        tuple(Variable(f"r{i}", YES) for i in range(results)),
+    )
+
+
+def steps_of(world: Variables, s, a, r) -> Steps:
+    columns = (np.atleast_2d(np.asarray(part).T).T.astype(np.int8) for part in (s, a, r))
+    return Steps(Experience(*columns), len(s), world)
+
+
+def looking_pays(seed: int, n: int = 3000, sensors: int = 3):
+    """The second action brings the first result about where it equals the sensor; the second result is chance."""
+    rng = np.random.default_rng(seed)
+    s, a, noise = rng.integers(0, sensors, n), rng.integers(0, sensors, (n, 2)), rng.random((n, 2))
+    r = np.zeros((n, 2), int)
+    r[1:, 0] = noise[1:, 0] < np.where(a[:-1, 1] == s[:-1], 0.9, 0.4)
+    r[:, 1] = noise[:, 1] < 0.5
+    return variables((sensors,), (sensors, sensors)), s[:, None], a, r
+
+
+@pytest.mark.parametrize("policy", ["actual", "reference"])
+def test_value_of_all_situations_is_that_of_the_measure(policy):
+    rng = np.random.default_rng(3)
+    s, a, r = (rng.integers(0, size, 150) for size in (3, 3, 2))
+    draws = ALL._replace(actual=policy == "actual", reference=policy == "reference")
+    lead, hoped = np.zeros((2, draws.number))
+    event_values(s, a, r, r, 0, 0, np.array([2, 3, 3, 2]), draws, np.random.default_rng(0), lead, hoped)
+    found = situation_contingency(
+        s, a, r, policy, base=np.e, posterior=PosteriorOptions(draws=2000, concentration=2.0), seed=1
+    )
+    expected = found.draws @ found.share
+    assert lead.mean() == pytest.approx(expected.mean(), abs=4 * expected.std() / np.sqrt(1000))
+    assert lead.std() == pytest.approx(expected.std(), rel=0.1)
+
+
+def slow_evidence(table: np.ndarray) -> float:
+    """Dirichlet-multinomial against multinomial, entry by entry."""
+    totals = []
+    for alone in (table.sum(1, keepdims=True), table.sum(2, keepdims=True)):
+        q = np.broadcast_to(alone / np.maximum(alone.sum(-1, keepdims=True), 1), table.shape)
+        logs = []
+        for k0 in STRENGTHS:
+            total = 0.0
+            for index in np.ndindex(table.shape[:3]):
+                n, p = table[index], q[index]
+                if n.sum():
+                    total += math.lgamma(k0) - math.lgamma(n.sum() + k0)
+                    total += sum(
+                        math.lgamma(c + k0 * x) - math.lgamma(k0 * x) - c * math.log(x)
+                        for c, x in zip(n, p, strict=True)
+                        if c
+                    )
+            logs.append(total)
+        totals.append(math.log(np.mean(np.exp(np.array(logs) - max(logs)))) + max(logs))
+    return min(totals)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_evidence_is_the_slow_sum(seed):
+    table = np.random.default_rng(seed).poisson(1.5, (2, 3, 2, 2)).astype(float)
+    assert log_evidence(table) == pytest.approx(slow_evidence(table), abs=1e-10)
+
+
+def test_predictive_evidence_is_for_what_is_there_and_against_chance():
+    world, s, a, r = looking_pays(1)
+    steps = steps_of(world, s, a, r)
+    right, gesture, chance = (steps.of(event) for event in (Event(0, 1, 0), Event(0, 0, 0), Event(0, 1, 1)))
+    assert predictive_evidence(*right.columns, 0, right.sizes) > 100
+    assert predictive_evidence(*gesture.columns, 0, gesture.sizes) < 0
+    assert predictive_evidence(*chance.columns, 0, chance.sizes) < 0
+
+
+DEFAULT = LocalConfig()
+
+
+def found_in(world, s, a, r, config=DEFAULT, served=(), seed=0):
+    steps, events = steps_of(world, s, a, r), list(world.events(of_joints=True))
+
+    def offers(event):
+        return bool((followed_map(event, steps.of(event), 0, config).command != OFFERS_NOTHING).any())
+
+    number, values = search(steps, events, served, 0, config, np.random.default_rng(seed), offers)
+    return (None if number == NOTHING else events[number]), dict(zip(events, values, strict=True))
+
+
+def test_the_contingent_event_is_found_and_nothing_in_chance():
+    world, s, a, r = looking_pays(2)
+    event, values = found_in(world, s, a, r)
+    assert event == Event(0, 1, 0)
+    assert max(values, key=values.get) == event
+    rng = np.random.default_rng(0)
+    assert found_in(world, s, a, rng.permutation(r))[0] is None
+
+
+def test_what_a_module_explains_is_not_found_again():
+    world, s, a, r = looking_pays(3)
+    wider = world.with_module("following")
+    again = np.column_stack([s, np.r_[0, (a[:-1, 1] == s[:-1, 0]).astype(int)]])
+    assert found_in(wider, again, np.column_stack([a, a[:, 1] == s[:, 0]]), r, served=[Event(0, 1, 0)])[0] is None
+
+
+def test_rare_and_strong_comes_before_frequent_and_weak():
+    rng = np.random.default_rng(5)
+    n = 6000
+    s = np.column_stack([rng.random(n) < 0.08, rng.integers(0, 2, n)]).astype(int)
+    a, r = rng.integers(0, 2, (n, 1)), np.zeros((n, 1), int)
+    p = (
+        0.5
+        + 0.12 * np.where(a[:, 0] == s[:, 1], 1, -1)
+        + np.where(s[:, 0] == 1, np.where(a[:, 0] == 1, 0.35, -0.35), 0)
+    )
+    r[1:, 0] = rng.random(n - 1) < p[:-1]
+    world = variables((2, 2), (2,), 1)
+    assert found_in(world, s, a, r)[0] == Event(0, 0, 0)
+    whole = found_in(world, s, a, r, LocalConfig(smallest_share=1.0))[1]
+    assert whole[Event(1, 0, 0)] > whole[Event(0, 0, 0)], "else the share makes no difference here"
+
+
+def test_map_offers_what_a_situation_adds():
+    world, s, a, r = looking_pays(4)
+    steps, event = steps_of(world, s, a, r), Event(0, 1, 0)
+    module = followed_map(event, steps.of(event), 0, LocalConfig())
+    assert (module.command == np.arange(3)).all()
+    assert (module.expected == 1).all() and (module.reliability > 1).all()
+
+
+def test_map_offers_nothing_that_merely_lasts():
+    """An object that stays or is away for long; the sensor says whether it was there at the last look, no more."""
+    rng = np.random.default_rng(6)
+    n = 4000
+    there, look = np.cumsum(rng.random(n) < 0.02) % 2, rng.integers(0, 2, n)
+    r = np.r_[0, (there & look)[:-1]]
+    looked = np.flatnonzero(look[:-1])
+    s = np.zeros(n, int)
+    for t in looked:
+        s[t + 1 :] = r[t + 1]
+    series = steps_of(variables((2,), (2,), 1), s, look, r).of(Event(0, 0, 0))
+    loose, _ = gains(tables(series), 2.0)
+    assert loose[0, 1, 1, 1] > 0.5, "else there is nothing that lasts"
+    assert (followed_map(Event(0, 0, 0), series, 0, LocalConfig()).command == OFFERS_NOTHING).all()
+    assert log_evidence(tables(series)) > 100
+    assert log_evidence(tables(beyond_last(series))) < 0
+
+
+def tables(series) -> np.ndarray:
+    table = np.zeros(series.sizes)
+    count(*series.columns, (0, len(series.columns[0])), table)
+    return table
+
+
+def test_gain_is_the_difference_of_two_shares():
+    table = np.array([[[[2.0, 8.0]], [[9.0, 1.0]]]])  # (R, S, A, R') = (1, 2, 1, 2)
+    gain, spread = gains(table, 0.0)
+    assert gain[0, :, 1, 0] == pytest.approx([0.7, -0.7])
+    assert spread[0, 0, 1, 0] == pytest.approx(np.sqrt(0.8 * 0.2 / 11 + 0.1 * 0.9 / 11))
+
+
+def test_hindsight_says_where_the_map_would_have_been_followed():
+    world = variables((2,), (2,), 1).with_module("m")
+    s, a = np.array([[0, 1], [1, 1], [0, 0], [1, 0]]), np.array([[0, 0], [0, 0], [1, 0], [1, 0]])
+    steps = steps_of(world, s, a, np.zeros((4, 1)))
+    shape = np.array([[0, 1], [OFFERS_NOTHING, OFFERS_NOTHING]])
+    steps.see_in_hindsight(0, Module(Event(0, 0, 0), shape, shape * 1.0, shape, np.zeros((2, 2, 2, 2))))
+    assert steps.of(Event(1, 0, 0)).columns[0].tolist() == [0, 1, 0, 0]
+
+
+def test_joint_code_is_a_number_for_each_combination():
+    values = np.array([[0, 0], [0, 2], [1, 0], [1, 2]])
+    assert joint_code(values, [2, 3]).tolist() == [0, 2, 3, 5]
+
+
+def test_curiosity_goes_by_perplexity():
+    """After the first command the next sensation is one of four, after the second always the same."""
+    rng = np.random.default_rng(0)
+    n = 20_000
+    a = rng.integers(0, 2, n)
+    s = np.r_[0, np.where(a[:-1] == 0, rng.integers(0, 4, n - 1), 0)]
+    world = variables((4,), (2,), 1)
+    module = CuriousModule("a0")
+    assert module.table(world).odds == pytest.approx(np.full((4, 2), 0.5))
+    odds = module.learned(world, steps_of(world, s, a, np.zeros(n))).odds
+    assert odds[:, 0] == pytest.approx(np.full(4, 0.8), abs=0.01)
