@@ -47,6 +47,8 @@ REGISTRY = Registry(
     Entry("contingent", "cross_situational", "Gaze following without wrong maps", "section 6.4.3",
           "With motion cues the robot pairs a face with the right object more often, and so learns better: a rate of "
           "0.8 after 20 minutes."),
+    Entry("looks", "looks", "Coding where a person looks, without labels", "not in the dissertation",
+          "What tells the robot where a person looks can tell it to whoever codes a video by hand."),
     Entry("baselines", "turn_taking", "Constrained turn taking with the three-layered network", "reference [19]",
           "Success starts at chance and becomes high with 1, 3, 5 and 10 objects; three stages appear, as in infants: "
           "any object, the right one in view, the right one outside the view."),

@@ -10,6 +10,7 @@ from jointattn_mj.footage.areas import AreaConfig
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.frame_map import Fit
 from jointattn_mj.footage.frames import PerceivedFrame
+from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.footage.people import PeopleConfig
 from jointattn_mj.footage.rest import RestConfig
 from jointattn_mj.footage.result import PerceptionResult
@@ -29,6 +30,7 @@ class PerceiveFields(TypedDict, total=False):
     areas_each: int
     detector: Literal["yunet", "templates"]
     face: str
+    looks: bool
     max_minutes: float | None
     fps: float | None
     fit: Fit
@@ -43,6 +45,7 @@ class PerceiveFields(TypedDict, total=False):
     shots: ShotConfig
     areas: AreaConfig
     rest: RestConfig
+    coding: LooksConfig
 
 
 @overload
@@ -59,6 +62,7 @@ def perceive(
     blur_faces: bool = False,
     overlay_every: int = 1,
     checkpoint_minutes: float = 2.0,
+    check: str | PathLike[str] | None = None,
     progress: Callable[[Viewing], object] = lambda viewing: None,
     **options: Unpack[PerceiveFields],
 ) -> PerceptionResult: ...
@@ -71,6 +75,7 @@ def perceive(
     blur_faces: bool = False,
     overlay_every: int = 1,
     checkpoint_minutes: float = 2.0,
+    check: str | PathLike[str] | None = None,
     progress: Callable[[Viewing], object] = lambda viewing: None,
     **options: Unpack[PerceiveFields],
 ) -> Iterator[PerceivedFrame] | PerceptionResult:
@@ -87,11 +92,12 @@ def perceive(
         blur_faces: Make faces unrecognisable in that video and in figures.
         overlay_every: Write one image of it for so many frames.
         checkpoint_minutes: Minutes of the video between checkpoints in ``out``.
+        check: A person's codings of where the person of interest looks; kappa goes to the summary (with ``looks``).
         progress: Is called after every second of video, with ``out``.
         **options: Fields of ``PerceiveConfig``: ``objects`` (what to look for, such as
-            ``("blue", "cup=#2b3ac0", "ball@12.5s:420,310")``), ``areas_each``, ``detector``, ``face``, ``max_minutes``,
-            ``fps``, ``fit``, ``scale``, ``face_follow``, ``shift_frames``, ``seed``, ``attention``, ``pixels``,
-            ``som``, ``people``, ``shots``, ``areas``, ``rest``.
+            ``("blue", "cup=#2b3ac0", "ball@12.5s:420,310")``), ``areas_each``, ``detector``, ``face``, ``looks``,
+            ``max_minutes``, ``fps``, ``fit``, ``scale``, ``face_follow``, ``shift_frames``, ``seed``, ``attention``,
+            ``pixels``, ``som``, ``people``, ``shots``, ``areas``, ``rest``, ``coding``.
 
     Returns:
         Without ``out`` an iterator over :class:`PerceivedFrame`, a thirtieth of a second each: face, objects, optical
@@ -118,7 +124,10 @@ def perceive(
     check_names("perceive", options, known)
     config = PerceiveConfig(video, **options)  # type: ignore[arg-type]  # made a Path there
     if out is not None:
-        where = PerceiveOptions(path_of(out, "out"), resume, overlay, blur_faces, overlay_every, checkpoint_minutes)
+        codings = None if check is None else path_of(check, "check")
+        where = PerceiveOptions(
+            path_of(out, "out"), resume, overlay, blur_faces, overlay_every, checkpoint_minutes, codings
+        )
         run_perceive(config, where, progress)
         return PerceptionResult.open(where.out)
     if resume:

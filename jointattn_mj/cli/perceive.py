@@ -1,7 +1,7 @@
 """``jointattn perceive``: what the robot perceives in a video, and how far it has come."""
 
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 from jointattn_mj.cli.running import of_a_checkpoint, one_thread
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
@@ -23,7 +23,7 @@ def perceive(config: Annotated[PerceiveConfig, FLAT], options: Annotated[Perceiv
     'jointattn-mj[footage]').
     Leaves in --out: config.yaml, summary.json (with the mapping from the video to the robot's image), percepts.parquet
     (a row a frame), people.parquet (a row a face), events.csv, checks.csv, fixations.parquet, fixations.png, som.png,
-    faces.parquet, overlay.mp4, checkpoint.bin.
+    faces.parquet, overlay.mp4, checkpoint.bin; with --looks, looks.parquet (a row a look).
     """
     one_thread()
     shown = Progress("reading again up to the checkpoint" if options.resume else "opening the video", unit="s of video")
@@ -54,7 +54,24 @@ def perceive(config: Annotated[PerceiveConfig, FLAT], options: Annotated[Perceiv
         shown_first = [f"{one['from_s']:.1f} to {one['to_s']:.1f} {one['what']}" for one in summary["check"][:SHOWN]]
         more = f", and {summary['checks'] - SHOWN} more in checks.csv" if summary["checks"] > SHOWN else ""
         print(f"Check these seconds: {'; '.join(shown_first)}{more}.")
+    if "looks" in summary:
+        print(_of_looks(summary["looks"]))
     print(f"In {summary['wall_seconds']:.1f} s. Results: {options.out}")
+
+
+def _of_looks(looks: dict[str, Any]) -> str:
+    """Where the person looked, and how far that can be trusted."""
+    rested = ", ".join(f"{name} {count}" for name, count in looks["placements"].items())
+    if looks["coded"]:
+        shares = ", ".join(f"{name} {share:.0%}" for name, share in looks["shares"].items())
+        words = f"Looks: {shares}. Sure of {looks['sure']:.0%}. Placements: {rested}."
+    else:
+        words = f"Looks were not coded: {looks['why_not']}. Placements: {rested}."
+    if "check" in looks:
+        check = looks["check"]
+        interval = f"[{check['low']:.2f}, {check['high']:.2f}]"
+        words += f" Against your codings: kappa {check['kappa']:.2f} {interval} over {check['seconds']:.0f} s."
+    return words
 
 
 def _seconds(viewing: Viewing) -> float | None:

@@ -11,6 +11,7 @@ from jointattn_mj.footage.areas import AreaConfig
 from jointattn_mj.footage.colours import candidate_names, object_colours
 from jointattn_mj.footage.frame_map import Fit
 from jointattn_mj.footage.interest import FaceRule
+from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.footage.people import PeopleConfig
 from jointattn_mj.footage.rest import RestConfig
 from jointattn_mj.footage.shots import ShotConfig
@@ -51,6 +52,9 @@ class PerceiveConfig(Checked):
     face: str = "largest"
     """Face of interest where there are several: the largest, a person by number as in people.parquet, or whatever face
     is in a region, x0,y0,x1,y1 in pixels of the video."""
+    looks: bool = False
+    """Code at which object the person of interest looks, learned from the video itself: looks.parquet, and the tier
+    "looks at" of events.csv. Objects must be moved now and then, and the camera must be still."""
     max_minutes: Annotated[float, Real("(0, 1e6]")] | None = None
     """Minutes of the video to watch; all of it if not given."""
     fps: Annotated[float, Real("[0.01, 1000]")] | None = None
@@ -83,6 +87,8 @@ class PerceiveConfig(Checked):
     """What counts as motion, of people who never quite rest."""
     som: SOMConfig = field(default_factory=SOMConfig)
     """Self-organising map of faces (6.3.3, 6.4.1)."""
+    coding: LooksConfig = field(default_factory=LooksConfig)
+    """How looks are coded, with looks."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -114,3 +120,6 @@ class PerceiveOptions(Checked):
     """Write one image of that video for so many frames: 1 is 30 a second."""
     checkpoint_minutes: Annotated[float, Real("(0, 1e6]")] = 2.0
     """Minutes of the video between checkpoints: at most so much is lost by a kill."""
+    check: Path | None = None
+    """Codings of a person, in any form that ``jointattn measure`` reads: where the person of interest looks. Kappa with
+    its interval goes to summary.json. Needs looks; with resume, a viewing that has ended is compared, too."""

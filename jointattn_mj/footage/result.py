@@ -83,6 +83,12 @@ class PerceptionResult:
         path = self.folder / "people.parquet"
         return Table.read(path) if path.exists() else None
 
+    @cached_property
+    def looks(self) -> Table | None:
+        """A row a look: where the person of interest looks, with its probability; None without ``looks``."""
+        path = self.folder / "looks.parquet"
+        return Table.read(path) if path.exists() else None
+
     @property
     def overlay(self) -> Path | None:
         """The video with everything that was perceived drawn on it, if there is one."""
@@ -103,8 +109,8 @@ class PerceptionResult:
         return (
             self.config == other.config
             and numbers[0] == numbers[1]
-            and (self.percepts, self.fixations, self.faces, self.people)
-            == (other.percepts, other.fixations, other.faces, other.people)
+            and (self.percepts, self.fixations, self.faces, self.people, self.looks)
+            == (other.percepts, other.fixations, other.faces, other.people, other.looks)
         )
 
     __hash__ = None  # type: ignore[assignment]

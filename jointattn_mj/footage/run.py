@@ -7,10 +7,13 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from jointattn_mj.errors import CheckpointError, OutputError
+from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.frames import PerceivedFrame, frame_now
 from jointattn_mj.footage.log import PerceptLog
+from jointattn_mj.footage.looks.check import Codings
+from jointattn_mj.footage.looks.log import LooksLog
+from jointattn_mj.footage.looks.run import leave_looks
 from jointattn_mj.footage.overlay import HEIGHT, WIDTH, FootageOverlay
 from jointattn_mj.footage.people_log import PeopleLog
 from jointattn_mj.footage.reader import RATE, Still
@@ -66,24 +69,31 @@ def run_perceive(
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
         VideoError: The overlay cannot be written.
+        ConfigError: ``check`` without ``looks``.
+        SeriesError: The codings cannot be read or compared.
     """
     if options.overlay:
         find_ffmpeg()
+    codings = _codings(config, options)
     viewing = Viewing(config)
     with claimed(options.out, options.resume):
-        return _run(viewing, options, progress)
+        return _run(viewing, options, codings, progress)
 
 
-def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing], object]) -> dict[str, Any]:
+def _run(
+    viewing: Viewing, options: PerceiveOptions, codings: Codings | None, progress: Callable[[Viewing], object]
+) -> dict[str, Any]:
     """Watch a video in a folder that is held for it."""
     out, config, started = options.out, viewing.config, time.perf_counter()
     every = options.overlay_every if options.overlay else None
-    spent, rows, people_rows = 0.0, None, None
+    spent, rows, people_rows, looks_rows = 0.0, None, None, None
     if options.resume:
-        kinds = (float, bool, dict, RowStore, RowStore)
-        spent, finished, state, rows, people_rows = checkpoint.load(out / "checkpoint.bin", config, kind=kinds)
+        kinds = (float, bool, dict, RowStore, RowStore, RowStore)
+        spent, finished, state, rows, people_rows, looks_rows = checkpoint.load(
+            out / "checkpoint.bin", config, kind=kinds
+        )
         if finished:
-            return _summary_of_finished(out)
+            return _summary_of_finished(out, codings)
         viewing.restore(state)
         if state["blur_faces"] != options.blur_faces:
             asked = f"`blur_faces={state['blur_faces']}`"
@@ -93,6 +103,7 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
             raise CheckpointError(f"the viewing in {out} was begun with {asked}; resume with that")
     log = PerceptLog(out, viewing.names, rows)
     faces = PeopleLog(out, people_rows)
+    looks = LooksLog(out, viewing.names, viewing.watcher.perceiver.pattern_size, looks_rows)
     film = PartedReel(log_folder(out), HEIGHT, WIDTH, RATE / (every or 1), viewing.frames)
 
     def wall_seconds() -> float:
@@ -101,7 +112,9 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
     def save_checkpoint(finished: bool = False) -> None:
         film.cut()
         state = {**viewing.state(), "overlay_every": every, "blur_faces": options.blur_faces}
-        checkpoint.save(out / "checkpoint.bin", (wall_seconds(), finished, state, log.rows, faces.rows), config)
+        checkpoint.save(
+            out / "checkpoint.bin", (wall_seconds(), finished, state, log.rows, faces.rows, looks.rows), config
+        )
 
     if not options.resume:
         viewing.prepare()
@@ -116,6 +129,8 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
             log.add(viewing.watcher, still.number, still.fresh)
             if still.fresh:
                 faces.add(viewing.seen, viewing.chosen, viewing.frames - 1, still.number)
+            if config.looks and (viewing.frames - 1) % config.coding.every == 0:
+                looks.add(viewing)
             if every is not None and (viewing.frames - 1) % every == 0:
                 film.add(drawing.compose(still.image, mapped, viewing, log), viewing.frames - 1)
             if viewing.frames % RATE == 0:
@@ -129,7 +144,7 @@ def _run(viewing: Viewing, options: PerceiveOptions, progress: Callable[[Viewing
         faces.write(out / "people.parquet", start_s, viewing.people.owner)
     if every is not None:
         film.join(out / "overlay.mp4")
-    summary = _leave_results(viewing, options, interrupts.requested, wall_seconds())
+    summary = _leave_results(viewing, options, looks, codings, interrupts.requested, wall_seconds())
     if interrupts.requested:
         raise KeyboardInterrupt
     save_checkpoint(finished=True)
@@ -153,9 +168,22 @@ def _new_frames(viewing: Viewing, interrupts: Interrupts) -> Iterator[Still]:
         yield still
 
 
-def _summary_of_finished(out: Path) -> dict[str, Any]:
+def _codings(config: PerceiveConfig, options: PerceiveOptions) -> Codings | None:
+    """What a person has coded, read before the video is."""
+    if options.check is None:
+        return None
+    if not config.looks:
+        raise ConfigError(f"check {options.check} compares coded looks with a person's: looks must be set, too")
+    return Codings.read(options.check)
+
+
+def _summary_of_finished(out: Path, codings: Codings | None) -> dict[str, Any]:
     try:
-        return read_summary(out)
+        summary = read_summary(out)
+        if codings is not None:
+            summary["looks"]["check"] = codings.compare(Codings.read(out / "events.csv"))
+            _write_summary(out, summary)
+        return summary
     except OutputError as error:
         raise CheckpointError(f"the viewing in {out} is finished, but its summary.json is gone or damaged") from error
 
@@ -173,7 +201,14 @@ def read_summary(out: Path) -> dict[str, Any]:
         raise OutputError(f"{out / 'summary.json'} is missing or damaged; give the folder of a video") from error
 
 
-def _leave_results(viewing: Viewing, options: PerceiveOptions, stopped: bool, wall_seconds: float) -> dict[str, Any]:
+def _leave_results(
+    viewing: Viewing,
+    options: PerceiveOptions,
+    looks: LooksLog,
+    codings: Codings | None,
+    stopped: bool,
+    wall_seconds: float,
+) -> dict[str, Any]:
     from jointattn_mj.footage.blurring import blurred
     from jointattn_mj.footage.figures import draw_fixations
     from jointattn_mj.gaze_following.figures import draw_som
@@ -181,7 +216,6 @@ def _leave_results(viewing: Viewing, options: PerceiveOptions, stopped: bool, wa
 
     out, start_s = options.out, viewing.footage.start_s
     write_parquet(out / "fixations.parquet", viewing.fixations.table(viewing.names, start_s))
-    write_spans(out / "events.csv", viewing.events(), start_s)
     write_spans(out / "checks.csv", viewing.checks(), start_s)
     draw_fixations(
         out / "fixations.png",
@@ -192,13 +226,23 @@ def _leave_results(viewing: Viewing, options: PerceiveOptions, stopped: bool, wa
         viewing.rgb,
         start_s,
     )
-    error = None
+    error, som = None, None
     if viewing.album.offered:
         som = viewing.album.learn(viewing.config.som)
         error = round(som.quantisation_error(viewing.album.patterns), 4)
         if not options.blur_faces:
             draw_som(out / "som.png", som)
         write_parquet(out / "faces.parquet", viewing.album.table(som, start_s))
-    summary = summarise(viewing, stopped, wall_seconds, error)
-    write_whole(out / "summary.json", lambda path: path.write_text(json.dumps(plain(summary), indent=1) + "\n"))
+    events, summary = viewing.events(), summarise(viewing, stopped, wall_seconds, error)
+    if viewing.config.looks:
+        summary["looks"], spans = leave_looks(out, looks, viewing, som)
+        events += spans
+    write_spans(out / "events.csv", events, start_s)
+    if codings is not None:
+        summary["looks"]["check"] = codings.compare(Codings.read(out / "events.csv"))
+    _write_summary(out, summary)
     return summary
+
+
+def _write_summary(out: Path, summary: dict[str, Any]) -> None:
+    write_whole(out / "summary.json", lambda path: path.write_text(json.dumps(plain(summary), indent=1) + "\n"))

@@ -1,0 +1,1 @@
+"""Coding where a person looks from a video alone, without labels."""

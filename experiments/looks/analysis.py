@@ -1,0 +1,80 @@
+"""How well looks are coded by minutes of video, under which conditions, and whether posteriors can be believed."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
+from jointattn_mj.sweeps.statistics import mean_interval
+
+from .sweep import MINUTES, SETTINGS
+
+CODERS = {"kappa": "without labels", "last_moved": "last object moved", "yaw": "yaw, fitted", "nearest": "nearest"}
+COLOURS = {"kappa": "#c0392b", "last_moved": "#2471a3", "yaw": "#7d6608", "nearest": "#7f8c8d"}
+
+
+def values(trials: Sequence[Trial], minutes: float, name: str) -> list[float]:
+    """One number of every session, where it has it."""
+    found = [trial.result[f"{minutes:g}"][name] for trial in trials]
+    return [float(one) for one in found if one is not None]
+
+
+def analyse(trials: Trials) -> list[Comparison]:
+    """Kappa and calibration of every condition; by minutes and of simpler coders of the usual one."""
+    findings = []
+    for setting in SETTINGS:
+        part = trials.get(setting, ())
+        if not part:
+            continue
+        words = setting.replace("_", " ")
+        for minutes in MINUTES if setting == "usual" else MINUTES[-1:]:
+            note = "; ".join(
+                f"{label} {np.mean(values(part, minutes, name)):.2f}"
+                for name, label in CODERS.items()
+                if name != "kappa"
+            )
+            coded = sum(values(part, minutes, "coded"))
+            placed = np.mean(values(part, minutes, "placements"))
+            note += f"; coded {coded:.0f} of {len(part)}; {placed:.0f} placements"
+            findings.append(_row(f"kappa, {words}, {minutes:g} minutes", values(part, minutes, "kappa"), note))
+            right = values(part, minutes, "right_if_sure")
+            if right:
+                sure = f"of {np.mean(values(part, minutes, 'sure')):.0%} of the seconds"
+                findings.append(_row(f"right where sure, {words}, {minutes:g} minutes", right, sure))
+        hits = values(part, MINUTES[-1], "away_hits")
+        if hits:
+            false = np.mean(values(part, MINUTES[-1], "away_false"))
+            findings.append(_row(f"looks away found, {words}", hits, f"false in {false:.2f} of looks at objects"))
+    return findings
+
+
+def _row(what: str, found: Sequence[float], note: str) -> Comparison:
+    return Comparison(what, "not tried", mean_interval(found), Verdict.EXTENSION, note)
+
+
+def draw(trials: Trials) -> Mapping[str, Figure]:
+    """Kappa by minutes of video, and under all conditions."""
+    part = trials.get("usual", ())
+    if not part:
+        return {}
+    figure = Figure(figsize=(10, 4.4), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    for name, label in CODERS.items():
+        means = [mean_interval(values(part, minutes, name)) for minutes in MINUTES]
+        middle = [one.mean for one in means]
+        errors = [[one.mean - one.low for one in means], [one.high - one.mean for one in means]]
+        left.errorbar(MINUTES, middle, errors, marker="o", ms=4, capsize=3, color=COLOURS[name], label=label)
+    left.set(xscale="log", xlabel="minutes of video", ylabel="kappa by seconds, outside turns", ylim=(0, 1.02))
+    left.set_xticks(MINUTES, [f"{minutes:g}" for minutes in MINUTES])
+    left.legend(fontsize=8)
+    left.grid(alpha=0.3)
+    names = [name for name in SETTINGS if trials.get(name)]
+    for name in CODERS:
+        means = [float(np.mean(values(trials[one], MINUTES[-1], name))) for one in names]
+        right.plot(means, range(len(names)), "o", ms=5, color=COLOURS[name])
+    right.set_yticks(range(len(names)), [name.replace("_", " ") for name in names], fontsize=8)
+    right.set(xlabel=f"kappa, {MINUTES[-1]:g} minutes", ylim=(len(names) - 0.5, -0.5))
+    right.grid(alpha=0.3)
+    figure.suptitle(f"Coding where a person looks, from the state ({len(part)} sessions each; bars: mean, 95%)")
+    return {"looks": figure}

@@ -1,0 +1,100 @@
+"""How well codes agree with those of a person: Cohen's kappa by seconds, with its interval."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from jointattn_mj.errors import SeriesError
+from jointattn_mj.footage.looks.coding import UNSEEN, UNSURE
+from jointattn_mj.footage.looks.tables import TIER
+from jointattn_mj.recordings.agreement import AgreementOptions, agreement
+from jointattn_mj.recordings.events import Events
+from jointattn_mj.recordings.reader import read
+
+LEFT_OUT = (UNSURE, UNSEEN, "turn")
+"""Codes that are no answer to where somebody looks: time in which either coder has one is left out."""
+
+
+@dataclass(frozen=True)
+class Codings:
+    """Where somebody looks, as one coder has coded it.
+
+    Attributes:
+        path: The file.
+        looks: Onset and offset, s, and code of each look, in order; without what is no answer.
+        seconds: Time that was coded, with what is no answer.
+    """
+
+    path: Path
+    looks: tuple[tuple[float, float, str], ...]
+    seconds: float
+
+    @classmethod
+    def read(cls, path: Path) -> "Codings":
+        """Read codings.
+
+        Args:
+            path: A file with one tier, or with one that is called "looks at". Codes are names of objects, and "away";
+                time with "unsure", "turn" or "cannot be seen" is left out. Columns onset_s and offset_s are seconds.
+
+        Raises:
+            SeriesError: It cannot be read, or has not one such tier of one recording.
+        """
+        events = read(path).events
+        tiers = events.tier_names
+        if TIER not in tiers and len(tiers) != 1:
+            raise SeriesError(f"{path} must have one tier, or one called {TIER!r}; it has {', '.join(tiers) or 'none'}")
+        if len(events.recordings) != 1:
+            raise SeriesError(f"{path} must be of one recording; it has {len(events.recordings)}")
+        table = events.select([TIER if TIER in tiers else tiers[0]]).table
+        looks = [
+            (float(onset), float(offset), str(code))
+            for onset, offset, code in zip(table["onset"], table["offset"], table["code"], strict=True)
+            if code is not None and offset > onset
+        ]
+        answers = tuple(one for one in looks if one[2] not in LEFT_OUT)
+        return cls(path, answers, sum(offset - onset for onset, offset, _ in looks))
+
+    def compare(self, other: "Codings") -> dict[str, Any]:
+        """Agreement with another coder, wherever both say where somebody looks.
+
+        Args:
+            other: The other coder.
+
+        Returns:
+            ``kappa``, ``low`` and ``high`` (its 95% interval, by blocks of 30 s), ``observed`` (share of seconds that
+            agree), ``seconds`` that were compared, ``left_out`` (share of the time coded here that was not), and
+            ``kappa_by_code``.
+
+        Raises:
+            SeriesError: There is no such time.
+        """
+        pairs = sorted(
+            (max(a, c), min(b, d), mine, theirs)
+            for a, b, mine in self.looks
+            for c, d, theirs in other.looks
+            if min(b, d) > max(a, c)
+        )
+        if not pairs:
+            raise SeriesError(
+                f"{self.path} and {other.path} have no time in common in which both say where somebody looks"
+            )
+        onsets, offsets, at = [], [], 0.0
+        for onset, offset, *_ in pairs:  # laid end to end, so that what is left out is no code of its own
+            onsets.append(at)
+            at += offset - onset
+            offsets.append(at)
+        tier = [TIER] * len(pairs)
+        own = Events.of(tier, [mine for _, _, mine, _ in pairs], onsets, offsets)
+        others = Events.of(tier, [theirs for _, _, _, theirs in pairs], onsets, offsets)
+        found = agreement(own, others, options=AgreementOptions(step=min(1.0, at)))[0]
+        low, high = found.interval
+        return {
+            "kappa": found.kappa,
+            "low": low,
+            "high": high,
+            "observed": found.observed,
+            "seconds": round(at, 1),
+            "left_out": round(max(0.0, 1 - at / self.seconds), 4),
+            "kappa_by_code": found.by_code(),
+        }

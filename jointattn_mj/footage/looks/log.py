@@ -1,0 +1,90 @@
+"""What is kept of a video to code where a person looks: face pattern and places, look by look."""
+
+from pathlib import Path
+
+import numpy as np
+
+from jointattn_mj.footage.frame_map import IMAGE_HEIGHT, IMAGE_WIDTH
+from jointattn_mj.footage.looks.coding import LooksSeen
+from jointattn_mj.footage.viewing import Viewing
+from jointattn_mj.io.rows import RowStore, log_folder, spans
+from jointattn_mj.perception.som import SOM
+
+BLOCK = 1000
+"""Rows that are read at a time."""
+_HEAD = 3
+"""Numbers before the places: frame, height of the face's square, and whether the face is seen."""
+
+
+class LooksLog:
+    """Looks so far; memory holds some of them, a file in the run's folder all.
+
+    Attributes:
+        rows: All rows, for a checkpoint.
+    """
+
+    def __init__(self, out: Path, names: tuple[str, ...], pattern_size: int, rows: RowStore | None = None):
+        """Make an empty log, or go on with the rows of a checkpoint.
+
+        Args:
+            out: Folder of the run.
+            names: Of the objects and, last, the face.
+            pattern_size: Numbers in a face pattern.
+            rows: Rows of a checkpoint.
+
+        Raises:
+            OutputError: The log cannot be written.
+            CheckpointError: The log lacks rows of the checkpoint.
+        """
+        self.names = names
+        width = _HEAD + 2 * len(names) + pattern_size
+        self.rows = RowStore("looks", np.float32, width) if rows is None else rows
+        self.rows.attach(log_folder(out))
+
+    def add(self, viewing: Viewing) -> None:
+        """Add the frame that was viewed last.
+
+        Raises:
+            OutputError: The log cannot be written.
+        """
+        perceiver, percept = viewing.watcher.perceiver, viewing.watcher.percept
+        if percept is None:
+            raise ValueError("the viewing has perceived no frame yet")
+        height_px, pattern = 0, np.zeros(perceiver.pattern_size)
+        if percept.visible[-1]:
+            _, top, _, bottom = perceiver.faces.box(perceiver.fix, (IMAGE_HEIGHT, IMAGE_WIDTH))
+            height_px, pattern = bottom - top, perceiver.face_pattern()
+        px = np.where(percept.visible[:, None], percept.px, np.nan)
+        head = (viewing.frames - 1, height_px, percept.visible[-1])
+        self.rows.append(np.concatenate([head, px.ravel(), np.ravel(pattern)]))
+
+    def frames(self) -> np.ndarray:
+        """Numbers of the frames (n,) of the looks."""
+        return self.rows.column(0).astype(int)
+
+    def looks(self, som: SOM | None, cuts: np.ndarray, step_s: float) -> LooksSeen:
+        """All looks, with faces as activations of a map.
+
+        Args:
+            som: The map; None where no face was seen.
+            cuts: Frames (m,) that follow upon a cut.
+            step_s: Seconds from look to look.
+        """
+        count, k = len(self.rows), len(self.names)
+        units = 1 if som is None else len(som.weights)
+        faces, px = np.zeros((count, units), np.float32), np.full((count, k, 2), np.nan)
+        heights = np.zeros(count)
+        for first, last in spans(count, BLOCK):
+            rows = self.rows.read(first, last)
+            px[first:last] = rows[:, _HEAD : _HEAD + 2 * k].reshape(-1, k, 2)
+            heights[first:last] = rows[:, 1]
+            if som is not None:
+                for i in np.flatnonzero(rows[:, 2]):
+                    faces[first + i] = som.activations(rows[i, _HEAD + 2 * k :])
+        seen = np.isfinite(px[:, -1]).all(-1)
+        height = float(np.median(heights[seen])) if seen.any() else 1.0
+        frames = self.frames()
+        cut = np.zeros(count, bool)
+        after = np.searchsorted(frames, cuts)
+        cut[after[after < count]] = True
+        return LooksSeen(self.names[:-1], faces, px[:, -1], px[:, :-1], cut, height, step_s)

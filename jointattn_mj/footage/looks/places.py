@@ -1,0 +1,52 @@
+"""Places of objects in a video: where each was last, and at how many places it has rested."""
+
+import numpy as np
+
+REST_LOOKS = 5
+"""Looks for which an object must stay to have a placement."""
+REST_HEIGHTS = 0.1
+"""Greatest extent of an object at rest, heights of the face's square."""
+MOVED_HEIGHTS = 0.25
+"""Distance between two placements, heights of the face's square."""
+
+
+def last_places(px: np.ndarray, cut: np.ndarray) -> np.ndarray:
+    """Fill in where each candidate was seen last: what is hidden stays where it was.
+
+    Args:
+        px: (n, k, 2) pixels; NaN where a candidate is not seen.
+        cut: (n,) whether the image was cut before this look; what was seen before then says nothing.
+
+    Returns:
+        (n, k, 2) pixels; NaN where a candidate was not seen since the cut.
+    """
+    numbers = np.arange(len(px))
+    begun = np.maximum.accumulate(np.where(cut, numbers, 0))
+    last = np.maximum.accumulate(np.where(np.isfinite(px).all(-1), numbers[:, None], -1), axis=0)
+    filled = np.take_along_axis(px, np.maximum(last, 0)[..., None], axis=0)
+    filled[last < begun[:, None]] = np.nan
+    return filled
+
+
+def placements(places: np.ndarray) -> np.ndarray:
+    """At how many places each candidate has rested.
+
+    Args:
+        places: (n, k, 2) in heights of the face's square; NaN where a candidate is not seen.
+
+    Returns:
+        (k,) whole numbers.
+    """
+    counts = np.zeros(places.shape[1], int)
+    for k in range(places.shape[1]):
+        seen = places[np.isfinite(places[:, k]).all(-1), k]
+        if len(seen) < REST_LOOKS:
+            continue
+        windows = np.lib.stride_tricks.sliding_window_view(seen, REST_LOOKS, axis=0)  # (m, 2, looks)
+        still = (windows.max(-1) - windows.min(-1) <= REST_HEIGHTS).all(-1)
+        before = np.full(2, np.inf)
+        for middle in np.median(windows[still], axis=-1):
+            if not np.linalg.norm(middle - before) < MOVED_HEIGHTS:
+                counts[k] += 1
+                before = middle
+    return counts

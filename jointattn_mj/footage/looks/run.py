@@ -1,0 +1,39 @@
+"""The last part of ``perceive --looks``: learn from what was kept of the video, and code it."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jointattn_mj.footage.checks import CAMERA
+from jointattn_mj.footage.looks.coding import code_looks
+from jointattn_mj.footage.looks.log import LooksLog
+from jointattn_mj.footage.looks.tables import looks_spans, looks_table
+from jointattn_mj.footage.reader import RATE
+from jointattn_mj.footage.spans import Span
+from jointattn_mj.footage.viewing import Viewing
+from jointattn_mj.io.parquet import write_parquet
+from jointattn_mj.perception.som import SOM
+
+
+def leave_looks(out: Path, log: LooksLog, viewing: Viewing, som: SOM | None) -> tuple[dict[str, Any], list[Span]]:
+    """Code where the person of interest looks, and write looks.parquet.
+
+    Args:
+        out: Folder of the run.
+        log: What was kept.
+        viewing: The viewing, after its last frame.
+        som: The map of faces; None where no face was seen.
+
+    Returns:
+        Numbers for the summary, and the event tier.
+
+    Raises:
+        OutputError: The table cannot be written.
+    """
+    config, start_s = viewing.config.coding, viewing.footage.start_s
+    cuts = [range(one.start, one.end) for one in viewing.spans.all if (one.tier, one.code) == (CAMERA, "cut")]
+    seen = log.looks(som, np.array([frame for cut in cuts for frame in cut], int), config.every / RATE)
+    coded, frames = code_looks(seen, config), log.frames()
+    write_parquet(out / "looks.parquet", looks_table(coded, start_s + frames / RATE))
+    return coded.summary(config), looks_spans(coded, frames, viewing.frames)

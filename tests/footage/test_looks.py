@@ -1,0 +1,189 @@
+"""Coding where a person looks: what can be told, what cannot, and that it says so."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
+from jointattn_mj.footage.looks.check import Codings
+from jointattn_mj.footage.looks.coding import AWAY, UNSEEN, UNSURE, LooksSeen, code_looks
+from jointattn_mj.footage.looks.config import LooksConfig
+from jointattn_mj.footage.looks.learning import NEVER, learn_evidence, posterior, smoothed
+from jointattn_mj.footage.looks.places import last_places, placements
+from jointattn_mj.footage.looks.tables import looks_spans, looks_table
+from jointattn_mj.footage.run import run_perceive
+from jointattn_mj.recordings.agreement import kappa
+
+NAMES = ("cup", "ball", "car")
+SPOTS = np.array([[x, y] for x in (-2.0, -1.0, 0.0, 1.0, 2.0) for y in (1.0, 2.0)])
+"""Where objects may lie, from the face, in its heights; a face is turned to one of them."""
+
+
+def session(looks: int = 2400, moved: bool = True, away: float = 0.0, seed: int = 0) -> tuple[LooksSeen, np.ndarray]:
+    """A person who looks at an object for 15 looks, and may then put it to another spot; and the targets."""
+    rng = np.random.default_rng(seed)
+    lies = rng.permutation(len(SPOTS))[: len(NAMES)]
+    faces, px, targets = [], [], []
+    for _ in range(looks // 15):
+        target = int(rng.integers(len(NAMES)))
+        free = np.setdiff1d(np.arange(len(SPOTS)), lies)
+        spot = rng.choice(free) if rng.random() < away else lies[target]
+        for _ in range(15):
+            active = np.full(len(SPOTS), 0.02)
+            active[spot if rng.random() < 0.95 else rng.integers(len(SPOTS))] = 1.0
+            faces.append(active / active.sum())
+            px.append(SPOTS[lies] + rng.normal(0, 0.01, (len(NAMES), 2)))
+            targets.append(target if spot == lies[target] else len(NAMES))
+        if moved:
+            lies[target] = rng.choice(free)
+    faced, placed = np.array(faces), np.array(px) * 40 + 100
+    face = np.full((len(placed), 2), 100.0)
+    return LooksSeen(NAMES, faced, face, placed, np.zeros(len(placed), bool), 40.0, 0.2), np.array(targets)
+
+
+def agreed(codes: np.ndarray, targets: np.ndarray) -> float:
+    size = len(NAMES) + 1
+    return kappa(np.bincount(codes * size + targets, minlength=size * size).reshape(size, size))
+
+
+def changed(looks: LooksSeen, **fields) -> LooksSeen:
+    return LooksSeen(**{**vars(looks), **fields})
+
+
+def test_objects_that_are_moved_are_told_apart():
+    looks, targets = session()
+    coded = code_looks(looks, LooksConfig())
+    assert not coded.doubt
+    assert agreed(coded.best, targets) > 0.9
+    sure = (coded.posterior > 0.8).any(axis=1)
+    assert sure.mean() > 0.8
+    assert (coded.best == targets)[sure].mean() > 0.95
+
+
+def test_nothing_is_coded_where_nothing_moves():
+    looks, _ = session(moved=False)
+    coded = code_looks(looks, LooksConfig())
+    assert coded.placements.tolist() == [1, 1, 1]
+    assert "little is moved" in coded.doubt
+    assert set(coded.codes) == {coded.labels.index(UNSURE)}
+    assert np.isnan(coded.posterior).all()
+    assert coded.summary(LooksConfig())["sure"] == 0
+
+
+def test_away_is_an_answer_that_can_be_left_out():
+    looks, targets = session(3600, away=0.2)
+    is_away = targets == len(NAMES)
+    coded = code_looks(looks, LooksConfig())
+    found = coded.best == coded.labels.index(AWAY)
+    assert found[is_away].mean() > 0.4
+    assert found[~is_away].mean() < 0.15
+    without = code_looks(looks, LooksConfig(away=None))
+    assert not (without.best == without.labels.index(AWAY)).any()
+    assert agreed(without.best, targets) < agreed(coded.best, targets)
+
+
+def test_hidden_object_stays_where_it_was():
+    looks, targets = session()
+    px = looks.px.copy()
+    for at in range(0, len(px), 45):
+        px[at + 3 : at + 12, targets[at + 3]] = np.nan
+    hidden = np.isnan(px).any(axis=(1, 2))
+    coded = code_looks(changed(looks, px=px), LooksConfig())
+    assert (coded.best == targets)[hidden].mean() > 0.85
+
+
+def test_face_that_is_lost_cannot_be_seen():
+    looks, _ = session()
+    face = looks.face_px.copy()
+    face[300:340] = face[600:602] = np.nan
+    coded = code_looks(changed(looks, face_px=face), LooksConfig())
+    unseen = coded.codes == coded.labels.index(UNSEEN)
+    assert unseen.nonzero()[0].tolist() == list(range(300, 340))
+    assert np.isnan(coded.posterior[unseen]).all()
+    assert np.isnan(coded.alone[600:602]).all()
+    no_face = changed(looks, face_px=np.full(face.shape, np.nan))
+    nobody = code_looks(no_face, LooksConfig())
+    assert nobody.doubt == "the face was not seen"
+
+
+def test_places_are_forgotten_after_a_cut():
+    px = np.full((6, 1, 2), np.nan)
+    px[1], px[4] = 3.0, 7.0
+    cut = np.array([False, False, False, True, False, False])
+    filled = last_places(px, cut)[:, 0, 0]
+    assert np.array_equal(filled, [np.nan, 3, 3, np.nan, 7, 7], equal_nan=True)
+
+
+def test_placements_count_rests_in_different_places():
+    path = [0.0] * 8 + [0.2, 0.5, 0.8] + [1.0] * 8 + [np.nan] * 5 + [1.0] * 8 + [0.5] * 2 + [0.0] * 6
+    places = np.stack([path, path], axis=1)[:, None]
+    assert placements(places).tolist() == [3]
+
+
+def test_unknown_places_are_never_chosen():
+    looks, _ = session(300)
+    px = looks.px / 40
+    px[:, 1] = np.nan
+    evidence = learn_evidence(looks.faces, px, LooksConfig())
+    assert (evidence[:, 1] == NEVER).all()
+    assert posterior(evidence)[:, 1].max() < 1e-9
+    assert (learn_evidence(looks.faces, np.full(px.shape, np.nan), LooksConfig()) == NEVER).all()
+
+
+def test_smoothing_agrees_with_the_sum_over_all_paths():
+    rng = np.random.default_rng(0)
+    evidence, stay = rng.normal(0, 1, (4, 3)), 0.7
+    paths = np.array(np.meshgrid(*[range(3)] * 4, indexing="ij")).reshape(4, -1)
+    weight = np.exp(0.5 * sum(evidence[i, paths[i]] for i in range(4)))
+    for i in range(3):
+        weight *= np.where(paths[i] == paths[i + 1], stay, (1 - stay) / 2)
+    expected = [[weight[paths[i] == k].sum() / weight.sum() for k in range(3)] for i in range(4)]
+    assert np.allclose(smoothed(evidence, stay, 0.5), expected)
+
+
+def test_table_and_events_say_the_same():
+    looks, _ = session(600)
+    coded = code_looks(looks, LooksConfig())
+    frames = np.arange(600) * 6
+    spans = looks_spans(coded, frames, 3600)
+    assert spans[0].start == 0
+    assert [one.end for one in spans[:-1]] == [one.start for one in spans[1:]]
+    assert spans[-1].end == 3600
+    table = looks_table(coded, frames / 30)
+    codes = table["looks_at"].to_pylist()
+    assert all(codes[one.start // 6] == one.code for one in spans)
+    assert {f"{name}_posterior" for name in (*NAMES, AWAY)} <= set(table.column_names)
+
+
+def coding(path: Path, *rows: tuple[float, float, str], tier: str = "gaze") -> Path:
+    with path.open("w", newline="") as file:
+        csv.writer(file).writerows(
+            [("onset_s", "offset_s", "tier", "code"), *((a, b, tier, code) for a, b, code in rows)]
+        )
+    return path
+
+
+def test_kappa_is_of_what_both_answer(tmp_path):
+    mine = coding(tmp_path / "a.csv", (0, 10, "cup"), (10, 20, "ball"), (20, 30, "turn"), (30, 40, "away"))
+    own = coding(tmp_path / "b.csv", (0, 5, "cup"), (5, 15, "ball"), (15, 25, UNSURE), (25, 60, "away"))
+    found = Codings.read(mine).compare(Codings.read(own))
+    assert found["seconds"] == 25  # 0 to 15 and 30 to 40
+    assert found["left_out"] == pytest.approx(15 / 40)
+    counts = np.array([[5, 5, 0], [0, 5, 0], [0, 0, 10]])
+    assert found["kappa"] == pytest.approx(kappa(counts))
+    assert found["observed"] == pytest.approx(20 / 25)
+
+
+def test_codings_that_cannot_be_compared(tmp_path):
+    mine, late = coding(tmp_path / "a.csv", (0, 10, "cup")), coding(tmp_path / "b.csv", (20, 30, "cup"))
+    with pytest.raises(SeriesError, match="no time in common"):
+        Codings.read(mine).compare(Codings.read(late))
+    two = tmp_path / "c.csv"
+    two.write_text("onset_s,offset_s,tier,code\n0,1,a,cup\n0,1,b,cup\n")
+    with pytest.raises(SeriesError, match="one tier"):
+        Codings.read(two)
+    with pytest.raises(ConfigError, match="looks must be set"):
+        run_perceive(PerceiveConfig(tmp_path / "no.mp4"), PerceiveOptions(tmp_path / "out", check=mine))
