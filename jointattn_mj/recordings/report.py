@@ -36,18 +36,17 @@ class ReportOptions(ReadOptions, JointAttentionRules):
     """What is read, what counts as joint attention, and how contingency is tested."""
 
     file: tyro.conf.Positional[Path] = field(kw_only=False)
-    """A folder of files of ELAN, BORIS, Datavyu, Observer or INTERACT or of tables with onset and offset, each a
-    recording; or one such file."""
+    """A folder of event files, each a recording, or one such file."""
     out: Path
     """Folder for the page and its tables."""
     step: Annotated[float, Real("[1e-3, 1e3]")] = 0.1
     """Events are sampled to steps of so many seconds."""
     tiers: tuple[str, ...] = ()
-    """Tiers that are ranked by how much each says about the others; by default all, the two of looks among them."""
+    """Tiers to rank by how much each says about the others; by default all."""
     lag: str = "0.5s"
-    """From the earlier to the later look, in steps or as a time: about as long as a look takes to be answered."""
+    """From the earlier to the later look, in steps or as a time: about what an answer takes."""
     scan: str = "3s"
-    """Longest lag of the curve, in steps or as a time: as long as a look may follow another."""
+    """Longest lag of the curve, in steps or as a time."""
     second: Path | None = None
     """A second coder's file or folder of the same recordings, for kappa."""
     tolerance_s: Annotated[float, Real("[0, 60]")] = 0.0
@@ -57,19 +56,17 @@ class ReportOptions(ReadOptions, JointAttentionRules):
     resamples: Annotated[int, Whole("[0, 1e9]")] = 500
     """Bootstrap resamples behind intervals; 0 leaves these out."""
     method: Method = "auto"
-    """How surrogates are made, as for measure; auto: as the measured autocorrelation says."""
+    """How surrogates are made, as for measure."""
     alpha: Annotated[float, Real("[1e-9, 1)")] = 0.05
     """Level of significance."""
     seed: Seed = 0
     """Random seed of surrogates and resamples."""
-    timelines: Annotated[int, Whole("[0, 1e4]")] = 40
-    """Recordings whose timelines are drawn, the first ones."""
     row_s: NotNegative = 120.0
-    """Seconds in a row of a timeline, so that looks can be told apart."""
+    """Seconds in a row of a timeline."""
     title: str = "Coded interaction"
     """Title of the page."""
     yes: bool = False
-    """Go on however long the surrogates take; without it, more than half an hour is refused."""
+    """Go on however long the surrogates take."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

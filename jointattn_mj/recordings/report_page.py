@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from jointattn_mj.recordings.measure import MeasureResult
 
 UNIT = "bits"
+MOST_TIMELINES = 40
+"""Recordings whose timelines are drawn, the first ones, so that the page stays small."""
 OPEN = 3
 """Timelines that are shown at once; the others unfold."""
 MOST_TRANSITIONS = 12
@@ -52,7 +54,7 @@ def write_page(report: RecordingReport, folder: Path) -> None:
         content, images[stem] = drawn(figure)
         (folder / "figures").mkdir(exist_ok=True)
         write_whole(folder / "figures" / f"{stem}.png", lambda path, content=content: path.write_bytes(content))  # type: ignore[misc]
-    shown = [recording for recording in report.events.recordings][: report.options.timelines]
+    shown = [recording for recording in report.events.recordings][:MOST_TIMELINES]
     timelines = {recording: images[f"timeline_{place}"] for place, recording in enumerate(shown, 1)}
     values = {
         "report": report,
@@ -82,7 +84,7 @@ def _figures(report: RecordingReport) -> dict[str, Figure]:
         f"timeline_{place}": timeline(
             report.attention, report.events.tiers[recording], recording, options.row_s, colours
         )
-        for place, recording in enumerate(report.events.recordings[: options.timelines], 1)
+        for place, recording in enumerate(report.events.recordings[:MOST_TIMELINES], 1)
     }
     lag_s = delay_in_steps("lag", options.lag, options.step) * options.step
     followers = options.infant, options.partner
