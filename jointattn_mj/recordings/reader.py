@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -115,7 +115,7 @@ class Coding:
                 options.fractions,
                 remarks,
             )
-        wanted = {name: getattr(options, name) for name in SampleOptions.__dataclass_fields__}
+        wanted = {name: getattr(options, name) for name in _names(SampleOptions)}
         return same.events.steps(step, names, **wanted)
 
     def measure(
@@ -201,7 +201,7 @@ class Coding:
 
     def _told(self, step: float | None, how: dict[str, Any]) -> dict[str, Any]:
         """Fields of the options of a test of this coding."""
-        own = {name: getattr(self.options, name) for name in ReadOptions.__dataclass_fields__}
+        own = {name: getattr(self.options, name) for name in _names(ReadOptions)}
         return {**own, "file": Path(self._name), "step": step, **how}
 
     @property
@@ -303,3 +303,8 @@ def read_recordings(
 
 def _tuple(names: str | Sequence[str]) -> tuple[str, ...]:
     return (names,) if isinstance(names, str) else tuple(names)
+
+
+def _names(options: type[SampleOptions]) -> list[str]:
+    """Names of the options of a class, without what it knows about them."""
+    return [one.name for one in fields(options)]

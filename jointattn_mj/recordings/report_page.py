@@ -82,7 +82,11 @@ def _figures(report: RecordingReport) -> dict[str, Figure]:
     options, colours = report.options, code_colours(report.events)
     figures = {
         f"timeline_{place}": timeline(
-            report.attention, report.events.tiers[recording], recording, options.row_s, colours
+            report.attention,
+            [tier for tier in report.events.tier_names if tier in report.events.tiers[recording]],
+            recording,
+            options.row_s,
+            colours,
         )
         for place, recording in enumerate(report.events.recordings[:MOST_TIMELINES], 1)
     }
