@@ -1,6 +1,7 @@
 """The preset ``local`` at the table, on images and in real time; in worlds with nothing to find; and part by part."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -88,6 +89,9 @@ PARTS: dict[str, dict[str, Any]] = {
 """Single changes of the preset, each at tables with 2, 3 and 6 spots."""
 SILENT = {"follow": 0.0, "answer": 0.0}
 """A caregiver who neither follows nor answers."""
+FILM = Path(__file__).with_name("hour.mp4")
+"""``python -m experiments.local.film``: the run of seed FILMED, from images."""
+FILMED = 120_000
 FIRST_SEED = 120_000
 """Settings were chosen on seeds 1000 to 1053 and, in real time from the state, on 1000 to 1009."""
 SETTINGS = {

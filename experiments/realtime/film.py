@@ -20,6 +20,17 @@ def film(path: Path = FILM, seed: int = FILMED, minutes: float = 90.0) -> None:
     """Run the setting pixels/cues and film some of its moments."""
     preset = PRESETS["fast"]
     run = RealtimeRun(preset.world, RealtimeConfig(), preset.agent, seed, MOST_STEPS, sample_every=MOST_STEPS)
+    filmed(run, path, minutes)
+
+
+def filmed(run: RealtimeRun, path: Path, minutes: float) -> None:
+    """Advance a run until it has its modules, and film it before the first and after each.
+
+    Args:
+        run: Before its first step; it is closed.
+        path: Of the film.
+        minutes: Simulated minutes after which it stops anyway.
+    """
     run.run_until(BEFORE_MINUTES)
     with RealtimeFilm(path) as reel:
         reel.watch(run, "Before anything was found", SECONDS)
