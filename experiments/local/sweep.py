@@ -70,7 +70,6 @@ def _realtime(perception: str, minutes: float, *, modules: int = 3, further_step
 
 
 PARTS: dict[str, dict[str, Any]] = {
-    "the whole": {},
     "gaze at random": {"reactive": "random"},
     "SAC of the whole": {"local": {"smallest_share": 1.0}},
     "reference policy only": {"local": {"policy": "reference"}},

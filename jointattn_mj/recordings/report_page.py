@@ -152,6 +152,10 @@ def _settings(options: ReportOptions) -> list[tuple[str, str]]:
     return [(one.name, "" if given[one.name] in (None, []) else str(given[one.name])) for one in fields(options)]
 
 
+NOT = "no-"
+"""Before the name of an option that is turned off."""
+
+
 def _command(options: ReportOptions) -> str:
     """The command line that makes this page again: options that are not the defaults."""
     words = ["jointattn", "recordings", str(options.file)]
@@ -159,9 +163,9 @@ def _command(options: ReportOptions) -> str:
         value = getattr(options, one.name)
         if one.name == "file" or value == one.default:
             continue
-        name = f"--{one.name.replace('_', '-')}"
+        name = one.name.replace("_", "-")
         if isinstance(value, bool):
-            words.append(name if value else name.replace("--", "--no-", 1))
+            words.append(f"--{name}" if value else f"--{NOT}{name}")
         else:
-            words += [name, *(map(str, value) if isinstance(value, tuple) else [str(value)])]
+            words += [f"--{name}", *(map(str, value) if isinstance(value, tuple) else [str(value)])]
     return shlex.join(words)

@@ -27,7 +27,7 @@ def shift(**changes) -> GazeShift:
     known = {
         "source": 2, "chosen": 0, "by_learner": False, "start": np.array([0.5, 3.0]),
         "command": np.array([10.0, -14.0]), "suggestion": np.array([9.0, -15.0]),
-        "activations": None, "source_direction": np.zeros(2), "reached": 0,
+        "activations": None, "in_view": None, "source_direction": np.zeros(2), "reached": 0,
         "learned": True,
     }  # fmt: skip
     return GazeShift(**{**known, **changes})
