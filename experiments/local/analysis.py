@@ -12,9 +12,6 @@ from jointattn_mj.sweeps.statistics import median_interval, proportion
 from ..tables import STAGES, in_order
 from .sweep import CHANCES, PARTS, SETTINGS, SPOTS
 
-ORACLE = 1_151
-"""Steps that a sequential probability ratio test needs which knows the true probabilities, with gaze at random, at the
-table with 3 spots (median of 40 runs); with half of the gazes at the face 600."""
 KEEPS = 0.3
 """Least rate of keeping eye contact in which gaze alternation shows; before the first module it is .12 to .17."""
 NULLS = {"null/profile shows nothing": "a profile that shows nothing", "null/silent": "neither follows nor answers"}
@@ -105,10 +102,7 @@ def _null(words: str, some: Results, silent: bool) -> list[Comparison]:
     if not silent:
         return [_row(f"any module, {words}", proportion(sum(bool(one["modules"]) for one in some), len(some)))]
     more = proportion(sum(one["modules"] != [STAGES[0]] for one in some), len(some))
-    note = (
-        "not chance: after following the face is frontal in 26% of looks, else in 35% (300,000 steps), since a "
-        "caregiver who leads looks at the robot between two objects only"
-    )
+    note = "such a caregiver looks at the robot between two objects only, so that having followed does say something"
     return [_row(f"modules besides gaze following, a caregiver who {words}", more, note)]
 
 
@@ -155,7 +149,6 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     _curve(left, third([trial.result for trial in trials["table"]]), "3 spots")
     for spots in SPOTS:
         _curve(left, third(grid(trials, spots)), f"{spots} spots")
-    left.axvline(ORACLE, color="k", ls=":", label="knows the true odds")
     left.set(xlabel="step", ylabel="share of runs", title="Gaze alternation at the table", xlim=(0, 8_000))
     for name, words in REALTIME.items():
         if name in trials:
