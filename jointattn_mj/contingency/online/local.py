@@ -1,7 +1,7 @@
 """Stop rule ``local``: finds the event that is most contingent where it holds, situation by situation.
 
 SAC (eq. 5.2) of an event weighs every situation (r, s) by how often it comes. What is strong but rare then looks weak:
-looking back after having followed a gaze is ten times as contingent as other events, in a tenth of all steps. Here an
+looking back after having followed a gaze says much about the next look at the face, in few of all steps. Here an
 event's value is the mean of the local values D(r, s) (see ``contingency.situations``) over those of its situations that
 are surest to be contingent, as long as these fill a share of the time. Draws from the posterior of D say how much is
 known. An event is found when
