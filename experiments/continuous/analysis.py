@@ -23,7 +23,7 @@ LABELS = {
 def analyse(trials: Trials) -> list[Comparison]:
     """Whether it was found; errors of table, map and chapter 6's learner, on held-out faces and in the run."""
     everything = [trial.result for trial in trials.get("scattered", ())]
-    results = _found(everything)
+    results = _detected(everything)
     if not results:
         return []
     last = CHECKPOINTS[-1]
@@ -73,7 +73,7 @@ def analyse(trials: Trials) -> list[Comparison]:
 
 def draw(trials: Trials) -> Mapping[str, Figure]:
     """Errors over steps, with the module and with gaze at random; shifts before and after the map took over."""
-    results = _found([trial.result for trial in trials.get("scattered", ())])
+    results = _detected([trial.result for trial in trials.get("scattered", ())])
     if not results:
         return {}
     figure = Figure(figsize=(12, 3.8), layout="constrained")
@@ -109,7 +109,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     return {"continuous": figure}
 
 
-def _found(results: Sequence[Result]) -> list[Result]:
+def _detected(results: Sequence[Result]) -> list[Result]:
     return [result for result in results if result["found"] is not None]
 
 

@@ -68,7 +68,7 @@ def trial(config: RunConfig, seed: int) -> dict[str, Any]:
     following = None
     while run.steps_done < config.most and following is None:
         run.advance(100)
-        following = next((one for one in run.found if one.module and _follows(run, one.module.event)), None)
+        following = next((one for one in run.detections if one.module and _follows(run, one.module.event)), None)
     categories = run.senses.categories.count
     if following is None:
         return {"found": None, "categories": categories}
@@ -104,8 +104,8 @@ def _landed(rows: Sequence[tuple[float, bool]]) -> dict[str, Any]:
     }
 
 
-def _numbers(pairs: Sequence[Pair], found: int) -> dict[str, int]:
-    since = [pair for pair in pairs if pair.step >= found]
+def _numbers(pairs: Sequence[Pair], detected_at: int) -> dict[str, int]:
+    since = [pair for pair in pairs if pair.step >= detected_at]
     forward = [pair for pair in since if pair.order == FORWARD]
     return {
         "face to object": len(forward),
@@ -134,13 +134,13 @@ def _looks(run: ContinuousRun, count: int, seed: np.random.SeedSequence) -> Iter
         count -= 1
 
 
-def _maps(run: ContinuousRun, found: int, looks: Sequence[Look]) -> dict[str, list[dict[str, Any]]]:
+def _maps(run: ContinuousRun, detected_at: int, looks: Sequence[Look]) -> dict[str, list[dict[str, Any]]]:
     """Errors of each way of learning at the checkpoints. Before the event was found, gaze was random."""
     following = run.following
     if following is None:
         return {}
-    since = [pair for pair in run.pairs if pair.step >= found]
-    before = [pair for pair in run.pairs if pair.step < found]
+    since = [pair for pair in run.pairs if pair.step >= detected_at]
+    before = [pair for pair in run.pairs if pair.step < detected_at]
     face, gaze, object_there = (run.log(name).astype(int) for name in (FACE, GAZE, OBJECT))
     informative = [
         pair
@@ -154,11 +154,11 @@ def _maps(run: ContinuousRun, found: int, looks: Sequence[Look]) -> dict[str, li
     chosen = [pair for pair in since if pair.informative]
     forward = [pair for pair in since if pair.order == FORWARD]
     ways = {
-        "informative": (population, chosen, found),
-        "all": (population, forward, found),
-        "chapter 6": (population, since, found),
-        "informative, two linear outputs": (LINEAR, chosen, found),
-        "all, two linear outputs": (LINEAR, forward, found),
+        "informative": (population, chosen, detected_at),
+        "all": (population, forward, detected_at),
+        "chapter 6": (population, since, detected_at),
+        "informative, two linear outputs": (LINEAR, chosen, detected_at),
+        "all, two linear outputs": (LINEAR, forward, detected_at),
         "gaze at random, informative": (population, informative, 0),
         "gaze at random, all": (population, [pair for pair in before if pair.order == FORWARD], 0),
         "gaze at random, chapter 6": (population, before, 0),
@@ -168,7 +168,7 @@ def _maps(run: ContinuousRun, found: int, looks: Sequence[Look]) -> dict[str, li
     known = {"table": [{"turns": 0, **_judged(table, looks)}]}
     for name, (config, pairs, start) in ways.items():
         learner = make_learner(config, units, np.random.default_rng(0))
-        known[name] = list(_examined(learner, pairs, start, found if start == 0 else np.inf, looks))
+        known[name] = list(_examined(learner, pairs, start, detected_at if start == 0 else np.inf, looks))
     return known
 
 

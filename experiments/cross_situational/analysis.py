@@ -75,8 +75,8 @@ def soon(trials: Sequence[Trial], level: float) -> Estimate:
     times, shifts, good = curves(trials)
     rng = np.random.default_rng(0)
     draws = [rng.integers(len(trials), size=len(trials)) for _ in range(RESAMPLES)]
-    found = [minute_of(level, times, good[draw].sum(0) / shifts[draw].sum(0)) for draw in draws]
-    low, high = np.quantile(found, (0.025, 0.975), method="nearest")
+    minutes = [minute_of(level, times, good[draw].sum(0) / shifts[draw].sum(0)) for draw in draws]
+    low, high = np.quantile(minutes, (0.025, 0.975), method="nearest")
     whole = minute_of(level, times, good.sum(0) / shifts.sum(0))
     return Estimate(whole, float(low), float(high), np.nan, len(trials))
 
@@ -128,9 +128,9 @@ def analyse(trials: Trials) -> list[Comparison]:
 
 def _minutes(level: float, part: Sequence[Trial], words: str) -> Comparison:
     """How soon the rate stays at a level."""
-    found, what = soon(part, level), f"minutes until a rate of {level:g}, {words}"
-    if np.isfinite(found.mean):
-        return _row(what, found)
+    minutes, what = soon(part, level), f"minutes until a rate of {level:g}, {words}"
+    if np.isfinite(minutes.mean):
+        return _row(what, minutes)
     return Comparison(what, "not tried", None, Verdict.EXTENSION, f"never in {len(part)} sessions taken together")
 
 

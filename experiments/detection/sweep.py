@@ -28,8 +28,8 @@ def trial(config: TableRunConfig, seed: int) -> dict[str, Any]:
     wrong = np.flatnonzero(values.argmax(axis=1) != symbols.index(TARGET))
     kept = np.unique(np.geomspace(1, len(turns), POINTS).astype(int)) - 1
     return {
-        "stop": run.found[0].step if run.found else None,
-        "first_at_stop": symbols[run.agent.events.index(run.found[0].event)] if run.found else None,
+        "stop": run.detections[0].step if run.detections else None,
+        "first_at_stop": symbols[run.agent.events.index(run.detections[0].event)] if run.detections else None,
         "right_since": int(turns[wrong[-1] + 1])
         if len(wrong) and wrong[-1] + 1 < len(turns)
         else (None if len(wrong) else 100),

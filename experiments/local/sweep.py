@@ -132,7 +132,7 @@ def trial(config: Watched, seed: int) -> dict[str, Any]:
     run = replace(config.development, seed=seed).new_run()
     try:
         _go(run, config)
-        made = [one for one in run.found if one.module is not None]
+        made = [one for one in run.detections if one.module is not None]
         steps = [one.step for one in made]
         return {
             "modules": [run.agent.variables.symbol(one.event) for one in made],
@@ -154,8 +154,8 @@ def _go(run: DevelopmentRun, config: Watched) -> None:
     last: float = np.inf
     while run.steps_done < min(run.n_steps, last) and run.spent < config.development.length:
         run.advance(at_a_time)
-        if len(run.found) >= config.modules and last == np.inf:
-            last = run.found[config.modules - 1].step + config.further_steps
+        if len(run.detections) >= config.modules and last == np.inf:
+            last = run.detections[config.modules - 1].step + config.further_steps
 
 
 def _offers(run: DevelopmentRun, number: int) -> list[list[int]]:

@@ -16,8 +16,8 @@ COLOURS = {"kappa": "#c0392b", "last_moved": "#2471a3", "yaw": "#7d6608", "neare
 
 def values(trials: Sequence[Trial], minutes: float, name: str) -> list[float]:
     """One number of every session, where it has it."""
-    found = [trial.result[f"{minutes:g}"][name] for trial in trials]
-    return [float(one) for one in found if one is not None]
+    results = [trial.result[f"{minutes:g}"][name] for trial in trials]
+    return [float(one) for one in results if one is not None]
 
 
 def analyse(trials: Trials) -> list[Comparison]:
@@ -49,8 +49,8 @@ def analyse(trials: Trials) -> list[Comparison]:
     return findings
 
 
-def _row(what: str, found: Sequence[float], note: str) -> Comparison:
-    return Comparison(what, "not tried", mean_interval(found), Verdict.EXTENSION, note)
+def _row(what: str, kappas: Sequence[float], note: str) -> Comparison:
+    return Comparison(what, "not tried", mean_interval(kappas), Verdict.EXTENSION, note)
 
 
 def draw(trials: Trials) -> Mapping[str, Figure]:

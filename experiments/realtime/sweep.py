@@ -63,13 +63,13 @@ def trial(config: Hour | Turns, seed: int) -> dict[str, Any]:
     if isinstance(config, Turns):
         preset = PRESETS["fast"]
         table = TableRun(config.table, preset.agent, seed, config.steps, sample_every=config.steps)
-        while table.steps_done < table.n_steps and len(table.found) < MODULES:
+        while table.steps_done < table.n_steps and len(table.detections) < MODULES:
             table.advance(100)
         return _made(table)
     preset = PRESETS["fast"]
     run = RealtimeRun(preset.world, config.realtime, preset.agent, seed, MOST_STEPS, sample_every=MOST_STEPS)
     try:
-        while run.minutes < config.minutes and run.steps_done < run.n_steps and len(run.found) < MODULES:
+        while run.minutes < config.minutes and run.steps_done < run.n_steps and len(run.detections) < MODULES:
             run.advance(1)
         return {
             **_made(run),
@@ -85,7 +85,7 @@ def trial(config: Hour | Turns, seed: int) -> dict[str, Any]:
 
 
 def _made(run: DevelopmentRun) -> dict[str, Any]:
-    made = [one for one in run.found if one.module is not None]
+    made = [one for one in run.detections if one.module is not None]
     variables = run.named_variables()
     return {
         "modules": [variables.symbol(one.event) for one in made],
@@ -98,7 +98,7 @@ def _made(run: DevelopmentRun) -> dict[str, Any]:
 def _directions(run: RealtimeRun) -> list[int] | None:
     """Commands of gaze following's map, if it was found first: how many, and how many lead to where the caregiver then
     mostly looks."""
-    first = next((one.module for one in run.found if one.module is not None), None)
+    first = next((one.module for one in run.detections if one.module is not None), None)
     if first is None or run.agent.variables.symbol(first.event) != "(S1, A1, R3)":
         return None
     mostly, commands = run.confusion()[:-1].argmax(axis=1), first.command[:, :-1]
@@ -109,10 +109,10 @@ def _directions(run: RealtimeRun) -> list[int] | None:
 def _after_following(run: RealtimeRun) -> dict[str, list[int]] | None:
     """Looks at the caregiver's face, and those that showed it frontal, in the second step after gaze following was used
     and after it was not; until the second module."""
-    if not run.found or run.agent.variables.symbol(run.found[0].event) != "(S1, A1, R3)":
+    if not run.detections or run.agent.variables.symbol(run.detections[0].event) != "(S1, A1, R3)":
         return None
-    last = run.found[1].step if len(run.found) > 1 else run.steps_done
-    steps = np.arange(run.found[0].step, last - 2)
+    last = run.detections[1].step if len(run.detections) > 1 else run.steps_done
+    steps = np.arange(run.detections[0].step, last - 2)
     used, to_face = run.log("driver of shift gaze")[steps] == 0, run.log("shift gaze")[steps + 1] == run.spots
     frontal = run.log("frontal face")[steps + 2] == 1
     return {

@@ -132,14 +132,14 @@ def _first(results: Sequence[Result]) -> str:
 
 
 def _mind(results: Sequence[Result], spots: int) -> str:
-    found = [result for result in results if result["found"] is not None]
-    if not found:
+    following = [result for result in results if result["found"] is not None]
+    if not following:
         return ""
-    turns = np.median([result["found"] for result in found])
-    right = sum(sum(result["right"]) == spots for result in found)
+    turns = np.median([result["found"] for result in following])
+    right = sum(sum(result["right"]) == spots for result in following)
     first = sum(result["first"] == "(S1, A1, R3)" for result in results)
     return (
-        f"after {turns:,.0f} steps more (median); its map leads right for all spots in {right} of {len(found)}; "
+        f"after {turns:,.0f} steps more (median); its map leads right for all spots in {right} of {len(following)}; "
         f"the first event of all in {first} of {len(results)}"
     )
 

@@ -57,7 +57,7 @@ def main() -> None:
         agent = GrowingRun(run, preset.agent, SEED, MOST, (RandomModule(GAZE),))
         agent.advance(1)
         film.growth(agent, agent.resolution, "An agent with these values, before gaze following", _driven, 4)
-        while not agent.found and agent.steps_done < MOST:
+        while not agent.detections and agent.steps_done < MOST:
             agent.advance(50)
         before: deque[bytes] = deque(maxlen=2)
         shown = 0

@@ -59,13 +59,17 @@ def trial(config: RunConfig, seed: int) -> dict[str, Any]:
         "shuffled": _shuffled(babbling, np.random.default_rng(seed)),
     }
     run = GrowingRun(babbling, preset.agent, seed, config.agent_steps, (RandomModule(GAZE),))
-    found = None
-    while run.steps_done < config.agent_steps and found is None:
+    following = None
+    while run.steps_done < config.agent_steps and following is None:
         run.advance(100)
-        found = next((one for one in run.found if one.module and _follows(run.agent.variables, one.module)), None)
-    result["first"] = run.agent.variables.symbol(run.found[0].event) if run.found else None
-    result["found"] = None if found is None else found.step
-    result["right"] = None if found is None or found.module is None else _right(found.module, confusion, run)
+        following = next(
+            (one for one in run.detections if one.module and _follows(run.agent.variables, one.module)), None
+        )
+    result["first"] = run.agent.variables.symbol(run.detections[0].event) if run.detections else None
+    result["found"] = None if following is None else following.step
+    result["right"] = (
+        None if following is None or following.module is None else _right(following.module, confusion, run)
+    )
     return result
 
 

@@ -25,6 +25,6 @@ def trial(config: TableRunConfig, seed: int) -> dict[str, Any]:
             symbol(run.agent.events[number]): [None if np.isnan(v) else float(v) for v in values[:, number]]
             for number in ever
         },
-        "modules": [symbol(found.event) for found in run.found],
-        "made": [found.step for found in run.found],
+        "modules": [symbol(detection.event) for detection in run.detections],
+        "made": [detection.step for detection in run.detections],
     }

@@ -114,5 +114,5 @@ def face_banks(config: FaceBankConfig) -> tuple[FaceBank, FaceBank]:
 
 def trial(run: AttemptsConfig, seed: int) -> dict[str, list[int]]:
     """Trial: outcomes of a run, counted in stretches, and of its tests."""
-    found = live_one(run, *face_banks(run.faces), seed)
-    return {name: values.astype(int).tolist() for name, values in found.items()}
+    outcomes = live_one(run, *face_banks(run.faces), seed)
+    return {name: values.astype(int).tolist() for name, values in outcomes.items()}

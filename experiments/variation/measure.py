@@ -45,7 +45,7 @@ class Options(Checked):
     """Of the episodes."""
 
 
-def found(image: np.ndarray, world: World, colours: ColourAreas) -> tuple[bool, int, int]:
+def detected(image: np.ndarray, world: World, colours: ColourAreas) -> tuple[bool, int, int]:
     """Whether OpenCV's cascade finds the face, how many objects their colours find, and how many are in view."""
     truth = pixels_of_points(world.candidate_points(), np.degrees(world.head_angles()))
     faces = haar_faces(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), FaceDetectorConfig())
@@ -67,7 +67,7 @@ def measure(preset: str, options: Options) -> tuple[dict[str, int], np.ndarray]:
         environment.reset()
         for _ in range(FRAMES):
             step = environment.step(np.zeros(2))
-        rows.append(found(step.observation["camera"], environment.task.world, colours))
+        rows.append(detected(step.observation["camera"], environment.task.world, colours))
         images.append(step.observation["camera"])
     environment.close()
     faces, objects, in_view = np.sum(rows, axis=0).tolist()

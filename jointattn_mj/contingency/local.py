@@ -131,7 +131,7 @@ def local_of_steps(
         for axis, column, coded in zip(AXES, entries.columns, histories, strict=True)
     )
     occasions, adjusted = entries.marginal("ras"), adjust(p, how)
-    found = [
+    combinations = [
         LocalContingency(
             before=int(before[i]),
             sensor=int(source[i]),
@@ -148,18 +148,20 @@ def local_of_steps(
         )
         for i in np.argsort(-contribution, kind="stable")
     ]
-    return tuple(found)
+    return tuple(combinations)
 
 
-def carriers(found: Sequence[LocalContingency], alpha: float = 0.05, most: int = 3) -> tuple[LocalContingency, ...]:
+def carriers(
+    combinations: Sequence[LocalContingency], alpha: float = 0.05, most: int = 3
+) -> tuple[LocalContingency, ...]:
     """Pick the combinations that carry the measure.
 
     Args:
-        found: All combinations, those that add most first.
+        combinations: All combinations, those that add most first.
         alpha: Level of significance, after the correction.
         most: So many at most.
     """
-    return tuple(one for one in found if one.contribution > 0 and one.p_adjusted <= alpha)[:most]
+    return tuple(one for one in combinations if one.contribution > 0 and one.p_adjusted <= alpha)[:most]
 
 
 def _of_axes(entries: Entries, axes: str) -> Entries:

@@ -156,8 +156,8 @@ def situations_of_steps(
 
 def _numbered(*columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Combinations (k, columns) that occur, in lexicographic order, and the number of each row's (n,)."""
-    found, which = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
-    return found, which.ravel()
+    combinations, which = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
+    return combinations, which.ravel()
 
 
 def _pooled(counts: np.ndarray, group: np.ndarray) -> np.ndarray:

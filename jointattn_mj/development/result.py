@@ -214,7 +214,7 @@ class Finished:
     def __init__(self, config: DevelopmentConfig, run: DevelopmentRun):
         self._config, self._run = config, run
         self._variables = run.named_variables()
-        self._made = [one for one in run.found if one.module is not None]
+        self._made = [one for one in run.detections if one.module is not None]
         self._meanings = meanings(self._variables, run.agent.modules)
 
     def result(self) -> DevelopmentResult:
@@ -281,6 +281,6 @@ class Finished:
             for number, (mark, module) in enumerate(zip(marks, agent.modules, strict=True), 1)
         ]
         sac, behaviour, learned = (folder / name for name in FIGURES)
-        figures.draw_contingency(sac, run.noted, names, marks, measure)
+        figures.draw_contingency(sac, run.contingency_log, names, marks, measure)
         figures.draw_behaviour(behaviour, BehaviourLog(run), self._phases(), marks)
         figures.draw_maps(learned, maps)

@@ -13,7 +13,7 @@ from jointattn_mj.development.config import (
     changed,
     config_class,
 )
-from jointattn_mj.development.loop import DevelopmentRun, Found
+from jointattn_mj.development.loop import Detection, DevelopmentRun
 from jointattn_mj.development.meaning import Meaning, meanings
 from jointattn_mj.development.result import CONFIG, DevelopmentResult, Finished
 from jointattn_mj.errors import ConfigError
@@ -27,7 +27,7 @@ from jointattn_mj.options import check_argument, check_called, path_of
 
 LIKELY_MODULES = 8
 """For an estimate of the space on disk: few runs make more modules."""
-Progress = Callable[[DevelopmentRun, Sequence[tuple[Found, Meaning | None]]], object]
+Progress = Callable[[DevelopmentRun, Sequence[tuple[Detection, Meaning | None]]], object]
 """Called now and then with the run, and with the events that were found since the last call and what they mean."""
 
 
@@ -113,7 +113,7 @@ class Development:
         resume: bool = False,
         checkpoint_every: int | None = None,
         video: bool = False,
-        progress: Progress = lambda run, found: None,
+        progress: Progress = lambda run, detections: None,
     ) -> DevelopmentResult:
         """Run to the end.
 
@@ -147,8 +147,8 @@ class Development:
         if resume or checkpoint_every is not None or video:
             raise ConfigError("resume, checkpoint_every and video need a folder; give out as well")
         run = self.config.new_run()
-        for found in _parts(self.config, run):
-            progress(run, _with_meanings(run, found))
+        for detections in _parts(self.config, run):
+            progress(run, _with_meanings(run, detections))
         run.check()
         result = Finished(self.config, run).result()
         run.close()
@@ -161,7 +161,7 @@ class Development:
 
 
 def run_development(
-    config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress = lambda run, found: None
+    config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress = lambda run, detections: None
 ) -> DevelopmentResult:
     """Run in a folder, with checkpoints.
 
@@ -205,10 +205,10 @@ def _run(config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress
     if not (out / CONFIG).exists():
         write_config(out / CONFIG, config)
     with deferred() as interrupts:
-        for found in _parts(config, run, every):
-            if options.video and found and run.agent.modules:
+        for detections in _parts(config, run, every):
+            if options.video and detections and run.agent.modules:
                 _keep(_moment(out, len(run.agent.modules)), run, config)
-            progress(run, _with_meanings(run, found))
+            progress(run, _with_meanings(run, detections))
             if run.steps_done in (run.n_steps, run.steps_done // every * every) or interrupts.requested:
                 _keep(frozen, run, config)
             if interrupts.requested:
@@ -224,7 +224,7 @@ def _run(config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress
     return DevelopmentResult.open(out)
 
 
-def _parts(config: DevelopmentConfig, run: DevelopmentRun, every: int | None = None) -> Iterator[list[Found]]:
+def _parts(config: DevelopmentConfig, run: DevelopmentRun, every: int | None = None) -> Iterator[list[Detection]]:
     """Advance to the end in parts, which also end after each ``every`` steps; what was found in each."""
     while run.spent < config.length and run.steps_done < run.n_steps:
         pause = run.n_steps if every is None else min(run.n_steps, (run.steps_done // every + 1) * every)
@@ -267,9 +267,9 @@ def check_space(config: DevelopmentConfig, out: Path) -> None:
     check_free(out, log + samples, what, f"fewer steps{', or a larger `sample_every`' if samples > log else ''}")
 
 
-def _with_meanings(run: DevelopmentRun, found: Sequence[Found]) -> list[tuple[Found, Meaning | None]]:
-    if not found:
+def _with_meanings(run: DevelopmentRun, detections: Sequence[Detection]) -> list[tuple[Detection, Meaning | None]]:
+    if not detections:
         return []
     known = zip(run.agent.modules, meanings(run.named_variables(), run.agent.modules), strict=True)
     by_module = {id(module): meaning for module, meaning in known}
-    return [(one, by_module.get(id(one.module))) for one in found]
+    return [(one, by_module.get(id(one.module))) for one in detections]

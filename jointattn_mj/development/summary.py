@@ -169,7 +169,7 @@ def summarise(
     agent = run.agent
     made: list[LearnedModule] = []
     beyond: list[UnmodelledEvent] = []
-    for one in run.found:
+    for one in run.detections:
         event = agent.variables.describe(one.event)
         if one.module is None:
             beyond.append(UnmodelledEvent(one.step, event))

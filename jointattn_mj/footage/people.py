@@ -191,8 +191,8 @@ class People:
         if cut:
             self.tracks.clear()
         self._images += 1
-        found = self._find(image, cut)
-        self._assign(image, found, frame)
+        faces = self._find(image, cut)
+        self._assign(image, faces, frame)
         self.tracks = [track for track in self.tracks if self._goes_on(track, frame)]
         now = [track for track in self.tracks if track.last == frame]
         for track in now:
@@ -210,46 +210,46 @@ class People:
 
     def _find(self, image: np.ndarray, cut: bool) -> np.ndarray:
         """The faces of an image: known ones in windows, and now and then, or where one is lost, all."""
-        config, found = self.config, np.zeros((0, COLUMNS), np.float32)
+        config, faces = self.config, np.zeros((0, COLUMNS), np.float32)
         if self.tracks:
             boxes = np.array([track.face[BOX] for track in self.tracks])
             near = faces_near(image, boxes, config.keep_score, config.window_px, config.window_face_px)
             near = near[~np.isnan(near[:, 0])]
             lost = len(near) < len(self.tracks)
             for face in near[np.argsort(-near[:, SCORE], kind="stable")]:
-                if not len(found) or overlaps(face[BOX], found[:, BOX]).max() < 0.4:
-                    found = np.vstack([found, face])
+                if not len(faces) or overlaps(face[BOX], faces[:, BOX]).max() < 0.4:
+                    faces = np.vstack([faces, face])
             if lost:
                 self._until_scan = min(self._until_scan, config.empty_every)
         self._until_scan -= 1
         if cut or self._until_scan < 0:
             for face in faces_in(image, min(config.doubtful_score, config.start_score), config.scan_px):
-                if not len(found) or overlaps(face[BOX], found[:, BOX]).max() < 0.2:
-                    found = np.vstack([found, face])
-            self._until_scan = (config.scan_every if len(found) else config.empty_every) - 1
-        return found
+                if not len(faces) or overlaps(face[BOX], faces[:, BOX]).max() < 0.2:
+                    faces = np.vstack([faces, face])
+            self._until_scan = (config.scan_every if len(faces) else config.empty_every) - 1
+        return faces
 
-    def _assign(self, image: np.ndarray, found: np.ndarray, frame: int) -> None:
+    def _assign(self, image: np.ndarray, faces: np.ndarray, frame: int) -> None:
         """Give each face to the track that it continues, or begin one."""
-        costs = np.full((len(self.tracks), len(found)), np.inf)
-        centres = found[:, :2] + found[:, 2:4] / 2
+        costs = np.full((len(self.tracks), len(faces)), np.inf)
+        centres = faces[:, :2] + faces[:, 2:4] / 2
         for i, track in enumerate(self.tracks):
             high = float(track.face[3])
             off = np.hypot(*(centres - track.face[:2] - track.face[2:4] / 2).T) / high
-            ratio = np.abs(np.log(found[:, 3] / high))
+            ratio = np.abs(np.log(faces[:, 3] / high))
             reach = self.config.reach * min(1.0 + 0.1 * (frame - track.last), 2.0)
             costs[i] = np.where((off < reach) & (ratio < np.log(1.6)), off + ratio, np.inf)
         for i, k in self._contested(costs):
             person = self.people.get(self.tracks[i].person)
             if person is not None and person.views:
-                costs[i, k] += 4 * (1 - person.likeness(appearance(image, found[k])))
+                costs[i, k] += 4 * (1 - person.likeness(appearance(image, faces[k])))
         taken = set()
         if costs.size:
             for i, k in zip(*linear_sum_assignment(np.where(np.isinf(costs), 1e6, costs)), strict=True):
                 if np.isfinite(costs[i, k]):
-                    self._follow_on(self.tracks[i], found[k], frame)
+                    self._follow_on(self.tracks[i], faces[k], frame)
                     taken.add(int(k))
-        for k, face in enumerate(found):
+        for k, face in enumerate(faces):
             if k not in taken and face[SCORE] >= self.config.doubtful_score:
                 self._number += 1
                 self.tracks.append(Track(self._number, face, face[BOX].copy(), frame))

@@ -59,7 +59,7 @@ def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: f
             **{name: value for name, value in asdict(mapped).items() if name not in ("width", "height")},
             "cascade_face_side_in_video_px": viewing.face_side,
         },
-        "found": dict(zip(viewing.names, (viewing.visible / frames).round(4), strict=True)),
+        "detected": dict(zip(viewing.names, (viewing.visible / frames).round(4), strict=True)),
         "moving": dict(zip(viewing.names, (viewing.moves / frames).round(4), strict=True)),
         "people": _people(viewing),
         "check": [

@@ -197,7 +197,7 @@ class Viewing:
 
     def _template_box(self) -> np.ndarray:
         perceiver = self.watcher.perceiver
-        if not perceiver.fix.found:
+        if not perceiver.fix.detected:
             return np.zeros((0, 4))
         x0, y0, x1, y1 = perceiver.faces.box(perceiver.fix, (IMAGE_HEIGHT, IMAGE_WIDTH))
         return np.array([[x0, y0, x1 - x0, y1 - y0]], float)

@@ -23,7 +23,7 @@ contingency.online.selector: Maps SelectorConfig
 development.agent: Developer DeveloperConfig AgentState RecentSteps
 development.contingency_log: ContingencyLog
 development.looks: Looks
-development.loop: Found
+development.loop: Detection
 development.realtime.partner: Partner PartnerConfig PartnerWorld
 development.realtime.run: RealtimeConfig RealtimeRun
 development.rendered.body: Body

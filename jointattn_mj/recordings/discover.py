@@ -91,11 +91,11 @@ class DiscoverResult:
             f"{'event':{width}}{name:>10}{'effective':>11}{'95% interval':>22}{'share':>9}{'z':>8}{'p':>9}{'p adj.':>9}"
         ]
         for one in self.findings:
-            found = one.significance
+            significance = one.significance
             mark = " *" if one.p_adjusted <= self.options.alpha else ""
             lines.append(
-                f"{one.event:{width}}{number(found.value):>10}{number(found.corrected):>11}{bracket(found.interval):>22}"
-                f"{share(one.normalised):>9}{found.z:8.1f}{found.p:9.4f}{one.p_adjusted:9.4f}{mark}"
+                f"{one.event:{width}}{number(significance.value):>10}{number(significance.corrected):>11}{bracket(significance.interval):>22}"
+                f"{share(one.normalised):>9}{significance.z:8.1f}{significance.p:9.4f}{one.p_adjusted:9.4f}{mark}"
             )
         for one in self.findings:
             if one.values:

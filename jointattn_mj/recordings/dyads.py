@@ -133,14 +133,14 @@ def by_dyad(
         if without:
             raise SeriesError(f"recording {without[0]!r} has no {by}")
         of = tuple(group_of[name] for name in called)
-    found = np.array([one.corrected for one in values])
+    effective = np.array([one.corrected for one in values])
     p = np.array([min(one.p, 1 - 0.5 / (1 + one.surrogates)) for one in values])
-    groups = [_group("all", found, p)]
+    groups = [_group("all", effective, p)]
     kinds = sorted(set(of), key=_numeric)
     labels = np.array(of)
     if len(kinds) > 1:
-        groups += [_group(f"{by} {kind}", found[labels == kind], p[labels == kind]) for kind in kinds]
-    comparisons = compare(found, labels, kinds, by, options.surrogates, np.random.default_rng(streams[-1]))
+        groups += [_group(f"{by} {kind}", effective[labels == kind], p[labels == kind]) for kind in kinds]
+    comparisons = compare(effective, labels, kinds, by, options.surrogates, np.random.default_rng(streams[-1]))
     return DyadResult(measure.name, called, values, tuple(groups), tuple(comparisons), of)
 
 
@@ -155,18 +155,18 @@ def groups_by(data: Recordings, column: str, names: Mapping[int, str]) -> dict[s
     Raises:
         SeriesError: The column changes within a recording.
     """
-    found: dict[str, str] = {}
+    group_of: dict[str, str] = {}
     for group, part in zip(data.groups, data.columns[column], strict=True):
         name = names[group]
         values = {data.labels[column][code] for code in np.unique(part)}
-        values |= {found[name]} if name in found else set()
+        values |= {group_of[name]} if name in group_of else set()
         if len(values) > 1:
             there = ", ".join(sorted(values)[:5])
             raise SeriesError(
                 f"{column!r} changes within recording {name!r}: {there}; it must have one value in all of a recording"
             )
-        found[name] = values.pop()
-    return found
+        group_of[name] = values.pop()
+    return group_of
 
 
 def split(given: Steps) -> list[tuple[int, Steps]]:
@@ -212,17 +212,19 @@ def compare(
     """
     if len(kinds) < 2:
         return []
-    found = []
+    comparisons = []
     if len(kinds) > 2:
         member = (labels[:, None] == np.array(kinds)).astype(float)
         observed = float(_eta(values[None], member)[0])
         drawn = _eta(rng.permuted(np.tile(values, (permutations, 1)), axis=1), member)
-        found.append(Comparison(by, "all", observed, float((1 + np.sum(drawn >= observed - 1e-12)) / (1 + len(drawn)))))
+        comparisons.append(
+            Comparison(by, "all", observed, float((1 + np.sum(drawn >= observed - 1e-12)) / (1 + len(drawn))))
+        )
     for first, second in combinations(kinds, 2):
         a, b = values[labels == first], values[labels == second]
         p = _two_sided(a, b, permutations, rng) if min(len(a), len(b)) >= FEWEST else float("nan")
-        found.append(Comparison(first, second, float(a.mean() - b.mean()), p))
-    return found
+        comparisons.append(Comparison(first, second, float(a.mean() - b.mean()), p))
+    return comparisons
 
 
 def _two_sided(a: np.ndarray, b: np.ndarray, permutations: int, rng: np.random.Generator) -> float:

@@ -24,7 +24,7 @@ PARTS = "|"
 
 
 @dataclass(frozen=True)
-class _Found:
+class _TrackEvents:
     """Events of one track."""
 
     rows: np.ndarray
@@ -112,19 +112,19 @@ def read_event_table(
         units = {i: "s" if one == "auto" else one for i, one in units.items()}
     times = {i: columns.times(i, units[i], rate) for i in when}
     bare = _without_codes(columns, tracks, times, kept)
-    found = [_gathered(columns, track, times, recordings, kept) for track in tracks]
-    rows = np.concatenate([one.rows for one in found])
+    gathered = [_gathered(columns, track, times, recordings, kept) for track in tracks]
+    rows = np.concatenate([one.rows for one in gathered])
     if not len(rows):
         raise SeriesError(f"{table.path} has no events below its header")
-    tier = Texts.stacked([one.tier for one in found])
+    tier = Texts.stacked([one.tier for one in gathered])
     recording = recordings.take(rows)
     tiers = tuple(one.name for one in tracks if not one.tier)
     try:
         return Events.of(
             tier,
-            _same_numbers(tier, Texts.stacked([one.code for one in found])),
-            np.concatenate([one.onset for one in found]),
-            np.concatenate([one.offset for one in found]),
+            _same_numbers(tier, Texts.stacked([one.code for one in gathered])),
+            np.concatenate([one.onset for one in gathered]),
+            np.concatenate([one.offset for one in gathered]),
             recording,
             tiers={recording.names[i]: tiers for i in first_met(recording.numbers)},
             resolution=1 / rate if rate and {"frames", "auto"} & set(units.values()) else 0.001,
@@ -163,7 +163,7 @@ def _without_codes(
 
 def _gathered(
     columns: _Columns, track: Track, times: Mapping[int, np.ndarray], recordings: Texts, kept: np.ndarray
-) -> _Found:
+) -> _TrackEvents:
     """The events of one track."""
     code = columns.joined(track.code, PARTS)
     tier = columns.joined(track.tier, ".") if track.tier else Texts(np.full(columns.rows, -1), [])
@@ -194,7 +194,7 @@ def _gathered(
             f"{path} does not say when {shown(code.at(unknown[0]))} ends in data row {unknown[0] + 1}; a point event "
             "has its onset as its offset"
         )
-    return _Found(rows, tier.take(rows), code.take(rows), onset[rows], offset[rows])
+    return _TrackEvents(rows, tier.take(rows), code.take(rows), onset[rows], offset[rows])
 
 
 def _paired(

@@ -176,11 +176,11 @@ class MeasureResult:
             f"{'share':>9}{'p':>9}",
         ]
         for one in self.measured:
-            found = one.significance
+            significance = one.significance
             lines.append(
-                f"{one.name:14}{number(found.value):>10}{number(one.miller_madow):>11}"
-                f"{number(one.degrees_of_freedom):>10}{number(found.corrected):>11}{bracket(found.interval):>22}"
-                f"{share(one.normalised):>9}{found.p:9.4f}"
+                f"{one.name:14}{number(significance.value):>10}{number(one.miller_madow):>11}"
+                f"{number(one.degrees_of_freedom):>10}{number(significance.corrected):>11}{bracket(significance.interval):>22}"
+                f"{share(one.normalised):>9}{significance.p:9.4f}"
             )
         lines += [
             f"{'linear Granger':14}{number(self.granger):>10}",
@@ -295,9 +295,9 @@ def _run(
     return result
 
 
-def exchange_notes(found: list[Significance]) -> list[str]:
+def exchange_notes(significances: list[Significance]) -> list[str]:
     """What to know where permutations can change little."""
-    least = min(one.exchangeable / one.transitions for one in found)
+    least = min(one.exchangeable / one.transitions for one in significances)
     if least > 0.5:
         return []
     return [
@@ -319,15 +319,15 @@ def _measured(
     assessed = assess_measures(given, measures, options.test(), unit, rngs, progress)
     plain = options.source_history == options.target_history == 1 and len(entries.counts) <= MOST_COMBINATIONS
     measured = []
-    for measure, found in zip(measures, assessed, strict=True):
+    for measure, significance in zip(measures, assessed, strict=True):
         bound = measure.bound(entries, "smallest") / unit
         measured.append(
             Measured(
                 measure.name,
-                found,
-                found.value - measure.bias(entries, "miller_madow") / unit,
-                found.value - measure.bias(entries, "degrees_of_freedom") / unit,
-                found.corrected / bound if bound > 1e-12 else 0.0,
+                significance,
+                significance.value - measure.bias(entries, "miller_madow") / unit,
+                significance.value - measure.bias(entries, "degrees_of_freedom") / unit,
+                significance.corrected / bound if bound > 1e-12 else 0.0,
                 local_of_steps(given, measure, unit) if plain else (),
             )
         )

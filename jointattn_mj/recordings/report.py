@@ -124,9 +124,9 @@ class RecordingReport:
     def ranking(self) -> list[dict[str, Any]]:
         """A row a pair of tiers, the most contingent first."""
         rows = [
-            {"source": pair[0], "target": pair[1], **_value(found), "p_adjusted": self.p_adjusted[pair],
+            {"source": pair[0], "target": pair[1], **_value(result), "p_adjusted": self.p_adjusted[pair],
              "significant": bool(self.p_adjusted[pair] <= self.options.alpha)}
-            for pair, found in self.pairs.items()
+            for pair, result in self.pairs.items()
         ]  # fmt: skip
         return sorted(rows, key=lambda row: (-row["effective"], row["source"], row["target"]))
 
@@ -179,8 +179,8 @@ class RecordingReport:
 
         lines = []
         for pair in (self.options.looks, self.options.looks[::-1]):
-            found = self.pairs[pair]
-            lines += [lag_words(f"{pair[0]} -> {pair[1]}", scan, found.step) for _, scan in found.scans]
+            result = self.pairs[pair]
+            lines += [lag_words(f"{pair[0]} -> {pair[1]}", scan, result.step) for _, scan in result.scans]
         return lines
 
     def _agreement(self) -> list[str]:
@@ -262,14 +262,14 @@ def analyse(
     )  # fmt: skip
 
 
-def _value(found: MeasureResult) -> dict[str, Any]:
+def _value(result: MeasureResult) -> dict[str, Any]:
     """Transfer entropy: of several recordings their mean, with an interval over recordings; else of all steps."""
-    row = found.rows()[0]
+    row = result.rows()[0]
     told = {name: row[name] for name in ("effective", "low", "high", "p")}
-    if found.dyads:
-        every = found.dyads[0].groups[0]
+    if result.dyads:
+        every = result.dyads[0].groups[0]
         told = {"effective": every.mean, "low": every.interval[0], "high": every.interval[1], "p": every.p}
-    unit = count(found.dyads[0].groups[0].dyads, "recording") if found.dyads else "all steps"
+    unit = count(result.dyads[0].groups[0].dyads, "recording") if result.dyads else "all steps"
     return {**told, "of": unit, "all_steps": row["effective"], "transitions": row["transitions"],
             "method": row["method"], "inflation": row["inflation"]}  # fmt: skip
 

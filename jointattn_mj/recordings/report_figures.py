@@ -169,7 +169,7 @@ def dyad_figure(results: Mapping[tuple[str, str], DyadResult], unit: str) -> Fig
     figure = Figure((7.5, 1.0 + 0.55 * len(results)), layout="constrained")
     axes = figure.subplots()
     for place, one in enumerate(results.values()):
-        values = [found.corrected for found in one.values]
+        values = [value.corrected for value in one.values]
         spread = np.linspace(-0.16, 0.16, len(values)) if len(values) > 1 else np.zeros(1)
         axes.plot(values, place + spread, "o", color="#4c78a8", ms=4, alpha=0.6)
         mean, (low, high) = one.groups[0].mean, one.groups[0].interval

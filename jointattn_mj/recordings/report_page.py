@@ -117,14 +117,14 @@ def _transitions(report: RecordingReport) -> list[dict[str, Any]]:
 
 def _carried(pairs: "Mapping[tuple[str, str], MeasureResult]") -> dict[str, list[str]]:
     """Which looks carry the transfer entropy of each pair that is significant on its own."""
-    found = {}
+    carried = {}
     for (source, target), result in pairs.items():
         one = result.measured[0]
         if one.significance.p <= 0.05 and result.scans:
             lines = [value.words(result.names, result.labels) for value in carriers(one.values, most=result.explain)]
             if lines:
-                found[f"{source} → {target}"] = lines
-    return found
+                carried[f"{source} → {target}"] = lines
+    return carried
 
 
 def _by_recording(report: RecordingReport) -> list[dict[str, Any]]:

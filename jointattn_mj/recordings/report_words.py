@@ -76,8 +76,8 @@ def _results(report: "RecordingReport") -> list[str]:
         sentences.append(
             f"{source} to {target}: {number(row['effective'])} bits {bracket((row['low'], row['high']))}, {p_words(p)}"
         )
-    found = "; ".join([*sentences, *report.following(), *report.over_lags()])
-    return [f"Found: {found}.".replace("->", "to")]
+    results = "; ".join([*sentences, *report.following(), *report.over_lags()])
+    return [f"Found: {results}.".replace("->", "to")]
 
 
 def _surrogates(report: "RecordingReport") -> str:

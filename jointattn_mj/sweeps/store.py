@@ -324,8 +324,8 @@ class Store:
 
 def _failure(path: Path) -> dict[str, Any]:
     try:
-        noted = json.loads(path.read_bytes())
-        return {**noted, "setting": str(noted["setting"]), "seed": int(noted["seed"])}
+        note = json.loads(path.read_bytes())
+        return {**note, "setting": str(note["setting"]), "seed": int(note["seed"])}
     except UNREADABLE:
         return {"setting": "unknown", "seed": -1, "error": f"its note {path.name} cannot be read", "damaged": path}
 

@@ -47,7 +47,9 @@ def assert_same(one, other):
     assert one.steps_done == other.steps_done
     for column in one.columns:
         np.testing.assert_array_equal(one.log(column), other.log(column), err_msg=column)
-    assert [(found.step, found.event) for found in one.found] == [(found.step, found.event) for found in other.found]
+    assert [(detection.step, detection.event) for detection in one.detections] == [
+        (detection.step, detection.event) for detection in other.detections
+    ]
 
 
 def test_with_the_truth_it_is_the_life_at_the_symbolic_table():
@@ -55,10 +57,12 @@ def test_with_the_truth_it_is_the_life_at_the_symbolic_table():
     n_steps = 1500
     visible, symbolic = steps_done(TRUE, n_steps), TableRun(TABLE, HASTY, 2, n_steps)
     symbolic.advance(n_steps)
-    assert symbolic.found
+    assert symbolic.detections
     for column in symbolic.columns:
         np.testing.assert_array_equal(visible.log(column), symbolic.log(column), err_msg=column)
-    assert [(one.step, one.event) for one in visible.found] == [(one.step, one.event) for one in symbolic.found]
+    assert [(one.step, one.event) for one in visible.detections] == [
+        (one.step, one.event) for one in symbolic.detections
+    ]
     np.testing.assert_array_equal(visible.faces(), symbolic.faces())
     assert visible.stage.world.rendered_frames < n_steps  # nobody looked
 

@@ -134,18 +134,18 @@ def _kill(run: Run, subject: Subject, chance: random.Random, peace: Reference, o
 
 def _entries(folder: str | Path) -> list[tuple[str, int, int]]:
     """Files in a folder and below, their sizes and when they were changed."""
-    found = []
+    listed = []
     try:
         with os.scandir(folder) as entries:
             for entry in entries:
                 if entry.is_dir(follow_symlinks=False):
-                    found += _entries(entry.path)
+                    listed += _entries(entry.path)
                 else:
                     status = entry.stat(follow_symlinks=False)
-                    found.append((entry.path, status.st_size, status.st_mtime_ns))
+                    listed.append((entry.path, status.st_size, status.st_mtime_ns))
     except OSError:  # what has just been renamed
         pass
-    return sorted(found)
+    return sorted(listed)
 
 
 def summary(trials: list[Trial]) -> dict[str, object]:

@@ -92,13 +92,13 @@ class Run:
 
     def workers(self) -> list[int]:
         """Processes of loky that compute for it."""
-        found = []
+        children = []
         with suppress(OSError):
             for task in Path(f"/proc/{self.process.pid}/task").iterdir():
                 for child in (task / "children").read_text().split():
                     if b"popen_loky" in Path(f"/proc/{child}/cmdline").read_bytes():
-                        found.append(int(child))
-        return found
+                        children.append(int(child))
+        return children
 
     def end(self, limit_s: float = LIMIT_S) -> tuple[int, str]:
         """Its code and what it said, when it has ended; 124 where it hangs."""
@@ -120,11 +120,11 @@ class Run:
 @contextmanager
 def places(folder: Path, subjects: tuple[Subject, ...]) -> Iterator[dict[str, str]]:
     """What commands need that is not theirs: a video, and a scheduler with two workers."""
-    needed, found = " ".join(subject.command for subject in subjects), {}
+    needed, values = " ".join(subject.command for subject in subjects), {}
     if VIDEO in needed:
-        found[VIDEO] = str(film(folder / "table.mp4", 450))
+        values[VIDEO] = str(film(folder / "table.mp4", 450))
     if SCHEDULER not in needed:
-        yield found
+        yield values
         return
     program = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
     at = folder / "scheduler.json"
@@ -137,7 +137,7 @@ def places(folder: Path, subjects: tuple[Subject, ...]) -> Iterator[dict[str, st
         ),
     ]  # fmt: skip
     try:
-        yield found | {SCHEDULER: wait_for(lambda: _address(at))}
+        yield values | {SCHEDULER: wait_for(lambda: _address(at))}
     finally:
         for process in reversed(started):
             process.terminate()
@@ -159,8 +159,8 @@ def wait_for(condition: Callable[[], str | None], seconds: float = 120) -> str:
     """
     until = time.monotonic() + seconds
     while time.monotonic() < until:
-        if (found := condition()) is not None:
-            return found
+        if (result := condition()) is not None:
+            return result
         time.sleep(0.05)
     raise TimeoutError(f"waited {seconds} s for {condition}")
 

@@ -75,8 +75,8 @@ def learn_evidence(faces: np.ndarray, places: np.ndarray, config: LooksConfig) -
         counts = sum(faces.T @ (weights[:, k, None] * one) for k, one in enumerate(shares))
         with_face = faces @ counts
         with_face = with_face / np.maximum(with_face.sum(axis=1, keepdims=True), 1e-9) + smoothing
-        found = np.stack([np.einsum("nb,nb->n", with_face, one) for one in shares], axis=1)
-        evidence = np.where(known, np.log(np.maximum(found, 1e-12)) - base, NEVER)
+        likelihood = np.stack([np.einsum("nb,nb->n", with_face, one) for one in shares], axis=1)
+        evidence = np.where(known, np.log(np.maximum(likelihood, 1e-12)) - base, NEVER)
         weights = posterior(evidence) * known
     return evidence
 

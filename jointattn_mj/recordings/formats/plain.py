@@ -50,7 +50,9 @@ def layout(names: Sequence[str]) -> EventLayout | None:
     for i, one in sorted(roles.items(), key=lambda item: (_UNIT_RANK[unit_of(names[item[0]])], item[0])):
         blocks.setdefault(one.block, {}).setdefault(one.role, i)
     blocks = {
-        block: found for block, found in blocks.items() if "onset" in found and {"offset", "duration"} & set(found)
+        block: columns
+        for block, columns in blocks.items()
+        if "onset" in columns and {"offset", "duration"} & set(columns)
     }
     if not blocks:
         return None

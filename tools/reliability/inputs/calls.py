@@ -134,8 +134,8 @@ def _measure(name: str, *arguments: str) -> str:
 def inputs(chance: random.Random, many: int) -> Iterator[Input]:
     """``many`` of them, as many of each kind."""
     for kind, listed in KINDS.items():
-        found = list(listed())
-        chance.shuffle(found)
-        for call, what, must in found[: -(-many // len(KINDS))]:
+        calls = list(listed())
+        chance.shuffle(calls)
+        for call, what, must in calls[: -(-many // len(KINDS))]:
             result = refused if must else anything
             yield Input(f"Python, {kind}", what, source=WORLD.format(call=call), result=result)

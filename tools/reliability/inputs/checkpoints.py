@@ -169,8 +169,8 @@ def _pickle(canary: Path) -> bytes:
 
 def _as_in_peace(peace: dict[str, bytes], out: Path, but: str) -> Callable[[Outcome], str]:
     def check(outcome: Outcome) -> str:
-        found = differences(peace, contents(out))
-        found.pop("config.yaml", None)  # says what was asked for; nothing reads it
-        return f"results differ: {found}" if found else ""
+        differing = differences(peace, contents(out))
+        differing.pop("config.yaml", None)  # says what was asked for; nothing reads it
+        return f"results differ: {differing}" if differing else ""
 
     return check

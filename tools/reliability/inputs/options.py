@@ -64,14 +64,14 @@ def options_of(shell: Shell, base: Base, places: dict[str, str]) -> list[Option]
     """Those that a command has."""
     arguments = [places.get(word, word) for word in shlex.split(base.command)]
     said = shell(*arguments, "--help-all", env={"COLUMNS": COLUMNS}).out
-    found = []
+    options = []
     lines = said.splitlines()
     for place, line in enumerate(lines):
         if match := LINE.match(line):
             rest = " ".join(part.strip(" │|") for part in lines[place : place + 12])
             default = re.search(r"\(default: ([^)]*)\)", rest)
-            found.append(Option(match[1], match[3] or "", default[1].strip() if default else ""))
-    return [option for option in found if option.name.startswith(base.asked) and option.name != "--help"]
+            options.append(Option(match[1], match[3] or "", default[1].strip() if default else ""))
+    return [option for option in options if option.name.startswith(base.asked) and option.name != "--help"]
 
 
 def values_for(option: Option, chance: random.Random) -> list[tuple[tuple[str, ...], bool]]:
@@ -88,27 +88,27 @@ def values_for(option: Option, chance: random.Random) -> list[tuple[tuple[str, .
     if kind == "STR":
         return [((text,) * count, False) for text in TEXTS]
     bad = [number for number in NUMBERS if number not in (option.default, option.default.split(" ")[0])]
-    found = []
+    values = []
     for word in (*bad, *NOT_ONE, *(WHOLE if kind == "INT" else ())):
         words = ["1"] * count
         words[chance.randrange(count)] = word
-        found.append((tuple(words), word != "None" or option.default != "None"))
-    return [*found, (("1",) * (count + 1), True)]
+        values.append((tuple(words), word != "None" or option.default != "None"))
+    return [*values, (("1",) * (count + 1), True)]
 
 
 def inputs(shell: Shell, chance: random.Random, many: int, folder: Path, places: dict[str, str]) -> list[Input]:
     """``many`` of all that there are, drawn by ``chance``; every command has some."""
-    found: dict[Base, list[Input]] = {}
+    tried: dict[Base, list[Input]] = {}
     for base in BASES:
-        found[base] = []
+        tried[base] = []
         for option in options_of(shell, base, places):
             for words, wrong in values_for(option, chance):
                 if wrong or not base.serves:
-                    number = len(found[base])
+                    number = len(tried[base])
                     out = folder / f"{BASES.index(base)}_{number}"
-                    found[base].append(_input(base, option, words, wrong, out, places))
-        chance.shuffle(found[base])
-    share = [found[base][: max(5, many * len(found[base]) // sum(map(len, found.values())))] for base in BASES]
+                    tried[base].append(_input(base, option, words, wrong, out, places))
+        chance.shuffle(tried[base])
+    share = [tried[base][: max(5, many * len(tried[base]) // sum(map(len, tried.values())))] for base in BASES]
     return [one for part in share for one in part]
 
 

@@ -59,10 +59,10 @@ def odd_weights(arrays: dict[str, np.ndarray]) -> Iterator[tuple[str, bytes, Cal
 def _same_arrays(raw: bytes, arrays: dict[str, np.ndarray]) -> bool:
     try:
         with np.load(io.BytesIO(raw), allow_pickle=False) as archive:
-            found = dict(archive)
+            stored = dict(archive)
     except Exception:  # whatever numpy, zipfile and zlib have to say
         return False
-    return found.keys() == arrays.keys() and all(np.array_equal(found[name], arrays[name]) for name in arrays)
+    return stored.keys() == arrays.keys() and all(np.array_equal(stored[name], arrays[name]) for name in arrays)
 
 
 def finite(out: Path, result: Callable[[Outcome], str]) -> Callable[[Outcome], str]:
