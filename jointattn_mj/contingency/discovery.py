@@ -24,7 +24,7 @@ from jointattn_mj.contingency.table import acted
 from jointattn_mj.errors import SeriesError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Finding:
     """An event and what is known about its contingency."""
 
@@ -43,6 +43,9 @@ class Finding:
     def event(self) -> str:
         """In one line."""
         return f"({self.sensor}, {self.action}) -> {self.result}"
+
+    def __repr__(self) -> str:
+        return f"Finding({self.event}: {self.significance.corrected:.3g} effective, adjusted p = {self.p_adjusted:.3g})"
 
 
 def discover(

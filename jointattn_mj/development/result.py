@@ -70,6 +70,13 @@ class DevelopmentResult:
 
         Raises:
             OutputError: The folder holds no finished run.
+
+        Examples:
+            >>> from jointattn_mj import Development, DevelopmentResult
+            >>> result = Development("fast", steps=500, seed=1).run()
+            >>> result.save("out/few_steps")
+            >>> DevelopmentResult.open("out/few_steps") == result
+            True
         """
         path = path_of(folder, "folder") / SUMMARY
         check_kind(path.parent, cls.__name__)
@@ -123,6 +130,13 @@ class DevelopmentResult:
 
         Raises:
             OutputError: The folder holds another run, or cannot be written.
+
+        Examples:
+            >>> from jointattn_mj import Development
+            >>> result = Development("fast", steps=500, seed=1).run()
+            >>> result.folder is None
+            True
+            >>> result.save("out/kept")
         """
         with claimed(out := path_of(folder, "folder")):
             self._source.save(out)

@@ -72,10 +72,22 @@ class Development:
 
     @classmethod
     def from_config(cls, config: DevelopmentConfig) -> "Development":
-        """The same for a config that is already there.
+        """Make a development of a config that is already there.
+
+        Args:
+            config: All options, such as those of a result.
+
+        Returns:
+            The development; its ``run`` does what the config says.
 
         Raises:
             ConfigError: It is no such config.
+
+        Examples:
+            >>> from jointattn_mj import Development
+            >>> config = Development("fast", steps=6000).config
+            >>> Development.from_config(config).steps
+            6000
         """
         check_argument("config", config, DevelopmentConfig)
         made = cls.__new__(cls)
@@ -87,6 +99,9 @@ class Development:
 
         Args:
             changes: Options by name, but for world and preset, from which others follow.
+
+        Returns:
+            Another development; this one stays as it is.
 
         Raises:
             ConfigError: No such option, or a value that is not allowed.

@@ -56,6 +56,12 @@ class PerceptionResult:
         Raises:
             OutputError: The folder holds no results of a video.
             ConfigError: Its config.yaml cannot be read.
+
+        Examples:
+            >>> from jointattn_mj import PerceptionResult, perceive
+            >>> _ = perceive("out/clip.mp4", out="out/perceived_again", overlay=False)
+            >>> PerceptionResult.open("out/perceived_again").summary["fixations"]
+            1
         """
         path = path_of(folder, "folder")
         check_kind(path, cls.__name__)

@@ -98,6 +98,12 @@ class SessionResult:
         Raises:
             OutputError: The folder holds no finished session.
             ConfigError: Its config.yaml cannot be read.
+
+        Examples:
+            >>> from jointattn_mj import Session, SessionResult
+            >>> result = Session(minutes=0.1, perception="state").run(out="out/session")
+            >>> SessionResult.open("out/session") == result
+            True
         """
         path = path_of(folder, "folder")
         check_kind(path, cls.__name__)
@@ -135,6 +141,11 @@ class SessionResult:
 
         Raises:
             OutputError: The folder holds another run, or cannot be written.
+
+        Examples:
+            >>> from jointattn_mj import Session
+            >>> result = Session(minutes=0.1, perception="state").run()
+            >>> result.save("out/kept_session")
         """
         out = path_of(folder, "folder")
         with claimed(out):

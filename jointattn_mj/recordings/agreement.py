@@ -30,7 +30,7 @@ class AgreementOptions(Checked):
     """Random seed of the resamples."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Agreement:
     """How far two coders agree on one tier."""
 
@@ -44,6 +44,11 @@ class Agreement:
     tolerance_s: float
     outside_s: float
     """Seconds that only one of the two has coded: they are left out."""
+
+    def __repr__(self) -> str:
+        return (
+            f"Agreement({self.tier!r}, {len(self.labels)} codes, kappa {self.kappa:.2f}, {self.matrix.sum():g} units)"
+        )
 
     @property
     def observed(self) -> float:

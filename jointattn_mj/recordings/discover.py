@@ -49,7 +49,7 @@ class DiscoverOptions(RecordingTestOptions):
         return len(self.sensors) * len(self.actions) * len(self.results)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class DiscoverResult:
     """All events, the most contingent first."""
 
@@ -57,6 +57,10 @@ class DiscoverResult:
     findings: tuple[Finding, ...]
     labels: dict[str, tuple[str, ...]]
     notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        first = f", first {self.findings[0].event}" if self.findings else ""
+        return f"DiscoverResult({len(self.findings)} events{first})"
 
     def rows(self) -> list[dict[str, Any]]:
         """A row an event."""

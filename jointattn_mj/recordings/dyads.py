@@ -54,7 +54,7 @@ class Comparison:
     """Two-sided, by permutation of the dyads over the groups."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class DyadResult:
     """A measure dyad by dyad."""
 
@@ -65,6 +65,9 @@ class DyadResult:
     """All dyads together, then each group."""
     comparisons: tuple[Comparison, ...]
     group_of: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"DyadResult({self.measure}, {len(self.names)} recordings, {len(self.groups)} groups)"
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a dyad."""

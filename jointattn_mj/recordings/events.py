@@ -72,6 +72,11 @@ class Events:
 
         Raises:
             SeriesError: Columns of different lengths, times that are no numbers, or an offset before its onset.
+
+        Examples:
+            >>> from jointattn_mj.recordings.events import Events
+            >>> Events.of(["infant", "infant"], ["toy", "face"], [0, 0.5], [0.5, 1]).table["code"].tolist()
+            ['toy', 'face']
         """
         import pyarrow as pa  # here, so that measures of arrays do without it
 
@@ -125,10 +130,23 @@ class Events:
         return f"Events({', '.join(counts)})"
 
     def select(self, tiers: Iterable[str] | None = None, recordings: Iterable[str] | None = None) -> "Events":
-        """The events of some tiers and recordings.
+        """Take the events of some tiers and recordings.
+
+        Args:
+            tiers: Names of tiers; None: all.
+            recordings: Names of recordings; None: all.
+
+        Returns:
+            Their events.
 
         Raises:
             SeriesError: There is no such tier or recording.
+
+        Examples:
+            >>> from jointattn_mj.recordings.events import Events
+            >>> gaze = Events.of(["infant", "mother"], ["toy", "face"], [0, 0.1], [0.5, 1])
+            >>> gaze.select(["infant"])
+            Events(1 event, 1 tier, 1 recording)
         """
         kept = self._known(tiers, self.tier_names, "tier"), self._known(recordings, self.recordings, "recording")
         rows = np.isin(self.table["tier"], kept[0]) & np.isin(self.table["recording"], kept[1])
@@ -137,7 +155,20 @@ class Events:
         return replace(self, table=Table(self.table.arrow.filter(rows)), tiers=names, spans=spans)
 
     def joined(self, *others: "Events") -> "Events":
-        """These events and those of ``others``: further recordings, or further tiers of the same ones."""
+        """Put events together.
+
+        Args:
+            others: Further recordings, or further tiers of the same ones.
+
+        Returns:
+            These events and all of ``others``.
+
+        Examples:
+            >>> from jointattn_mj.recordings.events import Events
+            >>> gaze = Events.of(["infant", "mother"], ["toy", "face"], [0, 0.1], [0.5, 1])
+            >>> gaze.joined(Events.of(["infant"], ["toy"], [0], [2], "second visit"))
+            Events(3 events, 2 tiers, 2 recordings)
+        """
         every = (self, *others)
         texts = [
             Texts.stacked([Texts(*dictionary(one.table.arrow[name])) for one in every])
@@ -185,15 +216,29 @@ class Events:
         Raises:
             SeriesError: No such tier, overlaps, missing codes, or no two steps that follow each other.
             ConfigError: An option that cannot work.
+
+        Examples:
+            >>> from jointattn_mj.recordings.events import Events
+            >>> gaze = Events.of(["infant", "mother"], ["toy", "face"], [0, 0.1], [0.5, 1])
+            >>> gaze.steps(0.25)
+            Recordings(4 rows, 1 recording, 2 columns: infant, mother)
         """
         options = SampleOptions(value_at=value_at, nothing=nothing, overlaps=overlaps, span=span, **more)
         return sample(self, step, self._known(tiers, self.tier_names, "tier"), options)
 
     def to_pandas(self) -> Any:
-        """The table as ``pandas.DataFrame``.
+        """Give the table as ``pandas.DataFrame``.
+
+        Returns:
+            The data frame, with the same columns.
 
         Raises:
             ExtraError: The package pandas is not installed.
+
+        Examples:
+            >>> from jointattn_mj.recordings.events import Events
+            >>> Events.of(["infant"], ["toy"], [0], [0.5]).to_pandas()["offset"].tolist()
+            [0.5]
         """
         return self.table.to_pandas()
 

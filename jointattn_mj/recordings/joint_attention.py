@@ -74,7 +74,7 @@ class GazeFollowing:
     """Seconds until the follower began to look there; NaN: not within the time allowed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class JointAttention:
     """What was derived."""
 
@@ -85,6 +85,9 @@ class JointAttention:
     rules: JointAttentionRules
     seconds: dict[str, float]
     """How long each recording was coded."""
+
+    def __repr__(self) -> str:
+        return f"JointAttention({len(self.seconds)} recordings, {len(self.opportunities)} looks that could be followed)"
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a recording: shares of time, numbers a minute, following and its latency, who leads."""
@@ -128,8 +131,8 @@ def joint_attention(events: Events, rules: JointAttentionRules | None = None) ->
 
     Examples:
         >>> looks = Events.of(["infant", "infant", "mother"], ["face", "cup", "cup"], [0, 4, 3], [4, 9, 9])
-        >>> found = joint_attention(looks)
-        >>> found.opportunities[0].follower, found.opportunities[0].latency
+        >>> attention = joint_attention(looks)
+        >>> attention.opportunities[0].follower, attention.opportunities[0].latency
         ('infant', 1.0)
     """
     rules = rules or JointAttentionRules()

@@ -19,9 +19,10 @@ from jointattn_mj.contingency.information import (
 )
 from jointattn_mj.contingency.lagged import timed
 from jointattn_mj.contingency.local import LocalContingency, carriers, local_of_steps
+from jointattn_mj.contingency.names import NAMES, full_name, measure_choice
 from jointattn_mj.contingency.scan import LagScan, scan_steps
 from jointattn_mj.contingency.series import check_base
-from jointattn_mj.contingency.significance import Significance, assess_measures
+from jointattn_mj.contingency.significance import MEASURES, Significance, assess_measures
 from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.io.results import bracket, claimed_paths, number, share, write_results
@@ -55,6 +56,8 @@ class MeasureOptions(RecordingTestOptions):
     """Column that may be influenced, the result."""
     condition: tuple[str, ...] = ()
     """Column that is known anyway, such as an action: gives T^C (eq. 4.3) and SAC (eq. 5.2) too."""
+    measures: tuple[Annotated[str, measure_choice(one.short for one in NAMES)], ...] = ()
+    """Which measures: te, mi, and with a condition sac, tc, cmi. None named: all of these, and linear Granger."""
     scan: str | None = None
     """Also measure at all lags from 1 to this one, in steps or as a time such as 3s, and correct p for their number."""
     by: str | None = None
@@ -72,6 +75,12 @@ class MeasureOptions(RecordingTestOptions):
         super().__post_init__()
         if self.scan is not None:
             check_delay("scan", self.scan)
+        without = [one.name for one in self._named if one not in self._possible]
+        if without:
+            raise ConfigError(f"`measures` names {without[0]}, which needs a `condition`, such as an action; got none")
+        if (self.by or self.scan or self.over == "recordings") and not self.scanned:
+            names = ", ".join(sorted(full_name(one) for one in ("sac", "tc", "te")))
+            raise ConfigError(f"`scan`, `by` and `over='recordings'` need one of {names} among `measures`")
         if self.by is not None and self.recording is None:
             raise ConfigError(
                 f"`by={self.by!r}` compares recordings; name the column that tells them apart with `recording`"
@@ -84,7 +93,20 @@ class MeasureOptions(RecordingTestOptions):
     @property
     def tests(self) -> int:
         """Number of measures."""
-        return len(CONDITIONED if self.condition else ALONE)
+        return len(self.chosen)
+
+    @property
+    def chosen(self) -> tuple[Measure, ...]:
+        """The measures, in the order of the table that is printed."""
+        return tuple(one for one in self._possible if one in self._named or not self.measures)
+
+    @property
+    def _possible(self) -> tuple[Measure, ...]:
+        return CONDITIONED if self.condition else ALONE
+
+    @property
+    def _named(self) -> list[Measure]:
+        return [MEASURES[full_name(one)] for one in self.measures]
 
     @property
     def draws(self) -> int:
@@ -94,10 +116,10 @@ class MeasureOptions(RecordingTestOptions):
     @property
     def scanned(self) -> tuple[Measure, ...]:
         """What is measured over lags."""
-        return (CONTINGENCY, COMBINED, TRANSFER) if self.condition else (TRANSFER,)
+        return tuple(one for one in self.chosen if one in (CONTINGENCY, COMBINED, TRANSFER))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Measured:
     """One measure of the series; values in units of the base."""
 
@@ -110,15 +132,19 @@ class Measured:
     values: tuple[LocalContingency, ...] = ()
     """What each combination of values adds to the measure, most first; none where histories are longer than a step."""
 
+    def __repr__(self) -> str:
+        return f"Measured({self.name}: {self.significance!r})"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class MeasureResult:
     """All measures of the series."""
 
     title: str
     measured: tuple[Measured, ...]
     granger: float
-    """Linear Granger causality, given the condition if there is one; NaN where there are too many values for it."""
+    """Linear Granger causality, given the condition if there is one; NaN where there are too many values for it, or
+    where measures were named."""
     notes: tuple[str, ...]
     scans: tuple[tuple[str, LagScan], ...] = ()
     """The measures over lags, if asked for."""
@@ -130,6 +156,10 @@ class MeasureResult:
     """Of source, condition and target."""
     labels: Mapping[str, Sequence[str]] = field(default_factory=dict)
     explain: int = 3
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{one.name} {one.significance.corrected:.3g}" for one in self.measured)
+        return f"MeasureResult({self.title}; {values})"
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a measure."""
@@ -183,7 +213,7 @@ class MeasureResult:
                 f"{share(one.normalised):>9}{significance.p:9.4f}"
             )
         lines += [
-            f"{'linear Granger':14}{number(self.granger):>10}",
+            *([] if np.isnan(self.granger) else [f"{'linear Granger':14}{number(self.granger):>10}"]),
             "",
             "effective: plug-in less the mean of surrogates of the source; share: of the most that is possible.",
             "Miller-M. and df: plug-in less analytic estimates of its bias.",
@@ -265,7 +295,7 @@ def _run(
         )
     dyads = _by_recording(given, data, options, streams[-1])
     try:
-        granger = _granger(given, options.base)
+        granger = float("nan") if options.measures else _granger(given, options.base)
     except SeriesError as error:
         granger = float("nan")
         notes.append(str(error))
@@ -314,8 +344,8 @@ def _measured(
 ) -> tuple[Measured, ...]:
     unit = check_base(options.base)
     entries = given.entries()
-    measures = CONDITIONED if options.condition else ALONE
-    rngs = [np.random.default_rng(stream) for stream in streams[: len(measures)]]
+    measures, possible = options.chosen, CONDITIONED if options.condition else ALONE
+    rngs = [np.random.default_rng(streams[possible.index(one)]) for one in measures]
     assessed = assess_measures(given, measures, options.test(), unit, rngs, progress)
     plain = options.source_history == options.target_history == 1 and len(entries.counts) <= MOST_COMBINATIONS
     measured = []
@@ -339,7 +369,8 @@ def _by_recording(
 ) -> tuple[DyadResult, ...]:
     """Values for each recording, where there are several."""
     count = len(set(data.groups))
-    if options.over == "steps" or (options.over == "auto" and options.by is None and count < ENOUGH_RECORDINGS):
+    few = options.over == "auto" and options.by is None and count < ENOUGH_RECORDINGS
+    if options.over == "steps" or few or not options.scanned:
         return ()
     names = {number: data.names[number] if data.names else str(number) for number in set(data.groups)}
     group_of = None if options.by is None else groups_by(data, options.by, names)

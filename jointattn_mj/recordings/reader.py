@@ -35,7 +35,24 @@ class ReadOptions(SourceOptions, SampleOptions):
     ADVANCED: ClassVar[Sequence[str]] = ("fractions",)
 
     def read(self, path: Any, columns: str | Sequence[str]) -> Recordings:
-        """The columns or tiers as :func:`read_recordings` reads them with these options."""
+        """Read columns or tiers as :func:`read_recordings` does, with these options.
+
+        Args:
+            path: A file, a folder of files, or a table of pandas, polars or pyarrow.
+            columns: Names of the variables to read, or one name.
+
+        Returns:
+            Codes by variable, recording by recording, and the label of each code.
+
+        Raises:
+            SeriesError: It cannot be read or sampled.
+
+        Examples:
+            >>> import pandas
+            >>> from jointattn_mj.recordings import ReadOptions
+            >>> ReadOptions().read(pandas.DataFrame({"gaze": ["toy", "away", "toy"]}), "gaze")
+            Recordings(3 rows, 1 recording, 1 column: gaze)
+        """
         names = [columns] if isinstance(columns, str) else list(dict.fromkeys(columns))
         if not names or not all(isinstance(name, str) for name in names):
             raise SeriesError(f"expected the name of a column, or several; got {shown(columns)}")
@@ -50,6 +67,13 @@ class Coding:
         source: A path, or a table of pandas, polars or pyarrow.
         options: How it is read.
         columns: Columns or tiers that are asked for; None: all.
+
+    Examples:
+        >>> import pandas
+        >>> from jointattn_mj import recordings
+        >>> coding = recordings.read(pandas.DataFrame({"mother": ["toy", "away"] * 50, "infant": ["toy", "toy"] * 50}))
+        >>> coding.steps().transitions
+        99
     """
 
     source: Any
@@ -98,6 +122,14 @@ class Coding:
         Raises:
             SeriesError: It cannot be read or sampled.
             ConfigError: An option that cannot work.
+
+        Examples:
+            >>> import pandas
+            >>> from jointattn_mj import recordings
+            >>> looks = ["toy", "away", "toy", "toy", "away"] * 40
+            >>> coding = recordings.read(pandas.DataFrame({"mother": looks[1:], "infant": looks[:-1]}))
+            >>> coding.steps()
+            Recordings(199 rows, 1 recording, 2 columns: mother, infant)
         """
         options = replace(self.options, step=step, **how)
         names = self.columns if columns is None else tuple([columns] if isinstance(columns, str) else columns)
@@ -141,6 +173,14 @@ class Coding:
         Raises:
             SeriesError: It cannot be read, sampled or measured.
             ConfigError: An option that cannot work.
+
+        Examples:
+            >>> import pandas
+            >>> from jointattn_mj import recordings
+            >>> looks = ["toy", "away", "toy", "toy", "away"] * 40
+            >>> coding = recordings.read(pandas.DataFrame({"mother": looks[1:], "infant": looks[:-1]}))
+            >>> [one.name for one in coding.measure("mother", "infant", surrogates=99).measured]
+            ['TE(s -> r)', "I(s; r')"]
         """
         from jointattn_mj.recordings.measure import MeasureOptions, run_measure
 
@@ -171,6 +211,15 @@ class Coding:
         Raises:
             SeriesError: It cannot be read, sampled or measured.
             ConfigError: An option that cannot work.
+
+        Examples:
+            >>> import pandas
+            >>> from jointattn_mj import recordings
+            >>> looks = ["toy", "away", "toy", "toy", "away"] * 40
+            >>> coding = recordings.read(pandas.DataFrame({"mother": looks[1:], "infant": looks[:-1]}))
+            >>> events = coding.discover("mother", "infant", "infant", surrogates=99)
+            >>> len(events.rows())
+            1
         """
         from jointattn_mj.recordings.discover import DiscoverOptions, run_discover
 

@@ -92,7 +92,7 @@ class ReportOptions(ReadOptions, JointAttentionRules):
         return delay_in_steps("scan", self.scan, self.step)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class RecordingReport:
     """What the page shows."""
 
@@ -112,6 +112,10 @@ class RecordingReport:
     """What was left out, and why; where p-values come from."""
     out: Path | None = None
     """Where it was written."""
+
+    def __repr__(self) -> str:
+        where = "" if self.out is None else f", in {self.out}"
+        return f"RecordingReport({len(self.attention.seconds)} recordings, {len(self.pairs)} pairs of tiers{where})"
 
     def text(self) -> str:
         """The main values, to read on a terminal."""

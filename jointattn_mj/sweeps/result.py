@@ -69,6 +69,12 @@ class ClaimResult:
         Raises:
             ConfigError: There is no such claim.
             OutputError: The folder holds no trials of it.
+
+        Examples:
+            >>> from jointattn_mj import ClaimResult, run_claim
+            >>> _ = run_claim("5.2", out="out/claims", runs=1)
+            >>> ClaimResult.open("out/claims", "5.2").entry.title
+            'Gaze following, looking back, gaze alternation'
         """
         path = path_of(folder, "folder")
         registry = experiments_registry() if registry is None else registry
@@ -89,7 +95,16 @@ class ClaimResult:
         )
 
     def table(self) -> Table:
-        """The findings, a row each: value, 95% interval, standard deviation, number of runs, verdict."""
+        """Give the findings as a table.
+
+        Returns:
+            A row a finding: value, 95% interval, standard deviation, number of runs, verdict.
+
+        Examples:
+            >>> from jointattn_mj import run_claim
+            >>> len(run_claim("5.2", out="out/claims", runs=1).table()) > 1
+            True
+        """
         rows = [finding_row(finding) for finding in self.findings]
         texts, whole = ("what", "dissertation", "verdict", "note"), ("n",)
         names = ("what", "dissertation", "value", "low", "high", "sd", "n", "verdict", "note")
