@@ -54,7 +54,7 @@ class Look:
 
     activations: np.ndarray
     category: int
-    hers: np.ndarray
+    target: np.ndarray
     others: np.ndarray
 
 
@@ -124,10 +124,10 @@ def _looks(run: ContinuousRun, count: int, seed: np.random.SeedSequence) -> Iter
         step(stage.table, action, stage.sensors, stage.results)
         stage.show(0, run.heads)
         shown = run.body.perceive()
-        hers = run.target()
-        if shown.pattern is None or hers is None:
+        target = run.target()
+        if shown.pattern is None or target is None:
             continue
-        directions = directions_to(np.vstack([hers, stage.world.caregiver.objects]))
+        directions = directions_to(np.vstack([target, stage.world.caregiver.objects]))
         others = directions[1:][np.abs(directions[1:] - directions[0]).max(axis=1) > 1e-9]
         categories = run.senses.categories
         yield Look(categories.som.activations(shown.pattern), categories.of(shown.pattern), directions[0], others)
@@ -177,12 +177,12 @@ def _examined(
 ) -> Iterable[dict[str, Any]]:
     """Errors of a learner on ``looks`` at each checkpoint after step ``start``, up to step ``end``."""
     left = list(pairs)
-    for turns in CHECKPOINTS:
-        if start + turns > end:
+    for steps in CHECKPOINTS:
+        if start + steps > end:
             return
-        while left and left[0].step < start + turns:
+        while left and left[0].step < start + steps:
             learner.learn(left[0].activations, Places.only(left.pop(0).direction))
-        yield {"turns": turns, "pairs": len(pairs) - len(left),
+        yield {"turns": steps, "pairs": len(pairs) - len(left),
                **_judged([learner.predict(look.activations) for look in looks], looks)}  # fmt: skip
 
 
@@ -191,7 +191,7 @@ def _judged(directions: Sequence[np.ndarray | None], looks: Sequence[Look]) -> d
     off, nearest = [], 0
     for direction, look in zip(directions, looks, strict=True):
         if direction is not None:
-            off.append(off_centre(look.hers, direction))
+            off.append(off_centre(look.target, direction))
             nearest += all(off[-1] <= off_centre(other, direction) for other in look.others)
     return {
         "answered": len(off) / len(looks),

@@ -10,7 +10,7 @@ from jointattn_mj.sweeps.claim import Setting
 from ..tables import TableRunConfig, run_table, table_config
 
 FIRST_SEED = 30_000
-SETTINGS = {"chapter4": Setting(table_config("chapter4", turns=30_000), runs=20)}
+SETTINGS = {"chapter4": Setting(table_config("chapter4", n_steps=30_000), runs=20)}
 
 
 def shifts_to_objects(run: DevelopmentRun) -> tuple[np.ndarray, np.ndarray]:

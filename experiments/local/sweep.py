@@ -14,7 +14,7 @@ from jointattn_mj.development.rendered.observer import ObservedRun
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.sweeps.claim import Setting
 
-from ..rendered_turns.sweep import UNSTEADY
+from ..rendered.sweep import UNSTEADY
 
 CHANCES = (0.25, 0.5, 0.75)
 SPOTS = (2, 4, 5, 6, 8)

@@ -14,7 +14,7 @@ RATES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 EPOCHS = (1, 3, 10)
 
 FIRST_SEED = 30_000
-SETTINGS = {"chapter4": Setting(table_config("chapter4", turns=30_000), runs=20)}
+SETTINGS = {"chapter4": Setting(table_config("chapter4", n_steps=30_000), runs=20)}
 
 
 @njit(cache=True)

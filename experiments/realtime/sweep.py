@@ -31,7 +31,7 @@ class Hour(Checked):
 
 
 @dataclass(frozen=True)
-class Turns(Checked):
+class TableHour(Checked):
     """The same agent at the symbolic table, for about as many steps as an ``Hour`` has."""
 
     table: TableConfig
@@ -52,15 +52,17 @@ SETTINGS = {
     "pixels/no_cues": Setting(_hour("pixels", False), runs=20),
     "state/cues": Setting(_hour("state", True, 90.0), runs=20),
     "state/no_cues": Setting(_hour("state", False, 90.0), runs=20),
-    "table": Setting(Turns(PRESETS["fast"].world, STEPS_AN_HOUR), runs=100),
-    "table, objects stay": Setting(Turns(replace(PRESETS["fast"].world, replaced_every=40), STEPS_AN_HOUR), runs=100),
+    "table": Setting(TableHour(PRESETS["fast"].world, STEPS_AN_HOUR), runs=100),
+    "table, objects stay": Setting(
+        TableHour(replace(PRESETS["fast"].world, replaced_every=40), STEPS_AN_HOUR), runs=100
+    ),
 }
 """Perception, a slash, and whether there are motion cues; then runs at the symbolic table."""
 
 
-def trial(config: Hour | Turns, seed: int) -> dict[str, Any]:
+def trial(config: Hour | TableHour, seed: int) -> dict[str, Any]:
     """Modules, what they mean, when they were made, and how the robot saw and moved."""
-    if isinstance(config, Turns):
+    if isinstance(config, TableHour):
         preset = PRESETS["fast"]
         table = TableRun(config.table, preset.agent, seed, config.steps, sample_every=config.steps)
         while table.steps_done < table.n_steps and len(table.detections) < MODULES:

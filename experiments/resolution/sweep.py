@@ -25,7 +25,7 @@ class RunConfig(Checked):
     spots: Annotated[int, Whole("[2, 120]")]
     images: bool = False
     """Whether every step is rendered; else faces come from an album of images, and objects from geometry."""
-    turns: Annotated[int, Whole("[1, 1e10]")] = 40_000
+    n_steps: Annotated[int, Whole("[1, 1e10]")] = 40_000
     agent_steps: Annotated[int, Whole("[0, 1e10]")] = 20_000
     growing: GrowingConfig = field(default_factory=GrowingConfig)
 
@@ -35,7 +35,7 @@ FILM = Path(__file__).with_name("resolution.mp4")
 """Made by ``python -m experiments.resolution.film``."""
 SETTINGS = {
     **{f"{spots} spots": Setting(RunConfig(spots), runs=20) for spots in (2, 3, 4, 5)},
-    "an image every turn, 3 spots": Setting(RunConfig(3, images=True, turns=20_000, agent_steps=10_000), runs=4),
+    "an image every step, 3 spots": Setting(RunConfig(3, images=True, n_steps=20_000, agent_steps=10_000), runs=4),
 }
 
 
@@ -44,7 +44,7 @@ def trial(config: RunConfig, seed: int) -> dict[str, Any]:
     preset = PRESETS["fast"]
     table = replace(preset.world, spots=config.spots, objects=min(2, config.spots - 1))
     babbling = Babbling(table, config.growing, seed, FreeGazeBody if config.images else RecallingBody)
-    babbling.advance(config.turns)
+    babbling.advance(config.n_steps)
     growth, given = babbling.growth, babbling.experience()
     confusion = _confusion(babbling)
     truth = np.degrees(babbling.body.stage.locations)
@@ -98,9 +98,9 @@ def _shuffled(babbling: Babbling, rng: np.random.Generator) -> int:
     units[sensed] = rng.permutation(units[sensed])
     growth = Growth(babbling.body.som.weights, babbling.body.space, babbling.body.config.resolution)
     shuffled = given._replace(units=units)
-    for turns in range(500, len(units) + 1, 500):
-        if growth.due(turns):
-            growth.update(shuffled.some(slice(turns)))
+    for steps in range(500, len(units) + 1, 500):
+        if growth.due(steps):
+            growth.update(shuffled.some(slice(steps)))
     return len(growth.steps)
 
 

@@ -126,5 +126,5 @@ class PerceptionResult:
         fixations = f"{summary['fixations']} fixation{'s' * (summary['fixations'] != 1)}"
         return (
             f"PerceptionResult({summary['watched_seconds']:.1f} s of {self.config.video.name}, "
-            f"face in {summary['found']['face']:.0%}, {fixations}, in {self.folder})"
+            f"face in {summary['detected']['face']:.0%}, {fixations}, in {self.folder})"
         )

@@ -18,13 +18,14 @@ from jointattn_mj.footage.overlay import HEIGHT, WIDTH, FootageOverlay
 from jointattn_mj.footage.people_log import PeopleLog
 from jointattn_mj.footage.reader import RATE, Still
 from jointattn_mj.footage.spans import write_spans
-from jointattn_mj.footage.summary import summarise
+from jointattn_mj.footage.summary import OLD_KEYS, summarise
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.io import checkpoint
 from jointattn_mj.io.files import claimed, write_whole
 from jointattn_mj.io.interrupts import Interrupts, deferred
 from jointattn_mj.io.provenance import plain, write_config
 from jointattn_mj.io.rows import RowStore, forget_log, log_folder
+from jointattn_mj.options import warn_renamed
 from jointattn_mj.video.parted import PartedReel
 from jointattn_mj.video.reel import find_ffmpeg
 
@@ -196,8 +197,12 @@ def read_summary(out: Path) -> dict[str, Any]:
     """
     try:
         summary: dict[str, Any] = json.loads((out / "summary.json").read_text())
+        for old, name in OLD_KEYS.items():
+            if old in summary:
+                warn_renamed(f"{old} in {out / 'summary.json'}", name)
+                summary[name] = summary.pop(old)
         return summary
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, AttributeError) as error:
         raise OutputError(f"{out / 'summary.json'} is missing or damaged; give the folder of a video") from error
 
 

@@ -9,6 +9,8 @@ from jointattn_mj.footage.faces import KEPT
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.viewing import Viewing
 
+OLD_KEYS = {"found": "detected"}
+"""Keys of ``summary.json`` by their names in the last version."""
 FEWEST_FPS = 15
 """Images a second below which motion and its end are detected late."""
 MOST_CHECKS = 100

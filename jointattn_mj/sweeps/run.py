@@ -18,8 +18,8 @@ from jointattn_mj.sweeps.worker import Outcome, compute, pack
 
 GOLDEN = 0.618
 """Runs that share a folder begin this share of the queue apart, which spreads any number of them."""
-FORMER_STATE = "truth/"
-"""Beginning of settings that version 0.1 called so; they now begin with ``state/``."""
+FORMER_SETTINGS = {"truth/": "state/", "an image every turn": "an image every step"}
+"""Beginnings of settings as version 0.1 called them, and as they are called now."""
 WAIT_S = 1.0
 """Seconds after which progress is reported though no trial has ended."""
 
@@ -89,8 +89,9 @@ class Selection(Checked):
         if self.setting in claim.settings:
             return [self.setting]
         chosen = [name for name in claim.settings if name.startswith(self.setting)]
-        if not chosen and self.setting.startswith(FORMER_STATE):
-            current = self.setting.replace(FORMER_STATE, "state/", 1)
+        former = next((name for name in FORMER_SETTINGS if self.setting.startswith(name)), None)
+        if not chosen and former is not None:
+            current = self.setting.replace(former, FORMER_SETTINGS[former], 1)
             chosen = replace(self, setting=current).names(claim)
             if chosen:
                 warn_renamed(f"setting {self.setting}", current)

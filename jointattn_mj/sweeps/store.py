@@ -35,7 +35,7 @@ TRIALS, FORMER_TRIALS = "trials", "cells"
 NAMES_IN_KEYS = {
     "agent": "mind", "holding_location": "holding_place", "rest_location": "rest_place", "location_gain": "place_gain",
     "agent_steps": "mind_turns", "images": "pictures", "image_height": "picture_height", "calibration": "greeting",
-    "exploration": "watching", "modelled": "claimed", "stop_rule": "rule", "stability_of": "of",
+    "exploration": "watching", "n_steps": "turns", "modelled": "claimed", "stop_rule": "rule", "stability_of": "of",
 }  # fmt: skip
 """Renamed fields of configs: name now, name when trials were first stored. Keys and stored configs keep the first name,
 so that trials stored before are found. A new row here belongs to every renaming of such a field."""

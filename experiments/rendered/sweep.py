@@ -20,7 +20,7 @@ class Visible(Checked):
     """An agent of a preset at the table of chapter 5."""
 
     preset: Annotated[str, Choice(PRESETS)]
-    turns: Annotated[int, Whole("[1, 1e10]")]
+    n_steps: Annotated[int, Whole("[1, 1e10]")]
     """Most steps until three modules are made."""
     rendered: RenderedConfig = field(default_factory=RenderedConfig)
 
@@ -52,9 +52,9 @@ FILM = Path(__file__).with_name("gaze_alternation.mp4")
 def trial(config: Visible, seed: int) -> dict[str, Any]:
     """Modules and their steps, from images and at the symbolic table; what was detected under each state."""
     preset = PRESETS[config.preset]
-    run = RenderedRun(preset.world, config.rendered, preset.agent, seed, config.turns, sample_every=config.turns)
+    run = RenderedRun(preset.world, config.rendered, preset.agent, seed, config.n_steps, sample_every=config.n_steps)
     try:
-        symbolic = TableRun(preset.world, preset.agent, seed, config.turns, sample_every=config.turns)
+        symbolic = TableRun(preset.world, preset.agent, seed, config.n_steps, sample_every=config.n_steps)
         return {
             **_until_three_modules(run),
             "directions": _directions(run),
