@@ -185,7 +185,9 @@ class Checked(metaclass=_ConfigType):
     def __repr__(self) -> str:
         """What differs from the defaults, as the code that makes the config: ``SessionConfig(minutes=2, seed=3)``."""
         given = [
-            f"{one.name}={getattr(self, one.name)!r}" for one in fields(cast(Any, self)) if not _is_default(self, one)
+            f"{field.name}={getattr(self, field.name)!r}"
+            for field in fields(cast(Any, self))
+            if not _is_default(self, field)
         ]
         return f"{type(self).__name__}({', '.join(given)})"
 

@@ -68,20 +68,23 @@ def trial(config: RunConfig, seed: int) -> dict[str, Any]:
     following = None
     while run.steps_done < config.most and following is None:
         run.advance(100)
-        following = next((one for one in run.detections if one.module and _follows(run, one.module.event)), None)
+        following = next(
+            (detection for detection in run.detections if detection.module and _follows(run, detection.module.event)),
+            None,
+        )
     categories = run.senses.categories.count
     if following is None:
         return {"found": None, "categories": categories}
     run.advance(config.after)
     by = {
-        name: [(one.off_deg, one.nearest) for one in run.landings if one.by_map is by_map]
+        name: [(landing.off_deg, landing.nearest) for landing in run.landings if landing.by_map is by_map]
         for name, by_map in (("table", False), ("map", True))
     }
     looks = list(_looks(run, config.looks, np.random.SeedSequence(seed).spawn(7)[6]))
     return {
         "found": following.step,
         "categories": categories,
-        "ready": next((one.step for one in run.landings if one.by_map), None),
+        "ready": next((landing.step for landing in run.landings if landing.by_map), None),
         "landings": {name: _landed(rows) for name, rows in by.items()},
         "pairs": _numbers(run.pairs, following.step),
         "maps": _maps(run, following.step, looks),

@@ -87,12 +87,12 @@ def trial(config: Hour | TableHour, seed: int) -> dict[str, Any]:
 
 
 def _made(run: DevelopmentRun) -> dict[str, Any]:
-    made = [one for one in run.detections if one.module is not None]
+    made = [detection for detection in run.detections if detection.module is not None]
     variables = run.named_variables()
     return {
-        "modules": [variables.symbol(one.event) for one in made],
+        "modules": [variables.symbol(detection.event) for detection in made],
         "means": [meaning.label for meaning in meanings(variables, run.agent.modules)],
-        "turns": [one.step for one in made],
+        "turns": [detection.step for detection in made],
         "lived": run.steps_done,
     }
 
@@ -100,7 +100,7 @@ def _made(run: DevelopmentRun) -> dict[str, Any]:
 def _directions(run: RealtimeRun) -> list[int] | None:
     """Commands of gaze following's map, if it was found first: how many, and how many lead to where the caregiver then
     mostly looks."""
-    first = next((one.module for one in run.detections if one.module is not None), None)
+    first = next((detection.module for detection in run.detections if detection.module is not None), None)
     if first is None or run.agent.variables.symbol(first.event) != "(S1, A1, R3)":
         return None
     mostly, commands = run.confusion()[:-1].argmax(axis=1), first.command[:, :-1]

@@ -70,15 +70,15 @@ def trial(config: Visible, seed: int) -> dict[str, Any]:
 def _until_three_modules(run: DevelopmentRun) -> dict[str, Any]:
     while run.steps_done < run.n_steps and len(run.detections) < 3:
         run.advance(500)
-    made = [one for one in run.detections if one.module is not None]
-    symbols = [run.agent.variables.symbol(one.event) for one in made]
-    return {"modules": symbols, "turns": [one.step for one in made], "lived": run.steps_done}
+    made = [detection for detection in run.detections if detection.module is not None]
+    symbols = [run.agent.variables.symbol(detection.event) for detection in made]
+    return {"modules": symbols, "turns": [detection.step for detection in made], "lived": run.steps_done}
 
 
 def _directions(run: RenderedRun) -> list[int] | None:
     """Commands of gaze following's map, if it was found first: how many, and how many lead to where the caregiver then
     mostly looks."""
-    first = next((one.module for one in run.detections if one.module is not None), None)
+    first = next((detection.module for detection in run.detections if detection.module is not None), None)
     if first is None or run.agent.variables.symbol(first.event) != "(S1, A1, R3)":
         return None
     mostly, commands = run.confusion()[:-1].argmax(axis=1), first.command[0, :-1]

@@ -63,7 +63,12 @@ def trial(config: RunConfig, seed: int) -> dict[str, Any]:
     while run.steps_done < config.agent_steps and following is None:
         run.advance(100)
         following = next(
-            (one for one in run.detections if one.module and _follows(run.agent.variables, one.module)), None
+            (
+                detection
+                for detection in run.detections
+                if detection.module and _follows(run.agent.variables, detection.module)
+            ),
+            None,
         )
     result["first"] = run.agent.variables.symbol(run.detections[0].event) if run.detections else None
     result["found"] = None if following is None else following.step

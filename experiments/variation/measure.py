@@ -71,7 +71,7 @@ def measure(preset: str, options: Options) -> tuple[dict[str, int], np.ndarray]:
         images.append(step.observation["camera"])
     environment.close()
     faces, objects, in_view = np.sum(rows, axis=0).tolist()
-    band = np.hstack([cv2.resize(one, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA) for one in images[:SHOWN]])
+    band = np.hstack([cv2.resize(image, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA) for image in images[:SHOWN]])
     for colour, thickness in (((255, 255, 255), 3), ((0, 0, 0), 1)):
         cv2.putText(band, preset, (6, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.55, colour, thickness, cv2.LINE_AA)
     return {"draws": options.draws, "faces": faces, "objects": objects, "objects_in_view": in_view}, band

@@ -112,7 +112,7 @@ def discover(
     events = list(product(sensors, actions, results))
     for event, stream in zip(events, _seeds(seed).spawn(len(events)), strict=True):
         tested.append(_tested(data, event, groups, timing, chosen, given, unit, generator(stream), progress))
-    adjusted = adjust([one.significance.p for one in tested], how)
+    adjusted = adjust([finding.significance.p for finding in tested], how)
     tested = [replace(one, p_adjusted=float(p)) for one, p in zip(tested, adjusted, strict=True)]
     ranked = sorted(tested, key=lambda one: -one.significance.corrected)
     for i, one in enumerate(ranked[:explain]):

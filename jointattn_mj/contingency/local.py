@@ -180,7 +180,9 @@ def carriers(
         alpha: Level of significance, after the correction.
         most: So many at most.
     """
-    return tuple(one for one in combinations if one.contribution > 0 and one.p_adjusted <= alpha)[:most]
+    return tuple(
+        combination for combination in combinations if combination.contribution > 0 and combination.p_adjusted <= alpha
+    )[:most]
 
 
 def _of_axes(entries: Entries, axes: str) -> Entries:

@@ -166,14 +166,14 @@ def scan_steps(
     remembered = memory(first, measure)
     method = chosen_method(first, remembered, options)
     how = "shift" if method == "permutation" else method
-    tables = [displaced(one, [measure]) for one in at_lags]
+    tables = [displaced(shifted, [measure]) for shifted in at_lags]
     moved = moves(first, how, max(remembered.fresh_after, max(lags) - min(lags)), remembered.block)
 
     def values(pieces: np.ndarray) -> np.ndarray:
         return np.concatenate([table.values(pieces) for table in tables])
 
     null = drawn(moved, values, first.transitions * len(tables), options.surrogates, rng, progress) / unit
-    value = np.array([measure.value(one.entries()) for one in at_lags]) / unit
+    value = np.array([measure.value(shifted.entries()) for shifted in at_lags]) / unit
     mean, sd = null.mean(0), null.std(0)
     rounding = 1e-12 * np.maximum(1, np.abs(value))
     sound = np.where(sd > rounding, sd, 1.0)

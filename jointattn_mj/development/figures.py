@@ -120,8 +120,8 @@ def draw_behaviour(path: Path, series: Series, parts: Sequence[BehaviourPhase], 
     rates = moving_rates(series, steps)
     for number, (short, words) in enumerate(zip(SHORT, BEHAVIOURS, strict=True)):
         axes.plot(steps, rates[:, number], color=BEHAVIOUR_INKS[number], lw=1.6, label=f"{short}  {words}")
-    for one in made:
-        axes.axvline(one.step, color="#2c3e50", lw=1, ls="--")
+    for detection in made:
+        axes.axvline(detection.step, color="#2c3e50", lw=1, ls="--")
     for number, part in enumerate(parts):
         first, last = part.first, min(part.last, end)
         if last - first > 0.03 * end:
@@ -161,7 +161,7 @@ def draw_maps(path: Path, maps: Sequence[MapImage]) -> None:
         path: PNG file.
         maps: In the order in which the modules were made.
     """
-    inches = [ROW * one.module.command.size + 1.1 for one in maps] or [1.0]
+    inches = [ROW * image.module.command.size + 1.1 for image in maps] or [1.0]
     figure = Figure(figsize=(WIDTH, sum(inches) + 1.0), layout="constrained")
     grid = figure.subplots(len(inches), 1, squeeze=False, height_ratios=inches).ravel()
     for axes in grid:

@@ -130,7 +130,7 @@ def _steps(run: DevelopmentRun) -> Iterator[pa.Table]:
 
 def _made(run: DevelopmentRun) -> list[int]:
     """Steps done when each module was made."""
-    return [one.step for one in run.detections if one.module is not None]
+    return [detection.step for detection in run.detections if detection.module is not None]
 
 
 def _drivers(run: DevelopmentRun) -> tuple[tuple[str, ...], np.ndarray]:

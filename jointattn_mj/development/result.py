@@ -120,7 +120,7 @@ class DevelopmentResult:
     @cached_property
     def maps(self) -> tuple["Table", ...]:
         """The map of each module: under which observables it gives which command, how reliably, and what it expects."""
-        return tuple(self._source.map(one.number) for one in self.modules)
+        return tuple(self._source.map(module.number) for module in self.modules)
 
     def save(self, folder: str | PathLike[str]) -> None:
         """Write summary, tables, maps, figures and config to a folder, as ``jointattn develop`` does.
@@ -228,7 +228,7 @@ class Finished:
     def __init__(self, config: DevelopmentConfig, run: DevelopmentRun):
         self._config, self._run = config, run
         self._variables = run.named_variables()
-        self._made = [one for one in run.detections if one.module is not None]
+        self._made = [detection for detection in run.detections if detection.module is not None]
         self._meanings = meanings(self._variables, run.agent.modules)
 
     def result(self) -> DevelopmentResult:
@@ -276,7 +276,7 @@ class Finished:
         return summarise(self._run, names, self._meanings, self._phases())
 
     def _phases(self) -> list[BehaviourPhase]:
-        return phases(BehaviourLog(self._run), [one.step for one in self._made])
+        return phases(BehaviourLog(self._run), [detection.step for detection in self._made])
 
     def _draw(self, folder: Path) -> None:
         from jointattn_mj.development import figures

@@ -53,10 +53,13 @@ def _seconds(percepts: Path) -> float:
 
 def _where(axes: Axes, image: np.ndarray, fixations: list[Fixation], inks: list[Ink]) -> None:
     axes.imshow(image // 2 + 127)
-    visible = [one for one in fixations if one.frames_visible]
-    locations = np.array([one.px_sum / one.frames_visible for one in visible]).reshape(-1, 2)
+    visible = [fixation for fixation in fixations if fixation.frames_visible]
+    locations = np.array([fixation.px_sum / fixation.frames_visible for fixation in visible]).reshape(-1, 2)
     axes.plot(*locations.T, color="#34495e", lw=0.6, alpha=0.5)
-    sizes, colours = [160 * one.seconds for one in visible], [inks[one.candidate] for one in visible]
+    sizes, colours = (
+        [160 * fixation.seconds for fixation in visible],
+        [inks[fixation.candidate] for fixation in visible],
+    )
     axes.scatter(locations[:, 0], locations[:, 1], sizes, colours, alpha=0.55, edgecolors="white", linewidths=0.8)
     axes.set(xticks=[], yticks=[])
     axes.set_title("Where the robot would look (area: how long)", loc="left", weight="bold")
@@ -65,7 +68,11 @@ def _where(axes: Axes, image: np.ndarray, fixations: list[Fixation], inks: list[
 
 def _when(axes: Axes, fixations: list[Fixation], names: tuple[str, ...], inks: list[Ink], start_s: float) -> None:
     for number in range(len(names)):
-        bars = [(start_s + one.start / RATE, one.seconds) for one in fixations if one.candidate == number]
+        bars = [
+            (start_s + fixation.start / RATE, fixation.seconds)
+            for fixation in fixations
+            if fixation.candidate == number
+        ]
         axes.broken_barh(bars, (len(names) - 1 - number - 0.4, 0.8), facecolors=inks[number])
     axes.set(yticks=range(len(names)), yticklabels=names[::-1], ylim=(-0.6, len(names) - 0.4))
     axes.set_title("What it would look at, and when", loc="left", weight="bold")

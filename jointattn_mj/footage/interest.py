@@ -60,11 +60,11 @@ class FaceOfInterest:
         """
         rule = self._rule
         if rule.person is not None:
-            return next((one for one in seen if one.person == rule.person), None)
+            return next((face for face in seen if face.person == rule.person), None)
         if rule.region is not None:
             x0, y0, x1, y1 = rule.region
-            return next((one for one in seen if x0 <= one.centre[0] <= x1 and y0 <= one.centre[1] <= y1), None)
-        own = None if cut else next((one for one in seen if one.track == self._track), None)
+            return next((face for face in seen if x0 <= face.centre[0] <= x1 and y0 <= face.centre[1] <= y1), None)
+        own = None if cut else next((face for face in seen if face.track == self._track), None)
         if own is None:
             self._missing = PATIENCE + 1 if cut else self._missing + 1
             if not seen or (self._track and self._missing <= PATIENCE):

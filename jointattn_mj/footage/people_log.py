@@ -74,9 +74,9 @@ class PeopleLog:
         Raises:
             OutputError: The log cannot be written.
         """
-        for one in seen:
-            about = (frame, image, one.track, one is chosen)
-            self.rows.append(np.concatenate([about, one.face, (one.yaw_deg, one.yaw_error_deg)]))
+        for face in seen:
+            about = (frame, image, face.track, face is chosen)
+            self.rows.append(np.concatenate([about, face.face, (face.yaw_deg, face.yaw_error_deg)]))
 
     def write(self, path: Path, start_s: float, owner: Mapping[int, tuple[int, bool]]) -> None:
         """Write all rows as a Parquet file.

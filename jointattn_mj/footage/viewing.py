@@ -81,7 +81,7 @@ class Viewing:
         attention, album = (np.random.default_rng(seed) for seed in np.random.SeedSequence(config.seed).spawn(2))
         self.footage = Footage(config.video, config.fps)
         table, self.rgb = label_table(config.objects, {}, config.areas_each, config.pixels.colours)
-        by_colour = np.array([one.picked is None for one in sought_objects(config.objects)])
+        by_colour = np.array([item.picked is None for item in sought_objects(config.objects)])
         areas = FootageAreas(table, by_colour, config.areas_each, config.pixels.colours, config.areas, RATE)
         followed = FollowedFace() if config.detector == "yunet" else None
         perceiver = FootagePerception(config.pixels, areas, Rest(config.rest, count), followed, config.face_follow)
@@ -158,14 +158,19 @@ class Viewing:
         """When who was in the image, when it was cut or the camera moved, and where the robot would have looked."""
         owner = self.people.owner if self.people is not None else {}
         named = {f"track {track}": f"person {person}{'' if sure else '?'}" for track, (person, sure) in owner.items()}
-        kept = [replace(one, code=named.get(one.code, one.code)) for one in self.spans.all if one.tier != CHECK]
-        looks = [Span("robot looks at", self.names[one.candidate], one.start, one.end) for one in self.fixations.all]
+        kept = [replace(span, code=named.get(span.code, span.code)) for span in self.spans.all if span.tier != CHECK]
+        looks = [
+            Span("robot looks at", self.names[fixation.candidate], fixation.start, fixation.end)
+            for fixation in self.fixations.all
+        ]
         return kept + looks
 
     def checks(self) -> list[Span]:
         """What somebody should look at."""
         brief = {LOST: LOST_FRAMES}
-        return [one for one in self.spans.all if one.tier == CHECK and one.end - one.start >= brief.get(one.code, 1)]
+        return [
+            span for span in self.spans.all if span.tier == CHECK and span.end - span.start >= brief.get(span.code, 1)
+        ]
 
     def known_boxes(self) -> np.ndarray:
         """(k, 4) x, y, width and height of every face that is followed, believed or not, or was lost a moment ago."""
@@ -191,7 +196,7 @@ class Viewing:
     def _boxes(self, mapped: FrameMap) -> np.ndarray:
         """(k, 4) x, y, width and height of all faces, pixels of the robot's image, the face of interest first."""
         seen = sorted(self.seen, key=lambda one: one is not self.chosen)
-        boxes = np.array([one.smooth for one in seen]).reshape(-1, 4)
+        boxes = np.array([face.smooth for face in seen]).reshape(-1, 4)
         corners = mapped.to_image(boxes[:, :2] - 0.5)
         return np.hstack([corners, boxes[:, 2:] * (mapped.scale_x, mapped.scale_y)])
 

@@ -83,14 +83,18 @@ class DyadResult:
     def lines(self) -> list[str]:
         """The groups and their comparison, in words."""
         lines = [
-            f"{self.measure}, {one.name}: mean effective value {number(one.mean)} {bracket(one.interval)} over "
-            f"{one.dyads} recordings, p {_p(one.p)}"
-            for one in self.groups
+            f"{self.measure}, {group.name}: mean effective value {number(group.mean)} {bracket(group.interval)} over "
+            f"{group.dyads} recordings, p {_p(group.p)}"
+            for group in self.groups
         ]
-        for one in self.comparisons:
-            what = f"{one.first} against {one.second}" if one.second != "all" else f"all by {one.first}"
-            size = "difference" if one.second != "all" else "eta squared"
-            lines.append(f"{self.measure}, {what}: {size} {number(one.difference)}, p {_p(one.p)}")
+        for comparison in self.comparisons:
+            what = (
+                f"{comparison.first} against {comparison.second}"
+                if comparison.second != "all"
+                else f"all by {comparison.first}"
+            )
+            size = "difference" if comparison.second != "all" else "eta squared"
+            lines.append(f"{self.measure}, {what}: {size} {number(comparison.difference)}, p {_p(comparison.p)}")
         return lines
 
 
@@ -136,8 +140,8 @@ def by_dyad(
         if without:
             raise SeriesError(f"recording {without[0]!r} has no {by}")
         of = tuple(group_of[name] for name in called)
-    effective = np.array([one.corrected for one in values])
-    p = np.array([min(one.p, 1 - 0.5 / (1 + one.surrogates)) for one in values])
+    effective = np.array([value.corrected for value in values])
+    p = np.array([min(value.p, 1 - 0.5 / (1 + value.surrogates)) for value in values])
     groups = [_group("all", effective, p)]
     kinds = sorted(set(of), key=_numeric)
     labels = np.array(of)

@@ -113,18 +113,18 @@ def read_event_table(
     times = {i: columns.times(i, units[i], rate) for i in when}
     bare = _without_codes(columns, tracks, times, kept)
     gathered = [_gathered(columns, track, times, recordings, kept) for track in tracks]
-    rows = np.concatenate([one.rows for one in gathered])
+    rows = np.concatenate([part.rows for part in gathered])
     if not len(rows):
         raise SeriesError(f"{table.path} has no events below its header")
-    tier = Texts.stacked([one.tier for one in gathered])
+    tier = Texts.stacked([part.tier for part in gathered])
     recording = recordings.take(rows)
     tiers = tuple(one.name for one in tracks if not one.tier)
     try:
         return Events.of(
             tier,
-            _same_numbers(tier, Texts.stacked([one.code for one in gathered])),
-            np.concatenate([one.onset for one in gathered]),
-            np.concatenate([one.offset for one in gathered]),
+            _same_numbers(tier, Texts.stacked([part.code for part in gathered])),
+            np.concatenate([part.onset for part in gathered]),
+            np.concatenate([part.offset for part in gathered]),
             recording,
             tiers={recording.names[i]: tiers for i in first_met(recording.numbers)},
             resolution=1 / rate if rate and {"frames", "auto"} & set(units.values()) else 0.001,
@@ -152,12 +152,12 @@ def _without_codes(
     columns: _Columns, tracks: Sequence[Track], times: Mapping[int, np.ndarray], kept: np.ndarray
 ) -> int:
     """Number of rows that have an onset, and no code in any of several columns."""
-    if any(one.alone for one in tracks):
+    if any(track.alone for track in tracks):
         return 0
     timed, coded = np.zeros(columns.rows, bool), np.zeros(columns.rows, bool)
-    for one in tracks:
-        timed |= ~np.isnan(times[one.onset])
-        coded |= columns.joined(one.code, PARTS).numbers >= 0
+    for track in tracks:
+        timed |= ~np.isnan(times[track.onset])
+        coded |= columns.joined(track.code, PARTS).numbers >= 0
     return int((timed & ~coded & kept).sum())
 
 

@@ -93,13 +93,13 @@ class Events:
                 f"event {at + 1} ({shown(texts[2].at(at))} on {texts[1].at(at)!r}) ends at {times[1][at]:g} s, before "
                 f"it begins at {times[0][at]:g} s"
             )
-        if min((one.numbers.min(initial=0) for one in texts[:2]), default=0) < 0:
+        if min((text.numbers.min(initial=0) for text in texts[:2]), default=0) < 0:
             raise SeriesError("each event needs a recording and a tier")
         pairs = texts[0].numbers * (len(texts[1].names) + 1) + texts[1].numbers
         names = _tiers(
             ((texts[0].at(row), texts[1].at(row)) for row in first_met(pairs, rows=True)), more.pop("tiers", {})
         )
-        every = list(dict.fromkeys(one for some in names.values() for one in some))
+        every = list(dict.fromkeys(result for some in names.values() for result in some))
         numbers = [texts[0].among(list(names)), texts[1].among(every), texts[2].numbers]
         order = np.lexsort((times[1], times[0], *reversed(numbers[:2])))
         columns = [
@@ -171,20 +171,20 @@ class Events:
         """
         every = (self, *others)
         texts = [
-            Texts.stacked([Texts(*dictionary(one.table.arrow[name])) for one in every])
+            Texts.stacked([Texts(*dictionary(part.table.arrow[name])) for part in every])
             for name in ("tier", "code", "recording")
         ]
-        onset, offset = (np.concatenate([one.table[name] for one in every]) for name in ("onset", "offset"))
+        onset, offset = (np.concatenate([part.table[name] for part in every]) for name in ("onset", "offset"))
         return Events.of(
             texts[0],
             texts[1],
             onset,
             offset,
             texts[2],
-            tiers=_tiers([], *(one.tiers for one in every)),
-            spans={recording: span for one in every for recording, span in one.spans.items()},
-            resolution=max(one.resolution for one in every),
-            remarks=tuple(dict.fromkeys(remark for one in every for remark in one.remarks)),
+            tiers=_tiers([], *(part.tiers for part in every)),
+            spans={recording: span for part in every for recording, span in part.spans.items()},
+            resolution=max(part.resolution for part in every),
+            remarks=tuple(dict.fromkeys(remark for part in every for remark in part.remarks)),
         )
 
     def steps(

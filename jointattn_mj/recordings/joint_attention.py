@@ -102,8 +102,12 @@ class JointAttention:
                 row[f"{name}, share of time"] = float((kept.offset - kept.onset).sum()) / seconds if seconds else 0.0
                 row[f"{name}, a minute"] = 60 * len(kept) / seconds if seconds else 0.0
         for follower in (rules.infant, rules.partner):
-            chances = [one for one in self.opportunities if (one.recording, one.follower) == (recording, follower)]
-            latencies = np.array([one.latency for one in chances])
+            chances = [
+                opportunity
+                for opportunity in self.opportunities
+                if (opportunity.recording, opportunity.follower) == (recording, follower)
+            ]
+            latencies = np.array([opportunity.latency for opportunity in chances])
             followed = latencies[np.isfinite(latencies)]
             row[f"{follower} could follow"] = len(chances)
             row[f"{follower} follows"] = len(followed)
@@ -241,5 +245,5 @@ def _seconds(events: Events, recording: str, *tiers: Intervals) -> float:
     if recording in events.spans:
         start, stop = events.spans[recording]
         return stop - start
-    times = np.concatenate([np.concatenate([one.onset, one.offset]) for one in tiers])
+    times = np.concatenate([np.concatenate([tier.onset, tier.offset]) for tier in tiers])
     return float(times.max() - times.min()) if len(times) else 0.0

@@ -75,7 +75,7 @@ class MeasureOptions(RecordingTestOptions):
         super().__post_init__()
         if self.scan is not None:
             check_delay("scan", self.scan)
-        without = [one.name for one in self._named if one not in self._possible]
+        without = [measure.name for measure in self._named if measure not in self._possible]
         if without:
             raise ConfigError(f"`measures` names {without[0]}, which needs a `condition`, such as an action; got none")
         if (self.by or self.scan or self.over == "recordings") and not self.scanned:
@@ -98,7 +98,7 @@ class MeasureOptions(RecordingTestOptions):
     @property
     def chosen(self) -> tuple[Measure, ...]:
         """The measures, in the order of the table that is printed."""
-        return tuple(one for one in self._possible if one in self._named or not self.measures)
+        return tuple(measure for measure in self._possible if measure in self._named or not self.measures)
 
     @property
     def _possible(self) -> tuple[Measure, ...]:
@@ -106,7 +106,7 @@ class MeasureOptions(RecordingTestOptions):
 
     @property
     def _named(self) -> list[Measure]:
-        return [MEASURES[full_name(one)] for one in self.measures]
+        return [MEASURES[full_name(measure)] for measure in self.measures]
 
     @property
     def draws(self) -> int:
@@ -116,7 +116,7 @@ class MeasureOptions(RecordingTestOptions):
     @property
     def scanned(self) -> tuple[Measure, ...]:
         """What is measured over lags."""
-        return tuple(one for one in self.chosen if one in (CONTINGENCY, COMBINED, TRANSFER))
+        return tuple(measure for measure in self.chosen if measure in (CONTINGENCY, COMBINED, TRANSFER))
 
 
 @dataclass(frozen=True, repr=False)
@@ -158,29 +158,29 @@ class MeasureResult:
     explain: int = 3
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{one.name} {one.significance.corrected:.3g}" for one in self.measured)
+        values = ", ".join(f"{tested.name} {tested.significance.corrected:.3g}" for tested in self.measured)
         return f"MeasureResult({self.title}; {values})"
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a measure."""
         return [
             {
-                "measure": one.name,
-                "plug_in": one.significance.value,
-                "miller_madow": one.miller_madow,
-                "degrees_of_freedom": one.degrees_of_freedom,
-                "effective": one.significance.corrected,
-                "low": one.significance.interval[0],
-                "high": one.significance.interval[1],
-                "normalised": one.normalised,
-                "z": one.significance.z,
-                "p": one.significance.p,
-                "transitions": one.significance.transitions,
+                "measure": tested.name,
+                "plug_in": tested.significance.value,
+                "miller_madow": tested.miller_madow,
+                "degrees_of_freedom": tested.degrees_of_freedom,
+                "effective": tested.significance.corrected,
+                "low": tested.significance.interval[0],
+                "high": tested.significance.interval[1],
+                "normalised": tested.normalised,
+                "z": tested.significance.z,
+                "p": tested.significance.p,
+                "transitions": tested.significance.transitions,
                 "linear_granger": self.granger,
-                "method": one.significance.method,
-                "inflation": one.significance.inflation,
+                "method": tested.significance.method,
+                "inflation": tested.significance.inflation,
             }
-            for one in self.measured
+            for tested in self.measured
         ]
 
     def lag_rows(self) -> list[dict[str, Any]]:
@@ -189,15 +189,17 @@ class MeasureResult:
 
     def dyad_rows(self) -> list[dict[str, Any]]:
         """A row a measure and recording."""
-        return [row for one in self.dyads for row in one.rows()]
+        return [row for dyad in self.dyads for row in dyad.rows()]
 
     def value_rows(self) -> list[dict[str, Any]]:
         """A row a measure and combination of values, as labels."""
-        return [{"measure": one.name, **self._labelled(value)} for one in self.measured for value in one.values]
+        return [
+            {"measure": tested.name, **self._labelled(value)} for tested in self.measured for value in tested.values
+        ]
 
     def text(self) -> str:
         """A table to read."""
-        of_dyads = [line for one in self.dyads for line in one.lines()]
+        of_dyads = [line for dyad in self.dyads for line in dyad.lines()]
         lines = [
             self.title,
             "",
@@ -205,12 +207,12 @@ class MeasureResult:
             f"{'measure':14}{'plug-in':>10}{'Miller-M.':>11}{'df':>10}{'effective':>11}{'95% interval':>22}"
             f"{'share':>9}{'p':>9}",
         ]
-        for one in self.measured:
-            significance = one.significance
+        for tested in self.measured:
+            significance = tested.significance
             lines.append(
-                f"{one.name:14}{number(significance.value):>10}{number(one.miller_madow):>11}"
-                f"{number(one.degrees_of_freedom):>10}{number(significance.corrected):>11}{bracket(significance.interval):>22}"
-                f"{share(one.normalised):>9}{significance.p:9.4f}"
+                f"{tested.name:14}{number(significance.value):>10}{number(tested.miller_madow):>11}"
+                f"{number(tested.degrees_of_freedom):>10}{number(significance.corrected):>11}{bracket(significance.interval):>22}"
+                f"{share(tested.normalised):>9}{significance.p:9.4f}"
             )
         lines += [
             *([] if np.isnan(self.granger) else [f"{'linear Granger':14}{number(self.granger):>10}"]),
@@ -218,10 +220,14 @@ class MeasureResult:
             "effective: plug-in less the mean of surrogates of the source; share: of the most that is possible.",
             "Miller-M. and df: plug-in less analytic estimates of its bias.",
         ]
-        for one in self.measured:
-            carried = carriers(one.values, most=self.explain) if one.significance.p <= ALPHA else ()
+        for tested in self.measured:
+            carried = carriers(tested.values, most=self.explain) if tested.significance.p <= ALPHA else ()
             if carried:
-                lines += ["", f"{one.name} is carried by", *(f"  {v.words(self.names, self.labels)}" for v in carried)]
+                lines += [
+                    "",
+                    f"{tested.name} is carried by",
+                    *(f"  {v.words(self.names, self.labels)}" for v in carried),
+                ]
         if self.scans:
             lines += ["", *(lag_words(name, scan, self.step) for name, scan in self.scans)]
         return "\n".join([*lines, *(f"Note: {note}." for note in self.notes)])
@@ -286,9 +292,9 @@ def _run(
     if options.scan is not None:
         lags = range(1, delay_in_steps("scan", options.scan, data.step) + 1)
         unit, rng = check_base(options.base), np.random.default_rng(streams[len(CONDITIONED)])
-        for one in options.scanned:
-            scan = scan_steps(whole, one, lags, timing, options.test(), unit, rng, progress)
-            scans.append((one.name, scan))
+        for measure in options.scanned:
+            scan = scan_steps(whole, measure, lags, timing, options.test(), unit, rng, progress)
+            scans.append((measure.name, scan))
         notes.append(
             f"p over lags comes from {scans[0][1].surrogates} surrogates, {WORDS[scans[0][1].method]}, and the highest "
             f"of all {len(lags)} lags in each (max-T)"
@@ -319,15 +325,15 @@ def _run(
         lags_and_values = {"lags": result.lag_rows()} if scans else {}
         if dyads:
             lags_and_values["recordings"] = result.dyad_rows()
-            lags_and_values["groups"] = [asdict(group) for one in dyads for group in one.groups]
-            lags_and_values["comparisons"] = [asdict(pair) for one in dyads for pair in one.comparisons]
+            lags_and_values["groups"] = [asdict(group) for dyad in dyads for group in dyad.groups]
+            lags_and_values["comparisons"] = [asdict(pair) for dyad in dyads for pair in dyad.comparisons]
         write_results(paths, result.rows(), options, notes=result.notes, **lags_and_values, values=result.value_rows())
     return result
 
 
 def exchange_notes(significances: list[Significance]) -> list[str]:
     """What to know where permutations can change little."""
-    least = min(one.exchangeable / one.transitions for one in significances)
+    least = min(significance.exchangeable / significance.transitions for significance in significances)
     if least > 0.5:
         return []
     return [

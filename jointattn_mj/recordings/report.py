@@ -145,13 +145,13 @@ class RecordingReport:
         columns = ("recording", "tier", "code", "onset", "offset")
         return {
             "joint_attention": self.attention.rows(),
-            "following": [vars(one) for one in self.attention.opportunities],
+            "following": [vars(opportunity) for opportunity in self.attention.opportunities],
             "ranking": self.ranking(),
             "lags": [row for pair, one in pairs for row in named(pair, one.lag_rows())],
             "values": [row for pair, one in pairs for row in named(pair, _first_measure(one.value_rows()))],
             "dyads": [row for pair, one in pairs for row in named(pair, one.dyad_rows())],
             "transitions": [row for pair, one in self.transitions.items() for row in named(pair, one.rows())],
-            "agreement": [one.row() for one in self.agreements],
+            "agreement": [agreed.row() for agreed in self.agreements],
             "events": [
                 dict(zip(columns, row, strict=True)) for row in zip(*(events[name] for name in columns), strict=True)
             ],
@@ -167,8 +167,8 @@ class RecordingReport:
         """Who follows whom, how often and how soon."""
         lines = []
         for follower, leader in ((self.options.infant, self.options.partner), self.options.looks):
-            chances = [one for one in self.attention.opportunities if one.follower == follower]
-            latencies = [one.latency for one in chances if one.latency == one.latency]
+            chances = [opportunity for opportunity in self.attention.opportunities if opportunity.follower == follower]
+            latencies = [opportunity.latency for opportunity in chances if opportunity.latency == opportunity.latency]
             if chances:
                 median = f", median latency {np.median(latencies):.2f} s" if latencies else ""
                 lines.append(
@@ -188,7 +188,7 @@ class RecordingReport:
         return lines
 
     def _agreement(self) -> list[str]:
-        return [f"Two coders, {one.tier}: kappa {one.kappa:.2f}" for one in self.agreements]
+        return [f"Two coders, {agreed.tier}: kappa {agreed.kappa:.2f}" for agreed in self.agreements]
 
 
 def run_report(
@@ -249,7 +249,7 @@ def analyse(
                     surrogates=options.surrogates, resamples=options.resamples, seed=options.seed, yes=options.yes,
                 )  # fmt: skip
                 pairs[source, target] = run_measure(asked, progress, steps)
-    p = adjust([_value(one)["p"] for one in pairs.values()], "holm")
+    p = adjust([_value(result)["p"] for result in pairs.values()], "holm")
     lag = delay_in_steps("lag", options.lag, options.step)
     sequential = SequentialOptions(lag=lag, surrogates=options.surrogates, seed=options.seed)
     transitions = {pair: lag_table(steps, *pair, sequential) for pair in (options.looks, options.looks[::-1])}
@@ -259,7 +259,7 @@ def analyse(
             step=options.step, tolerance_s=options.tolerance_s, resamples=options.resamples, seed=options.seed
         )
         agreements = agreement(events, second, None, same)
-    notes = dict.fromkeys([*steps.notes(), *(note for one in pairs.values() for note in one.notes)])
+    notes = dict.fromkeys([*steps.notes(), *(note for result in pairs.values() for note in result.notes)])
     return RecordingReport(
         options, events, attention, steps, pairs, dict(zip(pairs, map(float, p), strict=True)), transitions,
         agreements, tuple(notes), options.out,

@@ -110,10 +110,10 @@ def transition_figure(tables: Mapping[tuple[str, str], LagTable], lag_s: float) 
         tables: By source and target.
         lag_s: Seconds between the two.
     """
-    size = max(max(len(one.given), len(one.target)) for one in tables.values())
+    size = max(max(len(table.given), len(table.target)) for table in tables.values())
     side = min(max(0.72 * size, 2.2), 7.0)
     figure = Figure((2 * side + 2.6, side + 1.3), layout="constrained")
-    limit = max(float(np.nanmax(np.abs(one.adjusted_residuals), initial=1.0)) for one in tables.values())
+    limit = max(float(np.nanmax(np.abs(table.adjusted_residuals), initial=1.0)) for table in tables.values())
     image = None
     for axes, ((source, target), one) in zip(
         figure.subplots(1, len(tables), squeeze=False)[0], tables.items(), strict=True
@@ -194,7 +194,7 @@ def latency_figure(chances: Sequence[GazeFollowing], followers: Sequence[str], w
     figure = Figure((7.5, 2.8), layout="constrained")
     axes = figure.subplots()
     for ink, follower in zip(INKS, followers, strict=False):
-        own = np.array([one.latency for one in chances if one.follower == follower])
+        own = np.array([opportunity.latency for opportunity in chances if opportunity.follower == follower])
         if len(own):
             followed = np.sort(own[np.isfinite(own)])
             times = np.concatenate([[0.0], followed, [within_s]])

@@ -127,8 +127,8 @@ class ClaimResult:
         amount = f"up to {count(runs, 'run')}" if runs > 1 else "1 run"
         head = f"ClaimResult {self.entry.id} ({self.entry.title}): {self.verdict}, {amount}, in {self.folder}"
         rows = [("what", "dissertation", "here", "verdict")]
-        for one in self.findings:
-            rows.append((one.what, one.dissertation, str(one.ours or "-"), str(one.verdict)))
+        for finding in self.findings:
+            rows.append((finding.what, finding.dissertation, str(finding.ours or "-"), str(finding.verdict)))
         room = (44, 22, 22, 16)
         lines = ["  ".join(_cut(text, width) for text, width in zip(row, room, strict=True)).rstrip() for row in rows]
         return "\n".join([head if len(head) <= WIDTH else _cut(head, WIDTH).rstrip(), *lines])

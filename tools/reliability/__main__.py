@@ -97,7 +97,7 @@ def run_malformed(
         folder, here = Path(name), Path(name) / "here" / "it" / "is"
         here.mkdir(parents=True)
         shells = [stack.enter_context(closing(Shell(here))) for _ in range(jobs)]
-        given = [one for one in all_kinds(shells[0], seed, number, folder) if only in f"{one.kind} {one.what}"]
+        given = [kind for kind in all_kinds(shells[0], seed, number, folder) if only in f"{kind.kind} {kind.what}"]
         tried = summary(given, try_all(given, shells, limit))
     return _leave("malformed", tried, time.monotonic() - began, out)
 

@@ -179,16 +179,16 @@ class ContinuousRun(RenderedRun):
 
     def more(self) -> dict[str, Any]:
         """See ``ObservedRun``; and how near the module's gaze shifts came, by its table and by its map."""
-        landings = {"table": [one for one in self.landings if not one.by_map]}
-        landings["map"] = [one for one in self.landings if one.by_map]
+        landings = {"table": [landing for landing in self.landings if not landing.by_map]}
+        landings["map"] = [landing for landing in self.landings if landing.by_map]
         return {
             **super().more(),
             "pairs_learned_from": 0 if self.following is None else self.following.pairs,
             "landings": {
                 name: {
                     "gaze_shifts": len(rows),
-                    "median_off_deg": float(np.median([one.off_deg for one in rows])) if rows else None,
-                    "nearest_to_the_right_object": float(np.mean([one.nearest for one in rows])) if rows else None,
+                    "median_off_deg": float(np.median([row.off_deg for row in rows])) if rows else None,
+                    "nearest_to_the_right_object": float(np.mean([row.nearest for row in rows])) if rows else None,
                 }
                 for name, rows in landings.items()
             },

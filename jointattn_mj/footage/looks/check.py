@@ -52,7 +52,7 @@ class Codings:
             for onset, offset, code in zip(table["onset"], table["offset"], table["code"], strict=True)
             if code is not None and offset > onset
         ]
-        answers = tuple(one for one in looks if one[2] not in LEFT_OUT)
+        answers = tuple(look for look in looks if look[2] not in LEFT_OUT)
         return cls(path, answers, sum(offset - onset for onset, offset, _ in looks))
 
     def compare(self, other: "Codings") -> dict[str, Any]:

@@ -66,8 +66,8 @@ def learn_evidence(faces: np.ndarray, places: np.ndarray, config: LooksConfig) -
     code = PlaceCode(places, config.tuning)
     shares = [code.shares(places[:, k]) for k in range(places.shape[1])]
     smoothing = config.smoothing / code.units
-    with_any = sum(one.sum(axis=0, dtype=float) for one in shares) / known.sum() + smoothing
-    base = np.stack([np.log(np.maximum(one @ with_any, 1e-12)) for one in shares], axis=1)
+    with_any = sum(share.sum(axis=0, dtype=float) for share in shares) / known.sum() + smoothing
+    base = np.stack([np.log(np.maximum(share @ with_any, 1e-12)) for share in shares], axis=1)
     weights = known / np.maximum(known.sum(axis=1, keepdims=True), 1)
     evidence = np.zeros(known.shape)
     for _ in range(config.rounds):
@@ -75,7 +75,7 @@ def learn_evidence(faces: np.ndarray, places: np.ndarray, config: LooksConfig) -
         counts = sum(faces.T @ (weights[:, k, None] * one) for k, one in enumerate(shares))
         with_face = faces @ counts
         with_face = with_face / np.maximum(with_face.sum(axis=1, keepdims=True), 1e-9) + smoothing
-        likelihood = np.stack([np.einsum("nb,nb->n", with_face, one) for one in shares], axis=1)
+        likelihood = np.stack([np.einsum("nb,nb->n", with_face, share) for share in shares], axis=1)
         evidence = np.where(known, np.log(np.maximum(likelihood, 1e-12)) - base, NEVER)
         weights = posterior(evidence) * known
     return evidence
