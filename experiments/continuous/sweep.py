@@ -16,7 +16,7 @@ from jointattn_mj.development.rendered.continuous import FORWARD, SCATTERED, Con
 from jointattn_mj.development.rendered.run import RenderedConfig
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.world import step
-from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, Places, make_learner
+from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, Locations, make_learner
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.scene.camera import directions_to, off_centre
 from jointattn_mj.sweeps.claim import Setting
@@ -184,7 +184,7 @@ def _examined(
         if start + steps > end:
             return
         while left and left[0].step < start + steps:
-            learner.learn(left[0].activations, Places.only(left.pop(0).direction))
+            learner.learn(left[0].activations, Locations.only(left.pop(0).direction))
         yield {"turns": steps, "pairs": len(pairs) - len(left),
                **_judged([learner.predict(look.activations) for look in looks], looks)}  # fmt: skip
 

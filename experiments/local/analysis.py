@@ -175,14 +175,12 @@ def _curve(axes: Any, times: Sequence[float], label: str) -> None:
 def _parts(axes: Any, trials: Trials) -> None:
     """Order and time with one part changed."""
     names = [name for name in PARTS if results(trials, f"part/{name}")]
-    for place, name in enumerate(names):
+    for at, name in enumerate(names):
         some = results(trials, f"part/{name}")
         share = proportion(sum(map(in_order, some)), len(some))
-        axes.errorbar(
-            share.mean, place, xerr=[[share.mean - share.low], [share.high - share.mean]], fmt="o", color="C0"
-        )
+        axes.errorbar(share.mean, at, xerr=[[share.mean - share.low], [share.high - share.mean]], fmt="o", color="C0")
         median = np.median(third(some))
-        axes.text(1.03, place, f"{median:,.0f}" if np.isfinite(median) else "-", va="center", fontsize=7)
+        axes.text(1.03, at, f"{median:,.0f}" if np.isfinite(median) else "-", va="center", fontsize=7)
     axes.set_yticks(range(len(names)), names, fontsize=7)
     axes.invert_yaxis()
     axes.set(xlim=(0, 1.2), xlabel="runs in order; number: median step", title="One part changed (2, 3 and 6 spots)")
@@ -194,10 +192,10 @@ def _rates(axes: Any, trials: Trials) -> None:
     some = [result for result in results(trials, "realtime/pixels") if len(result["phases"]) > 3]
     if some:
         rates = np.mean([[result["phases"][0], result["phases"][3]] for result in some], axis=0)
-        places = np.arange(rates.shape[1])
-        axes.bar(places - 0.2, rates[0], 0.4, label="before the first module")
-        axes.bar(places + 0.2, rates[1], 0.4, label="after gaze alternation")
+        columns = np.arange(rates.shape[1])
+        axes.bar(columns - 0.2, rates[0], 0.4, label="before the first module")
+        axes.bar(columns + 0.2, rates[1], 0.4, label="after gaze alternation")
         words = ("follows", "does not\nfollow", "keeps eye\ncontact", "shifts to\ncaregiver", "stays", "other\nspot")
-        axes.set_xticks(places, words, fontsize=7)
+        axes.set_xticks(columns, words, fontsize=7)
         axes.legend(fontsize=7)
     axes.set(ylabel="share of steps", title="What the robot does with its gaze, from images")

@@ -46,8 +46,8 @@ def sought_objects(objects: tuple[str, ...]) -> tuple[Sought, ...]:
 
 def _sought(item: str) -> Sought:
     if "@" in item:
-        name, _, place = item.partition("@")
-        pick = _PICK.fullmatch(place)
+        name, _, where = item.partition("@")
+        pick = _PICK.fullmatch(where)
         if not pick:
             raise ConfigError(
                 f"objects: one that is picked needs a time and a pixel of the video, cup@12.5s:420,310; got {item!r}"

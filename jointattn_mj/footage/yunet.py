@@ -90,7 +90,7 @@ def faces_in(image: np.ndarray, least: float, most_px: int = 10_000) -> np.ndarr
 
 
 def faces_near(image: np.ndarray, boxes: np.ndarray, least: float, window_px: int, face_px: int) -> np.ndarray:
-    """Faces in windows around the places where they are expected; far cheaper than the whole image.
+    """Faces in windows around the locations where they are expected; far cheaper than the whole image.
 
     Args:
         image: (h, w, 3) uint8 BGR.

@@ -90,7 +90,7 @@ PARTS = frozenset(
 
 
 class ForeignError(TypeError):
-    """A class has no place in a checkpoint."""
+    """A class has no location in a checkpoint."""
 
 
 def is_part(kind: type) -> bool:

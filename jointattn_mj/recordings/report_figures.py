@@ -37,7 +37,7 @@ def code_colours(events: Events) -> dict[str, str]:
     """A colour for each code, the same on all tiers and in all recordings."""
     codes, times = np.unique([str(code) for code in events.table["code"] if code is not None], return_counts=True)
     order = sorted(range(len(codes)), key=lambda i: (-times[i], codes[i]))
-    return {str(codes[i]): INKS[place] if place < len(INKS) else OTHER for place, i in enumerate(order)}
+    return {str(codes[i]): INKS[at] if at < len(INKS) else OTHER for at, i in enumerate(order)}
 
 
 def timeline(
@@ -147,10 +147,10 @@ def ranking_figure(rows: Sequence[Mapping[str, Any]], unit: str) -> Figure:
     """
     figure = Figure((7.5, 0.9 + 0.32 * len(rows)), layout="constrained")
     axes = figure.subplots()
-    for place, row in enumerate(rows):
+    for at, row in enumerate(rows):
         ink = "#c0392b" if row["significant"] else "#7f8c8d"
-        axes.plot([row["low"], row["high"]], [place, place], color=ink, lw=1.6)
-        axes.plot(row["effective"], place, "o", color=ink, ms=5)
+        axes.plot([row["low"], row["high"]], [at, at], color=ink, lw=1.6)
+        axes.plot(row["effective"], at, "o", color=ink, ms=5)
     axes.axvline(0, color="black", lw=0.6)
     axes.set_yticks(range(len(rows)), [f"{row['source']} → {row['target']}" for row in rows], fontsize=9)
     axes.set_ylim(len(rows) - 0.5, -0.5)
@@ -168,13 +168,13 @@ def dyad_figure(results: Mapping[tuple[str, str], DyadResult], unit: str) -> Fig
     """
     figure = Figure((7.5, 1.0 + 0.55 * len(results)), layout="constrained")
     axes = figure.subplots()
-    for place, one in enumerate(results.values()):
+    for at, one in enumerate(results.values()):
         values = [value.corrected for value in one.values]
         spread = np.linspace(-0.16, 0.16, len(values)) if len(values) > 1 else np.zeros(1)
-        axes.plot(values, place + spread, "o", color="#4c78a8", ms=4, alpha=0.6)
+        axes.plot(values, at + spread, "o", color="#4c78a8", ms=4, alpha=0.6)
         mean, (low, high) = one.groups[0].mean, one.groups[0].interval
-        axes.plot([low, high], [place, place], color="#c0392b", lw=2)
-        axes.plot(mean, place, "D", color="#c0392b", ms=6)
+        axes.plot([low, high], [at, at], color="#c0392b", lw=2)
+        axes.plot(mean, at, "D", color="#c0392b", ms=6)
     axes.axvline(0, color="black", lw=0.6)
     axes.set_yticks(range(len(results)), [f"{a} → {b}" for a, b in results], fontsize=9)
     axes.set_ylim(len(results) - 0.5, -0.5)

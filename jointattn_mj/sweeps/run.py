@@ -18,7 +18,7 @@ from jointattn_mj.sweeps.worker import Outcome, compute, pack
 
 GOLDEN = 0.618
 """Runs that share a folder begin this share of the queue apart, which spreads any number of them."""
-FORMER_SETTINGS = {"truth/": "state/", "an image every turn": "an image every step"}
+FORMER_SETTINGS = {"truth/": "state/", "an image every turn": "an image every step", "exact_places": "exact_locations"}
 """Beginnings of settings as version 0.1 called them, and as they are called now."""
 WAIT_S = 1.0
 """Seconds after which progress is reported though no trial has ended."""

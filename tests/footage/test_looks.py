@@ -12,7 +12,7 @@ from jointattn_mj.footage.looks.check import Codings
 from jointattn_mj.footage.looks.coding import AWAY, UNSEEN, UNSURE, LooksSeen, code_looks
 from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.footage.looks.learning import NEVER, learn_evidence, posterior, smoothed
-from jointattn_mj.footage.looks.places import last_places, placements
+from jointattn_mj.footage.looks.locations import last_locations, placements
 from jointattn_mj.footage.looks.tables import looks_spans, looks_table
 from jointattn_mj.footage.run import run_perceive
 from jointattn_mj.recordings.agreement import kappa
@@ -113,14 +113,14 @@ def test_places_are_forgotten_after_a_cut():
     px = np.full((6, 1, 2), np.nan)
     px[1], px[4] = 3.0, 7.0
     cut = np.array([False, False, False, True, False, False])
-    filled = last_places(px, cut)[:, 0, 0]
+    filled = last_locations(px, cut)[:, 0, 0]
     assert np.array_equal(filled, [np.nan, 3, 3, np.nan, 7, 7], equal_nan=True)
 
 
 def test_placements_count_rests_in_different_places():
     path = [0.0] * 8 + [0.2, 0.5, 0.8] + [1.0] * 8 + [np.nan] * 5 + [1.0] * 8 + [0.5] * 2 + [0.0] * 6
-    places = np.stack([path, path], axis=1)[:, None]
-    assert placements(places).tolist() == [3]
+    locations = np.stack([path, path], axis=1)[:, None]
+    assert placements(locations).tolist() == [3]
 
 
 def test_unknown_places_are_never_chosen():

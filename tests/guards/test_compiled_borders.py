@@ -206,7 +206,7 @@ def tables_and_turns() -> Iterator[Case]:
 def images() -> Iterator[Case]:
     """Whatever perceives images or learns from patterns."""
     from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
-    from jointattn_mj.gaze_following.learners import LearnerConfig, Places, make_learner
+    from jointattn_mj.gaze_following.learners import LearnerConfig, Locations, make_learner
     from jointattn_mj.perception.faces import FaceDetector
     from jointattn_mj.perception.gray import fill_gray
     from jointattn_mj.perception.motion import MotionDetector
@@ -269,12 +269,12 @@ def images() -> Iterator[Case]:
             "text": "a",
             "None": None,
         }.items():
-            yield f"{code} learns {name}", lambda n=learner, w=wrong: n.learn(w, Places.only(head))
+            yield f"{code} learns {name}", lambda n=learner, w=wrong: n.learn(w, Locations.only(head))
             yield f"{code} predicts {name}", lambda n=learner, w=wrong: n.predict(w)
         for name, wrong in {"NaN": head * NAN, "one": head[:1], "None": None}.items():
-            yield f"{code} learns command {name}", lambda n=learner, w=wrong, a=active: n.learn(a, Places.only(w))
+            yield f"{code} learns command {name}", lambda n=learner, w=wrong, a=active: n.learn(a, Locations.only(w))
         for name, wrong in {"NaN": NAN * np.zeros((3, 2)), "flat": head, "None": None, "text": "a"}.items():
-            yield f"{code} scores {name}", lambda n=learner, w=wrong, a=active: n.score(a, Places(w))
+            yield f"{code} scores {name}", lambda n=learner, w=wrong, a=active: n.score(a, Locations(w))
     selector = AttentionSelector(AttentionConfig(), 4, np.random.default_rng(0))
     for name, moves in {
         "few": np.zeros(2, bool),

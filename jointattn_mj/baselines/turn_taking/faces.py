@@ -1,7 +1,7 @@
 """Faces for turn taking: rendered once, detected by the robot's own detector, used many times.
 
 A run of 300,000 attempts cannot render an image for each. A bank of face patterns is made first: the caregiver looks at
-thousands of places on the table, the camera renders the face, and ``PixelPerception`` detects it and cuts out the
+thousands of locations on the table, the camera renders the face, and ``PixelPerception`` detects it and cuts out the
 32 x 32 grey patch f_v, as in a session. An attempt takes the pattern whose gaze direction is nearest to that of the
 attempt's object, after a small jitter. How well this carries over to new faces is tested on a second bank.
 """
@@ -76,10 +76,10 @@ class FaceInputs:
     scale: float
 
     def of_locations(self, locations: np.ndarray, jitter_deg: float, rng: np.random.Generator) -> np.ndarray:
-        """Indices of patterns that look at places on the table.
+        """Indices of patterns that look at locations on the table.
 
         Args:
-            locations: (..., 2) places, m.
+            locations: (..., 2) locations, m.
             jitter_deg: Standard deviation of the jitter of gaze, degrees.
             rng: For the jitter.
 
@@ -116,11 +116,11 @@ def _nearest(points: np.ndarray, bank: np.ndarray) -> np.ndarray:
 
 
 def render_faces(config: FaceBankConfig, rng: np.random.Generator, world: WorldConfig | None = None) -> FaceBank:
-    """Let the caregiver look at random places of the table, and collect the face.
+    """Let the caregiver look at random locations of the table, and collect the face.
 
     Args:
         config: Size and noise of the bank.
-        rng: For places and noise.
+        rng: For locations and noise.
         world: Scene; default as in a session.
 
     Raises:

@@ -22,7 +22,7 @@ from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
 from jointattn_mj.development.rendered.senses import ABRUPT, CentralView, SensesConfig
 from jointattn_mj.development.rendered.stage import StageConfig
 from jointattn_mj.development.table.world import CAREGIVER, TableConfig
-from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, Places, make_learner
+from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, Locations, make_learner
 from jointattn_mj.io.rows import RowStore
 from jointattn_mj.options import Checked, Count
 from jointattn_mj.scene.camera import directions_to, off_centre
@@ -116,7 +116,7 @@ class ContinuousModule:
 
     def learn(self, pair: Pair) -> None:
         """Learn from an informative pair."""
-        self.learner.learn(pair.activations, Places.only(pair.direction))
+        self.learner.learn(pair.activations, Locations.only(pair.direction))
         self.pairs += 1
 
 

@@ -1,4 +1,4 @@
-"""What is kept of a video to code where a person looks: face pattern and places, look by look."""
+"""What is kept of a video to code where a person looks: face pattern and locations, look by look."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from jointattn_mj.perception.som import SOM
 BLOCK = 1000
 """Rows that are read at a time."""
 _HEAD = 3
-"""Numbers before the places: frame, height of the face's square, and whether the face is seen."""
+"""Numbers before the locations: frame, height of the face's square, and whether the face is seen."""
 
 
 class LooksLog:
