@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from jointattn_mj.footage.looks.coding import LooksSeen, code_looks
+from jointattn_mj.footage.looks.coding import ObservedLooks, code_looks
 from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.options import Checked, Real, Share
 from jointattn_mj.perception.som import SOM, SOMConfig
@@ -143,11 +143,11 @@ def watch(asked: Table, seed: int, minutes: float) -> Session:
             settled.append(caregiver.phase not in (Phase.TURN, Phase.GREET))
     finally:
         world.close()
-    rng, seen = np.random.default_rng(seeds[2]), np.array(px)
-    leans = rng.normal(0, asked.lean_cm * PX_PER_CM, (len(seen) // LEAN_LOOKS + 1, 2))
-    seen[:, -1] += np.repeat(leans, LEAN_LOOKS, axis=0)[: len(seen)]
-    seen[:, :-1][hidden(rng, len(seen), count, asked.hidden)] = np.nan
-    return Session(np.array(faces), seen, np.array(moves), np.array(target), np.array(settled))
+    rng, observed = np.random.default_rng(seeds[2]), np.array(px)
+    leans = rng.normal(0, asked.lean_cm * PX_PER_CM, (len(observed) // LEAN_LOOKS + 1, 2))
+    observed[:, -1] += np.repeat(leans, LEAN_LOOKS, axis=0)[: len(observed)]
+    observed[:, :-1][hidden(rng, len(observed), count, asked.hidden)] = np.nan
+    return Session(np.array(faces), observed, np.array(moves), np.array(target), np.array(settled))
 
 
 def hidden(rng: np.random.Generator, looks: int, objects: int, share: float) -> np.ndarray:
@@ -179,10 +179,10 @@ def _coded(asked: Table, seed: int, session: Session) -> dict[str, Any]:
     active = np.array([som.activations(face) for face in session.faces])
     count, step_s = session.px.shape[1] - 1, asked.looks.every * FRAME_S
     names = tuple(item.name for item in asked.world.scene.objects)
-    seen = LooksSeen(
+    observed = ObservedLooks(
         names, active, session.px[:, -1], session.px[:, :-1], np.zeros(len(active), bool), HEIGHT_PX, step_s
     )
-    coded = code_looks(seen, asked.looks)
+    coded = code_looks(observed, asked.looks)
     seconds = np.flatnonzero(session.settled)
     seconds = seconds[seconds % round(1 / step_s) == 0]
     right = coded.best == session.target

@@ -76,7 +76,7 @@ class FootageOverlay:
     @staticmethod
     def _draw_people(area: np.ndarray, mapped: FrameMap, viewing: Viewing) -> None:
         """Draw the box of each face, with the number of the person, and where the head points."""
-        for face in viewing.seen:
+        for face in viewing.visible_faces:
             x, y, wide, high = face.smooth
             corners = np.array([(x, y), (x + wide, y), (x + wide, y + high), (x, y + high), (x, y)])
             box = location(mapped.to_image(corners - 0.5))

@@ -135,15 +135,15 @@ class Person:
     perhaps: int = 0
     """Person of whom it is unsure whether this is another; 0 for none."""
 
-    def likeness(self, seen: Appearance) -> float:
+    def likeness(self, appeared: Appearance) -> float:
         """How alike an appearance is to the most similar view, 0 to 1."""
-        return max((likeness(view, seen) for view in self.views.values()), default=0.0)
+        return max((likeness(view, appeared) for view in self.views.values()), default=0.0)
 
-    def learn(self, seen: Appearance, yaw_deg: float) -> None:
+    def learn(self, appeared: Appearance, yaw_deg: float) -> None:
         """Remember an appearance."""
         view = 0 if np.isnan(yaw_deg) else 1 + int(np.searchsorted(YAW_BINS, yaw_deg))
         old = self.views.get(view)
-        self.views[view] = seen if old is None else Appearance(*map(_mixed, old, seen))
+        self.views[view] = appeared if old is None else Appearance(*map(_mixed, old, appeared))
 
 
 def _mixed(old: np.ndarray, new: np.ndarray) -> np.ndarray:
@@ -197,8 +197,8 @@ class People:
         now = [track for track in self.tracks if track.last == frame]
         for track in now:
             self._believe(track)
-        seen = [self._sighting(image, track, frame) for track in now if track.believed]
-        return sorted(seen, key=lambda one: -float(one.smooth[3]))
+        sightings = [self._sighting(image, track, frame) for track in now if track.believed]
+        return sorted(sightings, key=lambda one: -float(one.smooth[3]))
 
     def _goes_on(self, track: Track, frame: int) -> bool:
         return frame - track.last <= (self._gap if track.believed else 0)
@@ -283,15 +283,15 @@ class People:
             person.unsure += not track.sure
         return Sighting(track.number, track.person, track.sure, track.judged, track.face, track.smooth, yaw, error)
 
-    def _judge(self, track: Track, seen: Appearance, yaw: float, frame: int) -> None:
+    def _judge(self, track: Track, appeared: Appearance, yaw: float, frame: int) -> None:
         """Find out who a new face is."""
         present = {other.person for other in self.tracks if other is not track and other.last == frame}
         absent = [person for number, person in self.people.items() if number not in present]
         if not absent:
-            self._is_new(track, seen, yaw, frame, True)
+            self._is_new(track, appeared, yaw, frame, True)
             return
         for person in absent:
-            track.evidence.setdefault(person.number, []).append(person.likeness(seen))
+            track.evidence.setdefault(person.number, []).append(person.likeness(appeared))
         likely = sorted(((float(np.mean(values)), number) for number, values in track.evidence.items()), reverse=True)
         (best, number), second = likely[0], likely[1][0] if len(likely) > 1 else 0.0
         track.person = number if best >= SAME else 0
@@ -302,25 +302,25 @@ class People:
             track.judged = track.sure = True
             self.tracks = [one for one in self.tracks if one is track or one.person != number]  # lost elsewhere
         else:
-            self._is_new(track, seen, yaw, frame, best <= OTHER)
+            self._is_new(track, appeared, yaw, frame, best <= OTHER)
             if best > OTHER and track.person:
                 self.people[track.person].perhaps = number
 
-    def _is_new(self, track: Track, seen: Appearance, yaw: float, frame: int, sure: bool) -> None:
+    def _is_new(self, track: Track, appeared: Appearance, yaw: float, frame: int, sure: bool) -> None:
         track.judged, track.sure = True, sure
         if len(self.people) == MOST_PEOPLE:
             track.person, track.sure = 0, False
             return
         track.person = len(self.people) + 1
         person = self.people[track.person] = Person(track.person, first=frame, last=frame)
-        person.learn(seen, yaw)
+        person.learn(appeared, yaw)
 
-    def _compare(self, track: Track, seen: Appearance, yaw: float) -> None:
+    def _compare(self, track: Track, appeared: Appearance, yaw: float) -> None:
         """Learn more of a person, or notice that a track has passed to somebody else."""
         person = self.people.get(track.person)
         if person is None:
             return
-        alike = person.likeness(seen)
+        alike = person.likeness(appeared)
         track.odd = track.odd + 1 if alike < STRANGE else 0
         if track.odd >= 3:
             track.judged = track.sure = False
@@ -328,7 +328,7 @@ class People:
             self._number += 1
             track.number = self._number
         elif track.odd == 0 and track.sure and not self._crowded(track):
-            person.learn(seen, yaw)
+            person.learn(appeared, yaw)
 
     def _crowded(self, track: Track) -> bool:
         """Whether another face is so near that the two could be mixed up."""

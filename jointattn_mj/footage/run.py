@@ -129,7 +129,7 @@ def _run(
             mapped = viewing.see(still)
             log.add(viewing.watcher, still.number, still.fresh)
             if still.fresh:
-                faces.add(viewing.seen, viewing.chosen, viewing.frames - 1, still.number)
+                faces.add(viewing.visible_faces, viewing.chosen, viewing.frames - 1, still.number)
             if config.looks and (viewing.frames - 1) % config.coding.every == 0:
                 looks.add(viewing)
             if every is not None and (viewing.frames - 1) % every == 0:

@@ -59,7 +59,7 @@ class Viewing:
         coloured: Whether any image had colours.
         sizes: Widths and heights of the video's images.
         people: All faces; None with the detector templates.
-        seen: The faces in the last image, the largest first.
+        visible_faces: The faces in the last image, the largest first.
         chosen: The face of interest among them; None where it is not there.
         shots: Cuts and motion of the camera.
         spans: When who was there, and what should be checked.
@@ -100,7 +100,7 @@ class Viewing:
         self.sample, self.sample_faces = np.zeros((1, 1, 3), np.uint8), np.zeros((0, 4))
         self.people = People(config.people, RATE, config.face_follow) if config.detector == "yunet" else None
         self.interest = FaceOfInterest(FaceRule.parsed(config.face))
-        self.seen: list[Sighting] = []
+        self.visible_faces: list[Sighting] = []
         self.chosen: Sighting | None = None
         self.shots = Shots(config.shots)
         self.spans = Spans(gap=max(RATE // 2, math.ceil(2 * RATE / (self.footage.fps or RATE))))
@@ -182,21 +182,27 @@ class Viewing:
         cut = self.shots.see(still.image) or still.cut
         perceiver, areas = self.watcher.perceiver, self.watcher.perceiver.areas
         if self.people is not None and isinstance(perceiver.faces, FollowedFace):
-            self.seen = self.people.see(still.image, self.frames, cut)
-            self.chosen = self.interest.choose(self.seen, cut)
+            self.visible_faces = self.people.see(still.image, self.frames, cut)
+            self.chosen = self.interest.choose(self.visible_faces, cut)
             perceiver.faces.show(self.chosen, still.image, mapped)
             areas.show_faces(self._boxes(mapped), cut, self.shots.shifted)
         else:
             areas.show_faces(self._template_box(), cut, self.shots.shifted)
         self._chosen_last = note_checks(
-            self.spans, self.frames, self.seen, self.chosen, self.shots, cut and self.frames > 0, self._chosen_last
+            self.spans,
+            self.frames,
+            self.visible_faces,
+            self.chosen,
+            self.shots,
+            cut and self.frames > 0,
+            self._chosen_last,
         )
         return cut
 
     def _boxes(self, mapped: FrameMap) -> np.ndarray:
         """(k, 4) x, y, width and height of all faces, pixels of the robot's image, the face of interest first."""
-        seen = sorted(self.seen, key=lambda one: one is not self.chosen)
-        boxes = np.array([face.smooth for face in seen]).reshape(-1, 4)
+        faces = sorted(self.visible_faces, key=lambda one: one is not self.chosen)
+        boxes = np.array([face.smooth for face in faces]).reshape(-1, 4)
         corners = mapped.to_image(boxes[:, :2] - 0.5)
         return np.hstack([corners, boxes[:, 2:] * (mapped.scale_x, mapped.scale_y)])
 

@@ -248,8 +248,8 @@ class GazeFollower:
     def _in_view(self, percept: Percept, head: np.ndarray) -> np.ndarray:
         """Turns (k, 2), deg, that lead from the face of a percept, with the head at ``head``, to its k objects."""
         face = direction_of(percept.px[self.face], head)
-        seen = np.flatnonzero(percept.visible[: self.face])
-        return np.array([direction_of(percept.px[number], head) - face for number in seen]).reshape(-1, 2)
+        visible = np.flatnonzero(percept.visible[: self.face])
+        return np.array([direction_of(percept.px[number], head) - face for number in visible]).reshape(-1, 2)
 
     def _turn(self, shift: GazeShift, movement: HeadShift, observation: Observation) -> np.ndarray:
         """Action (2,), rad, for one frame of a gaze shift; its aim is corrected on the way.

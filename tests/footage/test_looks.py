@@ -9,7 +9,7 @@ import pytest
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.looks.check import Codings
-from jointattn_mj.footage.looks.coding import AWAY, UNSEEN, UNSURE, LooksSeen, code_looks
+from jointattn_mj.footage.looks.coding import AWAY, UNSEEN, UNSURE, ObservedLooks, code_looks
 from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.footage.looks.learning import NEVER, learn_evidence, posterior, smoothed
 from jointattn_mj.footage.looks.locations import last_locations, placements
@@ -22,7 +22,9 @@ SPOTS = np.array([[x, y] for x in (-2.0, -1.0, 0.0, 1.0, 2.0) for y in (1.0, 2.0
 """Where objects may lie, from the face, in its heights; a face is turned to one of them."""
 
 
-def session(looks: int = 2400, moved: bool = True, away: float = 0.0, seed: int = 0) -> tuple[LooksSeen, np.ndarray]:
+def session(
+    looks: int = 2400, moved: bool = True, away: float = 0.0, seed: int = 0
+) -> tuple[ObservedLooks, np.ndarray]:
     """A person who looks at an object for 15 looks, and may then put it to another spot; and the targets."""
     rng = np.random.default_rng(seed)
     lies = rng.permutation(len(SPOTS))[: len(NAMES)]
@@ -41,7 +43,7 @@ def session(looks: int = 2400, moved: bool = True, away: float = 0.0, seed: int 
             lies[target] = rng.choice(free)
     faced, placed = np.array(faces), np.array(px) * 40 + 100
     face = np.full((len(placed), 2), 100.0)
-    return LooksSeen(NAMES, faced, face, placed, np.zeros(len(placed), bool), 40.0, 0.2), np.array(targets)
+    return ObservedLooks(NAMES, faced, face, placed, np.zeros(len(placed), bool), 40.0, 0.2), np.array(targets)
 
 
 def agreed(codes: np.ndarray, targets: np.ndarray) -> float:
@@ -49,8 +51,8 @@ def agreed(codes: np.ndarray, targets: np.ndarray) -> float:
     return kappa(np.bincount(codes * size + targets, minlength=size * size).reshape(size, size))
 
 
-def changed(looks: LooksSeen, **fields) -> LooksSeen:
-    return LooksSeen(**{**vars(looks), **fields})
+def changed(looks: ObservedLooks, **fields) -> ObservedLooks:
+    return ObservedLooks(**{**vars(looks), **fields})
 
 
 def test_objects_that_are_moved_are_told_apart():

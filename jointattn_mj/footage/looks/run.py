@@ -33,7 +33,7 @@ def leave_looks(out: Path, log: LooksLog, viewing: Viewing, som: SOM | None) -> 
     """
     config, start_s = viewing.config.coding, viewing.footage.start_s
     cuts = [range(span.start, span.end) for span in viewing.spans.all if (span.tier, span.code) == (CAMERA, "cut")]
-    seen = log.looks(som, np.array([frame for cut in cuts for frame in cut], int), config.every / RATE)
-    coded, frames = code_looks(seen, config), log.frames()
+    observed = log.looks(som, np.array([frame for cut in cuts for frame in cut], int), config.every / RATE)
+    coded, frames = code_looks(observed, config), log.frames()
     write_parquet(out / "looks.parquet", looks_table(coded, start_s + frames / RATE))
     return coded.summary(config), looks_spans(coded, frames, viewing.frames)
