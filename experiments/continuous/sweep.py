@@ -29,7 +29,7 @@ LINEAR = LearnerConfig(code="linear", rate=0.1)
 
 
 @dataclass(frozen=True)
-class RunConfig(Checked):
+class ScatteredRun(Checked):
     """A run and the examination of its maps."""
 
     world: RenderedConfig = SCATTERED
@@ -45,7 +45,7 @@ class RunConfig(Checked):
 FIRST_SEED = 50_000
 FILM = Path(__file__).with_name("continuous.mp4")
 """Made by ``python -m experiments.continuous.film``."""
-SETTINGS = {"scattered": Setting(RunConfig(), runs=20)}
+SETTINGS = {"scattered": Setting(ScatteredRun(), runs=20)}
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Look:
     others: np.ndarray
 
 
-def trial(config: RunConfig, seed: int) -> dict[str, Any]:
+def trial(config: ScatteredRun, seed: int) -> dict[str, Any]:
     """Step of gaze following, landings by table and by map, and errors of every map at the checkpoints."""
     preset = PRESETS["fast"]
     run = ContinuousRun(

@@ -19,7 +19,7 @@ from jointattn_mj.sweeps.claim import Setting
 
 
 @dataclass(frozen=True)
-class RunConfig(Checked):
+class GrowingTrial(Checked):
     """Some steps of babbling, then an agent for some steps."""
 
     spots: Annotated[int, Whole("[2, 120]")]
@@ -34,12 +34,12 @@ FIRST_SEED = 50_000
 FILM = Path(__file__).with_name("resolution.mp4")
 """Made by ``python -m experiments.resolution.film``."""
 SETTINGS = {
-    **{f"{spots} spots": Setting(RunConfig(spots), runs=20) for spots in (2, 3, 4, 5)},
-    "an image every step, 3 spots": Setting(RunConfig(3, images=True, n_steps=20_000, agent_steps=10_000), runs=4),
+    **{f"{spots} spots": Setting(GrowingTrial(spots), runs=20) for spots in (2, 3, 4, 5)},
+    "an image every step, 3 spots": Setting(GrowingTrial(3, images=True, n_steps=20_000, agent_steps=10_000), runs=4),
 }
 
 
-def trial(config: RunConfig, seed: int) -> dict[str, Any]:
+def trial(config: GrowingTrial, seed: int) -> dict[str, Any]:
     """The splits, what the values mean in the end, and what the preset ``fast`` found with them."""
     preset = PRESETS["fast"]
     table = replace(preset.world, spots=config.spots, objects=min(2, config.spots - 1))

@@ -32,7 +32,7 @@ SHOWN, WIDTH, HEIGHT = 6, 200, 150
 
 
 @dataclass(frozen=True)
-class Options(Checked):
+class VariationOptions(Checked):
     """What to leave where."""
 
     figure: Path | None = None
@@ -57,7 +57,7 @@ def detected(image: np.ndarray, world: World, colours: ColourAreas) -> tuple[boo
     return bool(face), int(np.sum(near & view)), int(view.sum())
 
 
-def measure(preset: str, options: Options) -> tuple[dict[str, int], np.ndarray]:
+def measure(preset: str, options: VariationOptions) -> tuple[dict[str, int], np.ndarray]:
     """Number of faces and objects found in a number of draws, and the first images side by side."""
     settings = {"random": options.seed, "variation": preset}
     environment = load("joint_attention", "object_transfer", task_kwargs=settings)
@@ -77,7 +77,7 @@ def measure(preset: str, options: Options) -> tuple[dict[str, int], np.ndarray]:
     return {"draws": options.draws, "faces": faces, "objects": objects, "objects_in_view": in_view}, band
 
 
-def main(options: Options) -> None:
+def main(options: VariationOptions) -> None:
     """Measure every preset and print, one a line; leave the files that were asked for."""
     rates, bands = {}, []
     for preset in PRESETS:
@@ -94,4 +94,4 @@ def main(options: Options) -> None:
 
 
 if __name__ == "__main__":
-    main(tyro.cli(Options, description=__doc__))
+    main(tyro.cli(VariationOptions, description=__doc__))

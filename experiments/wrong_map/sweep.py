@@ -75,7 +75,7 @@ def _face(session: SessionRun) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Condition(Checked):
+class PairCondition(Checked):
     """A session's config, and what is done to the pairs before they are learned."""
 
     config: SessionConfig
@@ -88,20 +88,20 @@ FILTERS: dict[str, Callable[..., None]] = {
     "wrong_scattered": wrong_pairs_scattered,
 }
 SETTINGS = {
-    "as_it_is": Setting(Condition(BASE), 10),
-    "with_cues": Setting(Condition(session_config("state", cues=True)), 10),
-    "exact_face_pattern": Setting(Condition(exact(pattern_noise_deg=0.0)), 10),
+    "as_it_is": Setting(PairCondition(BASE), 10),
+    "with_cues": Setting(PairCondition(session_config("state", cues=True)), 10),
+    "exact_face_pattern": Setting(PairCondition(exact(pattern_noise_deg=0.0)), 10),
     "exact_locations": Setting(
-        Condition(exact(face_noise_px=0.0, face_miss=0.0, object_noise_px=0.0, object_miss=0.0)), 10
+        PairCondition(exact(face_noise_px=0.0, face_miss=0.0, object_noise_px=0.0, object_miss=0.0)), 10
     ),
-    "feedback_commands": Setting(Condition(session_config("state", cues=False, gaze={"gate": "shut"})), 10),
-    "only_still_pairs": Setting(Condition(BASE, "only_still"), 10),
-    "wrong_pairs_scattered": Setting(Condition(BASE, "wrong_scattered"), 10),
-    "only_right_pairs": Setting(Condition(BASE, "only_right"), 10),
+    "feedback_commands": Setting(PairCondition(session_config("state", cues=False, gaze={"gate": "shut"})), 10),
+    "only_still_pairs": Setting(PairCondition(BASE, "only_still"), 10),
+    "wrong_pairs_scattered": Setting(PairCondition(BASE, "wrong_scattered"), 10),
+    "only_right_pairs": Setting(PairCondition(BASE, "only_right"), 10),
 }
 
 
-def trial(condition: Condition, seed: int) -> dict[str, Any]:
+def trial(condition: PairCondition, seed: int) -> dict[str, Any]:
     """A session's summary, and the share of its pairs that were right."""
     session = SessionRun(replace(condition.config, seed=seed))
     right = _watch_pairs(session, session.robot, FILTERS.get(condition.pairs))

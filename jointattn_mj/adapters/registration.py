@@ -17,7 +17,7 @@ IDS = {
     "TurnTakingHard-v0": "turn_taking_hard",
 }
 """Gymnasium's id of each task: ``gymnasium.make("jointattn_mj:Follow-v0")``."""
-ENTRY_POINT = "jointattn_mj.adapters.gymnasium:JointAttention"
+ENTRY_POINT = "jointattn_mj.adapters.gymnasium:JointAttentionEnv"
 
 
 def register_when_needed() -> None:

@@ -34,7 +34,7 @@ development.rendered.senses: Senses SensesConfig
 development.rendered.stage: Stage StageConfig
 development.table.caregiver: TableCaregiverConfig Rules
 development.table.run: TableRun
-development.table.world: Table TableConfig
+development.table.world: TableState TableConfig
 footage.areas: AreaConfig FootageAreas Slot
 footage.faces: FaceAlbum
 footage.fixations: Fixation Fixations

@@ -42,7 +42,7 @@ class Group:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class GroupComparison:
     """Two groups, or all of them at once."""
 
     first: str
@@ -63,7 +63,7 @@ class DyadResult:
     values: tuple[Significance, ...]
     groups: tuple[Group, ...]
     """All dyads together, then each group."""
-    comparisons: tuple[Comparison, ...]
+    comparisons: tuple[GroupComparison, ...]
     group_of: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -203,7 +203,7 @@ def compare(
     by: str,
     permutations: int,
     rng: np.random.Generator,
-) -> list[Comparison]:
+) -> list[GroupComparison]:
     """Compare groups of dyads by permuting dyads over them.
 
     Args:
@@ -225,12 +225,12 @@ def compare(
         observed = float(_eta(values[None], member)[0])
         drawn = _eta(rng.permuted(np.tile(values, (permutations, 1)), axis=1), member)
         comparisons.append(
-            Comparison(by, "all", observed, float((1 + np.sum(drawn >= observed - 1e-12)) / (1 + len(drawn))))
+            GroupComparison(by, "all", observed, float((1 + np.sum(drawn >= observed - 1e-12)) / (1 + len(drawn))))
         )
     for first, second in combinations(kinds, 2):
         a, b = values[labels == first], values[labels == second]
         p = _two_sided(a, b, permutations, rng) if min(len(a), len(b)) >= FEWEST else float("nan")
-        comparisons.append(Comparison(first, second, float(a.mean() - b.mean()), p))
+        comparisons.append(GroupComparison(first, second, float(a.mean() - b.mean()), p))
     return comparisons
 
 

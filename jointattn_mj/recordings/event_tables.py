@@ -8,7 +8,7 @@ import numpy as np
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import shown
-from jointattn_mj.recordings.event_layout import EventLayout, Track
+from jointattn_mj.recordings.event_layout import EventLayout, EventTrack
 from jointattn_mj.recordings.events import Events, first_met
 from jointattn_mj.recordings.labels import missing_labels, ordered
 from jointattn_mj.recordings.table_files import TableFile
@@ -149,7 +149,7 @@ def _recordings(columns: _Columns, layout: EventLayout, name: str) -> tuple[Text
 
 
 def _without_codes(
-    columns: _Columns, tracks: Sequence[Track], times: Mapping[int, np.ndarray], kept: np.ndarray
+    columns: _Columns, tracks: Sequence[EventTrack], times: Mapping[int, np.ndarray], kept: np.ndarray
 ) -> int:
     """Number of rows that have an onset, and no code in any of several columns."""
     if any(track.alone for track in tracks):
@@ -162,7 +162,7 @@ def _without_codes(
 
 
 def _gathered(
-    columns: _Columns, track: Track, times: Mapping[int, np.ndarray], recordings: Texts, kept: np.ndarray
+    columns: _Columns, track: EventTrack, times: Mapping[int, np.ndarray], recordings: Texts, kept: np.ndarray
 ) -> _TrackEvents:
     """The events of one track."""
     code = columns.joined(track.code, PARTS)

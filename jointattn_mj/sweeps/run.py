@@ -14,7 +14,7 @@ from jointattn_mj.options import Checked, Seed, Whole, warn_renamed
 from jointattn_mj.sweeps.backends import Backend, gone, lost_touch
 from jointattn_mj.sweeps.claim import Claim
 from jointattn_mj.sweeps.store import Keys, PlannedTrial, Store
-from jointattn_mj.sweeps.worker import Outcome, compute, pack
+from jointattn_mj.sweeps.worker import TrialOutcome, compute, pack
 
 GOLDEN = 0.618
 """Runs that share a folder begin this share of the queue apart, which spreads any number of them."""
@@ -175,7 +175,7 @@ class _Run:
         self, store: Store, backend: Backend, watcher: SweepWatcher, tally: Tally, always: Mapping[str, object]
     ):
         self.store, self.backend, self.watcher, self.tally, self.always = store, backend, watcher, tally, always
-        self.flying: dict[Future[Outcome], PlannedTrial] = {}
+        self.flying: dict[Future[TrialOutcome], PlannedTrial] = {}
         self.packed: dict[tuple[str, str], bytes] = {}
         self.deaths: Counter[str] = Counter()
         self.doubtful: deque[PlannedTrial] = deque()
@@ -213,7 +213,7 @@ class _Run:
             queue.appendleft(task)
             self.bury([])
 
-    def land(self, future: Future[Outcome]) -> PlannedTrial | None:
+    def land(self, future: Future[TrialOutcome]) -> PlannedTrial | None:
         """Store the result of a future that has ended; returns its trial if the worker died."""
         task = self.flying.pop(future)
         kind = task.claim.id, task.name
@@ -224,7 +224,7 @@ class _Run:
         except Exception as error:
             if lost_touch(error):
                 raise gone(error) from error
-            outcome = Outcome(0.0, error=f"{type(error).__name__}: {error}", traceback=traceback.format_exc())
+            outcome = TrialOutcome(0.0, error=f"{type(error).__name__}: {error}", traceback=traceback.format_exc())
         self.tally.left[kind] -= 1
         if outcome.error:
             self.fail(task, outcome.error, outcome.traceback)

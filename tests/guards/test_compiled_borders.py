@@ -147,7 +147,7 @@ class Born:
 def tables_and_turns() -> Iterator[Case]:
     """The symbolic table, its caregiver, and the robot of the earlier work."""
     from jointattn_mj.baselines.turn_taking.agent import TurnTaker, TurnTakerConfig, feedback_target
-    from jointattn_mj.baselines.turn_taking.attempts import Situations, run_attempts
+    from jointattn_mj.baselines.turn_taking.attempts import AttemptSituations, run_attempts
     from jointattn_mj.baselines.turn_taking.faces import FaceInputs
     from jointattn_mj.development.table.caregiver import rules, shift_gaze
     from jointattn_mj.development.table.world import CHAPTER_4, CHAPTER_5, new_table, step
@@ -187,12 +187,12 @@ def tables_and_turns() -> Iterator[Case]:
     yield "target among few", lambda: feedback_target(0, np.ones(9, bool), np.ones(3), np.ones(3), 0, True)
     bank = FaceInputs(np.ones((3, 6), np.float32), np.zeros((3, 2)), np.zeros(6), 1.0)
     for index in (-1, 3, HUGE):
-        locations = Situations(np.zeros((2, 2, 2)), np.full((2, 2), index))
+        locations = AttemptSituations(np.zeros((2, 2, 2)), np.full((2, 2), index))
         yield (
             f"attempts with face {index}",
             lambda p=locations: run_attempts(robot, p, bank, 3, np.random.default_rng(0)),
         )
-    nowhere = Situations(np.full((2, 2, 2), NAN), np.zeros((2, 2), int))
+    nowhere = AttemptSituations(np.full((2, 2, 2), NAN), np.zeros((2, 2), int))
     yield "attempts nowhere", lambda: run_attempts(robot, nowhere, bank, 3, np.random.default_rng(0))
     empty = FaceInputs(np.ones((0, 6), np.float32), np.zeros((0, 2)), np.zeros(6), 1.0)
     yield "faces of an empty bank", lambda: empty.of_locations(np.zeros((2, 2)), 0.0, np.random.default_rng(0))

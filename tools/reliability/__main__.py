@@ -31,9 +31,9 @@ def run_kills(*, number: int = 100, only: str = "", seed: int = 0, jobs: int = 2
     """
 
     def harness(folder: Path, subjects: tuple[Subject, ...], at: dict[str, str], pool: ThreadPoolExecutor) -> dict:
-        def killed(subject: Subject) -> list[kills.Trial]:
+        def killed(subject: Subject) -> list[kills.KillTrial]:
             peace = kills.reference(subject, folder / f"{subject.name} in peace", at)
-            trials: list[kills.Trial] = []
+            trials: list[kills.KillTrial] = []
             while sum(len(trial.kills) for trial in trials) < number / len(subjects):
                 trial_seed = 1000 * seed + len(trials)
                 out_of_it = folder / f"{subject.name} {trial_seed}"
@@ -59,7 +59,7 @@ def run_pairs(*, number: int = 24, only: str = "", seed: int = 0, jobs: int = 2,
     """
 
     def harness(folder: Path, subjects: tuple[Subject, ...], at: dict[str, str], pool: ThreadPoolExecutor) -> dict:
-        def started(subject: Subject) -> list[together.Pair]:
+        def started(subject: Subject) -> list[together.RunPair]:
             alone = (
                 kills.reference(subject, folder / f"{subject.name} first alone", at),
                 kills.reference(subject, folder / f"{subject.name} second alone", at, together.other_seed(subject)),

@@ -29,7 +29,7 @@ class Reference:
 
 
 @dataclass
-class Trial:
+class KillTrial:
     """A run that was killed until it was done."""
 
     subject: str
@@ -64,9 +64,9 @@ def reference(subject: Subject, out: Path, places: dict[str, str], more: tuple[s
     return Reference(seconds, contents(out))
 
 
-def kill_until_done(subject: Subject, seed: int, peace: Reference, out: Path, places: dict[str, str]) -> Trial:
+def kill_until_done(subject: Subject, seed: int, peace: Reference, out: Path, places: dict[str, str]) -> KillTrial:
     """One trial, whose moments come from ``seed``; its folder is deleted if nothing was lost."""
-    chance, trial = random.Random(f"{subject.name} {seed}"), Trial(subject.name, seed)
+    chance, trial = random.Random(f"{subject.name} {seed}"), KillTrial(subject.name, seed)
     more: tuple[str, ...] = ()
     refused, runs = "", []
     while True:
@@ -148,7 +148,7 @@ def _entries(folder: str | Path) -> list[tuple[str, int, int]]:
     return sorted(listed)
 
 
-def summary(trials: list[Trial]) -> dict[str, object]:
+def summary(trials: list[KillTrial]) -> dict[str, object]:
     """Counts by subject, and what was lost."""
     rows = []
     for name in dict.fromkeys(trial.subject for trial in trials):
