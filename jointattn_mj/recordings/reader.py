@@ -36,10 +36,10 @@ class ReadOptions(SourceOptions, SampleOptions):
 
     def read(self, path: Any, columns: str | Sequence[str]) -> Recordings:
         """The columns or tiers as :func:`read_recordings` reads them with these options."""
-        names = [columns] if isinstance(columns, str) else list(dict.fromkeys(columns))
-        if not names or not all(isinstance(name, str) for name in names):
+        names = tuple(dict.fromkeys(_tuple(columns)))
+        if not names:
             raise SeriesError(f"expected the name of a column, or several; got {shown(columns)}")
-        return Coding(path, self, tuple(names)).steps(self.step)
+        return Coding(path, self, names).steps(self.step)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ class Coding:
             ConfigError: An option that cannot work.
         """
         options = replace(self.options, step=step, **how)
-        names = self.columns if columns is None else tuple([columns] if isinstance(columns, str) else columns)
+        names = self.columns if columns is None else _tuple(columns)
         same = replace(self, options=options, columns=names)
         content, remarks = same._content
         if step is None and any(isinstance(one, Events) for one in content):
@@ -301,8 +301,11 @@ def read_recordings(
     return how.read(path, columns)
 
 
-def _tuple(names: str | Sequence[str]) -> tuple[str, ...]:
-    return (names,) if isinstance(names, str) else tuple(names)
+def _tuple(names: str | Iterable[str]) -> tuple[str, ...]:
+    several = (names,) if isinstance(names, str) else tuple(names) if isinstance(names, Iterable) else (names,)
+    if not all(isinstance(name, str) for name in several):
+        raise SeriesError(f"expected the name of a column, or several; got {shown(names)}")
+    return several
 
 
 def _names(options: type[SampleOptions]) -> list[str]:
