@@ -35,6 +35,14 @@ def test_importing_the_package_is_light():
     assert done.stdout == "\n\n"
 
 
+def test_little_comes_before_the_command_line_minds_stop_signals():
+    """What is imported until then leaves a traceback when it is interrupted."""
+    slow = {"typing", "tempfile", "pathlib", "ctypes", "random", "shutil", "importlib.util", "argparse", "re"}
+    code = "import sys, threading; known = {*sys.modules}; import jointattn_mj.cli.main; print(*{*sys.modules} - known)"
+    new = set(python(code).stdout.split())
+    assert "jointattn_mj.io.terminal" in new and not new & slow
+
+
 @pytest.mark.parametrize("reader", ["mujoco", "dm_control.mujoco"])
 def test_a_backend_is_chosen_before_mujoco_reads_it(reader):
     code = f"import os, jointattn_mj; before = 'MUJOCO_GL' in os.environ\nimport {reader}\n"
