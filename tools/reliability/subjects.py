@@ -18,7 +18,7 @@ ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT), "LP_NUM_THREADS": "0"}
 SCHEDULER, VIDEO = "{scheduler}", "{video}"
 """Stand in a command for the address of a dask scheduler, and for a file to watch."""
 JOINTATTN = (sys.executable, "-m", "jointattn_mj.cli.main")
-LIMIT_S = 600.0
+LIMIT_S = 1800.0
 """A run that takes longer hangs."""
 
 
