@@ -344,6 +344,8 @@ class Developer:
         self.__dict__.update(state)
         self._looks.check(len(self.modules))
         check_agent(self.state, self._untrained().state, self.variables)
+        if self.state.keeping and len(self.state.experience.s) < self._looks.next:
+            raise ValueError(f"there is no room for the steps until the next look, {self._looks.next}")
         flat_maps(self.variables, self.modules, self._tables, self.config.selector)
 
     def _untrained(self) -> "Developer":
