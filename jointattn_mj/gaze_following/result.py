@@ -8,7 +8,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from jointattn_mj.gaze_following import figures
 from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts
 from jointattn_mj.gaze_following.summary import SessionSummary
@@ -136,6 +135,8 @@ class SessionResult:
         Raises:
             OutputError: The folder holds another run, or cannot be written.
         """
+        from jointattn_mj.gaze_following import figures  # matplotlib takes long to import
+
         out = path_of(folder, "folder")
         with claimed(out):
             write_config(out / "config.yaml", self.config)
