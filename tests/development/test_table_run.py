@@ -57,7 +57,7 @@ def same(one, other):
         np.array_equal(*pair, equal_nan=True) for pair in zip(one.contingency(), other.contingency(), strict=True)
     )
     assert np.array_equal(one.agent.state.counts.entries, other.agent.state.counts.entries)
-    assert np.array_equal(one.agent.state.counts.contexts, other.agent.state.counts.contexts)
+    assert np.array_equal(one.agent.state.counts.sums, other.agent.state.counts.sums)
 
 
 @pytest.fixture(scope="module", params=AGENTS)

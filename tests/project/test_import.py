@@ -43,6 +43,32 @@ def test_little_comes_before_the_command_line_minds_stop_signals():
     assert "jointattn_mj.io.terminal" in new and not new & slow
 
 
+COMMAND_LINE = """
+import sys
+from importlib import import_module
+from jointattn_mj.cli.commands import COMMANDS
+from jointattn_mj.cli.main import main
+{code}
+print(*sorted(name for name in {modules} if name in sys.modules))
+"""
+DRAWN_OR_TESTED = ("matplotlib", "scipy.stats", "scipy.cluster", "scipy.optimize", "scipy.fft", "mediapy", "jinja2")
+"""What only figures, tests and films need."""
+
+
+def test_the_list_of_commands_imports_nothing_heavy():
+    done = python(COMMAND_LINE.format(code="main(['--help'])", modules=(*HEAVY, "yaml", "tqdm")))
+    assert done.returncode == 0, done.stderr
+    assert "session" in done.stdout
+    assert done.stdout.splitlines()[-1] == ""
+
+
+def test_no_command_imports_what_draws_or_tests_before_it_is_asked_for_that():
+    code = "for name in COMMANDS: import_module(f'jointattn_mj.cli.{name}')"
+    done = python(COMMAND_LINE.format(code=code + "\nprint('numpy' in sys.modules)", modules=DRAWN_OR_TESTED))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines() == ["True", ""]
+
+
 @pytest.mark.parametrize("reader", ["mujoco", "dm_control.mujoco"])
 def test_a_backend_is_chosen_before_mujoco_reads_it(reader):
     code = f"import os, jointattn_mj; before = 'MUJOCO_GL' in os.environ\nimport {reader}\n"
