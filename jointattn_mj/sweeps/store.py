@@ -58,8 +58,8 @@ ADDED = {
     "gaze": {"gate_sharpness": 3.0, "commands": "direction", "wait_for_still_face": False, "read_again": False},
 }  # fmt: skip
 """Fields that configs have got since trials were first stored, by the field that holds the config, with the values at
-which trials are what they were; keys and stored configs leave them out then. The setting's own config is held by "". A new
-field of a config belongs here."""
+which trials are what they were; keys and stored configs leave them out then. The setting's own config is held by "".
+A new field of a config belongs here."""
 
 
 def config_text(config: Any) -> str:
