@@ -53,7 +53,7 @@ ADDED = {
     "": {"patch_side": None},
     "learner": {"pairs": "reached", "base": "none", "competition": 0.0, "compete_after": 10, "forgetting": 0.0,
                 "smoothing": 0.05},
-    "world": {"wrong": 0.0, "profile_shows": "gaze"},
+    "world": {"wrong": 0.0, "profile_shows": "gaze", "draws": "all"},
     "table": {"wrong": 0.0, "profile_shows": "gaze"},
     "gaze": {"gate_sharpness": 3.0, "commands": "direction", "wait_for_still_face": False, "read_again": False},
 }  # fmt: skip
