@@ -49,7 +49,7 @@ CHOICES_IN_KEYS = {
 }
 """Choices of fields that have been renamed, by field and choice as they are called now; likewise."""
 
-ADDED = {
+ADDED: dict[str, dict[str, Any]] = {
     "": {"patch_side": None},
     "learner": {"pairs": "reached", "base": "none", "competition": 0.0, "compete_after": 10, "forgetting": 0.0,
                 "smoothing": 0.05},
