@@ -144,7 +144,7 @@ class _Detecting:
 @njit(cache=True)
 def _detect(watch: Watch, counts: Counts, s: np.ndarray, a: np.ndarray, r: np.ndarray) -> None:
     for t in range(len(s) - 1):
-        add(counts, s[t], a[t], r[t], r[t + 1], 1, len(counts.contexts))
+        add(counts, s[t], a[t], r[t], r[t + 1], 1, len(counts.layout))
         update(watch, counts)
 
 

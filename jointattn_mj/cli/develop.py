@@ -167,7 +167,7 @@ def run_with_bar(config: DevelopmentConfig, options: UnfilmedOptions) -> None:
         shown.doing("developing")
         shown.to(run.spent, count(len(run.agent.modules), "module"))
 
-    with going_on_from(options.out, "the run", options.resume), shown:
+    with going_on_from(options.out, "the run"), shown:
         result = run_development(config, options, progress)
     print(text(result.summary))
     print(f"In {time.perf_counter() - started:.1f} s. Results: {options.out}")

@@ -3,7 +3,7 @@
 import sys
 from typing import Annotated, Any
 
-from jointattn_mj.cli.running import of_a_checkpoint, one_thread
+from jointattn_mj.cli.running import one_thread
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.run import run_perceive
@@ -35,7 +35,7 @@ def perceive(config: Annotated[PerceiveConfig, FLAT], options: Annotated[Perceiv
         shown.to(viewing.frames / RATE, words, _seconds(viewing))
 
     try:
-        with of_a_checkpoint(options.out, options.resume), shown:
+        with shown:
             summary = run_perceive(config, options, progress)
     except KeyboardInterrupt:
         if (options.out / "summary.json").exists():

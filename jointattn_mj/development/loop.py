@@ -145,6 +145,8 @@ class DevelopmentRun(ABC):
             raise ValueError("the agent's variables are others than those of its world")
         for name, least in (("steps_done", 0), ("n_steps", 1), ("sample_every", 1)):
             check_whole(name, getattr(self, name), least, most)
+        if self.steps_done != self.agent.state.n_steps[0]:
+            raise ValueError(f"{self.steps_done} steps are done, and the agent has done {self.agent.state.n_steps[0]}")
         base = variables.without_modules()
         check_array("s", self._s, (len(base.sensors),), np.int64)
         check_array("r", self._r, (len(base.results),), np.int64)

@@ -197,7 +197,8 @@ def run_development(
         check_space(config, options.out)
     if options.video and not config.films:
         raise ConfigError("only what is rendered can be filmed; choose world rendered with images, or no video")
-    with claimed(options.out, options.resume):
+    frozen = options.out / "checkpoint.bin"
+    with claimed(options.out, options.resume), checkpoint.gone_on_with(frozen, options.resume, progress):
         return _run(config, options, progress)
 
 

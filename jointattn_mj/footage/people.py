@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from jointattn_mj.footage.head import yaw_of
 from jointattn_mj.footage.likeness import OTHER, SAME, Appearance, appearance, likeness
@@ -245,6 +244,8 @@ class People:
                 costs[i, k] += 4 * (1 - person.likeness(appearance(image, faces[k])))
         taken = set()
         if costs.size:
+            from scipy.optimize import linear_sum_assignment  # takes .2 s to import
+
             for i, k in zip(*linear_sum_assignment(np.where(np.isinf(costs), 1e6, costs)), strict=True):
                 if np.isfinite(costs[i, k]):
                     self._follow_on(self.tracks[i], faces[k], frame)

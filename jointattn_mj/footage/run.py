@@ -77,7 +77,8 @@ def run_perceive(
         find_ffmpeg()
     codings = _codings(config, options)
     viewing = Viewing(config)
-    with claimed(options.out, options.resume):
+    frozen = options.out / "checkpoint.bin"
+    with claimed(options.out, options.resume), checkpoint.gone_on_with(frozen, options.resume, progress):
         return _run(viewing, options, codings, progress)
 
 

@@ -8,7 +8,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from jointattn_mj.gaze_following import figures
 from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts
 from jointattn_mj.gaze_following.summary import SessionSummary
@@ -147,6 +146,8 @@ class SessionResult:
             >>> result = Session(minutes=0.1, perception="state").run()
             >>> result.save("out/kept_session")
         """
+        from jointattn_mj.gaze_following import figures  # matplotlib takes long to import
+
         out = path_of(folder, "folder")
         with claimed(out):
             write_config(out / "config.yaml", self.config)

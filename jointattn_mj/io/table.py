@@ -70,7 +70,8 @@ class Table:
         except FileNotFoundError as error:
             raise OutputError(f"there is no table at {path}; give the folder of a finished run") from error
         except (OSError, pa.ArrowException) as error:
-            raise OutputError(f"cannot read the table {path} ({error}); give the folder of a finished run") from error
+            said = " ".join(str(error).split())  # pyarrow ends lines
+            raise OutputError(f"cannot read the table {path} ({said}); give the folder of a finished run") from error
         if new_names is None:
             return cls(arrow)
         names = [new_names(name) if callable(new_names) else new_names.get(name, name) for name in arrow.column_names]

@@ -1,5 +1,7 @@
 """Standard streams that may be closed or full, and signals that end a command; neither ends in a traceback."""
 
+from __future__ import annotations
+
 import atexit
 import os
 import signal
@@ -8,7 +10,10 @@ import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
-from typing import Any, TextIO
+
+TYPE_CHECKING = False  # as in typing, whose import takes long enough to be interrupted in
+if TYPE_CHECKING:
+    from typing import Any, TextIO
 
 INTERRUPTED = 130
 AGAIN_S = 0.05

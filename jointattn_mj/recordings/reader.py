@@ -53,10 +53,10 @@ class ReadOptions(SourceOptions, SampleOptions):
             >>> ReadOptions().read(pandas.DataFrame({"gaze": ["toy", "away", "toy"]}), "gaze")
             Recordings(3 rows, 1 recording, 1 column: gaze)
         """
-        names = [columns] if isinstance(columns, str) else list(dict.fromkeys(columns))
-        if not names or not all(isinstance(name, str) for name in names):
+        names = tuple(dict.fromkeys(_tuple(columns)))
+        if not names:
             raise SeriesError(f"expected the name of a column, or several; got {shown(columns)}")
-        return Coding(path, self, tuple(names)).steps(self.step)
+        return Coding(path, self, names).steps(self.step)
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +132,7 @@ class Coding:
             Recordings(199 rows, 1 recording, 2 columns: mother, infant)
         """
         options = replace(self.options, step=step, **how)
-        names = self.columns if columns is None else tuple([columns] if isinstance(columns, str) else columns)
+        names = self.columns if columns is None else _tuple(columns)
         same = replace(self, options=options, columns=names)
         content, remarks = same._content
         if step is None and any(isinstance(one, Events) for one in content):
@@ -350,8 +350,11 @@ def read_recordings(
     return how.read(path, columns)
 
 
-def _tuple(names: str | Sequence[str]) -> tuple[str, ...]:
-    return (names,) if isinstance(names, str) else tuple(names)
+def _tuple(names: str | Iterable[str]) -> tuple[str, ...]:
+    several = (names,) if isinstance(names, str) else tuple(names) if isinstance(names, Iterable) else (names,)
+    if not all(isinstance(name, str) for name in several):
+        raise SeriesError(f"expected the name of a column, or several; got {shown(names)}")
+    return several
 
 
 def _names(options: type[SampleOptions]) -> list[str]:

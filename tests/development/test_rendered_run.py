@@ -18,7 +18,7 @@ from jointattn_mj.development.run import run_development
 from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.development.table.world import TableConfig, table_variables
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.io import rows
 from jointattn_mj.perception.percept import Percept
 
@@ -181,3 +181,20 @@ def test_killed_between_film_and_results(tmp_path, monkeypatch):
 def test_a_run_at_the_symbolic_table_is_not_filmed(tmp_path):
     with pytest.raises(ConfigError, match="world rendered"):
         run_development(TableDevelopmentConfig(steps=10), DevelopmentOptions(tmp_path, video=True))
+
+
+def test_a_table_with_a_spot_that_is_not_there_is_no_run(run):
+    made_up = pickle.loads(pickle.dumps(run))
+    made_up.stage.table.order[0] = 10**6
+    with pytest.raises(ValueError, match="must each occur once"):
+        pickle.loads(pickle.dumps(made_up))
+    made_up.close()
+
+
+def test_what_is_no_value_of_a_sensor_does_not_reach_the_agent(run):
+    made_up = pickle.loads(pickle.dumps(run))
+    made_up.n_steps += 1
+    made_up.sense = lambda number: made_up._s.fill(10**6)
+    with pytest.raises(ObservationError, match="values of sensors"):
+        made_up.advance(1)
+    made_up.close()

@@ -57,7 +57,7 @@ def same(one, other):
         np.array_equal(*pair, equal_nan=True) for pair in zip(one.contingency(), other.contingency(), strict=True)
     )
     assert np.array_equal(one.agent.state.counts.entries, other.agent.state.counts.entries)
-    assert np.array_equal(one.agent.state.counts.contexts, other.agent.state.counts.contexts)
+    assert np.array_equal(one.agent.state.counts.sums, other.agent.state.counts.sums)
 
 
 @pytest.fixture(scope="module", params=AGENTS)
@@ -226,3 +226,20 @@ def test_presets_live(name):
 def test_impossible_lives(arguments, word):
     with pytest.raises(ConfigError, match=word):
         TableRun(**({"world": WORLD, "agent": HASTY, "seed": 0, "n_steps": 10} | arguments))
+
+
+class TestRestoredRuns:
+    """Numbers that would let compiled code write beyond its arrays."""
+
+    @staticmethod
+    def made_up(**changes):
+        run = steps_done(AGENTS["local"], n_steps=300)
+        for name, value in changes.items():
+            setattr(run.agent._looks if name == "next" else run, name, value)
+        return pickle.dumps(run)
+
+    @pytest.mark.parametrize("changes", [{"next": 10**6}, {"steps_done": 0}, {"steps_done": 301}])
+    def test_steps_for_which_there_is_no_room(self, changes):
+        with pytest.raises(ValueError, match=r"no room|are done"):
+            pickle.loads(self.made_up(**changes))
+        assert pickle.loads(self.made_up()).steps_done == 300

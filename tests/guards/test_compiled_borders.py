@@ -81,10 +81,10 @@ def agents() -> Iterator[Case]:
     events = list(world.events())
     counts = empty_counts(world, events)
     fine = {"s": np.array([2, 1]), "a": np.array([3]), "r": np.array([1, 2]), "r_next": np.array([0, 0])}
-    add(counts, *fine.values(), 1, len(counts.contexts))
+    add(counts, *fine.values(), 1, len(counts.layout))
 
     def transition(weight=1, contexts=None, **changed):
-        every = len(counts.contexts) if contexts is None else contexts
+        every = len(counts.layout) if contexts is None else contexts
         return lambda: add(counts, *(fine | changed).values(), weight, every)
 
     for part in fine:

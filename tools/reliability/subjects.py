@@ -18,7 +18,7 @@ ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT), "LP_NUM_THREADS": "0"}
 SCHEDULER, VIDEO = "{scheduler}", "{video}"
 """Stand in a command for the address of a dask scheduler, and for a file to watch."""
 JOINTATTN = (sys.executable, "-m", "jointattn_mj.cli.main")
-LIMIT_S = 600.0
+LIMIT_S = 1800.0
 """A run that takes longer hangs."""
 
 
@@ -50,12 +50,18 @@ class Subject:
 ORDER = "experiment run 5.2 --setting 'caregiver first' --runs 12"
 SUBJECTS = (
     Subject("session, state", "session --perception state --minutes 8 --checkpoint-minutes 0.25"),
+    Subject(
+        "session, cross-situational",
+        "session --preset cross_situational --perception state --minutes 8 --checkpoint-minutes 0.25",
+    ),
     Subject("session, images", "session --minutes 0.8 --robot.familiarise.minutes 0.3 --checkpoint-minutes 0.1"),
     Subject("develop, table", "develop table --preset fast --steps 300000 --checkpoint-every 20000"),
+    Subject("develop, local", "develop table --preset local --steps 8000 --checkpoint-every 500"),
     Subject(
         "develop, rendered",
         "develop rendered --steps 800 --rendered.exploration 240 --checkpoint-every 100",
     ),
+    Subject("develop, growing", "develop rendered --resolution growing --steps 400 --checkpoint-every 50"),
     Subject(
         "develop, realtime",
         "develop realtime --minutes 0.5 --realtime.familiarise-minutes 0.4 --checkpoint-every 10",
@@ -67,7 +73,8 @@ SUBJECTS = (
         resume=(),
         report=("experiment", "report"),
     ),
-    Subject("perceive", f"perceive {VIDEO} --no-overlay"),
+    Subject("perceive", f"perceive {VIDEO} --no-overlay --checkpoint-minutes 0.05"),
+    Subject("perceive, looks and overlay", f"perceive {VIDEO} --looks --checkpoint-minutes 0.05"),
 )
 
 
