@@ -37,8 +37,8 @@ counts begin."""
 OWN, OF_ACTION, OF_SENSOR, ALONE = range(4)
 """Columns of ``Counts.of_event``: (S, A), (A), (S) and nothing."""
 LISTED = 1 << 18
-"""Below this count (c+1) ln(c+1) - c ln c is looked up in a list; with logarithms a step at the table takes half as
-long again."""
+"""Below this count (c+1) ln(c+1) - c ln c is looked up in a list; with logarithms a step at the table takes half as long
+again."""
 
 
 @cache
