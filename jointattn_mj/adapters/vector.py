@@ -19,6 +19,7 @@ from jointattn_mj.scene.caregiver import TransferScript
 from jointattn_mj.scene.world import HEAD_JOINTS, World, steps_per_frame
 from jointattn_mj.tasks.actions import checked
 from jointattn_mj.tasks.follow import Follow
+
 from gymnasium.vector import AutoresetMode, VectorEnv  # isort: skip  # Gymnasium is known to be there by now
 from gymnasium.vector.utils import batch_space  # isort: skip
 
@@ -61,6 +62,9 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
         self._scaled = specs.BoundedArray((num_envs, 2), np.float32, -1, 1, f"{self._bounds.name}, of each world")
         self._servo = _Servo(environment.task.world)
         self._angles, self._speeds = np.zeros((2, num_envs, 2))  # of the heads, rad and rad/s
+        self._points = np.zeros(
+            (num_envs, len(environment.task.world.candidate_points()), 3)
+        )  # that stay in an episode
         self._steps = np.full(num_envs, -1)  # in this episode; -1: there is none
 
     def reset(
@@ -128,16 +132,16 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
         """Begin the next episode in some worlds, with the head straight ahead."""
         for world in worlds:
             self._episodes[world].begin()
+            self._points[world] = self._episodes[world].points() - PIVOT
         self._angles[worlds] = self._speeds[worlds] = self._steps[worlds] = 0
 
     def _earned(self) -> np.ndarray:
         """Rewards (num_envs,) now."""
         targets = [-1 if one.script.target is None else one.script.target for one in self._episodes]
-        points = np.stack([one.points() for one in self._episodes]) - PIVOT
         pan, tilt = self._angles.T
         ahead = np.stack([np.cos(tilt) * np.cos(pan), np.cos(tilt) * np.sin(pan), np.sin(tilt)], axis=1)
-        across = np.linalg.norm(np.cross(points, ahead[:, None]), axis=2)
-        angles = np.arctan2(across, np.einsum("ijk,ik->ij", points, ahead))
+        across = np.linalg.norm(np.cross(self._points, ahead[:, None]), axis=2)
+        angles = np.arctan2(across, np.einsum("ijk,ik->ij", self._points, ahead))
         return np.where(np.array(targets) >= 0, self._rewards(angles, np.array(targets)), 0.0)
 
     def _observe(self) -> dict[str, np.ndarray]:
@@ -175,7 +179,7 @@ class _Episodes:
             self.script.advance()
 
     def points(self) -> np.ndarray:
-        """Centres of the n objects and of the caregiver's head, (n + 1, 3), world frame, metres."""
+        """Centres of the n objects, which stay, and of the caregiver's head, (n + 1, 3), world frame, metres."""
         return np.vstack([self.script.objects, self._world.candidate_points()[-1:]])
 
     def observe(self, head: np.ndarray) -> dict[str, np.ndarray]:

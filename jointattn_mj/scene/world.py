@@ -121,6 +121,7 @@ class World(Closable):
         self._steps = self.frames * steps_per_frame(model)
         self._wardrobe: Wardrobe | None = None
         self._image: np.ndarray | None = None
+        self._resting: mujoco.MjData | None = None  # all bodies as an episode begins, once ``script`` needs them
 
     @classmethod
     def build(cls, config: WorldConfig, seed: np.random.SeedSequence, conditions: Conditions = AS_USUAL) -> Self:
@@ -159,9 +160,10 @@ class World(Closable):
 
     def script(self, seed: np.random.SeedSequence) -> TransferScript:
         """The caregiver's script of an episode, as ``reset`` begins it; the bodies stay as they are."""
-        resting = mujoco.MjData(self.model)
-        mujoco.mj_forward(self.model, resting)
-        return self._script(resting, seed)
+        if self._resting is None:
+            self._resting = mujoco.MjData(self.model)
+            mujoco.mj_forward(self.model, self._resting)
+        return self._script(self._resting, seed)
 
     def _script(self, resting: mujoco.MjData, seed: np.random.SeedSequence) -> TransferScript:
         arm = Arm.from_model(self.model, np.radians(self.config.behaviour.hand_pitch_deg))

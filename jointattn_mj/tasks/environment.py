@@ -154,7 +154,8 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
 
     def twin(self) -> Self:
         """Another task with episodes of its own, in the same worlds."""
-        other = copy(self)
+        other = object.__new__(type(self))  # a copy would have worlds of its own
+        other.__dict__.update(vars(self))
         if self._face_patch:
             other._face = copy(self._known_face())
         return other

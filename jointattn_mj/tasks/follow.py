@@ -32,7 +32,7 @@ class Follow(JointAttentionTask):
 
     @staticmethod
     def rewards(angles: np.ndarray, targets: int | np.ndarray) -> np.ndarray:
-        """Rewards (...) for angles (..., n + 1), rad, to all targets, of which ``targets`` (...) are the caregiver's."""
+        """Rewards (...) for angles (..., n + 1), rad, to all targets; ``targets`` (...) are the caregiver's."""
         angle = np.take_along_axis(angles, np.asarray(targets)[..., None], -1)[..., 0]
         near: np.ndarray = rewards.tolerance(angle, (0, ROBOT_RADIUS), MARGIN, sigmoid="linear", value_at_margin=0)
         return near
