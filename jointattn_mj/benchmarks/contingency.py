@@ -133,7 +133,7 @@ class _Detecting:
         events, random = list(self.variables.events()), np.random.default_rng(0)
         self.counts, self.watch = empty_counts(self.variables, events), new_watch(DetectorConfig(), len(events))
         self.series = tuple(
-            np.column_stack([random.integers(0, len(one.values), TRANSITIONS + 1) for one in group])
+            np.column_stack([random.integers(0, len(variable.values), TRANSITIONS + 1) for variable in group])
             for group in (self.variables.sensors, self.variables.actions, self.variables.results)
         )
 

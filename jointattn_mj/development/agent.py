@@ -23,7 +23,7 @@ from jointattn_mj.contingency.online.counts import (
 )
 from jointattn_mj.contingency.online.detector import NOTHING, DetectorConfig, Watch, grown, new_watch, update
 from jointattn_mj.contingency.online.events import Event, Variable, Variables
-from jointattn_mj.contingency.online.experience import Experience, Steps, empty_experience, keep, roomier
+from jointattn_mj.contingency.online.experience import Experience, PastSteps, empty_experience, keep, roomier
 from jointattn_mj.contingency.online.local import LocalConfig
 from jointattn_mj.contingency.online.modules import Module, ReproductionConfig, make_module
 from jointattn_mj.contingency.online.reactive import LearningModule, RandomModule, ReactiveModule
@@ -344,6 +344,8 @@ class Developer:
         self.__dict__.update(state)
         self._looks.check(len(self.modules))
         check_agent(self.state, self._untrained().state, self.variables)
+        if self.state.keeping and len(self.state.experience.s) < self._looks.next:
+            raise ValueError(f"there is no room for the steps until the next look, {self._looks.next}")
         flat_maps(self.variables, self.modules, self._tables, self.config.selector)
 
     def _untrained(self) -> "Developer":
@@ -361,7 +363,7 @@ class Developer:
         made = [f"module {number}" for number in range(1, len(self.modules) + 1)]
         return made + [type(module).__name__ for module in self.reactive]
 
-    def _steps(self) -> Steps:
+    def _steps(self) -> PastSteps:
         """All steps so far."""
         n_steps, modules = int(self.state.n_steps[0]), self.modules if self.local else []
         return self._looks.steps(self.state.experience, n_steps, self.variables, modules)

@@ -97,6 +97,12 @@ class SessionResult:
         Raises:
             OutputError: The folder holds no finished session.
             ConfigError: Its config.yaml cannot be read.
+
+        Examples:
+            >>> from jointattn_mj import Session, SessionResult
+            >>> result = Session(minutes=0.1, perception="state").run(out="out/session")
+            >>> SessionResult.open("out/session") == result
+            True
         """
         path = path_of(folder, "folder")
         check_kind(path, cls.__name__)
@@ -134,6 +140,11 @@ class SessionResult:
 
         Raises:
             OutputError: The folder holds another run, or cannot be written.
+
+        Examples:
+            >>> from jointattn_mj import Session
+            >>> result = Session(minutes=0.1, perception="state").run()
+            >>> result.save("out/kept_session")
         """
         from jointattn_mj.gaze_following import figures  # matplotlib takes long to import
 

@@ -35,6 +35,14 @@ def test_importing_the_package_is_light():
     assert done.stdout == "\n\n"
 
 
+def test_little_comes_before_the_command_line_minds_stop_signals():
+    """What is imported until then leaves a traceback when it is interrupted."""
+    slow = {"typing", "tempfile", "pathlib", "ctypes", "random", "shutil", "importlib.util", "argparse", "re"}
+    code = "import sys, threading; known = {*sys.modules}; import jointattn_mj.cli.main; print(*{*sys.modules} - known)"
+    new = set(python(code).stdout.split())
+    assert "jointattn_mj.io.terminal" in new and not new & slow
+
+
 COMMAND_LINE = """
 import sys
 from importlib import import_module
@@ -92,6 +100,7 @@ print("extras:", *(name for name in {EXTRAS} if name in sys.modules))
 
 
 NEED_EXTRAS = {
+    "python_calamine": ("excel", "measure book.xlsx --source a --target b"),
     "rerun": ("rerun", "session --perception state --minutes 0.02 --out out --rerun log.rrd"),
     "distributed": ("cluster", "experiment run 4.4 --backend dask --address tcp://127.0.0.1:9 --out out"),
 }
@@ -104,6 +113,7 @@ def test_an_extra_that_is_missing_asks_for_itself_by_name(package, tmp_path, mon
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, package, None)  # as if it were not installed
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "book.xlsx").write_bytes(b"PK\x03\x04")  # as every workbook begins
     with pytest.raises(SystemExit):
         main(command.split())
     said = capsys.readouterr().err
