@@ -119,7 +119,7 @@ def _transfers() -> dict[str, tuple[Callable[[], object], Callable[..., object]]
             lambda: [transfer_entropy(short, short_target) for _ in range(again)],
             lambda theirs: [theirs(short, short_target, k=1) for _ in range(again)],
         ),
-        "many_short": (partial(transfer_entropy, *lists), lambda theirs: theirs(*many, k=1)),
+        "many_short": (lambda: transfer_entropy(lists[0], lists[1]), lambda theirs: theirs(*many, k=1)),
     }  # fmt: skip
 
 
