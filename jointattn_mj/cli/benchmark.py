@@ -56,6 +56,6 @@ def _contingency(options: BenchmarkOptions) -> Figures:
 
 
 def _commands(options: BenchmarkOptions) -> Figures:
-    from jointattn_mj.benchmarks.commands import run_commands_benchmark
+    from jointattn_mj.cli.costs import run_commands_benchmark
 
     return run_commands_benchmark(options.blocks)

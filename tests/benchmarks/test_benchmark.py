@@ -8,9 +8,9 @@ import pytest
 
 from jointattn_mj.benchmarks import loop as benchmark
 from jointattn_mj.benchmarks import steps as steps_benchmark
-from jointattn_mj.benchmarks.commands import measured
 from jointattn_mj.benchmarks.figures import Figures, committed
 from jointattn_mj.benchmarks.options import BenchmarkOptions
+from jointattn_mj.cli.costs import measured
 from jointattn_mj.cli.main import main
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
