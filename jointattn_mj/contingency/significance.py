@@ -18,7 +18,7 @@ from jointattn_mj.contingency.memory import Memory, memory
 from jointattn_mj.contingency.names import full_name
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.surrogates import Permute, plan
-from jointattn_mj.contingency.table import Steps, steps
+from jointattn_mj.contingency.table import Entries, Steps, steps
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import Checked, Count, Real, Whole
 
@@ -214,14 +214,16 @@ def assess_measures(
         told = _told(progress, len(at))
         null = drawn(ways, table.values, table.transitions, options.surrogates, rngs[at[0]], told)
         moved |= {i: (null[:, column], table.exchangeable) for column, i in enumerate(at)}
+    counted = given.entries_by_step() if options.resamples else (given.entries(), np.zeros(0, np.int64))
     return [
-        _assessed(given, measure, options, unit, rngs[i], progress, methods[i], remembered[i], moved.get(i))
+        _assessed(given, counted, measure, options, unit, rngs[i], progress, methods[i], remembered[i], moved.get(i))
         for i, measure in enumerate(measures)
     ]
 
 
 def _assessed(
     given: Steps,
+    counted: tuple[Entries, np.ndarray],
     measure: Measure,
     options: TestOptions,
     unit: float,
@@ -232,7 +234,7 @@ def _assessed(
     moved: tuple[np.ndarray, int] | None,
 ) -> Significance:
     """One measure; ``moved``: its surrogates and exchangeable transitions, where these are no permutations."""
-    entries = given.entries()
+    entries = counted[0]
     value = measure.value(entries)
     block = options.block
     if moved is None:
@@ -246,7 +248,7 @@ def _assessed(
     resampled = bootstrap.chosen(given, options.resample)
     low = high = float("nan")
     if options.resamples:
-        values = bootstrap.resampled(given, measure, options.resamples, rng, resampled, block, progress)
+        values = bootstrap.resampled(given, measure, options.resamples, rng, resampled, block, progress, counted)
         bias = measure.bias(entries, "degrees_of_freedom") if moved is None else mean
         low, high = bootstrap.interval(value, values, bias, options.level)
         if moved is not None:

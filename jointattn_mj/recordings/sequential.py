@@ -286,7 +286,7 @@ def _p_by_shifts(
     group = table.groups[table.names.index("n")]
     for pieces in moves(moved, "shift", least, 1).draw(options.surrogates, np.random.default_rng(options.seed)):
         of_result = np.zeros((len(afters), len(sources)), np.int64)
-        np.add.at(of_result, group, table.table(pieces))
+        np.add.at(of_result, group, table.counter.table(pieces))
         surrogate = np.zeros(counts.shape, np.int64)
         surrogate[place] = of_result.T
         tails += np.stack([surrogate >= own, surrogate <= own])

@@ -15,6 +15,8 @@ from jointattn_mj.contingency import TestOptions, assess, scan_lags
 from jointattn_mj.contingency.significance import Method
 
 FEW = 199
+SEED = 410_000
+"""Seeds from here on were not used when the default was chosen; robots have them, too."""
 
 
 def independent(rng: np.random.Generator, spread: float) -> Pair:
@@ -52,7 +54,7 @@ def alarms(case: str, method: Method, runs: int, measure: str = "transfer_entrop
     options = TestOptions(FEW, resamples=0, method=method)
     p = []
     for seed in range(runs):
-        source, target = make(np.random.default_rng(70_000 + seed), spread)
+        source, target = make(np.random.default_rng(SEED + seed), spread)
         p.append(assess(measure, source, target, options=options, seed=seed).p)
     return float(np.mean(np.array(p) <= 0.05))
 
@@ -67,8 +69,8 @@ def test_false_alarms(case: str) -> None:
         for measure in ("transfer_entropy", "mutual_information")
     }
     print(f"\n{case}: {found}")
-    assert 0.03 <= found["auto transfer_entropy"] <= 0.07
-    assert 0.03 <= found["auto mutual_information"] <= 0.07
+    for measure in ("transfer_entropy", "mutual_information"):
+        assert 0.03 <= found[f"auto {measure}"] <= 0.07
 
 
 @pytest.mark.slow
@@ -78,7 +80,7 @@ def test_power_for_dyads(share: float) -> None:
     options = TestOptions(FEW, resamples=0)
     found = {"one step": 0, "30 lags": 0}
     for seed in range(100):
-        source, target = dyad(np.random.default_rng(80_000 + seed), 1, share)
+        source, target = dyad(np.random.default_rng(SEED + 50_000 + seed), 1, share)
         found["one step"] += assess("te", source, target, options=options, seed=seed).p <= 0.05
         scan = scan_lags("te", source, target, options=options, seed=seed)
         found["30 lags"] += scan.p_adjusted.min() <= 0.05
@@ -92,7 +94,7 @@ def test_power_for_the_robot(tmp_path) -> None:
     names = ["caregiver's face", "object", "shift gaze"]
     runs = []
     shell = Shell()
-    for seed in range(1, 21):
+    for seed in range(SEED, SEED + 20):
         out = tmp_path / str(seed)
         done = shell("develop", "table", "--preset", "thesis", "--seed", seed, "--steps", 4000, "--out", out)
         assert done.code == 0, done.err
