@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import Annotated, Literal, get_args
 
@@ -107,6 +107,8 @@ class Significance:
     """How the surrogates were made (see ``Method``)."""
     inflation: float = 1.0
     """How much more the measure varies by chance than it would with permutations (see ``memory``)."""
+    null: np.ndarray = field(default_factory=lambda: np.zeros(0), repr=False, compare=False)
+    """The surrogates' values, (surrogates,)."""
 
 
 def assess(
@@ -269,6 +271,7 @@ def _assessed(
         resampled=resampled,
         method=method,
         inflation=remembered.inflation,
+        null=null / unit,
     )
 
 

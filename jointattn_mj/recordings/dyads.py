@@ -22,6 +22,10 @@ from jointattn_mj.recordings.steps import Recordings
 
 FEWEST = 2
 """Dyads of a group that can be compared."""
+DRAWS = 49_999
+"""Times that a surrogate of each dyad is put together to a group by chance."""
+LEVEL = 0.95
+"""Coverage of intervals over dyads."""
 MOST_EXACT = 20_000
 """Up to so many ways to part dyads into two groups, all are tried."""
 
@@ -36,9 +40,9 @@ class Group:
     """Mean of the effective values."""
     sd: float
     interval: tuple[float, float]
-    """Of the mean, over dyads: by Student's t; NaN for one dyad."""
+    """Of the mean, over dyads (see ``over_dyads``); NaN for one dyad."""
     p: float
-    """Of values so high by chance: the dyads' own p-values together, by Stouffer's method."""
+    """Two-sided, of the mean: at most .05 exactly where 0 lies outside the interval. Of one dyad its own."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +125,7 @@ def by_dyad(
     dyads = split(given)
     if len(dyads) < FEWEST:
         raise SeriesError(f"values by recording need at least {FEWEST} recordings; got {len(dyads)}")
-    streams = seed.spawn(len(dyads) + 1)
+    streams = seed.spawn(len(dyads) + 2)
     called = tuple(names.get(number, str(number)) for number, _ in dyads)
     values = tuple(
         assess_steps(dyad, measure, options, unit, np.random.default_rng(stream), progress)
@@ -134,13 +138,17 @@ def by_dyad(
             raise SeriesError(f"recording {without[0]!r} has no {by}")
         of = tuple(group_of[name] for name in called)
     found = np.array([one.corrected for one in values])
-    p = np.array([min(one.p, 1 - 0.5 / (1 + one.surrogates)) for one in values])
-    groups = [_group("all", found, p)]
     kinds = sorted(set(of), key=_numeric)
     labels = np.array(of)
+    members = {"all": np.ones(len(values), bool)}
     if len(kinds) > 1:
-        groups += [_group(f"{by} {kind}", found[labels == kind], p[labels == kind]) for kind in kinds]
-    comparisons = compare(found, labels, kinds, by, options.surrogates, np.random.default_rng(streams[-1]))
+        members |= {f"{by} {kind}": labels == kind for kind in kinds}
+    chance, permuted = (np.random.default_rng(one) for one in streams[-2:])
+    groups = [
+        _group(name, [one for one, its in zip(values, of_group, strict=True) if its], chance)
+        for name, of_group in members.items()
+    ]
+    comparisons = compare(found, labels, kinds, by, options.surrogates, permuted)
     return DyadResult(measure.name, called, values, tuple(groups), tuple(comparisons), of)
 
 
@@ -247,13 +255,57 @@ def _eta(values: np.ndarray, member: np.ndarray) -> np.ndarray:
     return share
 
 
-def _group(name: str, values: np.ndarray, p: np.ndarray) -> Group:
-    from scipy.stats import norm, t
+def over_dyads(
+    values: np.ndarray, nulls: Sequence[np.ndarray], rng: np.random.Generator, level: float = LEVEL
+) -> tuple[tuple[float, float], float]:
+    """Interval of the mean over dyads, and p of a mean so far from 0 by chance; both say the same.
 
-    n = len(values)
-    mean, sd = float(values.mean()), float(values.std(ddof=1)) if n > 1 else float("nan")
-    half = float(t.ppf(0.975, n - 1)) * sd / np.sqrt(n) if n > 1 else float("nan")
-    return Group(name, n, mean, sd, (mean - half, mean + half), float(norm.sf(norm.isf(p).sum() / np.sqrt(n))))
+    Both come from t, the mean in its standard errors over dyads. What t is by chance is known from the dyads' own
+    surrogates, one of each put together at random. Student's t would be too seldom large: contingency by chance is
+    often a little below its mean and seldom far above. ``pytest -m slow tests/contingency/test_calibration.py``
+    measures false alarms and what intervals hold.
+
+    Args:
+        values: Effective values (n,).
+        nulls: Surrogates of each dyad, each (m,), less their mean.
+        rng: Puts them together.
+        level: Coverage of the interval; p is at most 1 - level exactly where 0 lies outside it.
+
+    Returns:
+        Interval and p, two-sided.
+    """
+    drawn = np.stack([rng.choice(null, DRAWS) for null in nulls])
+    error, observed = _standard_error(values), _in_errors(values[:, None])[0]
+    by_chance = np.sort(_in_errors(drawn))
+    above = DRAWS - np.searchsorted(by_chance, observed, "left")
+    below = np.searchsorted(by_chance, observed, "right")
+    allowed = max(int((1 - level) / 2 * (DRAWS + 1) + 1e-9), 1)
+    low, high = by_chance[DRAWS - allowed], by_chance[allowed - 1]
+    mean = float(values.mean())
+    interval = float(mean - low * error), float(mean - high * error)
+    return interval, min(1.0, 2 * (1 + int(min(above, below))) / (1 + DRAWS))
+
+
+def _standard_error(values: np.ndarray) -> np.ndarray:
+    """Of the mean over the first axis."""
+    error: np.ndarray = values.std(0, ddof=1) / np.sqrt(len(values))
+    return error
+
+
+def _in_errors(values: np.ndarray) -> np.ndarray:
+    """Means over dyads in their standard errors, for values (n, k); where these are 0, infinite or 0 as the mean is."""
+    mean, error = values.mean(0), _standard_error(values)
+    with np.errstate(divide="ignore"):
+        t: np.ndarray = np.divide(mean, error, out=np.zeros(len(mean)), where=(error > 0) | (mean != 0))
+    return t
+
+
+def _group(name: str, dyads: Sequence[Significance], rng: np.random.Generator) -> Group:
+    values = np.array([one.corrected for one in dyads])
+    if len(dyads) == 1:
+        return Group(name, 1, float(values[0]), float("nan"), (float("nan"), float("nan")), dyads[0].p)
+    interval, p = over_dyads(values, [one.null - one.null_mean for one in dyads], rng)
+    return Group(name, len(dyads), float(values.mean()), float(values.std(ddof=1)), interval, p)
 
 
 def _p(p: float) -> str:

@@ -98,8 +98,8 @@ def _unit_words(report: "RecordingReport") -> str:
     dyads = next((one.dyads[0].groups[0].dyads for one in report.pairs.values() if one.dyads), None)
     if dyads is not None:
         return (
-            f"Values are means over {dyads} recordings, with 95% intervals over recordings by Student's t; p is of "
-            "the recordings together (Stouffer). Curves over lags and transitions are of all recordings' steps. "
+            f"Values are means over {dyads} recordings, with 95% intervals over recordings and two-sided p, both from "
+            "the distribution of t in the recordings' surrogates. "
         )
     resamples = report.options.resamples
     return f"Intervals (95%) come from {resamples:,} block bootstrap resamples. " if resamples else ""

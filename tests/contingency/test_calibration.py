@@ -12,7 +12,10 @@ from shell import Shell
 
 from jointattn_mj import read_recordings
 from jointattn_mj.contingency import TestOptions, assess, scan_lags
+from jointattn_mj.contingency.information import TRANSFER
 from jointattn_mj.contingency.significance import Method
+from jointattn_mj.contingency.table import steps
+from jointattn_mj.recordings.dyads import by_dyad, over_dyads
 
 FEW = 199
 SEED = 410_000
@@ -86,6 +89,30 @@ def test_power_for_dyads(share: float) -> None:
         found["30 lags"] += scan.p_adjusted.min() <= 0.05
     print(f"\nfollows {share:.0%} of looks: found in {found} of 100")
     assert share < 0.4 or min(found.values()) >= 50
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("dyads", [3, 6, 12])
+def test_means_over_dyads(dyads: int) -> None:
+    """Printed: false alarms of the mean over dyads of 1,500 steps, of 400 groups; and what intervals hold.
+
+    Dyads of the second part differ in what they have in common: their effective values are the sums of a gamma
+    variable and of chance like that of a transfer entropy.
+    """
+    options, alarms, held = TestOptions(FEW, resamples=0), 0, 0
+    names = {i: str(i) for i in range(dyads)}
+    for seed in range(400):
+        pairs = [dyad(np.random.default_rng([SEED, dyads, seed, i]), 1, 0) for i in range(dyads)]
+        ones, others = ([one[:1500] for one in side] for side in zip(*pairs, strict=True))
+        found = by_dyad(steps(ones, others), TRANSFER, names, options, 1.0, np.random.SeedSequence(seed))
+        alarms += found.groups[0].p <= 0.05
+        rng = np.random.default_rng([SEED, dyads, seed])
+        nulls = [rng.chisquare(4, 1000) - 4 for _ in range(dyads)]
+        low, high = over_dyads(rng.gamma(1, 4, dyads) + rng.chisquare(4, dyads) - 4, nulls, rng)[0]
+        held += low <= 4 <= high
+    print(f"\n{dyads} dyads: false alarms {alarms / 400}, mean of all dyads inside the interval {held / 400}")
+    assert 0.03 <= alarms / 400 <= 0.07
+    assert held / 400 >= 0.91
 
 
 @pytest.mark.slow

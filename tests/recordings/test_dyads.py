@@ -13,7 +13,7 @@ from jointattn_mj.contingency.information import TRANSFER
 from jointattn_mj.contingency.table import steps
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.recordings.delays import check_delay, delay_in_steps
-from jointattn_mj.recordings.dyads import by_dyad, compare, split
+from jointattn_mj.recordings.dyads import by_dyad, compare, over_dyads, split
 
 FEW = c.TestOptions(99, resamples=0)
 
@@ -59,6 +59,27 @@ def test_values_of_dyads_are_their_own():
         by_dyad(steps(mothers[0], infants[0]), TRANSFER, {}, FEW, 1.0, np.random.SeedSequence(0))
     with pytest.raises(SeriesError, match="'d1' has no age"):
         by_dyad(steps(mothers, infants), TRANSFER, names, FEW, 1.0, np.random.SeedSequence(0), {"d0": "6"}, "age")
+
+
+def test_interval_and_p_of_dyads_agree():
+    """Where 0 lies outside the interval p is at most .05, also at the border; and chance gets as much as it should."""
+    rng = np.random.default_rng(0)
+    agreed = []
+    for _ in range(150):
+        n = int(rng.integers(2, 12))
+        nulls = [rng.chisquare(4, 400) - 4 for _ in range(n)]
+        values = rng.chisquare(4, n) - 4 + rng.choice([0, 0, 3]) * rng.random(n)
+        (low, high), p = over_dyads(values, nulls, rng)
+        assert low <= values.mean() <= high or n == 2
+        assert (p <= 0.05) == (low > 0 or high < 0)
+        agreed.append(p <= 0.05)
+    assert 5 < sum(agreed) < 80
+    p = [over_dyads(rng.chisquare(4, 5) - 4, [rng.chisquare(4, 400) - 4] * 5, rng)[1] for _ in range(150)]
+    assert np.mean(np.array(p) <= 0.05) <= 0.11
+    interval, p = over_dyads(np.zeros(3), nulls[:1] * 3, rng)
+    assert interval == (0, 0)
+    assert p > 0.5
+    assert over_dyads(np.ones(3), [np.zeros(9)] * 3, rng)[1] < 0.001
 
 
 def test_groups_are_compared_by_permuting_dyads():
