@@ -40,6 +40,10 @@ class LagScan:
     surrogates: int
     method: str
     """How surrogates were made (see ``significance.Method``)."""
+    interval: tuple[np.ndarray, np.ndarray] | None = None
+    """Of means over recordings: ends of their intervals, each (lags,)."""
+    recordings: int = 0
+    """Recordings whose values were averaged; 0: all their steps were taken together."""
 
     @property
     def best(self) -> int:
@@ -49,6 +53,7 @@ class LagScan:
 
     def rows(self) -> list[dict[str, float | int]]:
         """A row a lag."""
+        low, high = self.interval or (self.value, self.value)
         return [
             {
                 "lag": int(self.lags[i]),
@@ -58,6 +63,7 @@ class LagScan:
                 "chance_of_all_lags": float(self.chance_of_all[i]),
                 "p": float(self.p[i]),
                 "p_adjusted": float(self.p_adjusted[i]),
+                **({} if self.interval is None else {"low": float(low[i]), "high": float(high[i])}),
             }
             for i in range(len(self.lags))
         ]
@@ -141,21 +147,8 @@ def scan_steps(
         rng: Draws the surrogates.
         progress: Called with the number of surrogates drawn since the last call.
     """
-    if not len(lags) or any(int(lag) != lag or lag < 1 for lag in lags) or len(set(lags)) < len(lags):
-        raise SeriesError(f"lags must be different whole numbers of 1 or more; got {list(lags)[:10]}")
-    at_lags = scanned(given, [int(lag) for lag in lags], timing)
-    first = at_lags[0]
-    remembered = memory(first, measure)
-    method = chosen_method(first, remembered, options)
-    how = "shift" if method == "permutation" else method
-    tables = [displaced(one, [measure]) for one in at_lags]
-    moved = moves(first, how, max(remembered.fresh_after, max(lags) - min(lags)), remembered.block)
-
-    def values(pieces: np.ndarray) -> np.ndarray:
-        return np.concatenate([table.values(pieces) for table in tables])
-
-    null = drawn(moved, values, first.transitions * len(tables), options.surrogates, rng, progress) / unit
-    value = np.array([measure.value(one.entries()) for one in at_lags]) / unit
+    surrogates = scan_surrogates(given, measure, lags, timing, options, unit, rng, progress)
+    value, null = surrogates.value, surrogates.null
     mean, sd = null.mean(0), null.std(0)
     rounding = 1e-12 * np.maximum(1, np.abs(value))
     sound = np.where(sd > rounding, sd, 1.0)
@@ -171,7 +164,52 @@ def scan_steps(
         p=(1 + np.sum(null >= value - rounding, axis=0)) / (1 + len(null)),
         p_adjusted=(1 + np.sum(highest[:, None] >= z - 1e-9, axis=0)) / (1 + len(null)),
         level=options.level,
-        transitions=first.transitions,
+        transitions=surrogates.transitions,
         surrogates=len(null),
-        method=how,
+        method=surrogates.method,
     )
+
+
+@dataclass(frozen=True)
+class ScanSurrogates:
+    """Values at several lags, in units of the base, and those of surrogates that all lags share."""
+
+    value: np.ndarray
+    """Plug-in (lags,)."""
+    null: np.ndarray
+    """(surrogates, lags)."""
+    transitions: int
+    method: str
+
+
+def scan_surrogates(
+    given: Steps,
+    measure: Measure,
+    lags: Sequence[int],
+    timing: Timing,
+    options: TestOptions,
+    unit: float,
+    rng: np.random.Generator,
+    progress: Callable[[int], object] = lambda done: None,
+) -> ScanSurrogates:
+    """Measure series, and surrogates of them, at several lags; arguments as of ``scan_steps``.
+
+    Raises:
+        SeriesError: No or bad lags, or recordings shorter than the longest one.
+    """
+    if not len(lags) or any(int(lag) != lag or lag < 1 for lag in lags) or len(set(lags)) < len(lags):
+        raise SeriesError(f"lags must be different whole numbers of 1 or more; got {list(lags)[:10]}")
+    at_lags = scanned(given, [int(lag) for lag in lags], timing)
+    first = at_lags[0]
+    remembered = memory(first, measure)
+    method = chosen_method(first, remembered, options)
+    how = "shift" if method == "permutation" else method
+    tables = [displaced(one, [measure]) for one in at_lags]
+    moved = moves(first, how, max(remembered.fresh_after, max(lags) - min(lags)), remembered.block)
+
+    def values(pieces: np.ndarray) -> np.ndarray:
+        return np.concatenate([table.values(pieces) for table in tables])
+
+    null = drawn(moved, values, first.transitions * len(tables), options.surrogates, rng, progress) / unit
+    value = np.array([measure.value(one.entries()) for one in at_lags]) / unit
+    return ScanSurrogates(value, null, first.transitions, how)

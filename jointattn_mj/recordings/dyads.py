@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 
 from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.lagged import Timing
+from jointattn_mj.contingency.scan import LagScan, scan_surrogates
 from jointattn_mj.contingency.series import Coded
 from jointattn_mj.contingency.significance import Significance, TestOptions, assess_steps
 from jointattn_mj.contingency.table import Steps
@@ -255,10 +257,23 @@ def _eta(values: np.ndarray, member: np.ndarray) -> np.ndarray:
     return share
 
 
+@dataclass(frozen=True)
+class MeansOverDyads:
+    """Means over dyads of one or more values (k,), such as of a measure at several lags."""
+
+    low: np.ndarray
+    """Lower ends of intervals."""
+    high: np.ndarray
+    p: np.ndarray
+    """Two-sided; at most 1 - level exactly where 0 lies outside the interval."""
+    p_adjusted: np.ndarray
+    """For all values together (min-P, Westfall and Young 1993)."""
+
+
 def over_dyads(
     values: np.ndarray, nulls: Sequence[np.ndarray], rng: np.random.Generator, level: float = LEVEL
-) -> tuple[tuple[float, float], float]:
-    """Interval of the mean over dyads, and p of a mean so far from 0 by chance; both say the same.
+) -> MeansOverDyads:
+    """Intervals of means over dyads, and p of means so far from 0 by chance; both say the same.
 
     Both come from t, the mean in its standard errors over dyads. What t is by chance is known from the dyads' own
     surrogates, one of each put together at random. Student's t would be too seldom large: contingency by chance is
@@ -266,24 +281,88 @@ def over_dyads(
     measures false alarms and what intervals hold.
 
     Args:
-        values: Effective values (n,).
-        nulls: Surrogates of each dyad, each (m,), less their mean.
+        values: Effective values (n, k).
+        nulls: Surrogates of each dyad, each (m, k), less their mean.
         rng: Puts them together.
-        level: Coverage of the interval; p is at most 1 - level exactly where 0 lies outside it.
-
-    Returns:
-        Interval and p, two-sided.
+        level: Coverage of the intervals.
     """
-    drawn = np.stack([rng.choice(null, DRAWS) for null in nulls])
-    error, observed = _standard_error(values), _in_errors(values[:, None])[0]
-    by_chance = np.sort(_in_errors(drawn))
-    above = DRAWS - np.searchsorted(by_chance, observed, "left")
-    below = np.searchsorted(by_chance, observed, "right")
+    picked = [rng.integers(len(null), size=DRAWS) for null in nulls]
+    mean, error, observed = values.mean(0), _standard_error(values), _in_errors(values)
     allowed = max(int((1 - level) / 2 * (DRAWS + 1) + 1e-9), 1)
-    low, high = by_chance[DRAWS - allowed], by_chance[allowed - 1]
-    mean = float(values.mean())
-    interval = float(mean - low * error), float(mean - high * error)
-    return interval, min(1.0, 2 * (1 + int(min(above, below))) / (1 + DRAWS))
+    low, high, p = (np.empty(len(mean)) for _ in range(3))
+    least = np.ones(DRAWS)
+    for k in range(len(mean)):
+        drawn = _in_errors(np.stack([null[rows, k] for null, rows in zip(nulls, picked, strict=True)]))
+        by_chance = np.sort(drawn)
+        low[k], high[k] = mean[k] - np.array([by_chance[DRAWS - allowed], by_chance[allowed - 1]]) * error[k]
+        p[k] = _two_tails(by_chance, observed[k])
+        least = np.minimum(least, _two_tails(by_chance, drawn))
+    least = np.sort(least)
+    together = (1 + np.searchsorted(least, p * (1 + 1e-12), "right")) / (1 + DRAWS)
+    return MeansOverDyads(low, high, p, np.maximum(together, p))
+
+
+def _two_tails(by_chance: np.ndarray, t: np.ndarray | float) -> np.ndarray:
+    """Two-sided p of some t among those by chance, which are sorted."""
+    above = len(by_chance) - np.searchsorted(by_chance, t, "left")
+    below = np.searchsorted(by_chance, t, "right")
+    p: np.ndarray = np.minimum(1.0, 2 * (1 + np.minimum(above, below)) / (1 + len(by_chance)))
+    return p
+
+
+def scan_over_dyads(
+    given: Steps,
+    measure: Measure,
+    lags: Sequence[int],
+    timing: Timing,
+    options: TestOptions,
+    unit: float,
+    seed: np.random.SeedSequence,
+    progress: Callable[[int], object] = lambda done: None,
+) -> LagScan:
+    """Means over dyads at several lags; steps of different dyads are never put into one table.
+
+    Args:
+        given: The series.
+        measure: What is measured.
+        lags: Steps from source to result.
+        timing: Histories.
+        options: How each dyad is tested.
+        unit: Natural logarithm of the base.
+        seed: Of surrogates.
+        progress: Called with the number of surrogates drawn since the last call.
+
+    Raises:
+        SeriesError: Bad lags, or a dyad that is shorter than the longest one.
+    """
+    dyads = split(given)
+    streams = seed.spawn(len(dyads) + 1)
+    told = _in_turn(progress, len(dyads))
+    found = [
+        scan_surrogates(dyad, measure, lags, timing, options, unit, np.random.default_rng(stream), told)
+        for (_, dyad), stream in zip(dyads, streams, strict=False)
+    ]
+    nulls = [one.null - one.null.mean(0) for one in found]
+    effective = np.array([one.value - one.null.mean(0) for one in found])
+    means = over_dyads(effective, nulls, np.random.default_rng(streams[-1]), options.level)
+    nothing = np.full(len(lags), float("nan"))
+    return LagScan(
+        np.array(lags, np.int64), np.mean([one.value for one in found], 0), effective.mean(0), nothing, nothing,
+        means.p, means.p_adjusted, options.level, sum(one.transitions for one in found), min(map(len, nulls)),
+        " or ".join(sorted({one.method for one in found})), (means.low, means.high), len(found),
+    )  # fmt: skip
+
+
+def _in_turn(progress: Callable[[int], object], dyads: int) -> Callable[[int], object]:
+    """Tells of a surrogate when so many dyads have drawn one."""
+    done = 0
+
+    def tell(more: int) -> None:
+        nonlocal done
+        told, done = done // dyads, done + more
+        progress(done // dyads - told)
+
+    return tell
 
 
 def _standard_error(values: np.ndarray) -> np.ndarray:
@@ -304,8 +383,9 @@ def _group(name: str, dyads: Sequence[Significance], rng: np.random.Generator) -
     values = np.array([one.corrected for one in dyads])
     if len(dyads) == 1:
         return Group(name, 1, float(values[0]), float("nan"), (float("nan"), float("nan")), dyads[0].p)
-    interval, p = over_dyads(values, [one.null - one.null_mean for one in dyads], rng)
-    return Group(name, len(dyads), float(values.mean()), float(values.std(ddof=1)), interval, p)
+    means = over_dyads(values[:, None], [(one.null - one.null_mean)[:, None] for one in dyads], rng)
+    interval = float(means.low[0]), float(means.high[0])
+    return Group(name, len(dyads), float(values.mean()), float(values.std(ddof=1)), interval, float(means.p[0]))
 
 
 def _p(p: float) -> str:
