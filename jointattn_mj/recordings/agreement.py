@@ -44,6 +44,8 @@ class Agreement:
     tolerance_s: float
     outside_s: float
     """Seconds that only one of the two has coded: they are left out."""
+    level: float = 0.95
+    """Coverage of the interval."""
 
     @property
     def observed(self) -> float:
@@ -154,8 +156,9 @@ def _of_tier(
     matrix = sum(_matrix(one, len(labels)) for one in counted) / 2
     interval = _interval(counted, len(labels), options)
     return Agreement(
-        tier, tuple(labels), np.asarray(matrix), interval, options.step, options.tolerance_s, float(max(outside, 0.0))
-    )
+        tier, tuple(labels), np.asarray(matrix), interval, options.step, options.tolerance_s,
+        float(max(outside, 0.0)), options.level,
+    )  # fmt: skip
 
 
 def _tallied(first: np.ndarray, second: np.ndarray, reach: int) -> np.ndarray:
