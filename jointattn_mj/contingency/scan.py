@@ -40,8 +40,6 @@ class LagScan:
     surrogates: int
     method: str
     """How surrogates were made (see ``significance.Method``)."""
-    interval: tuple[np.ndarray, np.ndarray] | None = None
-    """Of means over recordings: ends of their intervals, each (lags,)."""
     recordings: int = 0
     """Recordings whose values were averaged; 0: all their steps were taken together."""
 
@@ -53,7 +51,6 @@ class LagScan:
 
     def rows(self) -> list[dict[str, float | int]]:
         """A row a lag."""
-        low, high = self.interval or (self.value, self.value)
         return [
             {
                 "lag": int(self.lags[i]),
@@ -63,7 +60,6 @@ class LagScan:
                 "chance_of_all_lags": float(self.chance_of_all[i]),
                 "p": float(self.p[i]),
                 "p_adjusted": float(self.p_adjusted[i]),
-                **({} if self.interval is None else {"low": float(low[i]), "high": float(high[i])}),
             }
             for i in range(len(self.lags))
         ]
@@ -147,27 +143,7 @@ def scan_steps(
         rng: Draws the surrogates.
         progress: Called with the number of surrogates drawn since the last call.
     """
-    surrogates = scan_surrogates(given, measure, lags, timing, options, unit, rng, progress)
-    value, null = surrogates.value, surrogates.null
-    mean, sd = null.mean(0), null.std(0)
-    rounding = 1e-12 * np.maximum(1, np.abs(value))
-    sound = np.where(sd > rounding, sd, 1.0)
-    z, of_null = (value - mean) / sound, (null - mean) / sound
-    highest = of_null.max(1)
-    chance = np.quantile(null, options.level, axis=0) - mean
-    return LagScan(
-        lags=np.array(lags, np.int64),
-        value=value,
-        effective=value - mean,
-        chance=chance,
-        chance_of_all=np.quantile(highest, options.level) * np.where(sd > rounding, sd, 0.0),
-        p=(1 + np.sum(null >= value - rounding, axis=0)) / (1 + len(null)),
-        p_adjusted=(1 + np.sum(highest[:, None] >= z - 1e-9, axis=0)) / (1 + len(null)),
-        level=options.level,
-        transitions=surrogates.transitions,
-        surrogates=len(null),
-        method=surrogates.method,
-    )
+    return lag_scan(lags, scan_surrogates(given, measure, lags, timing, options, unit, rng, progress), options.level)
 
 
 @dataclass(frozen=True)
@@ -213,3 +189,34 @@ def scan_surrogates(
     null = drawn(moved, values, first.transitions * len(tables), options.surrogates, rng, progress) / unit
     value = np.array([measure.value(one.entries()) for one in at_lags]) / unit
     return ScanSurrogates(value, null, first.transitions, how)
+
+
+def lag_scan(lags: Sequence[int], found: ScanSurrogates, level: float, recordings: int = 0) -> LagScan:
+    """Chance levels and p at each lag.
+
+    Args:
+        lags: Steps from source to result.
+        found: Values and surrogates at these lags.
+        level: Share of surrogates that stay below chance levels.
+        recordings: Recordings whose values were averaged; 0: all their steps were taken together.
+    """
+    value, null = found.value, found.null
+    mean, sd = null.mean(0), null.std(0)
+    rounding = 1e-12 * np.maximum(1, np.abs(value))
+    sound = np.where(sd > rounding, sd, 1.0)
+    z, of_null = (value - mean) / sound, (null - mean) / sound
+    highest = of_null.max(1)
+    return LagScan(
+        lags=np.array(lags, np.int64),
+        value=value,
+        effective=value - mean,
+        chance=np.quantile(null, level, axis=0) - mean,
+        chance_of_all=np.quantile(highest, level) * np.where(sd > rounding, sd, 0.0),
+        p=(1 + np.sum(null >= value - rounding, axis=0)) / (1 + len(null)),
+        p_adjusted=(1 + np.sum(highest[:, None] >= z - 1e-9, axis=0)) / (1 + len(null)),
+        level=level,
+        transitions=found.transitions,
+        surrogates=len(null),
+        method=found.method,
+        recordings=recordings,
+    )

@@ -14,7 +14,7 @@ import numpy as np
 
 from jointattn_mj.contingency.information import Measure
 from jointattn_mj.contingency.lagged import Timing
-from jointattn_mj.contingency.scan import LagScan, scan_surrogates
+from jointattn_mj.contingency.scan import LagScan, ScanSurrogates, lag_scan, scan_surrogates
 from jointattn_mj.contingency.series import Coded
 from jointattn_mj.contingency.significance import Significance, TestOptions, assess_steps
 from jointattn_mj.contingency.table import Steps
@@ -257,23 +257,10 @@ def _eta(values: np.ndarray, member: np.ndarray) -> np.ndarray:
     return share
 
 
-@dataclass(frozen=True)
-class MeansOverDyads:
-    """Means over dyads of one or more values (k,), such as of a measure at several lags."""
-
-    low: np.ndarray
-    """Lower ends of intervals."""
-    high: np.ndarray
-    p: np.ndarray
-    """Two-sided; at most 1 - level exactly where 0 lies outside the interval."""
-    p_adjusted: np.ndarray
-    """For all values together (min-P, Westfall and Young 1993)."""
-
-
 def over_dyads(
     values: np.ndarray, nulls: Sequence[np.ndarray], rng: np.random.Generator, level: float = LEVEL
-) -> MeansOverDyads:
-    """Intervals of means over dyads, and p of means so far from 0 by chance; both say the same.
+) -> tuple[tuple[float, float], float]:
+    """Interval of the mean over dyads, and p of a mean so far from 0 by chance; both say the same.
 
     Both come from t, the mean in its standard errors over dyads. What t is by chance is known from the dyads' own
     surrogates, one of each put together at random. Student's t would be too seldom large: contingency by chance is
@@ -281,33 +268,24 @@ def over_dyads(
     measures false alarms and what intervals hold.
 
     Args:
-        values: Effective values (n, k).
-        nulls: Surrogates of each dyad, each (m, k), less their mean.
+        values: Effective values (n,).
+        nulls: Surrogates of each dyad, each (m,), less their mean.
         rng: Puts them together.
-        level: Coverage of the intervals.
+        level: Coverage of the interval; p is at most 1 - level exactly where 0 lies outside it.
+
+    Returns:
+        Interval and p, two-sided.
     """
-    picked = [rng.integers(len(null), size=DRAWS) for null in nulls]
-    mean, error, observed = values.mean(0), _standard_error(values), _in_errors(values)
+    drawn = np.stack([rng.choice(null, DRAWS) for null in nulls])
+    error, observed = _standard_error(values), _in_errors(values[:, None])[0]
+    by_chance = np.sort(_in_errors(drawn))
+    above = DRAWS - np.searchsorted(by_chance, observed, "left")
+    below = np.searchsorted(by_chance, observed, "right")
     allowed = max(int((1 - level) / 2 * (DRAWS + 1) + 1e-9), 1)
-    low, high, p = (np.empty(len(mean)) for _ in range(3))
-    least = np.ones(DRAWS)
-    for k in range(len(mean)):
-        drawn = _in_errors(np.stack([null[rows, k] for null, rows in zip(nulls, picked, strict=True)]))
-        by_chance = np.sort(drawn)
-        low[k], high[k] = mean[k] - np.array([by_chance[DRAWS - allowed], by_chance[allowed - 1]]) * error[k]
-        p[k] = _two_tails(by_chance, observed[k])
-        least = np.minimum(least, _two_tails(by_chance, drawn))
-    least = np.sort(least)
-    together = (1 + np.searchsorted(least, p * (1 + 1e-12), "right")) / (1 + DRAWS)
-    return MeansOverDyads(low, high, p, np.maximum(together, p))
-
-
-def _two_tails(by_chance: np.ndarray, t: np.ndarray | float) -> np.ndarray:
-    """Two-sided p of some t among those by chance, which are sorted."""
-    above = len(by_chance) - np.searchsorted(by_chance, t, "left")
-    below = np.searchsorted(by_chance, t, "right")
-    p: np.ndarray = np.minimum(1.0, 2 * (1 + np.minimum(above, below)) / (1 + len(by_chance)))
-    return p
+    low, high = by_chance[DRAWS - allowed], by_chance[allowed - 1]
+    mean = float(values.mean())
+    interval = float(mean - low * error), float(mean - high * error)
+    return interval, min(1.0, 2 * (1 + int(min(above, below))) / (1 + DRAWS))
 
 
 def scan_over_dyads(
@@ -321,6 +299,9 @@ def scan_over_dyads(
     progress: Callable[[int], object] = lambda done: None,
 ) -> LagScan:
     """Means over dyads at several lags; steps of different dyads are never put into one table.
+
+    The means are held against means of the dyads' surrogates: p is of means so high if no dyad were contingent at any
+    lag. A few dyads are enough for that, while what holds for dyads in general needs more of them (``over_dyads``).
 
     Args:
         given: The series.
@@ -342,15 +323,14 @@ def scan_over_dyads(
         scan_surrogates(dyad, measure, lags, timing, options, unit, np.random.default_rng(stream), told)
         for (_, dyad), stream in zip(dyads, streams, strict=False)
     ]
-    nulls = [one.null - one.null.mean(0) for one in found]
-    effective = np.array([one.value - one.null.mean(0) for one in found])
-    means = over_dyads(effective, nulls, np.random.default_rng(streams[-1]), options.level)
-    nothing = np.full(len(lags), float("nan"))
-    return LagScan(
-        np.array(lags, np.int64), np.mean([one.value for one in found], 0), effective.mean(0), nothing, nothing,
-        means.p, means.p_adjusted, options.level, sum(one.transitions for one in found), min(map(len, nulls)),
-        " or ".join(sorted({one.method for one in found})), (means.low, means.high), len(found),
+    count = max(len(one.null) for one in found)
+    rng = np.random.default_rng(streams[-1])
+    nulls = [one.null if len(one.null) == count else rng.choice(one.null, count) for one in found]
+    together = ScanSurrogates(
+        np.mean([one.value for one in found], 0), np.mean(nulls, 0), sum(one.transitions for one in found),
+        " or ".join(sorted({one.method for one in found})),
     )  # fmt: skip
+    return lag_scan(lags, together, options.level, len(found))
 
 
 def _in_turn(progress: Callable[[int], object], dyads: int) -> Callable[[int], object]:
@@ -383,9 +363,8 @@ def _group(name: str, dyads: Sequence[Significance], rng: np.random.Generator) -
     values = np.array([one.corrected for one in dyads])
     if len(dyads) == 1:
         return Group(name, 1, float(values[0]), float("nan"), (float("nan"), float("nan")), dyads[0].p)
-    means = over_dyads(values[:, None], [(one.null - one.null_mean)[:, None] for one in dyads], rng)
-    interval = float(means.low[0]), float(means.high[0])
-    return Group(name, len(dyads), float(values.mean()), float(values.std(ddof=1)), interval, float(means.p[0]))
+    interval, p = over_dyads(values, [one.null - one.null_mean for one in dyads], rng)
+    return Group(name, len(dyads), float(values.mean()), float(values.std(ddof=1)), interval, p)
 
 
 def _p(p: float) -> str:

@@ -352,13 +352,13 @@ def _of_one(options: MeasureOptions) -> TestOptions:
 def _scan_note(scan: LagScan) -> str:
     """Where p over lags comes from."""
     how = " or ".join(WORDS[method] for method in scan.method.split(" or "))
-    lags = f"all {len(scan.lags)} lags"
-    if scan.recordings:
-        return (
-            f"values over lags are means over {scan.recordings} recordings, and p, two-sided, is of t over recordings "
-            f"by {scan.surrogates} surrogates of each ({how}) and the least p of {lags} in each (min-P)"
-        )
-    return f"p over lags comes from {scan.surrogates} surrogates, {how}, and the highest of {lags} in each (max-T)"
+    means = f"; values are means over {scan.recordings} recordings, and so are those of surrogates" * (
+        scan.recordings > 0
+    )
+    return (
+        f"p over lags comes from {scan.surrogates} surrogates, {how}, and the highest of all {len(scan.lags)} lags in "
+        f"each (max-T){means}"
+    )
 
 
 def _by_recording(

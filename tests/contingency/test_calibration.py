@@ -107,9 +107,9 @@ def test_means_over_dyads(dyads: int) -> None:
         found = by_dyad(steps(ones, others), TRANSFER, names, options, 1.0, np.random.SeedSequence(seed))
         alarms += found.groups[0].p <= 0.05
         rng = np.random.default_rng([SEED, dyads, seed])
-        nulls = [rng.chisquare(4, (1000, 1)) - 4 for _ in range(dyads)]
-        means = over_dyads(rng.gamma(1, 4, (dyads, 1)) + rng.chisquare(4, (dyads, 1)) - 4, nulls, rng)
-        held += means.low[0] <= 4 <= means.high[0]
+        nulls = [rng.chisquare(4, 1000) - 4 for _ in range(dyads)]
+        low, high = over_dyads(rng.gamma(1, 4, dyads) + rng.chisquare(4, dyads) - 4, nulls, rng)[0]
+        held += low <= 4 <= high
     print(f"\n{dyads} dyads: false alarms {alarms / 400}, mean of all dyads inside the interval {held / 400}")
     assert 0.03 <= alarms / 400 <= 0.07
     assert held / 400 >= 0.91
