@@ -95,8 +95,8 @@ def plan(steps: Steps, measure: Measure, permute: Permute = "context", across_re
     n = steps.transitions
     recording = np.zeros(n, np.int32) if across_recordings else steps.recordings()
     # everything but the order of transitions follows from how often each combination comes
-    found = distinct(*combined([recording, *columns], [int(recording[-1]) + 1, *sizes]))
-    combinations, weights, parts = [one[found.first] for one in columns], found.counts, recording[found.first]
+    entries = distinct(*combined([recording, *columns], [int(recording[-1]) + 1, *sizes]))
+    combinations, weights, parts = [one[entries.first] for one in columns], entries.counts, recording[entries.first]
 
     def contexts_of(axes: str) -> np.ndarray:
         chosen = [AXES.index(axis) for axis in axes]
@@ -119,8 +119,8 @@ def plan(steps: Steps, measure: Measure, permute: Permute = "context", across_re
     of_source, of_after = (_margin(stratum, one, weights) for one in (source, after))
     in_order = groups = np.zeros(0, np.int64)
     if permute == "plain" or shuffles(bounds, of_source[2], of_after[2]).any():
-        in_order = _stable_order(stratum[found.which])
-        source, after = (one[found.which[in_order]] for one in (source, after))
+        in_order = _stable_order(stratum[entries.which])
+        source, after = (one[entries.which[in_order]] for one in (source, after))
     if permute == "plain":
         groups = _stable_order(recording[in_order])
     empty = not len(in_order)

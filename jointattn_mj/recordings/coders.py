@@ -95,10 +95,10 @@ def run_agreement(options: CoderOptions) -> AgreementResult:
     """
     with nullcontext() if options.out is None else claimed_paths(options.out, "agreement") as paths:
         how = AgreementOptions(**{one.name: getattr(options, one.name) for one in fields(AgreementOptions)})
-        found = agreement(options.events(options.first), options.events(options.second), options.tiers or None, how)
-        result = AgreementResult(found)
+        tiers = agreement(options.events(options.first), options.events(options.second), options.tiers or None, how)
+        result = AgreementResult(tiers)
         if paths is not None:
-            matrices = {one.tier: {"codes": one.labels, "units": one.matrix.tolist()} for one in found}
+            matrices = {one.tier: {"codes": one.labels, "units": one.matrix.tolist()} for one in tiers}
             write_results(paths, result.rows(), options, matrices=matrices)
     return result
 

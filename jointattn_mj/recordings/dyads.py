@@ -48,7 +48,7 @@ class Group:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class GroupComparison:
     """Two groups, or all of them at once."""
 
     first: str
@@ -60,7 +60,7 @@ class Comparison:
     """Two-sided, by permutation of the dyads over the groups."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class DyadResult:
     """A measure dyad by dyad."""
 
@@ -69,8 +69,11 @@ class DyadResult:
     values: tuple[Significance, ...]
     groups: tuple[Group, ...]
     """All dyads together, then each group."""
-    comparisons: tuple[Comparison, ...]
+    comparisons: tuple[GroupComparison, ...]
     group_of: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"DyadResult({self.measure}, {len(self.names)} recordings, {len(self.groups)} groups)"
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a dyad."""
@@ -86,14 +89,18 @@ class DyadResult:
     def lines(self) -> list[str]:
         """The groups and their comparison, in words."""
         lines = [
-            f"{self.measure}, {one.name}: mean effective value {number(one.mean)} {bracket(one.interval)} over "
-            f"{one.dyads} recordings, p {_p(one.p)}"
-            for one in self.groups
+            f"{self.measure}, {group.name}: mean effective value {number(group.mean)} {bracket(group.interval)} over "
+            f"{group.dyads} recordings, p {_p(group.p)}"
+            for group in self.groups
         ]
-        for one in self.comparisons:
-            what = f"{one.first} against {one.second}" if one.second != "all" else f"all by {one.first}"
-            size = "difference" if one.second != "all" else "eta squared"
-            lines.append(f"{self.measure}, {what}: {size} {number(one.difference)}, p {_p(one.p)}")
+        for comparison in self.comparisons:
+            what = (
+                f"{comparison.first} against {comparison.second}"
+                if comparison.second != "all"
+                else f"all by {comparison.first}"
+            )
+            size = "difference" if comparison.second != "all" else "eta squared"
+            lines.append(f"{self.measure}, {what}: {size} {number(comparison.difference)}, p {_p(comparison.p)}")
         return lines
 
 
@@ -139,7 +146,7 @@ def by_dyad(
         if without:
             raise SeriesError(f"recording {without[0]!r} has no {by}")
         of = tuple(group_of[name] for name in called)
-    found = np.array([one.corrected for one in values])
+    effective = np.array([one.corrected for one in values])
     kinds = sorted(set(of), key=_numeric)
     labels = np.array(of)
     members = {"all": np.ones(len(values), bool)}
@@ -150,7 +157,7 @@ def by_dyad(
         _group(name, [one for one, its in zip(values, of_group, strict=True) if its], chance)
         for name, of_group in members.items()
     ]
-    comparisons = compare(found, labels, kinds, by, options.surrogates, permuted)
+    comparisons = compare(effective, labels, kinds, by, options.surrogates, permuted)
     return DyadResult(measure.name, called, values, tuple(groups), tuple(comparisons), of)
 
 
@@ -165,18 +172,18 @@ def groups_by(data: Recordings, column: str, names: Mapping[int, str]) -> dict[s
     Raises:
         SeriesError: The column changes within a recording.
     """
-    found: dict[str, str] = {}
+    group_of: dict[str, str] = {}
     for group, part in zip(data.groups, data.columns[column], strict=True):
         name = names[group]
         values = {data.labels[column][code] for code in np.unique(part)}
-        values |= {found[name]} if name in found else set()
+        values |= {group_of[name]} if name in group_of else set()
         if len(values) > 1:
             there = ", ".join(sorted(values)[:5])
             raise SeriesError(
                 f"{column!r} changes within recording {name!r}: {there}; it must have one value in all of a recording"
             )
-        found[name] = values.pop()
-    return found
+        group_of[name] = values.pop()
+    return group_of
 
 
 def split(given: Steps) -> list[tuple[int, Steps]]:
@@ -206,7 +213,7 @@ def compare(
     by: str,
     permutations: int,
     rng: np.random.Generator,
-) -> list[Comparison]:
+) -> list[GroupComparison]:
     """Compare groups of dyads by permuting dyads over them.
 
     Args:
@@ -222,17 +229,19 @@ def compare(
     """
     if len(kinds) < 2:
         return []
-    found = []
+    comparisons = []
     if len(kinds) > 2:
         member = (labels[:, None] == np.array(kinds)).astype(float)
         observed = float(_eta(values[None], member)[0])
         drawn = _eta(rng.permuted(np.tile(values, (permutations, 1)), axis=1), member)
-        found.append(Comparison(by, "all", observed, float((1 + np.sum(drawn >= observed - 1e-12)) / (1 + len(drawn)))))
+        comparisons.append(
+            GroupComparison(by, "all", observed, float((1 + np.sum(drawn >= observed - 1e-12)) / (1 + len(drawn))))
+        )
     for first, second in combinations(kinds, 2):
         a, b = values[labels == first], values[labels == second]
         p = _two_sided(a, b, permutations, rng) if min(len(a), len(b)) >= FEWEST else float("nan")
-        found.append(Comparison(first, second, float(a.mean() - b.mean()), p))
-    return found
+        comparisons.append(GroupComparison(first, second, float(a.mean() - b.mean()), p))
+    return comparisons
 
 
 def _two_sided(a: np.ndarray, b: np.ndarray, permutations: int, rng: np.random.Generator) -> float:
@@ -319,18 +328,18 @@ def scan_over_dyads(
     dyads = split(given)
     streams = seed.spawn(len(dyads) + 1)
     told = _in_turn(progress, len(dyads))
-    found = [
+    scans = [
         scan_surrogates(dyad, measure, lags, timing, options, unit, np.random.default_rng(stream), told)
         for (_, dyad), stream in zip(dyads, streams, strict=False)
     ]
-    count = max(len(one.null) for one in found)
+    count = max(len(one.null) for one in scans)
     rng = np.random.default_rng(streams[-1])
-    nulls = [one.null if len(one.null) == count else rng.choice(one.null, count) for one in found]
+    nulls = [one.null if len(one.null) == count else rng.choice(one.null, count) for one in scans]
     together = ScanSurrogates(
-        np.mean([one.value for one in found], 0), np.mean(nulls, 0), sum(one.transitions for one in found),
-        " or ".join(sorted({one.method for one in found})),
+        np.mean([one.value for one in scans], 0), np.mean(nulls, 0), sum(one.transitions for one in scans),
+        " or ".join(sorted({one.method for one in scans})),
     )  # fmt: skip
-    return lag_scan(lags, together, options.level, len(found))
+    return lag_scan(lags, together, options.level, len(scans))
 
 
 def _in_turn(progress: Callable[[int], object], dyads: int) -> Callable[[int], object]:

@@ -116,28 +116,28 @@ def _transitions(report: RecordingReport) -> list[dict[str, Any]]:
 
 def _answers(report: RecordingReport) -> list[dict[str, Any]]:
     """Which look answers which: changes of looks that come more often than usual, in both directions, most first."""
-    found = []
+    answers = []
     for source, target in (report.options.looks, report.options.looks[::-1]):
         result = report.pairs[source, target]
         labels = result.labels
         for one in result.measured[0].values:
             if one.before != one.result and one.contribution > 0 and one.p_adjusted <= report.options.alpha:
                 low, high = wilson(one.count, one.occasions)
-                found.append(
+                answers.append(
                     {"source": source, "look": labels[source][one.sensor], "target": target,
                      "before": labels[target][one.before], "after": labels[target][one.result], "count": one.count,
                      "occasions": one.occasions, "rate": one.rate, "low": low, "high": high, "usual": one.usual,
                      "contribution": one.contribution, "p_adjusted": one.p_adjusted}
                 )  # fmt: skip
-    return sorted(found, key=lambda row: -row["contribution"])[:MOST_TRANSITIONS]
+    return sorted(answers, key=lambda row: -row["contribution"])[:MOST_TRANSITIONS]
 
 
 def _by_recording(report: RecordingReport) -> list[dict[str, Any]]:
     """A row a recording: the transfer entropy of both directions of looks."""
     ways = [report.pairs[pair] for pair in (report.options.looks, report.options.looks[::-1])]
-    if not all(one.dyads for one in ways):
+    if not all(way.dyads for way in ways):
         return []
-    rows = [one.dyads[0].rows() for one in ways]
+    rows = [way.dyads[0].rows() for way in ways]
     return [{"name": a["recording"], "ways": [a, b]} for a, b in zip(*rows, strict=True)]
 
 
@@ -154,7 +154,9 @@ def _of_dyads(pairs: "Mapping[tuple[str, str], MeasureResult]") -> list[str]:
 def _settings(options: ReportOptions) -> list[tuple[str, str]]:
     """Every option and its value."""
     given = plain(options)
-    return [(one.name, "" if given[one.name] in (None, []) else str(given[one.name])) for one in fields(options)]
+    return [
+        (field.name, "" if given[field.name] in (None, []) else str(given[field.name])) for field in fields(options)
+    ]
 
 
 NOT = "no-"
@@ -164,11 +166,11 @@ NOT = "no-"
 def _command(options: ReportOptions) -> str:
     """The command line that makes this page again: options that are not the defaults."""
     words = ["jointattn", "recordings", str(options.file)]
-    for one in fields(options):
-        value = getattr(options, one.name)
-        if one.name == "file" or value == one.default:
+    for field in fields(options):
+        value = getattr(options, field.name)
+        if field.name == "file" or value == field.default:
             continue
-        name = one.name.replace("_", "-")
+        name = field.name.replace("_", "-")
         if isinstance(value, bool):
             words.append(f"--{name}" if value else f"--{NOT}{name}")
         else:

@@ -45,7 +45,7 @@ class SequentialOptions(Checked):
     """Shortest shift in steps; by default until the given tier's autocorrelation is low."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LagTable:
     """A table of given and target codes, with the statistics of each combination; arrays are (given, target)."""
 
@@ -58,6 +58,9 @@ class LagTable:
     level: float = 0.95
     p_shift: np.ndarray | None = None
     """Two-sided p of the joint frequency from circular shifts, which holds for long looks, too; None: not drawn."""
+
+    def __repr__(self) -> str:
+        return f"LagTable({len(self.given)} given codes, {len(self.target)} target codes, {self.total} pairs)"
 
     @property
     def total(self) -> int:
@@ -205,7 +208,7 @@ class OverRecordings:
         """A row a combination that can occur: mean, Student's interval and two-sided p, and how often Q is above 0."""
         from scipy.stats import t
 
-        found = []
+        rows = []
         for i, j in np.argwhere(possible):
             known = self.values[np.isfinite(self.values[:, i, j]), i, j]
             n = len(known)
@@ -217,11 +220,11 @@ class OverRecordings:
                 half = float(t.ppf((1 + self.level) / 2, n - 1)) * error
                 low, high = mean - half, mean + half
                 p = float(2 * t.sf(abs(mean) / error, n - 1)) if error else float(mean == 0)
-            found.append(
+            rows.append(
                 {"recordings": n, "positive": int((known > 0).sum()), "q_mean": mean, "q_low": low, "q_high": high,
                  "q_p": p}
             )  # fmt: skip
-        return found
+        return rows
 
 
 def yules_q_over(
