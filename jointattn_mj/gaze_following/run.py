@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from jointattn_mj.gaze_following import figures
 from jointattn_mj.gaze_following.result import SessionInMemory, SessionResult
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, FRAMES_PER_SECOND, SessionConfig, SessionRun
 from jointattn_mj.gaze_following.shifts import write_shifts
@@ -79,8 +78,8 @@ def run_session(
     if options.video:
         watchers = (_film(options), *watchers)
     if not options.resume:
-        needed = round(BYTES_A_FRAME * config.minutes * FRAMES_PER_MINUTE)
-        check_free(options.out, needed, f"{config.minutes:,g} minutes", "fewer minutes")
+        needed = round(BYTES_A_FRAME * config.most_minutes * FRAMES_PER_MINUTE)
+        check_free(options.out, needed, f"{config.most_minutes:,g} minutes", "fewer minutes")
     with claimed(options.out, options.resume):
         return _run(config, options, progress, kind, watchers)
 
@@ -136,8 +135,10 @@ def _run(
 
     try:
         if options.resume and (summary := summary_of_ended(out)) is not None:
-            return SessionSummary.of(summary)
-        if not options.resume:
+            return session.summary_of(summary)
+        if options.resume:
+            session.go_on()
+        else:
             session.begin()
         session.attach(log_folder(out))
         if not options.resume:
@@ -208,8 +209,7 @@ def _leave_results(session: SessionRun, out: Path, wall_seconds: float) -> Sessi
     write_frames(out / "frames.parquet", session.frames)
     write_shifts(out / "gaze_shifts.parquet", session.shifts)
     write_weights(out / "weights.npz", session.weights())
-    figures.draw_success(out / "success.png", session.shifts, session.config.minutes)
-    figures.draw_som(out / "som.png", session.robot.som)
+    session.draw(out)
     summary.write(out / "summary.json")
     forget_log(out)
     return summary
