@@ -54,6 +54,7 @@ def run_session(
     progress: Callable[[SessionRun], object] = lambda session: None,
     kind: type[SessionRun] = SessionRun,
     watchers: Sequence[Watcher] = (),
+    prepare: Callable[[SessionRun], object] = lambda session: None,
 ) -> SessionSummary:
     """Run a session and leave its results in the folder ``options.out``.
 
@@ -66,6 +67,7 @@ def run_session(
         kind: Class of the session. One with parts of your own has their classes in its own module, where a checkpoint
             finds them.
         watchers: What else is to see every frame, such as a log for a viewer.
+        prepare: Is called once with the session, before it begins or goes on.
 
     Raises:
         ConfigError: The session's log would not fit onto the disk.
@@ -81,7 +83,7 @@ def run_session(
         needed = round(BYTES_A_FRAME * config.most_minutes * FRAMES_PER_MINUTE)
         check_free(options.out, needed, f"{config.most_minutes:,g} minutes", "fewer minutes")
     with claimed(options.out, options.resume):
-        return _run(config, options, progress, kind, watchers)
+        return _run(config, options, progress, kind, watchers, prepare)
 
 
 def run_in_memory(
@@ -118,6 +120,7 @@ def _run(
     progress: Callable[[SessionRun], object],
     kind: type[SessionRun],
     watchers: Sequence[Watcher],
+    prepare: Callable[[SessionRun], object],
 ) -> SessionSummary:
     """Run a session in a folder that is held for it."""
     out, path = options.out, options.out / "checkpoint.bin"
@@ -138,7 +141,8 @@ def _run(
             return session.summary_of(summary)
         if options.resume:
             session.go_on()
-        else:
+        prepare(session)
+        if not options.resume:
             session.begin()
         session.attach(log_folder(out))
         if not options.resume:

@@ -20,7 +20,7 @@ from jointattn_mj.footage.picked import colours_at
 from jointattn_mj.footage.reader import RATE, Footage
 from jointattn_mj.footage.sessions.config import CameraSessionConfig
 from jointattn_mj.footage.sessions.latency import CameraCount
-from jointattn_mj.footage.sessions.session import FootageSession
+from jointattn_mj.footage.sessions.session import FootageSessionRun
 from jointattn_mj.footage.sessions.source import Picture
 from jointattn_mj.footage.sessions.summary import CameraTimes
 
@@ -162,18 +162,18 @@ class CameraSource:
         return images()
 
 
-class CameraSession(FootageSession):
+class CameraSessionRun(FootageSessionRun):
     """A session with a person who is there."""
 
     config: CameraSessionConfig  # type: ignore[assignment]
 
     def __init__(self, config: CameraSessionConfig):
-        """Prepare; for errors see ``FootageSession``. The camera is opened when its first image is needed."""
+        """Prepare; for errors see ``FootageSessionRun``. The camera is opened when its first image is needed."""
         self.count = CameraCount()
         super().__init__(config)
 
     def source_name(self) -> str:
-        """See ``FootageSession``."""
+        """See ``FootageSessionRun``."""
         return f"camera {self.config.camera}"
 
     def session_minutes(self) -> float:
@@ -181,11 +181,11 @@ class CameraSession(FootageSession):
         return self.config.minutes
 
     def open_source(self, frames: int) -> CameraSource:
-        """See ``FootageSession``."""
+        """See ``FootageSessionRun``."""
         return CameraSource(self.config, self.count, frames)
 
     def camera_times(self) -> CameraTimes:
-        """See ``FootageSession``."""
+        """See ``FootageSessionRun``."""
         latency, source = self.perceiver.latency, self.wide.source
         seconds = self.count.seconds
         if isinstance(source, CameraSource):
@@ -200,7 +200,7 @@ class CameraSession(FootageSession):
         )
 
     def picked(self) -> dict[str, np.ndarray]:
-        """See ``FootageSession``: objects are picked in the image at their time after the camera was opened."""
+        """See ``FootageSessionRun``: objects are picked in the image at their time after the camera was opened."""
         waiting = sorted((one.picked[0], one.name, one) for one in sought_objects(self.config.objects) if one.picked)
         tables = {}
         for seconds, name, one in waiting:

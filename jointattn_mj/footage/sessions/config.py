@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import tyro
 
@@ -58,6 +58,8 @@ class FootageSessionConfig(Checked):
     rest: RestConfig = field(default_factory=RestConfig)
     """What counts as motion, of people who never quite rest."""
 
+    ADVANCED: ClassVar = ("face_follow", "success")
+
     def __post_init__(self) -> None:
         super().__post_init__()
         FaceRule.parsed(self.face)
@@ -82,8 +84,8 @@ class VideoSessionConfig(FootageSessionConfig):
     video_file: Path = Path("table.mp4")
     """Video of a person at a table, from a camera that stands still, opposite the person."""
     coding: Path | None = None
-    """Where the person looks, as coded by hand: a file of ELAN, BORIS, Datavyu or of any other program that jointattn
-    measure reads; codes are the names of the objects. Success is counted by it; the robot is not told."""
+    """Where the person looks, as coded by hand: a file that jointattn measure reads (ELAN, BORIS, Datavyu, a table);
+    codes are the names of the objects. Success is counted by it; the robot is not told."""
     looks_at: Path | None = None
     """The same as coded without labels: the folder of a run of jointattn perceive --looks with this video."""
     minutes: Annotated[float, Real("(0, 1e6]")] | None = None
@@ -91,6 +93,8 @@ class VideoSessionConfig(FootageSessionConfig):
     all of the video if not given."""
     fps: Annotated[float, Real("[0.01, 1000]")] | None = None
     """Images a second, for a file whose timestamps are wrong or missing; they are ignored then."""
+
+    ADVANCED: ClassVar = ("fps",)
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -37,11 +37,11 @@ class DigitalHead:
 
     def __getstate__(self) -> dict[str, Any]:
         """Angles and speeds; the model is compiled again."""
-        return {"angles": self._data.qpos.copy(), "speeds": self._data.qvel.copy()}
+        return {"qpos": self._data.qpos.copy(), "qvel": self._data.qvel.copy()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Restore a head. Raises ValueError: Its angles or speeds are none."""
-        for name in ("angles", "speeds"):
+        for name in ("qpos", "qvel"):
             check_array(f"the head's {name}", state[name], (2,), float, -mujoco.mjMAXVAL, mujoco.mjMAXVAL)
         self.__init__()  # type: ignore[misc]
-        self._data.qpos[:], self._data.qvel[:] = state["angles"], state["speeds"]
+        self._data.qpos[:], self._data.qvel[:] = state["qpos"], state["qvel"]

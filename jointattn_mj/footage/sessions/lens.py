@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from jointattn_mj.errors import FootageError
-from jointattn_mj.options import Checked, Real
+from jointattn_mj.options import TOP_LEVEL, Checked, Real
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 
@@ -31,15 +31,15 @@ _EYE = np.array([[0, 0, 1], [-1 / FOCAL_PX, 0, CENTRE_X / FOCAL_PX], [0, -1 / FO
 class HeadConfig(Checked):
     """The digital head: which part of the wide picture the robot sees, and how far it turns."""
 
-    fov_deg: Annotated[float, Real("[10, 170]")] | None = None
-    """Horizontal field of view of the camera. The robot's image then takes 61.9 of these degrees, as in chapter 6, so
-    the camera must be a wide one. If not given, ``view_share`` says how much of the picture it takes."""
-    view_share: Annotated[float, Real("[0.05, 1]")] = 0.7
-    """Height of the robot's image as a share of the picture's, without ``fov_deg``. With 0.7 a face on the upper third
-    of the picture and objects on its lower third are as far apart as in chapter 6."""
-    mount_deg: Annotated[float, Real("[-80, 80]")] = 0.0
-    """Elevation of the camera; less than 0 where it looks down. The pan axis of the head is vertical all the same."""
-    border: Literal["limit", "black"] = "limit"
+    fov_deg: Annotated[Annotated[float, Real("[10, 170]")] | None, TOP_LEVEL] = None
+    """Horizontal field of view of a wide camera, of which the robot's image then takes 61.9 degrees, as in chapter 6. If
+    not given, view-share says how much of the picture it takes."""
+    view_share: Annotated[float, Real("[0.05, 1]"), TOP_LEVEL] = 0.7
+    """Height of the robot's image as a share of the picture's, without fov-deg. With 0.7 a face on the upper third of
+    the picture and objects on its lower third are as far apart as in chapter 6."""
+    mount_deg: Annotated[float, Real("[-80, 80]"), TOP_LEVEL] = 0.0
+    """Elevation of the camera; less than 0 where it looks down."""
+    border: Annotated[Literal["limit", "black"], TOP_LEVEL] = "limit"
     """At the border of the picture: the head turns no farther (limit), or it turns, and the robot sees black beyond."""
     most_pan_deg: Annotated[float, Real("[0, 90]")] = 90.0
     """How far the head turns to either side. The border of the picture may come first."""

@@ -60,11 +60,11 @@ class CodedMoment(Moment):
         return index, off[index]
 
 
-class FootageSession(SessionRun):
+class FootageSessionRun(SessionRun):
     """A session under way before a wide picture.
 
     Attributes:
-        wide: The world: the same as ``world``, by its own type.
+        begun: Whether the robot has learned the face.
     """
 
     config: FootageSessionConfig  # type: ignore[assignment]
@@ -83,6 +83,8 @@ class FootageSession(SessionRun):
         self._directions = np.full((len(config.names), 2), np.nan)  # of the objects as perceived last, deg
         self._nothing = 0  # frames in a row without anything visible
         self._started_s = 0.0
+        self.begun = False
+        self._rgb = label_table(config.objects, {}, 1, config.pixels.colours)[1]
         super().__init__(config)  # type: ignore[arg-type]
 
     @property
@@ -146,13 +148,18 @@ class FootageSession(SessionRun):
         """
         picked = self.picked()
         if picked:
-            table, _ = label_table(self.config.objects, picked, 1, self.config.pixels.colours)
+            table, self._rgb = label_table(self.config.objects, picked, 1, self.config.pixels.colours)
             self.perceiver.areas.take(table)
         if self.config.start_from is not None:
             self.robot.load(read_weights(self.config.start_from))
         else:
             self._learn_face()
         self._started_s = self.wide.picture.time_s
+        self.begun = True
+
+    def colours(self) -> np.ndarray:
+        """(n, 3) colours of the objects, 0..1; grey where an object is picked later."""
+        return self._rgb
 
     @property
     def perceiver(self) -> WidePerception:
@@ -279,13 +286,13 @@ class FootageSession(SessionRun):
         self.wide.connect(self.open_source, self.coded_looks())
 
 
-class VideoSession(FootageSession):
+class VideoSessionRun(FootageSessionRun):
     """A session at a recorded table."""
 
     config: VideoSessionConfig  # type: ignore[assignment]
 
     def source_name(self) -> str:
-        """See ``FootageSession``."""
+        """See ``FootageSessionRun``."""
         return str(self.config.video_file)
 
     def session_minutes(self) -> float:
@@ -293,22 +300,22 @@ class VideoSession(FootageSession):
         return float("inf") if self.config.minutes is None else self.config.minutes
 
     def open_source(self, frames: int) -> FileSource:
-        """See ``FootageSession``."""
+        """See ``FootageSessionRun``."""
         source = FileSource(Footage(self.config.video_file, self.config.fps))
         source.skip(frames)
         return source
 
     def coded_looks(self) -> CodedLooks | None:
-        """See ``FootageSession``."""
+        """See ``FootageSessionRun``."""
         path = self.config.coding or self.config.looks_at
         return None if path is None else CodedLooks.read(path, self.config.names)
 
     def success_by(self) -> str:
-        """See ``FootageSession``."""
+        """See ``FootageSessionRun``."""
         if self.config.coding is not None:
             return f"coding {self.config.coding.name}"
         return NOT_KNOWN if self.config.looks_at is None else f"looks coded without labels, {self.config.looks_at.name}"
 
     def picked(self) -> dict[str, np.ndarray]:
-        """See ``FootageSession``."""
+        """See ``FootageSessionRun``."""
         return picked_tables(Footage(self.config.video_file, self.config.fps), sought_objects(self.config.objects))

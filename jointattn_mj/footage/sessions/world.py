@@ -25,6 +25,7 @@ class WideWorld:
         rendered_frames: How many images of the robot were cut out.
         at_border: Number of steps in which the head was asked beyond what it can reach.
         ended: Whether there are no more pictures; the last one stays.
+        watch: Is called before each step. It is not kept when the world is pickled.
     """
 
     def __init__(self, config: HeadConfig, seed: int, source: Open, coded: CodedLooks | None = None):
@@ -50,6 +51,7 @@ class WideWorld:
         self._picture: Picture | None = None
         self._lens: Lens | None = None
         self._image: np.ndarray | None = None
+        self.watch: Callable[[], object] = lambda: None
 
     def __repr__(self) -> str:
         return f"WideWorld({self.frames} frames, head at {np.degrees(self.head_angles()).round(1).tolist()} deg)"
@@ -88,6 +90,7 @@ class WideWorld:
 
     def step(self, command: np.ndarray) -> None:
         """Go on by one frame, in which the head follows ``command`` (2,), pan and tilt, rad."""
+        self.watch()
         wanted = np.degrees(command)
         limited = self.lens.limited(wanted)
         self.at_border += bool(np.abs(limited - wanted).max() > 1e-6)
