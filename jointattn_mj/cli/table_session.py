@@ -21,6 +21,7 @@ from jointattn_mj.gaze_following.summary import LATE_MINUTES
 from jointattn_mj.io.progress import Progress, count
 from jointattn_mj.options import FLAT, Checked, Real, Whole
 
+THESIS = PresetOptions()
 Port = Annotated[int, Whole("[1, 65535]")]
 
 
@@ -62,10 +63,13 @@ class CameraSessionOptions(Checked):
             raise ConfigError("--resume needs the folder of the session that is to go on; name it with --out")
 
 
+NOTHING_STORED = CameraSessionOptions()
+
+
 def video(
     config: Annotated[VideoSessionConfig, FLAT],
     options: Annotated[VideoSessionOptions, FLAT],
-    preset: Annotated[PresetOptions, FLAT] = PresetOptions(),
+    preset: Annotated[PresetOptions, FLAT] = THESIS,
 ) -> None:
     """Let the robot of chapter 6 learn at a recorded table: a video of a person takes the caregiver's place.
 
@@ -85,8 +89,8 @@ def video(
 
 def camera(
     config: Annotated[CameraSessionConfig, FLAT],
-    options: Annotated[CameraSessionOptions, FLAT] = CameraSessionOptions(),
-    preset: Annotated[PresetOptions, FLAT] = PresetOptions(),
+    options: Annotated[CameraSessionOptions, FLAT] = NOTHING_STORED,
+    preset: Annotated[PresetOptions, FLAT] = THESIS,
 ) -> None:
     """Let the robot of chapter 6 learn from a person before a camera, live.
 

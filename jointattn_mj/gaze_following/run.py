@@ -138,7 +138,8 @@ def _run(
 
     try:
         if options.resume and (summary := summary_of_ended(out)) is not None:
-            return session.summary_of(summary)
+            ended: SessionSummary = session.summary_of(summary)
+            return ended
         if options.resume:
             session.go_on()
         prepare(session)
@@ -209,7 +210,7 @@ def _watched(session: SessionRun, watchers: Sequence[Watcher]) -> Iterator[ShowF
 
 
 def _leave_results(session: SessionRun, out: Path, wall_seconds: float) -> SessionSummary:
-    summary = session.summary(wall_seconds)
+    summary: SessionSummary = session.summary(wall_seconds)
     write_frames(out / "frames.parquet", session.frames)
     write_shifts(out / "gaze_shifts.parquet", session.shifts)
     write_weights(out / "weights.npz", session.weights())

@@ -81,8 +81,7 @@ class SessionRun:
         self.names = (*self.object_names(), "face")
         self.world = self.new_world(world)
         self.robot = self.new_robot(self.new_perceiver(np.random.default_rng(perceiver)), robot)
-        minutes = self.session_minutes()
-        self.total: float = max(1, round(minutes * FRAMES_PER_MINUTE)) if np.isfinite(minutes) else minutes
+        self.total = max(1, round(self.session_minutes() * FRAMES_PER_MINUTE))
         self.frame = 0
         self.shifts = Shifts(self.names)
         self.frames = self.new_frames()
@@ -94,7 +93,7 @@ class SessionRun:
         return tuple(item.name for item in self.config.world.scene.objects)
 
     def session_minutes(self) -> float:
-        """Length of the session; infinite where it ends otherwise."""
+        """Longest that the session lasts."""
         return self.config.minutes
 
     def new_frames(self) -> FrameTable:

@@ -52,6 +52,8 @@ class CameraSource:
         self._ended, self._closed = False, False
         self._images = self._of_file(Path(config.camera)) if _is_file(config.camera) else self._of_device(config)
         self._shown = -1
+        self._due_s: float = 0.0
+        self._kept_s: float = 0.0
         self._opened_s = time.monotonic()
         self._thread = threading.Thread(target=self._read, daemon=True)
         self._thread.start()
@@ -61,7 +63,8 @@ class CameraSource:
             self.close()
             raise FootageError(f"camera {self._name} gives no image; does another program use it?")
         self._due_s = time.monotonic()
-        self._lag = False
+        self._kept: np.ndarray = self._image
+        self._kept_s = self._taken_s
 
     def next(self) -> Picture | None:
         """The picture of the next frame, when it is due; None when a file is over.
@@ -85,9 +88,9 @@ class CameraSource:
             if late and self._shown >= 0:
                 self._count.frames_lost += 1
             else:
+                assert self._image is not None
                 self._kept, self._shown, self._fresh = self._image, self._number, False
                 self._kept_s = self._taken_s
-            assert self._kept is not None
             seconds = self._start_s + self._kept_s - self._opened_s
             return Picture(self._kept, self._shown, seconds, cut, self._kept_s)
 
@@ -152,11 +155,11 @@ class CameraSource:
         self.aspect = footage.aspect
 
         def images() -> Iterator[np.ndarray]:
-            started = time.monotonic()
+            began_s: float = time.monotonic()
             for frame, still in enumerate(footage):
                 if not still.fresh:
                     continue
-                time.sleep(max(0.0, started + frame / RATE - time.monotonic()))
+                time.sleep(max(0.0, began_s + frame / RATE - time.monotonic()))
                 yield still.image
 
         return images()
@@ -165,7 +168,7 @@ class CameraSource:
 class CameraSessionRun(FootageSessionRun):
     """A session with a person who is there."""
 
-    config: CameraSessionConfig  # type: ignore[assignment]
+    config: CameraSessionConfig
 
     def __init__(self, config: CameraSessionConfig):
         """Prepare; for errors see ``FootageSessionRun``. The camera is opened when its first image is needed."""
@@ -175,10 +178,6 @@ class CameraSessionRun(FootageSessionRun):
     def source_name(self) -> str:
         """See ``FootageSessionRun``."""
         return f"camera {self.config.camera}"
-
-    def session_minutes(self) -> float:
-        """See ``SessionRun``."""
-        return self.config.minutes
 
     def open_source(self, frames: int) -> CameraSource:
         """See ``FootageSessionRun``."""

@@ -1,5 +1,6 @@
 """Options of a session of chapter 6 before recorded or present people."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
@@ -34,6 +35,9 @@ class FootageSessionConfig(Checked):
     face: str = "largest"
     """Face of interest where there are several, with YuNet: the largest, a person by number in the order in which they
     are first seen, or whatever face is in a region, x0,y0,x1,y1 in pixels of the picture."""
+    minutes: Annotated[float, Real("(0, 1e6]")] | None = None
+    """Minutes of the session, after those in which the robot learns the person's face (--robot.familiarise.minutes);
+    all of a video if not given. Before a camera until it is ended."""
     success: Literal["either", "launch", "landing"] = "either"
     """Count a gaze shift as success by where the person looks at launch, at landing, or either. All are logged."""
     seed: Seed = 0
@@ -58,7 +62,7 @@ class FootageSessionConfig(Checked):
     rest: RestConfig = field(default_factory=RestConfig)
     """What counts as motion, of people who never quite rest."""
 
-    ADVANCED: ClassVar = ("face_follow", "success")
+    ADVANCED: ClassVar[Sequence[str]] = ("face_follow", "success")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -76,6 +80,11 @@ class FootageSessionConfig(Checked):
         """Of the objects."""
         return candidate_names(self.objects)
 
+    @property
+    def most_minutes(self) -> float:
+        """Longest that the session can last, minutes; an hour where nobody knows."""
+        return 60.0 if self.minutes is None else self.minutes
+
 
 @dataclass(frozen=True)
 class VideoSessionConfig(FootageSessionConfig):
@@ -88,23 +97,15 @@ class VideoSessionConfig(FootageSessionConfig):
     codes are the names of the objects. Success is counted by it; the robot is not told."""
     looks_at: Path | None = None
     """The same as coded without labels: the folder of a run of jointattn perceive --looks with this video."""
-    minutes: Annotated[float, Real("(0, 1e6]")] | None = None
-    """Minutes of the session, after those in which the robot learns the person's face (--robot.familiarise.minutes);
-    all of the video if not given."""
     fps: Annotated[float, Real("[0.01, 1000]")] | None = None
     """Images a second, for a file whose timestamps are wrong or missing; they are ignored then."""
 
-    ADVANCED: ClassVar = ("fps",)
+    ADVANCED: ClassVar[Sequence[str]] = ("fps",)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.coding is not None and self.looks_at is not None:
             raise ConfigError("coding and looks_at both say where the person looks; give one of the two")
-
-    @property
-    def most_minutes(self) -> float:
-        """Longest that the session can last, minutes, or an hour where nobody knows."""
-        return 60.0 if self.minutes is None else self.minutes
 
 
 @dataclass(frozen=True)
@@ -113,12 +114,5 @@ class CameraSessionConfig(FootageSessionConfig):
 
     camera: str = "0"
     """The camera: a number from 0, a device such as /dev/video2, or a video file, which is played as if it were one."""
-    minutes: Annotated[float, Real("(0, 1e6]")] = 15.0
-    """Minutes of the session, after those in which the robot learns the person's face (--robot.familiarise.minutes)."""
     size: tuple[Annotated[int, Whole("[160, 8192]")], Annotated[int, Whole("[120, 8192]")]] = (1280, 720)
     """Width and height of pictures that the camera is asked for; it may give others."""
-
-    @property
-    def most_minutes(self) -> float:
-        """Longest that the session can last, minutes."""
-        return self.minutes

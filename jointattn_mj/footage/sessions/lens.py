@@ -32,8 +32,8 @@ class HeadConfig(Checked):
     """The digital head: which part of the wide picture the robot sees, and how far it turns."""
 
     fov_deg: Annotated[Annotated[float, Real("[10, 170]")] | None, TOP_LEVEL] = None
-    """Horizontal field of view of a wide camera, of which the robot's image then takes 61.9 degrees, as in chapter 6. If
-    not given, view-share says how much of the picture it takes."""
+    """Horizontal field of view of a wide camera, of which the robot's image then takes 61.9 degrees (chapter 6). If not
+    given, view-share says how much of the picture it takes."""
     view_share: Annotated[float, Real("[0.05, 1]"), TOP_LEVEL] = 0.7
     """Height of the robot's image as a share of the picture's, without fov-deg. With 0.7 a face on the upper third of
     the picture and objects on its lower third are as far apart as in chapter 6."""

@@ -127,8 +127,9 @@ class WidePerception(FootagePerception):
                 self.faces.show(one, picture, view)
             size = one.smooth[2:] * (view.scale_x, view.scale_y)
             boxes.append(np.concatenate([view.to_image(one.centre - 0.5) - size / 2, size]))
-        found = np.array(boxes).reshape(-1, 4)
-        return found[np.isfinite(found).all(axis=1)]
+        found: np.ndarray = np.array(boxes).reshape(-1, 4)
+        known: np.ndarray = found[np.isfinite(found).all(axis=1)]
+        return known
 
     def _template_box(self, head: np.ndarray) -> np.ndarray:
         """(1, 4) where the robot's own detector remembers the face to be; (0, 4) before it has found one."""

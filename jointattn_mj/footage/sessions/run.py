@@ -1,4 +1,4 @@
-"""Runs a session before a person: in a folder with checkpoints, as sessions of chapter 6 do, or without leaving a trace."""
+"""Runs a session before a person: in a folder with checkpoints, as sessions of chapter 6 do, or leaving no trace."""
 
 import time
 from collections.abc import Callable

@@ -34,6 +34,8 @@ from jointattn_mj.scene.camera import direction_of, off_centre
 
 FACELESS_S = 60.0
 """Seconds without a face after which the robot gives up before it has begun."""
+MOST_MINUTES = 1e6
+"""Length of a session that lasts as long as its video, or until somebody ends it."""
 LOST_FRAMES = 60
 """Frames in which nothing is visible, after which the head goes back to where the face is, or straight ahead."""
 
@@ -65,6 +67,7 @@ class FootageSessionRun(SessionRun):
 
     Attributes:
         begun: Whether the robot has learned the face.
+        started_s: When it had, by the clock of the pictures.
     """
 
     config: FootageSessionConfig  # type: ignore[assignment]
@@ -82,7 +85,7 @@ class FootageSessionRun(SessionRun):
             model_file()
         self._directions = np.full((len(config.names), 2), np.nan)  # of the objects as perceived last, deg
         self._nothing = 0  # frames in a row without anything visible
-        self._started_s = 0.0
+        self.started_s = 0.0
         self.begun = False
         self._rgb = label_table(config.objects, {}, 1, config.pixels.colours)[1]
         super().__init__(config)  # type: ignore[arg-type]
@@ -100,7 +103,7 @@ class FootageSessionRun(SessionRun):
 
     def session_minutes(self) -> float:
         """See ``SessionRun``."""
-        raise NotImplementedError
+        return MOST_MINUTES if self.config.minutes is None else self.config.minutes
 
     def open_source(self, frames: int) -> PictureSource:
         """Open the source of pictures, after so many frames of it."""
@@ -154,7 +157,7 @@ class FootageSessionRun(SessionRun):
             self.robot.load(read_weights(self.config.start_from))
         else:
             self._learn_face()
-        self._started_s = self.wide.picture.time_s
+        self.started_s = self.wide.picture.time_s
         self.begun = True
 
     def colours(self) -> np.ndarray:
@@ -255,7 +258,7 @@ class FootageSessionRun(SessionRun):
 
     def minutes_so_far(self) -> float:
         """Minutes by the clock of the pictures since the face was learned."""
-        return (self.wide.picture.time_s - self._started_s) / 60 if self.frame else 0.0
+        return (self.wide.picture.time_s - self.started_s) / 60 if self.frame else 0.0
 
     def summary(self, wall_seconds: float) -> Any:
         """The session so far in numbers; ``wall_seconds`` is its computing time."""
@@ -278,7 +281,7 @@ class FootageSessionRun(SessionRun):
         from jointattn_mj.gaze_following.figures import draw_som, draw_success  # slow to import
 
         if self.success_by() != NOT_KNOWN:
-            draw_success(out / "success.png", self.shifts, self._started_s / 60 + self.frame / FRAMES_PER_MINUTE)
+            draw_success(out / "success.png", self.shifts, self.started_s / 60 + self.frame / FRAMES_PER_MINUTE)
         draw_som(out / "som.png", self.robot.som)
 
     def go_on(self) -> None:
@@ -289,15 +292,11 @@ class FootageSessionRun(SessionRun):
 class VideoSessionRun(FootageSessionRun):
     """A session at a recorded table."""
 
-    config: VideoSessionConfig  # type: ignore[assignment]
+    config: VideoSessionConfig
 
     def source_name(self) -> str:
         """See ``FootageSessionRun``."""
         return str(self.config.video_file)
-
-    def session_minutes(self) -> float:
-        """See ``SessionRun``."""
-        return float("inf") if self.config.minutes is None else self.config.minutes
 
     def open_source(self, frames: int) -> FileSource:
         """See ``FootageSessionRun``."""

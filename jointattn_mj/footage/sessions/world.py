@@ -1,4 +1,4 @@
-"""A wide picture as the world of a session: the robot's image at a pose of its head, the time, and the truth or none."""
+"""A wide picture as the world of a session: the image at a pose of the head, the time, and the truth or none."""
 
 from collections.abc import Callable
 from typing import Any

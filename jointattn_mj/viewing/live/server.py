@@ -22,7 +22,9 @@ TRIED = 100
 """Ports that are tried, from the first one on."""
 KEPT_AWAY = {
     "Cache-Control": "no-store",
-    "Content-Security-Policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; script-src 'self' 'unsafe-inline'",
+    "Content-Security-Policy": (
+        "default-src 'self'; img-src 'self' data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
+    ),
     "Cross-Origin-Resource-Policy": "same-origin",
     "Referrer-Policy": "no-referrer",
     "X-Content-Type-Options": "nosniff",
@@ -137,7 +139,10 @@ class _Handler(BaseHTTPRequestHandler):
     def _refused(self, acts: bool) -> bool:
         headers = dict(self.headers.items())
         if acts:
-            headers = {**headers, "Upgrade": "websocket"}  # a button needs what a websocket needs: a page of this server
+            headers = {
+                **headers,
+                "Upgrade": "websocket",
+            }  # a button needs what a websocket needs: a page of this server
         reason = refusal(headers, names_of(HERE))
         if reason is None and headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin"):
             reason = "another page asks"

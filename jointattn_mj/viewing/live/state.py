@@ -46,7 +46,7 @@ class LiveState:
         return {
             "phase": phase,
             "seconds": session.frame / FRAMES_PER_SECOND,
-            "of_seconds": session.total / FRAMES_PER_SECOND if np.isfinite(session.total) else None,
+            "of_seconds": session.total / FRAMES_PER_SECOND if session.config.minutes is not None else None,
             "attended": None if robot.attended is None else session.names[robot.attended],
             "turning": robot.shift is not None,
             "candidates": self._candidates(session),
@@ -56,7 +56,7 @@ class LiveState:
             "by_learner": float(np.mean(by_learner)) if by_learner else None,
             "success": float(np.mean(judged)) if judged else None,
             "judged": len(judged),
-            "shifts": [_shift(row) for row in self._rows[-LISTED:]][::-1],
+            "shifts": [_shift(row, session.started_s) for row in self._rows[-LISTED:]][::-1],
             "camera": None if camera is None else camera.plain(),
         }
 
@@ -75,10 +75,10 @@ class LiveState:
         ]
 
 
-def _shift(row: ShiftRow) -> dict[str, Any]:
+def _shift(row: ShiftRow, started_s: float) -> dict[str, Any]:
     followed = None if row.success is None else bool(row.success)
     learned = row.commanded_by == COMMANDERS[1]
-    return {"seconds": row.landing_s, "to": row.reached, "learned": learned, "followed": followed}
+    return {"seconds": row.landing_s - started_s, "to": row.reached, "learned": learned, "followed": followed}
 
 
 def _reading(robot: GazeFollower, head: np.ndarray, names: tuple[str, ...]) -> dict[str, float] | None:
