@@ -1,13 +1,11 @@
 """A caregiver at a table as a fixed wide camera at the robot's eye sees it: a video, and where the caregiver looks.
 
-``python -m experiments.recorded.table_video --out FOLDER`` leaves ``table.mp4`` and ``coding.csv``. The caregiver is the one
-of a session with the same seed, to the frame: it plays the three minutes of familiarisation and then the session.
+``python -m experiments.recorded.table_video --out FOLDER`` leaves ``table.mp4`` and ``coding.csv``. The caregiver is
+the one of a session with the same seed, to the frame: three minutes of familiarisation, and then the session.
 """
 
 import argparse
 import csv
-from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +29,7 @@ MINUTES = FamiliariseConfig().minutes + 26.0
 TIER = "looks at"
 
 
-class WideWorld(World):
+class WideEyedWorld(World):
     """A rendered world whose eye never turns, and has a wide lens."""
 
     def wide_eye(self) -> Eye:
@@ -49,14 +47,9 @@ class WideWorld(World):
 
 
 def write_video(
-    folder: Path,
-    seed: int,
-    minutes: float = MINUTES,
-    config: WorldConfig | None = None,
-    noise: float = 0.0,
-    progress: Callable[[float], object] = lambda minutes: None,
+    folder: Path, seed: int, minutes: float = MINUTES, config: WorldConfig | None = None, noise: float = 0.0
 ) -> None:
-    """Write ``table.mp4`` and ``coding.csv``.
+    """Write ``coding.csv`` and ``table.mp4``.
 
     Args:
         folder: Is made when missing.
@@ -64,32 +57,44 @@ def write_video(
         minutes: Length of the video.
         config: Scene and caregiver; None for those of a session.
         noise: Standard deviation of the camera's noise, grey values.
-        progress: Is called with the minutes so far, once a second of video.
     """
+    config, frames = config or WorldConfig(), round(minutes * 60 / FRAME_S)
     folder.mkdir(parents=True, exist_ok=True)
-    world = WideWorld.build(config or WorldConfig(), np.random.SeedSequence(seed).spawn(3)[0])
-    names = [item.name for item in world.config.scene.objects]
-    sensor, targets = replace(Sensor(), noise=noise, seed=seed), list[int | None]()
-    eye, command = world.wide_eye(), world.hold()
-    world.step(command)
-    world.reset(np.random.SeedSequence(seed).spawn(3)[0])
-    world.hold()
+    _write_coding(folder / "coding.csv", targets(seed, frames, config), [item.name for item in config.scene.objects])
+    world, sensor = _world(seed, config), Sensor(noise=noise, seed=seed)
+    eye = world.wide_eye()
     try:
         with Reel(folder / "table.mp4", HEIGHT, WIDTH, 1 / FRAME_S) as reel:
-            for frame in range(round(minutes * 60 / FRAME_S)):
+            command = world.hold()
+            for frame in range(frames):
                 image = eye.render()
                 sensor.expose(image, frame)
                 reel.add(image)
-                targets.append(world.caregiver.target)
                 world.step(command)
-                if frame % 30 == 29:
-                    progress((frame + 1) * FRAME_S / 60)
     finally:
         world.close()
-    write_whole(folder / "coding.csv", lambda path: _write_coding(path, targets, names))
+
+
+def targets(seed: int, frames: int, config: WorldConfig) -> list[int | None]:
+    """Number of the object at which the caregiver looks in each frame; None for the robot. Nothing is rendered."""
+    world, command, found = _world(seed, config), np.zeros(2), list[int | None]()
+    for _ in range(frames):
+        found.append(world.caregiver.target)
+        world.step(command)
+    world.close()
+    return found
+
+
+def _world(seed: int, config: WorldConfig) -> WideEyedWorld:
+    """The world of a session with this seed."""
+    return WideEyedWorld.build(config, np.random.SeedSequence(seed).spawn(3)[0])
 
 
 def _write_coding(path: Path, targets: list[int | None], names: list[str]) -> None:
+    write_whole(path, lambda temporary: _write_rows(temporary, targets, names))
+
+
+def _write_rows(path: Path, targets: list[int | None], names: list[str]) -> None:
     codes = ["partner" if target is None else names[target] for target in targets]
     starts = [i for i in range(len(codes)) if i == 0 or codes[i] != codes[i - 1]]
     with path.open("w", newline="", encoding="utf-8") as file:

@@ -3,8 +3,8 @@
 A command is the function ``NAME`` of ``jointattn_mj.cli.NAME``. A module with sub-commands of its own has
 ``command_for(arguments, file)`` besides, which gives one of them and the words that follow it; ``file`` is that of
 --config. A module whose options have defaults that follow from another one, such as --preset, has
-``defaults_for(words, config, kind)``, which gives the config, of a class, that the options start from; ``config`` is that
-of the file. A module with ``in_world(words)`` has another function of the same command for each --world.
+``defaults_for(words, config, kind)``, which gives the config of class ``kind`` that the options start from; ``config``
+is that of the file. A module with ``in_world(words)`` has another function of the same command for each --world.
 """
 
 import inspect

@@ -13,7 +13,7 @@ from jointattn_mj.gaze_following.run import SessionOptions, run_session
 from jointattn_mj.gaze_following.session import FRAMES_PER_SECOND
 from jointattn_mj.io.interrupts import deferred
 
-Told = Callable[[FootageSessionRun], object]
+Hook = Callable[[FootageSessionRun], object]
 
 
 def kind_of(config: FootageSessionConfig) -> type[FootageSessionRun]:
@@ -30,8 +30,8 @@ def run_footage_session(
     out: Path | None,
     resume: bool = False,
     checkpoint_minutes: float = 2.0,
-    progress: Told = lambda session: None,
-    prepare: Told = lambda session: None,
+    progress: Hook = lambda session: None,
+    prepare: Hook = lambda session: None,
 ) -> FootageSessionSummary:
     """Run a session before a person.
 
@@ -68,7 +68,7 @@ def run_footage_session(
     return _run_without_trace(kind(config), told, prepare)
 
 
-def _run_without_trace(session: FootageSessionRun, progress: Told, prepare: Told) -> FootageSessionSummary:
+def _run_without_trace(session: FootageSessionRun, progress: Hook, prepare: Hook) -> FootageSessionSummary:
     started = time.perf_counter()
     try:
         prepare(session)
