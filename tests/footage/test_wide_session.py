@@ -2,9 +2,11 @@
 
 import json
 import subprocess
+import threading
 import time
 from dataclasses import replace
 from pathlib import Path
+from urllib.request import Request, urlopen
 
 import cv2
 import imageio_ffmpeg
@@ -24,6 +26,7 @@ from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
 from jointattn_mj.perception.som import SOMConfig
 from jointattn_mj.scene import gl
 from jointattn_mj.scene.world import World, WorldConfig
+from jointattn_mj.viewing.live import LiveView
 
 pytestmark = [
     pytest.mark.integration,
@@ -176,6 +179,47 @@ def test_a_camera_is_followed_in_real_time_and_leaves_nothing(table, tmp_path, m
     assert summary.camera.latency_median_ms is not None
     assert 0 <= summary.camera.frames_lost < 75
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_live_view_shows_a_session_and_ends_it(table):
+    """Somebody looks at the page from another thread, pauses, goes on, and ends the session."""
+    camera = CameraSessionConfig(
+        objects=("red", "blue"), detector="templates", head=HEAD, robot=ROBOT, camera=str(table / "table.mp4")
+    )
+    states, images = [], []
+
+    def look(view: LiveView) -> None:
+        host = view.address.split("/")[2]
+
+        def ask(place: str, method: str = "GET") -> bytes:
+            request = Request(f"{view.address}{place}", method=method, headers={"Origin": f"http://{host}"})
+            with urlopen(request, timeout=20) as answer:
+                return answer.read()
+
+        def until(phase: str) -> None:
+            for _ in range(200):
+                states.append(json.loads(ask("state.json")))
+                if states[-1]["phase"] == phase:
+                    return
+                time.sleep(0.05)
+
+        until("session")
+        ask("pause", "POST")
+        until("paused")
+        images.extend(cv2.imdecode(np.frombuffer(ask(name), np.uint8), 1) for name in ("image.jpg", "picture.jpg"))
+        ask("resume", "POST")
+        ask("finish", "POST")
+
+    with LiveView(18_200) as view:
+        looker = threading.Thread(target=look, args=(view,))
+        looker.start()
+        summary = run_footage_session(camera, None, prepare=view.attach)
+        looker.join(30)
+    assert [image.shape[1] for image in images] == [640, 640]
+    paused = next(state for state in states if state["phase"] == "paused")
+    assert [one["name"] for one in paused["candidates"]] == ["red", "blue", "face"]
+    assert paused["camera"]["images"] > 0
+    assert 0 < summary.frames < FRAMES
 
 
 def test_a_present_person_can_go_on_later(table, tmp_path):
