@@ -82,7 +82,7 @@ def video(
     length = Footage(config.video_file, config.fps).declared_s
     wanted = None if length is None else length / 60 - config.robot.familiarise.minutes * (config.start_from is None)
     minutes = min((one for one in (config.minutes, wanted) if one is not None), default=None)
-    with going_on_from(options.out, "the session", options.resume):
+    with going_on_from(options.out, "the session"):
         summary = _run(config, options, minutes)
     _print(summary, options.out)
 
@@ -100,7 +100,7 @@ def camera(
     """
     one_thread()
     out = options.out
-    with nullcontext() if out is None else going_on_from(out, "the session", options.resume):
+    with nullcontext() if out is None else going_on_from(out, "the session"):
         summary = _run(config, options, config.minutes)
     _print(summary, out)
 
