@@ -176,7 +176,7 @@ class FootageSessionRun(SessionRun):
         wanted, without, known = round(self.config.robot.familiarise.minutes * FRAMES_PER_MINUTE), 0, 0
         while known < wanted:
             command = self.robot.familiarise(self._observation, known)
-            there = self.perceiver.fix.found
+            there = self.perceiver.fix.detected
             without = 0 if there else without + 1
             known += 1
             if without >= FACELESS_S * FRAMES_PER_SECOND:

@@ -8,7 +8,7 @@ import numpy as np
 from jointattn_mj.footage.sessions.session import FootageSessionRun
 from jointattn_mj.gaze_following.agent import GazeFollower
 from jointattn_mj.gaze_following.gate import softmax
-from jointattn_mj.gaze_following.learners import Places
+from jointattn_mj.gaze_following.learners import Locations
 from jointattn_mj.gaze_following.session import FRAMES_PER_SECOND
 from jointattn_mj.gaze_following.shifts import COMMANDERS, ShiftRow
 from jointattn_mj.scene.camera import direction_of, off_centre
@@ -93,7 +93,7 @@ def _reading(robot: GazeFollower, head: np.ndarray, names: tuple[str, ...]) -> d
     turns = np.array([direction_of(percept.px[k], head) - face for k in numbers])
     activations = robot.face_input()
     if robot.config.learner.code == "cross_situational":
-        shares = softmax(robot.config.gaze.gate_sharpness * robot.learner.score(activations, Places(turns)))
+        shares = softmax(robot.config.gaze.gate_sharpness * robot.learner.score(activations, Locations(turns)))
     else:
         learned = robot.learner.predict(activations)
         off = np.array([off_centre(turn, learned) for turn in turns])
