@@ -118,6 +118,20 @@ def test_a_session_that_was_stopped_goes_on_to_the_same_result(table, whole, tmp
     assert tables(tmp_path / "out") == tables(whole[0])
 
 
+def test_a_session_that_was_killed_after_its_last_picture_leaves_its_results(table, whole, tmp_path, monkeypatch):
+    asked = config(table, coding=table / "coding.csv")
+
+    def killed(session, out):
+        raise RuntimeError("killed")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(sessions.VideoSessionRun, "draw", killed)
+        with pytest.raises(RuntimeError, match="killed"):
+            run_footage_session(asked, tmp_path / "out")
+    assert run_footage_session(asked, tmp_path / "out", resume=True) == whole[1]
+    assert tables(tmp_path / "out") == tables(whole[0])
+
+
 def test_without_a_coding_success_is_not_known(table, tmp_path):
     summary = run_footage_session(config(table, minutes=2 / 60), tmp_path / "out")
     assert (summary.success, summary.successes, summary.success_rate) == ("not known", None, None)

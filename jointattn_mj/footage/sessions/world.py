@@ -64,7 +64,7 @@ class WideWorld:
             FootageError: There is none.
         """
         if self._picture is None:
-            self._source = self._open(self.frames)
+            self._source = self._open(self.frames - self.ended)  # the last picture stays
             self._picture = self._source.next()
             if self._picture is None:
                 raise FootageError("there is no picture where the session should go on; give the same video again")
