@@ -16,6 +16,7 @@ from jointattn_mj.footage.sessions.latency import Latency
 from jointattn_mj.footage.sessions.lens import Lens
 from jointattn_mj.footage.sessions.world import WideWorld
 from jointattn_mj.footage.shots import Shots
+from jointattn_mj.perception.faces import PATCH_SIDE
 from jointattn_mj.perception.percept import Observation, Percept
 from jointattn_mj.scene.camera import direction_of, pixel_of
 
@@ -135,10 +136,6 @@ class WidePerception(FootagePerception):
         """(1, 4) where the robot's own detector remembers the face to be; (0, 4) before it has found one."""
         if not self._knows_face:
             return np.zeros((0, 4))
-        side = self._config_side
+        side = getattr(getattr(self.faces, "config", None), "side_px", PATCH_SIDE)
         x, y = pixel_of(self._face_direction, head)
         return np.array([[x - side / 2, y - side / 2, side, side]])
-
-    @property
-    def _config_side(self) -> float:
-        return float(getattr(getattr(self.faces, "config", None), "side_px", 32))

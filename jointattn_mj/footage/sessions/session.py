@@ -256,10 +256,6 @@ class FootageSessionRun(SessionRun):
         check_finite(self.weights())
         self.wide.check()
 
-    def minutes_so_far(self) -> float:
-        """Minutes by the clock of the pictures since the face was learned."""
-        return (self.wide.picture.time_s - self.started_s) / 60 if self.frame else 0.0
-
     def summary(self, wall_seconds: float) -> Any:
         """The session so far in numbers; ``wall_seconds`` is its computing time."""
         told = Told(
