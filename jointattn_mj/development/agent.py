@@ -222,7 +222,7 @@ class Developer:
         self._tables = [module.table(variables) for module in self.reactive]
         keeping = self.local or any(isinstance(module, LearningModule) for module in self.reactive)
         sequence = seed if isinstance(seed, np.random.SeedSequence) else np.random.SeedSequence(seed)
-        self._looks = Looks(config.local, sequence)
+        self._looks = Looks(config.local)
         rows = self._looks.next if keeping else 0
         maps = flat_maps(variables, [], self._tables, config.selector)
         self.state = AgentState(
