@@ -11,6 +11,8 @@ from jointattn_mj.development.config import DevelopmentConfig, config_class
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.realtime.run import RealtimeRun
 from jointattn_mj.development.rendered.observer import ObservedRun
+from jointattn_mj.development.table.caregiver import TableCaregiverConfig, rules
+from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.sweeps.claim import Setting
 
@@ -32,10 +34,12 @@ class Watched(Checked):
     """Number of modules after which it stops."""
     further_steps: Annotated[int, Whole("[0, 1e9]")] = 0
     """Steps that it goes on after the last of these."""
+    then: TableCaregiverConfig | None = None
+    """At the table: another caregiver, who takes the place of the first half-way."""
 
 
-def _table(spots: int = 3, steps: int = STEPS, *, modules: int = 3, caregiver: Any = None, local: Any = None,
-           preset: str = "local", **table: Any) -> Watched:  # fmt: skip
+def _table(spots: int = 3, steps: int = STEPS, *, modules: int = 3, caregiver: Any = None, then: Any = None,
+           local: Any = None, memory: Any = None, **table: Any) -> Watched:  # fmt: skip
     """A run at the symbolic table.
 
     Args:
@@ -43,16 +47,18 @@ def _table(spots: int = 3, steps: int = STEPS, *, modules: int = 3, caregiver: A
         steps: Length.
         modules: See ``Watched``.
         caregiver: Changed options of the caregiver.
+        then: Those of another one, from half-way on.
         local: Changed options of the stop rule.
-        preset: Name of the preset.
+        memory: Changed options of the agent's memory.
         table: Changed options of the table; ``reactive`` is one of the run.
     """
     reactive = {"reactive": table.pop("reactive")} if "reactive" in table else {}
     world = {"spots": spots, "objects": min(2, spots - 1), "caregiver": caregiver or {}, **table}
     config = config_class("table").of(
-        preset=preset, steps=steps, sample_every=steps, table=world, agent={"local": local or {}}, **reactive
-    )
-    return Watched(config, modules)
+        preset="local", steps=steps, sample_every=steps, table=world,
+        agent={"local": local or {}, **(memory or {})}, **reactive,
+    )  # fmt: skip
+    return Watched(config, modules, then=None if then is None else TableCaregiverConfig(**then))
 
 
 def _rendered(steps: int, **rendered: Any) -> Watched:
@@ -90,9 +96,17 @@ SILENT = {"follow": 0.0, "answer": 0.0}
 """A caregiver who neither follows nor answers."""
 FILM = Path(__file__).with_name("hour.mp4")
 """``python -m experiments.local.film``: the run of seed FILMED, from images."""
-FILMED = 120_000
-FIRST_SEED = 120_000
+FILMED = 140_000
+FIRST_SEED = 140_000
 """Settings were chosen on seeds 1000 to 1053 and, in real time from the state, on 1000 to 1009."""
+REPLACED = {
+    "another temper": {"caregiver": {"follow": 0.75, "lead": 0.25}, "then": {"follow": 0.25, "lead": 0.75}},
+    "silent first": {"caregiver": SILENT, "then": {}},
+    "silent then": {"caregiver": {}, "then": SILENT},
+}
+"""Caregivers one after the other, half of ``STEPS`` each."""
+FORGETTING = {"all steps": {}, "the last 3,000": {"memory": "window", "horizon": 3000}}
+"""What the agent keeps of its steps."""
 SETTINGS = {
     "table": Setting(_table(), runs=100),
     **{
@@ -115,6 +129,11 @@ SETTINGS = {
         f"part/{name}/{spots} spots": Setting(_table(spots, **changes), runs=8)
         for name, changes in PARTS.items()
         for spots in (2, 3, 6)
+    },
+    **{
+        f"replaced/{name}/{kept}": Setting(_table(modules=20, memory=memory, **both), runs=20)
+        for name, both in REPLACED.items()
+        for kept, memory in FORGETTING.items()
     },
     "answer/0.5": Setting(_table(caregiver={"answer": 0.5}), runs=20),
     "answer/0": Setting(_table(caregiver={"answer": 0.0}), runs=20),
@@ -153,6 +172,8 @@ def _go(run: DevelopmentRun, config: Watched) -> None:
     at_a_time = 1 if config.development.unit == "min" else 100
     last: float = np.inf
     while run.steps_done < min(run.n_steps, last) and run.spent < config.development.length:
+        if config.then and isinstance(run, TableRun) and run.steps_done == run.n_steps // 2:
+            run.table = run.table._replace(rules=rules(config.then))
         run.advance(at_a_time)
         if len(run.found) >= config.modules and last == np.inf:
             last = run.found[config.modules - 1].step + config.further_steps

@@ -91,7 +91,8 @@ class Looks:
         Returns:
             Number of the event that is found, or NOTHING; and every event's value (E,), nats.
         """
-        served, since = [module.event for module in modules], self.made_at[-1] if self.made_at else 0
+        served = [module.event for module in modules]
+        since = max(0, self.made_at[-1] - steps.forgotten) if self.made_at else 0
         if steps.n_steps < 2:
             return NOTHING, np.zeros(len(events))
         return search(steps, events, served, since, self._config, lambda one: self._offers(one, steps))

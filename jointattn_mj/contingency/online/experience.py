@@ -19,7 +19,8 @@ MANY = 1000
 
 
 class Experience(NamedTuple):
-    """The first ``n_steps`` rows of three tables; those after them are free."""
+    """The first ``n_steps`` rows of three tables; those after them are free. With fewer rows than steps the last steps
+    are kept, each in the row of its number modulo the number of rows."""
 
     s: np.ndarray
     """(rows, sensors) int8 values in each step, those of modules included."""
@@ -73,6 +74,7 @@ def keep(experience: Experience, row: int, s: np.ndarray, a: np.ndarray, r: np.n
         a: (actions,) values.
         r: (results,) values.
     """
+    row %= len(experience.s)
     for i in range(len(s)):
         experience.s[row, i] = s[i]
     for i in range(len(a)):
@@ -115,10 +117,11 @@ class Columns(NamedTuple):
 
 
 class Steps:
-    """All steps of an agent, as its events count them.
+    """All steps of an agent that are kept, as its events count them.
 
     Attributes:
         n_steps: Number of steps.
+        forgotten: Number of steps before them.
     """
 
     def __init__(self, experience: Experience, n_steps: int, variables: Variables):
@@ -126,11 +129,13 @@ class Steps:
 
         Args:
             experience: What was kept.
-            n_steps: How many steps of it.
+            n_steps: How many steps there were.
             variables: Of the agent.
         """
-        self.n_steps, self._variables = n_steps, variables
-        self._s, self._a, self._r = (part[:n_steps].copy(order="F") for part in experience)
+        self.n_steps, self._variables = min(n_steps, len(experience.s)), variables
+        self.forgotten = n_steps - self.n_steps
+        rows = np.arange(self.forgotten, n_steps) % len(experience.s) if self.forgotten else slice(n_steps)
+        self._s, self._a, self._r = (np.array(part[rows], order="F") for part in experience)
         self._begin = np.zeros(len(variables.sensors), np.int64)
         self._values = [
             np.array([len(one.values) for one in group])
@@ -195,8 +200,8 @@ class Steps:
         return int(self._begin[event.sensor])
 
     def begins_at(self, number: int, step: int) -> None:
-        """Leave out the steps before module ``number`` was made, where its sensor is concerned."""
-        self._begin[self.of_world + number] = step
+        """Leave out the steps before module ``number`` was made, at ``step``, where its sensor is concerned."""
+        self._begin[self.of_world + number] = max(0, step - self.forgotten)
 
     def see_in_hindsight(self, number: int, module: Module) -> None:
         """Say in which steps a module was used, by its present map: where the robot did what the module offers.
