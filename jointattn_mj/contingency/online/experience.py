@@ -13,7 +13,6 @@ from jointattn_mj.contingency.online.events import Event, Variables
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.io.compiled import njit
 
-
 MANY = 1000
 """Number of combinations of sensations above which those that occurred are numbered anew."""
 

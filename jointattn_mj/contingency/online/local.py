@@ -36,7 +36,7 @@ from jointattn_mj.contingency.online.local_values import (
     log_evidence,
     predictive_evidence,
 )
-from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Share, Whole
+from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Share
 
 NEGLIGIBLE = 1e-5
 """Probability of being higher below which a rival needs no doubt."""
@@ -166,9 +166,7 @@ def _alike(steps: Steps, served: Sequence[Event], config: LocalConfig) -> Mappin
     return alike
 
 
-def _is_first(
-    columns: Columns, first: np.ndarray, rivals: np.ndarray, hoped: np.ndarray, config: LocalConfig
-) -> bool:
+def _is_first(columns: Columns, first: np.ndarray, rivals: np.ndarray, hoped: np.ndarray, config: LocalConfig) -> bool:
     """Whether no rival is higher, surely enough.
 
     Args:

@@ -111,9 +111,7 @@ def value_of(table: np.ndarray, by_reference: bool, how: Weighing, lead: np.ndar
         for s in range(sensors):
             n = times[s].sum()
             if n > 0.0:
-                _situation(
-                    table[r, s], times[s], q, base, by_reference, how.concentration, p, mixed, center, value[m]
-                )
+                _situation(table[r, s], times[s], q, base, by_reference, how.concentration, p, mixed, center, value[m])
                 value[m, 0] = n
                 total += n
                 m += 1
