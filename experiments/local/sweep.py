@@ -13,10 +13,13 @@ from jointattn_mj.development.realtime.run import RealtimeRun
 from jointattn_mj.development.rendered.observer import ObservedRun
 from jointattn_mj.development.table.caregiver import TableCaregiverConfig, rules
 from jointattn_mj.development.table.run import TableRun
+from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.sweeps.claim import Setting
 
 from ..rendered_turns.sweep import UNSTEADY
+from .later import Later, later
+from .oracle import Oracle, needed
 
 CHANCES = (0.25, 0.5, 0.75)
 SPOTS = (2, 4, 5, 6, 8)
@@ -135,6 +138,10 @@ SETTINGS = {
         for name, both in REPLACED.items()
         for kept, memory in FORGETTING.items()
     },
+    **{f"oracle/{gaze}": Setting(Oracle(TableConfig(), gaze), runs=40) for gaze in ("random", "face")},
+    "later/3 spots": Setting(Later(_table().development), runs=20),
+    "later/2 spots": Setting(Later(_table(2, caregiver={"follow": 0.5, "lead": 0.75}).development), runs=20),
+    "later/silent": Setting(Later(_table(steps=NULL_STEPS, caregiver=SILENT).development), runs=20),
     "answer/0.5": Setting(_table(caregiver={"answer": 0.5}), runs=20),
     "answer/0": Setting(_table(caregiver={"answer": 0.0}), runs=20),
     "realtime/pixels, no cues": Setting(
@@ -146,7 +153,14 @@ SETTINGS = {
 """World, a slash, and what is special."""
 
 
-def trial(config: Watched, seed: int) -> dict[str, Any]:
+def trial(config: Watched | Oracle | Later, seed: int) -> dict[str, Any]:
+    """What a run found, or what a test of the truth needs, or whether what was found is true."""
+    if isinstance(config, Oracle):
+        return needed(config, seed)
+    return later(config, seed) if isinstance(config, Later) else watched(config, seed)
+
+
+def watched(config: Watched, seed: int) -> dict[str, Any]:
     """Modules, when they were made and what they offer at the end, and rates of behaviour in each phase."""
     run = replace(config.development, seed=seed).new_run()
     try:

@@ -289,7 +289,7 @@ class Developer:
         n_steps = int(self.state.n_steps[0])
         if not self.state.keeping or n_steps < self._looks.next:
             return event
-        steps = self._steps()
+        steps = self.steps()
         self._tables = [
             module.learned(self.variables, steps) if isinstance(module, LearningModule) else table
             for module, table in zip(self.reactive, self._tables, strict=True)
@@ -322,6 +322,19 @@ class Developer:
         made = self._module(self.events[event])
         self._grow(event, made)
         return made
+
+    def steps(self, variables: Variables | None = None, modules: Sequence[Module] | None = None) -> Steps:
+        """All steps that are kept, with what hindsight says of the use of modules.
+
+        Args:
+            variables: Those of another agent at the same joints and sensors, for its modules; None: its own.
+            modules: Those of the other; None: its own.
+        """
+        n_steps, own = int(self.state.n_steps[0]), self.modules if self.local else []
+        known = variables or self.variables
+        widths = len(known.sensors), len(known.actions)
+        experience = roomier(self.state.experience, 0, *widths)
+        return self._looks.steps(experience, n_steps, known, own if modules is None else modules)
 
     def check(self) -> None:
         """Check that all numbers are finite.
@@ -367,14 +380,9 @@ class Developer:
         made = [f"module {number}" for number in range(1, len(self.modules) + 1)]
         return made + [type(module).__name__ for module in self.reactive]
 
-    def _steps(self) -> Steps:
-        """All steps so far."""
-        n_steps, modules = int(self.state.n_steps[0]), self.modules if self.local else []
-        return self._looks.steps(self.state.experience, n_steps, self.variables, modules)
-
     def _module(self, event: Event) -> Module:
         if self.local:
-            return self._looks.module(event, self._steps())
+            return self._looks.module(event, self.steps())
         table = joint_table(self.state.counts, self.events.index(event))
         return make_module(event, table, self.config.reproduction)
 
