@@ -1,8 +1,9 @@
 """Whether what was found is true: evidence from other steps, in which no module acts.
 
 What a robot has found it also does, and hardly anything else; its own steps then say little of what would be otherwise.
-Here another robot looks about at random in the same world. What the modules of the first say of its steps, by hindsight,
-is held against the results. How often the face is frontal, after gaze was followed and else, is counted as well.
+Here another robot looks about at random in the same world. What the modules of the first say of its steps, by
+hindsight, is held against the results. How often the face is frontal, after gaze was followed and else, is counted as
+well.
 """
 
 from dataclasses import dataclass, replace
