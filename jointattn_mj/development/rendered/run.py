@@ -16,7 +16,6 @@ from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Whole
 
-
 MOST_TIMES = 4
 """Length of the longest exploration, in lengths of the shortest."""
 
