@@ -13,7 +13,7 @@ import numpy as np
 
 from jointattn_mj.contingency.online.detector import DetectorConfig
 from jointattn_mj.contingency.online.events import Event
-from jointattn_mj.contingency.online.experience import Steps, beyond_last
+from jointattn_mj.contingency.online.experience import PastSteps, beyond_last
 from jointattn_mj.contingency.online.local import LocalConfig
 from jointattn_mj.contingency.online.local_values import count, log_evidence
 from jointattn_mj.development.agent import DeveloperConfig
@@ -47,7 +47,7 @@ def later(config: Later, seed: int) -> dict[str, Any]:
     """
     run = replace(config.development, seed=seed).new_run()
     run.advance(run.n_steps)
-    made = [one for one in run.found if one.module is not None]
+    made = [one for one in run.detections if one.module is not None]
     agent, n = run.agent, config.random_steps
     looks_never = DeveloperConfig(DetectorConfig(stop_rule="local"), LocalConfig(first_look=n + 1))
     other = TableRun(config.development.table, looks_never, seed + OTHER, n, sample_every=n)
@@ -71,7 +71,7 @@ def later(config: Later, seed: int) -> dict[str, Any]:
     }
 
 
-def _looks(steps: Steps, face: int) -> list[list[int]]:
+def _looks(steps: PastSteps, face: int) -> list[list[int]]:
     """(2, 2) looks from an object at the face, and how many found it frontal, after module 1 was used and else."""
     used, gaze, frontal, next_frontal = steps.of(Event(steps.of_world, 0, 0)).columns
     profile = steps.of(Event(steps.of_world, 0, 1)).columns[2]

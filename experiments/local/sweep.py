@@ -17,7 +17,7 @@ from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.sweeps.claim import Setting
 
-from ..rendered_turns.sweep import UNSTEADY
+from ..rendered.sweep import UNSTEADY
 from .later import Later, later
 from .oracle import Oracle, needed
 
@@ -29,7 +29,7 @@ NULL_STEPS = 20_000
 
 
 @dataclass(frozen=True)
-class Watched(Checked):
+class LocalRun(Checked):
     """A run, and when it may stop."""
 
     development: DevelopmentConfig
@@ -42,13 +42,13 @@ class Watched(Checked):
 
 
 def _table(spots: int = 3, steps: int = STEPS, *, modules: int = 3, caregiver: Any = None, then: Any = None,
-           local: Any = None, memory: Any = None, **table: Any) -> Watched:  # fmt: skip
+           local: Any = None, memory: Any = None, **table: Any) -> LocalRun:  # fmt: skip
     """A run at the symbolic table.
 
     Args:
         spots: Number of spots; the objects are two, or one on two spots.
         steps: Length.
-        modules: See ``Watched``.
+        modules: See ``LocalRun``.
         caregiver: Changed options of the caregiver.
         then: Those of another one, from half-way on.
         local: Changed options of the stop rule.
@@ -61,21 +61,21 @@ def _table(spots: int = 3, steps: int = STEPS, *, modules: int = 3, caregiver: A
         preset="local", steps=steps, sample_every=steps, table=world,
         agent={"local": local or {}, **(memory or {})}, **reactive,
     )  # fmt: skip
-    return Watched(config, modules, then=None if then is None else TableCaregiverConfig(**then))
+    return LocalRun(config, modules, then=None if then is None else TableCaregiverConfig(**then))
 
 
-def _rendered(steps: int, **rendered: Any) -> Watched:
+def _rendered(steps: int, **rendered: Any) -> LocalRun:
     config = config_class("rendered").of(preset="local", steps=steps, sample_every=steps, rendered=rendered)
-    return Watched(config)
+    return LocalRun(config)
 
 
 def _realtime(perception: str, minutes: float, *, modules: int = 3, further_steps: int = 0, local: Any = None,
-              reactive: str = "curious", **realtime: Any) -> Watched:  # fmt: skip
+              reactive: str = "curious", **realtime: Any) -> LocalRun:  # fmt: skip
     config = config_class("realtime").of(
         preset="local", minutes=minutes, steps=20_000, sample_every=20_000, reactive=reactive,
         realtime={"perception": perception, **realtime}, agent={"local": local or {}},
     )  # fmt: skip
-    return Watched(config, modules, further_steps)
+    return LocalRun(config, modules, further_steps)
 
 
 PARTS: dict[str, dict[str, Any]] = {
@@ -153,19 +153,19 @@ SETTINGS = {
 """World, a slash, and what is special."""
 
 
-def trial(config: Watched | Oracle | Later, seed: int) -> dict[str, Any]:
+def trial(config: LocalRun | Oracle | Later, seed: int) -> dict[str, Any]:
     """What a run found, or what a test of the truth needs, or whether what was found is true."""
     if isinstance(config, Oracle):
         return needed(config, seed)
     return later(config, seed) if isinstance(config, Later) else watched(config, seed)
 
 
-def watched(config: Watched, seed: int) -> dict[str, Any]:
+def watched(config: LocalRun, seed: int) -> dict[str, Any]:
     """Modules, when they were made and what they offer at the end, and rates of behaviour in each phase."""
     run = replace(config.development, seed=seed).new_run()
     try:
         _go(run, config)
-        made = [one for one in run.found if one.module is not None]
+        made = [one for one in run.detections if one.module is not None]
         steps = [one.step for one in made]
         return {
             "modules": [run.agent.variables.symbol(one.event) for one in made],
@@ -181,7 +181,7 @@ def watched(config: Watched, seed: int) -> dict[str, Any]:
         run.close()
 
 
-def _go(run: DevelopmentRun, config: Watched) -> None:
+def _go(run: DevelopmentRun, config: LocalRun) -> None:
     """Advance until the run may stop."""
     at_a_time = 1 if config.development.unit == "min" else 100
     last: float = np.inf
@@ -189,8 +189,8 @@ def _go(run: DevelopmentRun, config: Watched) -> None:
         if config.then and isinstance(run, TableRun) and run.steps_done == run.n_steps // 2:
             run.table = run.table._replace(rules=rules(config.then))
         run.advance(at_a_time)
-        if len(run.found) >= config.modules and last == np.inf:
-            last = run.found[config.modules - 1].step + config.further_steps
+        if len(run.detections) >= config.modules and last == np.inf:
+            last = run.detections[config.modules - 1].step + config.further_steps
 
 
 def _offers(run: DevelopmentRun, number: int) -> list[list[int]]:

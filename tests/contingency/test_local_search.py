@@ -9,7 +9,7 @@ from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event, Variable, Variables
 from jointattn_mj.contingency.online.experience import (
     Experience,
-    Steps,
+    PastSteps,
     beyond_last,
     empty_experience,
     joint_code,
@@ -44,9 +44,9 @@ def variables(sensors=(3,), actions=(3,), results=2) -> Variables:
     )
 
 
-def steps_of(world: Variables, s, a, r) -> Steps:
+def steps_of(world: Variables, s, a, r) -> PastSteps:
     columns = (np.atleast_2d(np.asarray(part).T).T.astype(np.int8) for part in (s, a, r))
-    return Steps(Experience(*columns), len(s), world)
+    return PastSteps(Experience(*columns), len(s), world)
 
 
 def looking_pays(seed: int, n: int = 3000, sensors: int = 3):
@@ -231,7 +231,7 @@ def test_of_too_many_steps_the_last_are_kept():
     kept = empty_experience(4, 1, 1, 1)
     for t in range(6):
         keep(kept, t, np.array([t % 3]), np.array([t % 2]), np.array([0]))
-    steps = Steps(kept, 6, world)
+    steps = PastSteps(kept, 6, world)
     assert (steps.n_steps, steps.forgotten) == (4, 2)
     s, a, _, _ = steps.of(Event(0, 0, 0)).columns
     assert (s.tolist(), a.tolist()) == ([2, 0, 1, 2], [0, 1, 0, 1])

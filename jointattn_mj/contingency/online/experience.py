@@ -115,7 +115,7 @@ class Columns(NamedTuple):
         )
 
 
-class Steps:
+class PastSteps:
     """All steps of an agent that are kept, as its events count them.
 
     Attributes:

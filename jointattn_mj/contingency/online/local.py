@@ -25,7 +25,7 @@ import numpy as np
 
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event
-from jointattn_mj.contingency.online.experience import Columns, Steps, beyond_last
+from jointattn_mj.contingency.online.experience import Columns, PastSteps, beyond_last
 from jointattn_mj.contingency.online.local_values import (
     QUANTILES,
     Weighing,
@@ -106,7 +106,7 @@ class LocalConfig(Checked):
 
 
 def search(
-    steps: Steps,
+    steps: PastSteps,
     events: Sequence[Event],
     served: Sequence[Event],
     since: int,
@@ -158,7 +158,7 @@ def _weighing(config: LocalConfig) -> Weighing:
     )
 
 
-def _alike(steps: Steps, served: Sequence[Event], config: LocalConfig) -> Mapping[int, Sequence[int]]:
+def _alike(steps: PastSteps, served: Sequence[Event], config: LocalConfig) -> Mapping[int, Sequence[int]]:
     """Sensors of the modules that bring about each result, on whose use it is conditioned."""
     alike: dict[int, list[int]] = {}
     for number, event in enumerate(served if config.given_modules else ()):
@@ -186,7 +186,7 @@ def _is_first(columns: Columns, first: np.ndarray, rivals: np.ndarray, hoped: np
 
 
 def _is_evident(
-    steps: Steps,
+    steps: PastSteps,
     columns: Columns,
     number: int,
     events: Sequence[Event],
