@@ -32,6 +32,8 @@ CAREGIVERS = {
     "silent first": "a silent caregiver is replaced by one who follows and answers",
     "silent then": "a caregiver is replaced by a silent one",
 }
+RIVAL = "(Π2, A1, R2)"
+"""The event that most often comes before gaze alternation where the order is another: looking away from eye contact."""
 BEYOND_DOUBT = 100.0
 """Bayes factor above which an event holds."""
 RIGHT = ([0, 0], [1, 3], [0, 3])
@@ -167,6 +169,11 @@ def _later(name: str, words: str, some: Results) -> list[Comparison]:
                 f"{names}; evidence {np.median([nats for _, nats in evidence]):,.0f} nats (median)",
             )
         )
+    pairs = [dict(zip(one["modules"], one["evidence"], strict=True)) for one in some]
+    both = [one for one in pairs if {STAGES[2], RIVAL} <= one.keys()]
+    if both:
+        higher = proportion(sum(one[RIVAL] > one[STAGES[2]] for one in both), len(both))
+        rows.append(_row(f"more evidence of {RIVAL} than of gaze alternation, {words}", higher))
     for part, what in enumerate(("after gaze was followed", "else")):
         n, k = np.sum([one["looks"][part] for one in some if one["modules"]], axis=0).tolist()
         rows.append(_row(f"face frontal in looks from an object, {what}, {words}", proportion(k, n)))

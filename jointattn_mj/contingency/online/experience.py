@@ -171,8 +171,8 @@ class PastSteps:
             occurs = np.bincount(codes) > 0
             before[:, result] = (np.cumsum(occurs) - 1)[codes]
             values[result] = occurs.sum()
-        numbers = np.array(events).reshape(-1, 3)
-        sizes = [counts[part] for counts, part in zip(self._values, numbers.T, strict=True)]
+        numbers = np.array(events, np.int64).reshape(-1, 3)
+        sizes = [counts[numbers[:, part]] for part, counts in enumerate(self._values)]
         return Columns(
             self._s, self._a, before, self._r,
             np.column_stack([numbers, self._begin[numbers[:, 0]]]),
