@@ -19,7 +19,7 @@ from tools.reliability.folders import contents, differences
 from tools.reliability.inputs.damage import damaged
 from tools.reliability.inputs.weights import finite
 from tools.reliability.malformed import Input, anything, refused
-from tools.reliability.subjects import Run
+from tools.reliability.subjects import LIMIT_S, Run
 from tools.shell import Outcome, Shell
 
 STATE = "session --perception state --minutes 4 --checkpoint-minutes 0.5"
@@ -57,7 +57,7 @@ def stopped(arguments: tuple[str, ...], out: Path) -> None:
     """Start a run and kill it when it has gone some way."""
     run = Run([*arguments, "--out", str(out)])
     checkpoint = out / "checkpoint.bin"
-    until = time.monotonic() + 120
+    until = time.monotonic() + LIMIT_S
     first = None
     while run.running() and time.monotonic() < until:
         if checkpoint.exists():
