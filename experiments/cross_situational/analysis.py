@@ -1,7 +1,6 @@
 """How well gaze is followed with the cross-situational learner, how soon, and with how many wrong maps."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +10,7 @@ from jointattn_mj.gaze_following.summary import LATE_MINUTES
 from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, paired_difference, proportion
 
-from ..sessions.analysis import MINUTES, WITHIN_DEG, axes_apart, within
+from ..sessions.analysis import MINUTES, WITHIN_DEG, half_way, within
 from ..wrong_map.analysis import WRONG_DEG
 from .sweep import COMPLETE, SETTINGS, Strangers
 
@@ -162,13 +161,20 @@ def analyse(trials: Trials) -> list[Comparison]:
 
 def axes(part: Sequence[Trial], words: str) -> list[Comparison]:
     """Whether pan is followed before tilt, where both have the same spread."""
-    shares = {axis: [float(np.nanmean(within(one, axis)[:EARLY_MINUTES])) for one in part] for axis in ("pan", "tilt")}
+    early, half = (
+        [[measure(one, axis) for one in part] for axis in ("pan", "tilt")] for measure in (_early_share, half_way)
+    )
     near = f"landings within {WITHIN_DEG} deg of the target in pan, less those in tilt, first {EARLY_MINUTES} minutes, "
     apart = "minutes by which half of the gain in tilt comes after half of that in pan, "
     return [
-        _row(near + words, paired_difference(shares["pan"], shares["tilt"])),
-        replace(axes_apart(part, part[0].setting), what=apart + words, note=""),
+        _row(near + words, paired_difference(early[0], early[1])),
+        _row(apart + words, paired_difference(half[1], half[0])),
     ]
+
+
+def _early_share(trial: Trial, axis: str) -> float:
+    """Share of landings near the caregiver's object in pan or tilt, over the first minutes."""
+    return float(np.nanmean(within(trial, axis)[:EARLY_MINUTES]))
 
 
 def _minutes(level: float, part: Sequence[Trial], words: str) -> Comparison:

@@ -2,13 +2,14 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 import mujoco
 import numpy as np
 
+from jointattn_mj.gaze_following.presets import PRESETS
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.scene.caregiver import FRAME_S
@@ -50,6 +51,8 @@ class Benchmark:
     """Ratio of the two, block by block."""
     loop_times_real_time: float
     """Simulated seconds of a session from images in a second."""
+    contingent_to_render: float
+    """Ratio of a session of the preset cross_situational to rendering its images alone, block by block."""
     session_26_min_s: float
     """Seconds that 26 simulated minutes take at this pace."""
     state_times_real_time: float
@@ -89,27 +92,30 @@ def run_benchmark(options: BenchmarkOptions) -> Benchmark:
     """
     minutes = options.blocks * options.seconds / 60
     loop = SessionRun(SessionConfig(minutes=minutes))
+    robot = replace(PRESETS["cross_situational"], familiarise=loop.config.robot.familiarise)
+    contingent = SessionRun(replace(loop.config, robot=robot))
     state = SessionRun(SessionConfig(minutes=minutes, perception="state"))
     scene = World.build(loop.config.world, np.random.SeedSequence(1))
     cartpole = _cartpole()
-    loop.begin()
-    state.begin()
+    for session in (loop, contingent, state):
+        session.begin()
     _advance(state, 30)  # compiles
     block, times = round(options.seconds / FRAME_S), []
     try:
         for _ in range(options.blocks):
-            taken = Poses()
-            in_loop = _advance(loop, block, taken.note)
-            alone, in_state = _render(scene, taken), _advance(state, block)
-            times.append((in_loop, len(taken.poses), alone, in_state, _steps(cartpole, CARTPOLE_STEPS)))
+            (in_loop, alone, images), (in_contingent, its_alone, _) = (
+                _beside_rendering(session, block, scene) for session in (loop, contingent)
+            )
+            in_state = _advance(state, block)
+            times.append(
+                (in_loop, images, alone, in_contingent / its_alone, in_state, _steps(cartpole, CARTPOLE_STEPS))
+            )
         with loop.world.physics.contexts.gl.make_current() as context:
             renderer = context.call(_renderer_name)
     finally:
-        loop.close()
-        state.close()
-        scene.close()
-        cartpole.close()
-    in_loop, images, rendering, in_state, steps = np.array(times, float).T
+        for part in (loop, contingent, state, scene, cartpole):
+            part.close()
+    in_loop, images, rendering, contingent_to_render, in_state, steps = np.array(times, float).T
     per_image = in_loop / images
     return Benchmark(
         renderer=renderer,
@@ -117,6 +123,7 @@ def run_benchmark(options: BenchmarkOptions) -> Benchmark:
         loop_ms_per_image=1000 * float(np.median(per_image)),
         loop_to_render=float(np.median(in_loop / rendering)),
         loop_times_real_time=float(np.median(options.seconds / in_loop)),
+        contingent_to_render=float(np.median(contingent_to_render)),
         session_26_min_s=float(np.median(in_loop)) * 26 * 60 / options.seconds,
         state_times_real_time=float(np.median(options.seconds / in_state)),
         cartpole_ms=1000 * float(np.median(steps)) / CARTPOLE_STEPS,
@@ -137,6 +144,13 @@ class Poses:
         if self._rendered is not None and world.rendered_frames > self._rendered:
             self.poses.append((world.data.qpos.copy(), world.data.mocap_pos.copy()))
         self._rendered = world.rendered_frames
+
+
+def _beside_rendering(session: SessionRun, frames: int, scene: World) -> tuple[float, float, int]:
+    """Seconds of so many frames of a session, seconds of rendering its images alone, and how many images they were."""
+    taken = Poses()
+    spent = _advance(session, frames, taken.note)
+    return spent, _render(scene, taken), len(taken.poses)
 
 
 def _advance(session: SessionRun, frames: int, watch: Callable[[SessionRun], None] | None = None) -> float:
