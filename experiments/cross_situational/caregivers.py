@@ -101,10 +101,10 @@ def _upright(points: np.ndarray) -> np.ndarray:
     return standing
 
 
-class ScriptedWorld(World):
-    """A world with a caregiver of another class."""
+class CarelessWorld(World):
+    """A world with such a caregiver, or one of another class."""
 
-    script: type[TransferScript] = TransferScript
+    script: type[TransferScript] = CarelessScript
 
     def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> TransferScript:
         """See ``World``."""
@@ -118,10 +118,10 @@ def world_with(looks_away: float, looks_at_others: bool, handled: int | None) ->
         return World
     attributes = {"looks_away": looks_away, "looks_at_others": looks_at_others, "handled": handled}
     script = type("Script", (CarelessScript,), attributes)
-    return type("CarelessWorld", (ScriptedWorld,), {"script": script})
+    return type("ScriptedWorld", (CarelessWorld,), {"script": script})
 
 
-class UprightWorld(ScriptedWorld):
+class UprightWorld(CarelessWorld):
     """A world whose objects hang in an upright plane."""
 
     script = UprightScript
