@@ -108,8 +108,8 @@ def in_words(name: str) -> str:
         parts = [WORDS["thesis"] if rest.endswith("thesis") else "cross-situational", WORDS[cues]]
         return ", ".join([*parts, f"from {'images' if group == 'pixels' else 'the state'}"])
     if group == "told":
-        told = "the whole percept" if rest == "all" else rest.replace("_", " ")
-        return f"cross-situational, without motion cues, from images, told {told} truly"
+        told = "whole percept" if rest == "all" else rest.replace("_", " ")
+        return f"cross-situational, without motion cues, from images, {told} told by the state"
     if group == "upright":
         seen, _, cues = rest.removesuffix("_thesis").partition("_")
         return f"{in_words(f'{seen}/{cues}' + '_thesis' * rest.endswith('thesis'))}, objects in an upright square"
@@ -137,26 +137,27 @@ def analyse(trials: Trials) -> list[Comparison]:
         findings.append(_row(f"late rate, {words}", mean_interval([late(trial) for trial in part]), note))
         if name.startswith("upright"):
             findings += axes(part, words)
-        if name not in MAIN:
-            continue
-        findings.append(_row(f"sessions with a map off by more than {WRONG_DEG:g} deg, {words}", wrong(part)))
-        for moment in ("launch", "landing"):
-            rates = [late(trial, f"success_at_{moment}") for trial in part]
-            findings.append(_row(f"late rate by the caregiver's target at {moment}, {words}", mean_interval(rates)))
-        findings += [_minutes(level, part, words) for level in LEVELS]
-        rates = {phase: mean_interval([late(trial, phase=phase) for trial in part]) for phase in PHASES}
-        note = "; ".join(f"{phase} {rate}" for phase, rate in rates.items())
-        findings.append(
-            Comparison(
-                f"late rate by the caregiver's task at launch, {words}", "not tried", None, Verdict.EXTENSION, note
-            )
-        )
+        if name in MAIN:
+            findings += details(part, words)
     for origin, names in TOGETHER.items():
         if all(name in trials for name in names):
             both = [trial for name in names for trial in trials[name]]
             what = f"sessions with a map off by more than {WRONG_DEG:g} deg, cross-situational, with cues and without, "
             findings.append(_row(what + origin, wrong(both)))
     return findings + differences(trials)
+
+
+def details(part: Sequence[Trial], words: str) -> list[Comparison]:
+    """Wrong maps, rates by either moment's target, how soon, and rates by what the caregiver did at launch."""
+    findings = [_row(f"sessions with a map off by more than {WRONG_DEG:g} deg, {words}", wrong(part))]
+    for moment in ("launch", "landing"):
+        rates = [late(trial, f"success_at_{moment}") for trial in part]
+        findings.append(_row(f"late rate by the caregiver's target at {moment}, {words}", mean_interval(rates)))
+    findings += [_minutes(level, part, words) for level in LEVELS]
+    by_phase = {phase: mean_interval([late(trial, phase=phase) for trial in part]) for phase in PHASES}
+    note = "; ".join(f"{phase} {rate}" for phase, rate in by_phase.items())
+    what = f"late rate by the caregiver's task at launch, {words}"
+    return [*findings, Comparison(what, "not tried", None, Verdict.EXTENSION, note)]
 
 
 def axes(part: Sequence[Trial], words: str) -> list[Comparison]:

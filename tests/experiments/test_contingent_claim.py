@@ -173,7 +173,7 @@ def test_what_images_cost():
             trial.result["shifts"]["phase_at_launch"] = ["put", "gaze"] * 130
     found = {one.what: one for one in REGISTRY["contingent"].analyse(trials)}
     assert "late rate by the caregiver's task at launch, cross-situational, without motion cues, from images" in found
-    assert any("told motion truly" in what and ", less " in what for what in found)
+    assert any("motion told by the state" in what and ", less " in what for what in found)
     assert "cross_situational_images" in REGISTRY["contingent"].draw(trials)
 
 
