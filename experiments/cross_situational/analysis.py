@@ -317,8 +317,10 @@ def draw_conditions(trials: Trials) -> Figure:
 
 def draw_images(trials: Trials) -> Figure:
     """Late rate by the caregiver's task, from the state and from images; and with parts of the percept told."""
+    names = [name for name in SETTINGS if name.startswith("told") and trials.get(name)]
     figure = Figure(figsize=(10, 4), layout="constrained")
-    left, right = figure.subplots(1, 2, sharey=True, width_ratios=(3, 2))
+    panels = figure.subplots(1, 1 + bool(names), sharey=True, squeeze=False, width_ratios=(3, 2)[: 1 + bool(names)])[0]
+    left = panels[0]
     for shift, (name, colour, filled) in zip(
         np.linspace(-0.24, 0.24, 4),
         [(f"{origin}/{cues}", COLOURS[cues], origin == "pixels") for cues in ("no_cues", "cues")
@@ -331,19 +333,27 @@ def draw_images(trials: Trials) -> Figure:
             label = f"{in_words(name).removeprefix('cross-situational, ')} ({len(part)})"
             _bars(left, np.arange(len(PHASES)) + shift, rates, colour, filled, label)
     left.set_xticks(range(len(PHASES)), PHASES)
-    left.set(xlabel="what the caregiver did when the shift began", ylabel="rate of the last 6 minutes", ylim=(0.5, 1))
+    left.set(
+        xlabel="what the caregiver did when the shift began", ylabel="rate of the last 6 minutes", ylim=(0.4, 1.02)
+    )
     left.legend(fontsize=8, loc="lower right")
-    names = [name for name in SETTINGS if name.startswith("told") and trials.get(name)]
-    told = {"nothing": "pixels/no_cues", **{name.removeprefix("told/").replace("_", "\n"): name for name in names}}
-    rates = [mean_interval([late(trial) for trial in trials.get(name, ())]) for name in told.values()]
-    _bars(right, np.arange(len(told)), rates, COLOURS["no_cues"], True, "")
-    counts = [len(trials.get(name, ())) for name in told.values()]
-    right.set_xticks(range(len(told)), [f"{name}\n({count})" for name, count in zip(told, counts, strict=True)])
-    right.set(xlabel="told by the state, from images without cues", xlim=(-0.6, len(told) - 0.4))
-    for axes in (left, right):
+    if names:
+        _draw_told(
+            panels[1], {"nothing": "pixels/no_cues"} | {name.removeprefix("told/"): name for name in names}, trials
+        )
+    for axes in panels:
         axes.grid(alpha=0.3, axis="y")
     figure.suptitle("What images cost (sessions in brackets; bars: mean, 95%)", fontsize=11)
     return figure
+
+
+def _draw_told(axes: Axes, told: Mapping[str, str], trials: Trials) -> None:
+    """Late rates by what the state tells; ``told`` has the settings."""
+    rates = [mean_interval([late(trial) for trial in trials.get(name, ())]) for name in told.values()]
+    _bars(axes, np.arange(len(told)), rates, COLOURS["no_cues"], True, "")
+    labels = [f"{what}\n({len(trials.get(name, ()))})".replace("_", "\n") for what, name in told.items()]
+    axes.set_xticks(range(len(told)), labels)
+    axes.set(xlabel="told by the state, from images without cues", xlim=(-0.6, len(told) - 0.4))
 
 
 def _bars(axes: Axes, at: np.ndarray, rates: Sequence[Estimate], colour: str, filled: bool, label: str) -> None:
