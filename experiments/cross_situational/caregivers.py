@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.caregiver import FRAME_S, Phase, Plan, TransferScript
 from jointattn_mj.scene.model import rest_height
 from jointattn_mj.scene.movement import Arm, minimum_jerk
@@ -91,7 +92,10 @@ class UprightScript(TransferScript):
 
     def _new_location(self) -> np.ndarray:
         others = self.objects[np.arange(len(self.objects)) != self.held]
-        location: np.ndarray = _upright(self._layout.draw(others[:, [HEIGHT, SIDE]])[None])[0]
+        try:
+            location: np.ndarray = _upright(self._layout.draw(others[:, [HEIGHT, SIDE]])[None])[0]
+        except ConfigError:  # no room
+            return self._taken_from
         return location
 
 

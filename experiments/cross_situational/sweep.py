@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.agent import GazeFollower, GazeShift, RobotConfig
 from jointattn_mj.gaze_following.learners import Places
 from jointattn_mj.gaze_following.presets import PRESETS
@@ -51,6 +52,11 @@ class Condition(Checked):
 class Upright(Condition):
     """A session whose objects hang in a plane, side by side and above each other (see ``UprightScript``)."""
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.looks_away or self.looks_at_others or self.handled is not None:
+            raise ConfigError("where objects hang in a plane the caregiver looks at what is handled, and handles all")
+
 
 @dataclass(frozen=True)
 class PartlySeen(Condition):
@@ -58,6 +64,11 @@ class PartlySeen(Condition):
 
     told: Part = "all"
     """What the state tells (see ``told``)."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.config.perception != "pixels":
+            raise ConfigError(f"told {self.told} needs perception pixels; got {self.config.perception}")
 
 
 @dataclass(frozen=True)

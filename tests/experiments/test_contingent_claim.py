@@ -9,6 +9,7 @@ from experiments.cross_situational import analysis, sweep
 from experiments.cross_situational.caregivers import PLANE_X, world_with
 from experiments.cross_situational.told import EXACT, PARTS, PartlyTold
 from experiments.registry import REGISTRY
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.percept import Percept
 from jointattn_mj.perception.state import StatePerception
 from jointattn_mj.scene.camera import directions_to
@@ -53,6 +54,14 @@ def test_a_caregiver_who_looks_at_others():
 
 def test_distractors_are_never_handled():
     assert {held for _, _, held, _ in frames(90, handled=2)} == {None, 0, 1}
+
+
+@pytest.mark.parametrize(
+    ("kind", "options"), [(sweep.Upright, {"looks_away": 0.5}), (sweep.PartlySeen, {"told": "motion"})]
+)
+def test_conditions_that_contradict_each_other(kind, options):
+    with pytest.raises(ConfigError, match=r"handles all|needs perception pixels; got state"):
+        sweep.condition(kind=kind, **options)
 
 
 def test_objects_in_an_upright_square():
