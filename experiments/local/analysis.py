@@ -100,8 +100,8 @@ def _null(words: str, some: Results, silent: bool) -> list[Comparison]:
     if not some:
         return []
     if not silent:
-        return [_row(f"any module, {words}", proportion(sum(bool(one["modules"]) for one in some), len(some)))]
-    more = proportion(sum(one["modules"] != [STAGES[0]] for one in some), len(some))
+        return [_row(f"any module, {words}", proportion(sum(bool(result["modules"]) for result in some), len(some)))]
+    more = proportion(sum(result["modules"] != [STAGES[0]] for result in some), len(some))
     note = "such a caregiver looks at the robot between two objects only, so that having followed does say something"
     return [_row(f"modules besides gaze following, a caregiver who {words}", more, note)]
 
@@ -112,14 +112,14 @@ def _answering(answer: str, some: Results) -> list[Comparison]:
         return []
     rows = []
     for number, name in enumerate(("gaze following", "looking back after it")):
-        right = sum(one["modules"][: number + 1] == list(STAGES[: number + 1]) for one in some)
+        right = sum(result["modules"][: number + 1] == list(STAGES[: number + 1]) for result in some)
         rows.append(_row(f"{name} found, p_e = {answer}", proportion(right, len(some))))
     return rows
 
 
 def _behaviour(words: str, some: Results) -> list[Comparison]:
     """Whether gaze alternation shows in behaviour."""
-    kept = [one["phases"][3][2] if len(one["phases"]) > 3 else 0.0 for one in some]
+    kept = [result["phases"][3][2] if len(result["phases"]) > 3 else 0.0 for result in some]
     if not kept:
         return []
     note = f"rate {np.mean([rate for rate in kept if rate]):.2f} (mean); Fig. 5.5 as reproduced: .49"
@@ -136,7 +136,7 @@ def _two_hours(some: Results) -> list[Comparison]:
     """What comes after the third module."""
     if not some:
         return []
-    right = sum(in_order(dict(one)) and len(one["modules"]) == 3 for one in some)
+    right = sum(in_order(dict(result)) and len(result["modules"]) == 3 for result in some)
     return [_row("no module but the three in two hours, from the state", proportion(right, len(some)))]
 
 
@@ -175,14 +175,12 @@ def _curve(axes: Any, times: Sequence[float], label: str) -> None:
 def _parts(axes: Any, trials: Trials) -> None:
     """Order and time with one part changed."""
     names = [name for name in PARTS if results(trials, f"part/{name}")]
-    for place, name in enumerate(names):
+    for at, name in enumerate(names):
         some = results(trials, f"part/{name}")
         share = proportion(sum(map(in_order, some)), len(some))
-        axes.errorbar(
-            share.mean, place, xerr=[[share.mean - share.low], [share.high - share.mean]], fmt="o", color="C0"
-        )
+        axes.errorbar(share.mean, at, xerr=[[share.mean - share.low], [share.high - share.mean]], fmt="o", color="C0")
         median = np.median(third(some))
-        axes.text(1.03, place, f"{median:,.0f}" if np.isfinite(median) else "-", va="center", fontsize=7)
+        axes.text(1.03, at, f"{median:,.0f}" if np.isfinite(median) else "-", va="center", fontsize=7)
     axes.set_yticks(range(len(names)), names, fontsize=7)
     axes.invert_yaxis()
     axes.set(xlim=(0, 1.2), xlabel="runs in order; number: median step", title="One part changed (2, 3 and 6 spots)")
@@ -191,13 +189,13 @@ def _parts(axes: Any, trials: Trials) -> None:
 
 def _rates(axes: Any, trials: Trials) -> None:
     """Rates of behaviour before and after the modules, in real time from images."""
-    some = [one for one in results(trials, "realtime/pixels") if len(one["phases"]) > 3]
+    some = [result for result in results(trials, "realtime/pixels") if len(result["phases"]) > 3]
     if some:
-        rates = np.mean([[one["phases"][0], one["phases"][3]] for one in some], axis=0)
-        places = np.arange(rates.shape[1])
-        axes.bar(places - 0.2, rates[0], 0.4, label="before the first module")
-        axes.bar(places + 0.2, rates[1], 0.4, label="after gaze alternation")
+        rates = np.mean([[result["phases"][0], result["phases"][3]] for result in some], axis=0)
+        columns = np.arange(rates.shape[1])
+        axes.bar(columns - 0.2, rates[0], 0.4, label="before the first module")
+        axes.bar(columns + 0.2, rates[1], 0.4, label="after gaze alternation")
         words = ("follows", "does not\nfollow", "keeps eye\ncontact", "shifts to\ncaregiver", "stays", "other\nspot")
-        axes.set_xticks(places, words, fontsize=7)
+        axes.set_xticks(columns, words, fontsize=7)
         axes.legend(fontsize=7)
     axes.set(ylabel="share of steps", title="What the robot does with its gaze, from images")

@@ -14,7 +14,7 @@ from jointattn_mj.development.rendered.observer import ObservedRun
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.sweeps.claim import Setting
 
-from ..rendered_turns.sweep import UNSTEADY
+from ..rendered.sweep import UNSTEADY
 
 CHANCES = (0.25, 0.5, 0.75)
 SPOTS = (2, 4, 5, 6, 8)
@@ -24,7 +24,7 @@ NULL_STEPS = 20_000
 
 
 @dataclass(frozen=True)
-class Watched(Checked):
+class LocalRun(Checked):
     """A run, and when it may stop."""
 
     development: DevelopmentConfig
@@ -35,13 +35,13 @@ class Watched(Checked):
 
 
 def _table(spots: int = 3, steps: int = STEPS, *, modules: int = 3, caregiver: Any = None, local: Any = None,
-           preset: str = "local", **table: Any) -> Watched:  # fmt: skip
+           preset: str = "local", **table: Any) -> LocalRun:  # fmt: skip
     """A run at the symbolic table.
 
     Args:
         spots: Number of spots; the objects are two, or one on two spots.
         steps: Length.
-        modules: See ``Watched``.
+        modules: See ``LocalRun``.
         caregiver: Changed options of the caregiver.
         local: Changed options of the stop rule.
         preset: Name of the preset.
@@ -52,21 +52,21 @@ def _table(spots: int = 3, steps: int = STEPS, *, modules: int = 3, caregiver: A
     config = config_class("table").of(
         preset=preset, steps=steps, sample_every=steps, table=world, agent={"local": local or {}}, **reactive
     )
-    return Watched(config, modules)
+    return LocalRun(config, modules)
 
 
-def _rendered(steps: int, **rendered: Any) -> Watched:
+def _rendered(steps: int, **rendered: Any) -> LocalRun:
     config = config_class("rendered").of(preset="local", steps=steps, sample_every=steps, rendered=rendered)
-    return Watched(config)
+    return LocalRun(config)
 
 
 def _realtime(perception: str, minutes: float, *, modules: int = 3, further_steps: int = 0, local: Any = None,
-              reactive: str = "curious", **realtime: Any) -> Watched:  # fmt: skip
+              reactive: str = "curious", **realtime: Any) -> LocalRun:  # fmt: skip
     config = config_class("realtime").of(
         preset="local", minutes=minutes, steps=20_000, sample_every=20_000, reactive=reactive,
         realtime={"perception": perception, **realtime}, agent={"local": local or {}},
     )  # fmt: skip
-    return Watched(config, modules, further_steps)
+    return LocalRun(config, modules, further_steps)
 
 
 PARTS: dict[str, dict[str, Any]] = {
@@ -127,12 +127,12 @@ SETTINGS = {
 """World, a slash, and what is special."""
 
 
-def trial(config: Watched, seed: int) -> dict[str, Any]:
+def trial(config: LocalRun, seed: int) -> dict[str, Any]:
     """Modules, when they were made and what they offer at the end, and rates of behaviour in each phase."""
     run = replace(config.development, seed=seed).new_run()
     try:
         _go(run, config)
-        made = [one for one in run.found if one.module is not None]
+        made = [one for one in run.detections if one.module is not None]
         steps = [one.step for one in made]
         return {
             "modules": [run.agent.variables.symbol(one.event) for one in made],
@@ -148,14 +148,14 @@ def trial(config: Watched, seed: int) -> dict[str, Any]:
         run.close()
 
 
-def _go(run: DevelopmentRun, config: Watched) -> None:
+def _go(run: DevelopmentRun, config: LocalRun) -> None:
     """Advance until the run may stop."""
     at_a_time = 1 if config.development.unit == "min" else 100
     last: float = np.inf
     while run.steps_done < min(run.n_steps, last) and run.spent < config.development.length:
         run.advance(at_a_time)
-        if len(run.found) >= config.modules and last == np.inf:
-            last = run.found[config.modules - 1].step + config.further_steps
+        if len(run.detections) >= config.modules and last == np.inf:
+            last = run.detections[config.modules - 1].step + config.further_steps
 
 
 def _offers(run: DevelopmentRun, number: int) -> list[list[int]]:

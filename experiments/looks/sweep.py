@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from jointattn_mj.footage.looks.coding import LooksSeen, code_looks
+from jointattn_mj.footage.looks.coding import ObservedLooks, code_looks
 from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.options import Checked, Real, Share
 from jointattn_mj.perception.som import SOM, SOMConfig
@@ -34,7 +34,7 @@ FIRST_SEED = 300_000
 
 
 @dataclass(frozen=True)
-class Table(Checked):
+class FilmedTable(Checked):
     """A caregiver at a table, and how the camera sees them."""
 
     world: WorldConfig = field(default_factory=WorldConfig)
@@ -57,12 +57,12 @@ def table(objects: int = 4, head_share: float | None = None, **more: Any) -> Set
     Args:
         objects: How many there are on the table.
         head_share: Share of the head in a turn of gaze; None for the usual one.
-        more: Fields of ``Table``.
+        more: Fields of ``FilmedTable``.
     """
     world = WorldConfig()
     behaviour = world.behaviour if head_share is None else replace(world.behaviour, head_share=head_share)
     scene = replace(world.scene, objects=OBJECTS[:objects])
-    return Setting(Table(replace(world, scene=scene, behaviour=behaviour), **more), 3)
+    return Setting(FilmedTable(replace(world, scene=scene, behaviour=behaviour), **more), 3)
 
 
 SETTINGS = {
@@ -91,7 +91,7 @@ class SeldomScript(CarelessScript):
         super()._begin(phase)
 
 
-def world_of(asked: Table) -> type[World]:
+def world_of(asked: FilmedTable) -> type[World]:
     """A class of worlds with the caregiver that is asked for."""
     attributes = {"looks_away": asked.looks_away, "handles": asked.handles}
     script: type[TransferScript] = type("Script", (SeldomScript,), attributes)
@@ -99,7 +99,7 @@ def world_of(asked: Table) -> type[World]:
 
 
 @dataclass(frozen=True, eq=False)
-class Session:
+class FilmedSession:
     """What was seen and what was so, look by look: arrays of n looks.
 
     Attributes:
@@ -117,7 +117,7 @@ class Session:
     settled: np.ndarray
 
 
-def watch(asked: Table, seed: int, minutes: float) -> Session:
+def watch(asked: FilmedTable, seed: int, minutes: float) -> FilmedSession:
     """Watch a caregiver for some minutes.
 
     Args:
@@ -143,11 +143,11 @@ def watch(asked: Table, seed: int, minutes: float) -> Session:
             settled.append(caregiver.phase not in (Phase.TURN, Phase.GREET))
     finally:
         world.close()
-    rng, seen = np.random.default_rng(seeds[2]), np.array(px)
-    leans = rng.normal(0, asked.lean_cm * PX_PER_CM, (len(seen) // LEAN_LOOKS + 1, 2))
-    seen[:, -1] += np.repeat(leans, LEAN_LOOKS, axis=0)[: len(seen)]
-    seen[:, :-1][hidden(rng, len(seen), count, asked.hidden)] = np.nan
-    return Session(np.array(faces), seen, np.array(moves), np.array(target), np.array(settled))
+    rng, observed = np.random.default_rng(seeds[2]), np.array(px)
+    leans = rng.normal(0, asked.lean_cm * PX_PER_CM, (len(observed) // LEAN_LOOKS + 1, 2))
+    observed[:, -1] += np.repeat(leans, LEAN_LOOKS, axis=0)[: len(observed)]
+    observed[:, :-1][hidden(rng, len(observed), count, asked.hidden)] = np.nan
+    return FilmedSession(np.array(faces), observed, np.array(moves), np.array(target), np.array(settled))
 
 
 def hidden(rng: np.random.Generator, looks: int, objects: int, share: float) -> np.ndarray:
@@ -157,7 +157,7 @@ def hidden(rng: np.random.Generator, looks: int, objects: int, share: float) -> 
     return np.stack([np.convolve(one, kernel)[:looks] > 0 for one in starts.T], axis=1)
 
 
-def trial(asked: Table, seed: int) -> dict[str, Any]:
+def trial(asked: FilmedTable, seed: int) -> dict[str, Any]:
     """Trial: by minutes of video, how the codes of all coders agree with where the caregiver looked, outside turns.
 
     Of each coder ``kappa`` by seconds; of the coder of looks also how many of the seconds were ``sure``, how many of
@@ -168,21 +168,21 @@ def trial(asked: Table, seed: int) -> dict[str, Any]:
     return {f"{minutes:g}": _coded(asked, seed, _first(whole, round(minutes * per_minute))) for minutes in MINUTES}
 
 
-def _first(session: Session, looks: int) -> Session:
-    return Session(*(getattr(session, name)[:looks] for name in ("faces", "px", "moves", "target", "settled")))
+def _first(session: FilmedSession, looks: int) -> FilmedSession:
+    return FilmedSession(*(getattr(session, name)[:looks] for name in ("faces", "px", "moves", "target", "settled")))
 
 
-def _coded(asked: Table, seed: int, session: Session) -> dict[str, Any]:
+def _coded(asked: FilmedTable, seed: int, session: FilmedSession) -> dict[str, Any]:
     rng = np.random.default_rng(seed)
     som = SOM(2, SOMConfig(), rng)
     som.train(session.faces[rng.permutation(len(session.faces))[: som.config.updates]], rng)
     active = np.array([som.activations(face) for face in session.faces])
     count, step_s = session.px.shape[1] - 1, asked.looks.every * FRAME_S
     names = tuple(item.name for item in asked.world.scene.objects)
-    seen = LooksSeen(
+    observed = ObservedLooks(
         names, active, session.px[:, -1], session.px[:, :-1], np.zeros(len(active), bool), HEIGHT_PX, step_s
     )
-    coded = code_looks(seen, asked.looks)
+    coded = code_looks(observed, asked.looks)
     seconds = np.flatnonzero(session.settled)
     seconds = seconds[seconds % round(1 / step_s) == 0]
     right = coded.best == session.target
@@ -229,7 +229,7 @@ def nearest(px: np.ndarray) -> np.ndarray:
     return numbers
 
 
-def by_yaw(session: Session) -> np.ndarray:
+def by_yaw(session: FilmedSession) -> np.ndarray:
     """Number of the object nearest in x to what a line makes of yaw, (n,); the line is fitted to the true targets."""
     count = session.px.shape[1] - 1
     across = session.px[:, :-1, 0] - session.px[:, -1:, 0]

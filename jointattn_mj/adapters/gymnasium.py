@@ -21,7 +21,7 @@ from gymnasium import spaces  # noqa: E402
 DOMAIN = "joint_attention"
 
 
-class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
+class JointAttentionEnv(gymnasium.Env[dict[str, Any], np.ndarray]):
     """A task of the suite with Gymnasium's interface.
 
     Observations are a ``Dict`` with the task's keys. Angles, as actions, are scaled: -1 and 1 stand for the task's

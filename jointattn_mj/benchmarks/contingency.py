@@ -133,7 +133,7 @@ class _Detecting:
         events, random = list(self.variables.events()), np.random.default_rng(0)
         self.counts, self.watch = empty_counts(self.variables, events), new_watch(DetectorConfig(), len(events))
         self.series = tuple(
-            np.column_stack([random.integers(0, len(one.values), TRANSITIONS + 1) for one in group])
+            np.column_stack([random.integers(0, len(variable.values), TRANSITIONS + 1) for variable in group])
             for group in (self.variables.sensors, self.variables.actions, self.variables.results)
         )
 
@@ -144,7 +144,7 @@ class _Detecting:
 @njit(cache=True)
 def _detect(watch: Watch, counts: Counts, s: np.ndarray, a: np.ndarray, r: np.ndarray) -> None:
     for t in range(len(s) - 1):
-        add(counts, s[t], a[t], r[t], r[t + 1], 1, len(counts.contexts))
+        add(counts, s[t], a[t], r[t], r[t + 1], 1, len(counts.layout))
         update(watch, counts)
 
 

@@ -34,7 +34,7 @@ class StepsBenchmark:
         return asdict(self)
 
 
-class _Noted(RenderedRun):
+class _PosedRun(RenderedRun):
     """A run that keeps the poses of all bodies at each image."""
 
     poses: list[Pose]
@@ -55,7 +55,7 @@ def run_steps_benchmark(blocks: int) -> StepsBenchmark:
         GLError: No image can be rendered here.
     """
     preset, n_steps, times = PRESETS["thesis"], (blocks + 1) * STEPS, []
-    run = _Noted(preset.world, RenderedConfig(), preset.agent, 0, n_steps)
+    run = _PosedRun(preset.world, RenderedConfig(), preset.agent, 0, n_steps)
     symbolic = TableRun(preset.world, preset.agent, 0, n_steps)
     world = run.stage.world
     try:

@@ -53,7 +53,7 @@ def session(
         shown.doing("session")
         shown.to(session.frame / FRAMES_PER_MINUTE, f"{count(counted, 'gaze shift')}, {rate}")
 
-    with going_on_from(options.out, "the session", options.resume), shown:
+    with going_on_from(options.out, "the session"), shown:
         summary = run_logged(config, options, progress, VariedSessionRun)
     late = summary.late_success_rate
     last = f" over the last {LATE_MINUTES:g} minutes" if config.minutes > LATE_MINUTES else ""

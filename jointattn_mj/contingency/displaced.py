@@ -186,8 +186,8 @@ def _signs(measure: Measure) -> dict[str, int]:
 
 def _numbered(columns: Sequence[np.ndarray], sizes: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
     """Numbers (n,) int32 of the combinations that occur, from 0, and where each occurs first."""
-    found = distinct(*combined(columns, sizes))
-    return found.which.astype(np.int32), found.first
+    combinations = distinct(*combined(columns, sizes))
+    return combinations.which.astype(np.int32), combinations.first
 
 
 def _runs(codes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -16,7 +16,7 @@ from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import SeriesError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LagScan:
     """A measure at several lags; values in units of the base, each (lags,)."""
 
@@ -47,8 +47,26 @@ class LagScan:
         order = np.lexsort((-self.effective, self.p_adjusted))
         return int(order[0])
 
+    def __repr__(self) -> str:
+        at = self.best
+        return (
+            f"LagScan({len(self.lags)} lags, best {self.lags[at]}: {self.effective[at]:.3g} effective, adjusted p = "
+            f"{self.p_adjusted[at]:.3g})"
+        )
+
     def rows(self) -> list[dict[str, float | int]]:
-        """A row a lag."""
+        """Give the values as rows of a table.
+
+        Returns:
+            A mapping a lag, with the values of all columns of ``lags`` that ``jointattn measure --scan`` writes.
+
+        Examples:
+            >>> from jointattn_mj import contingency
+            >>> source, target = [0, 1, 1, 0, 1, 0, 0, 1] * 20, [1, 0, 1, 1, 0, 1, 0, 0] * 20
+            >>> scan = contingency.scan_lags("te", source, target, lags=[1, 2])
+            >>> [row["lag"] for row in scan.rows()]
+            [1, 2]
+        """
         return [
             {
                 "lag": int(self.lags[i]),
@@ -105,8 +123,8 @@ def scan_lags(
         >>> rng = np.random.default_rng(0)
         >>> source = rng.integers(0, 2, 300)
         >>> target = np.roll(source, 3)  # what the source was three steps before
-        >>> found = scan_lags("te", source, target, lags=range(1, 6), options=TestOptions(surrogates=99))
-        >>> int(found.lags[found.best]), float(found.p_adjusted[found.best])
+        >>> scan = scan_lags("te", source, target, lags=range(1, 6), options=TestOptions(surrogates=99))
+        >>> int(scan.lags[scan.best]), float(scan.p_adjusted[scan.best])
         (3, 0.01)
     """
     chosen = MEASURES[full_name(measure)]
@@ -148,14 +166,14 @@ def scan_steps(
     remembered = memory(first, measure)
     method = chosen_method(first, remembered, options)
     how = "shift" if method == "permutation" else method
-    tables = [displaced(one, [measure]) for one in at_lags]
+    tables = [displaced(shifted, [measure]) for shifted in at_lags]
     moved = moves(first, how, max(remembered.fresh_after, max(lags) - min(lags)), remembered.block)
 
     def values(pieces: np.ndarray) -> np.ndarray:
         return np.concatenate([table.values(pieces) for table in tables])
 
     null = drawn(moved, values, first.transitions * len(tables), options.surrogates, rng, progress) / unit
-    value = np.array([measure.value(one.entries()) for one in at_lags]) / unit
+    value = np.array([measure.value(shifted.entries()) for shifted in at_lags]) / unit
     mean, sd = null.mean(0), null.std(0)
     rounding = 1e-12 * np.maximum(1, np.abs(value))
     sound = np.where(sd > rounding, sd, 1.0)

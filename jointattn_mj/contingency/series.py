@@ -107,7 +107,7 @@ def joint(*series: Series) -> np.ndarray | list[np.ndarray]:
         >>> joint([0, 0, 1, 1], [0, 5, 0, 5]).tolist()
         [0, 1, 2, 3]
     """
-    if not series or any(one is None for one in series):
+    if not series or any(single is None for single in series):
         raise SeriesError("joint needs at least one series, and no None among them")
     coded = [one for one in aligned(**{f"series {i + 1}": one for i, one in enumerate(series)}) if one is not None]
     codes = distinct(*combined([one.codes for one in coded], [one.size for one in coded])).which

@@ -77,7 +77,7 @@ class TestOptions(Checked):
     7% false alarms at .05."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Significance:
     """A measure and what is known about it; in units of the logarithm's base (bits for 2)."""
 
@@ -107,6 +107,12 @@ class Significance:
     """How the surrogates were made (see ``Method``)."""
     inflation: float = 1.0
     """How much more the measure varies by chance than it would with permutations (see ``memory``)."""
+
+    def __repr__(self) -> str:
+        low, high = self.interval
+        interval = "" if np.isnan(low) else f", {self.level:.0%} interval {low:.3g} to {high:.3g}"
+        p = f"p = {self.p:.3g}, {self.transitions:,} transitions"
+        return f"Significance({self.corrected:.3g} effective{interval}, {p})"
 
 
 def assess(
@@ -151,8 +157,8 @@ def assess(
         >>> rng = np.random.default_rng(0)
         >>> source = rng.integers(0, 2, 200)
         >>> target = np.roll(source, 1)  # what the source was a step before
-        >>> found = assess("transfer_entropy", source, target, options=TestOptions(surrogates=99, resamples=0))
-        >>> round(found.value, 2), found.p
+        >>> tested = assess("transfer_entropy", source, target, options=TestOptions(surrogates=99, resamples=0))
+        >>> round(tested.value, 2), tested.p
         (0.99, 0.01)
     """
     chosen = MEASURES[full_name(measure)]
@@ -349,6 +355,12 @@ def adjust(p: Sequence[float] | np.ndarray, how: Adjust = "holm") -> np.ndarray:
 def holm(p: Sequence[float] | np.ndarray) -> np.ndarray:
     """Adjust p-values (k,) by Holm's step-down method, which keeps the chance of any false alarm below alpha.
 
+    Args:
+        p: The p-values, 0 to 1.
+
+    Returns:
+        (k,) adjusted p-values in the same order.
+
     Examples:
         >>> holm([0.01, 0.04, 0.03]).tolist()
         [0.03, 0.06, 0.06]
@@ -361,6 +373,12 @@ def holm(p: Sequence[float] | np.ndarray) -> np.ndarray:
 
 def benjamini_hochberg(p: Sequence[float] | np.ndarray) -> np.ndarray:
     """Adjust p-values (k,) by Benjamini and Hochberg's step-up method, which keeps the rate of false discoveries.
+
+    Args:
+        p: The p-values, 0 to 1.
+
+    Returns:
+        (k,) adjusted p-values in the same order.
 
     Examples:
         >>> benjamini_hochberg([0.01, 0.04, 0.03]).round(3).tolist()

@@ -140,7 +140,7 @@ def _fixed(context: np.ndarray, after: np.ndarray) -> float:
 
 def _margin(stratum: np.ndarray, value: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Values and counts in each stratum, and where each stratum's begin."""
-    found = distinct(stratum * size + value, (int(stratum[-1]) + 1) * size)
-    keys, counts = found.keys, found.counts
+    entries = distinct(stratum * size + value, (int(stratum[-1]) + 1) * size)
+    keys, counts = entries.keys, entries.counts
     bounds = np.searchsorted(keys, np.arange(stratum[-1] + 2) * size)
     return keys % size, counts, bounds

@@ -146,9 +146,9 @@ class Steps:
     def entries_by_step(self) -> tuple[Entries, np.ndarray]:
         """The entries, and for each transition the number of its entry (n,)."""
         columns = self.columns()
-        found = distinct(*combined(columns, self.sizes))
-        counts = found.counts.astype(float)
-        return Entries(np.array([column[found.first] for column in columns]), counts, self.sizes), found.which
+        entries = distinct(*combined(columns, self.sizes))
+        counts = entries.counts.astype(float)
+        return Entries(np.array([column[entries.first] for column in columns]), counts, self.sizes), entries.which
 
 
 def steps(
@@ -188,8 +188,8 @@ def acted(source: Series, condition: Series, target: Series, groups: Sequence[in
 
 
 def _sorted(columns: list[np.ndarray], sizes: tuple[int, int, int, int]) -> Entries:
-    found = distinct(*combined(columns, sizes))
-    return Entries(np.array([column[found.first] for column in columns]), found.counts.astype(float), sizes)
+    entries = distinct(*combined(columns, sizes))
+    return Entries(np.array([column[entries.first] for column in columns]), entries.counts.astype(float), sizes)
 
 
 def dense_information(table: np.ndarray, given: str) -> float:

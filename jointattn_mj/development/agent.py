@@ -23,7 +23,7 @@ from jointattn_mj.contingency.online.counts import (
 )
 from jointattn_mj.contingency.online.detector import NOTHING, DetectorConfig, Watch, grown, new_watch, update
 from jointattn_mj.contingency.online.events import Event, Variable, Variables
-from jointattn_mj.contingency.online.experience import Experience, Steps, empty_experience, keep, roomier
+from jointattn_mj.contingency.online.experience import Experience, PastSteps, empty_experience, keep, roomier
 from jointattn_mj.contingency.online.local import LocalConfig
 from jointattn_mj.contingency.online.modules import Module, ReproductionConfig, make_module
 from jointattn_mj.contingency.online.reactive import LearningModule, RandomModule, ReactiveModule
@@ -137,7 +137,7 @@ def _copy(values: np.ndarray, to: np.ndarray) -> None:
 def _remember_for_a_while(state: AgentState, r_next: np.ndarray) -> None:
     """Count the last transition, and let older ones fade or take the oldest out."""
     counts, past = state.counts, state.past
-    contexts = len(counts.contexts)
+    contexts = len(counts.layout)
     if past.weight[1] != 1.0:
         past.weight[0] *= past.weight[1]
         add(counts, state.s, state.a, state.r, r_next, past.weight[0], contexts)
@@ -173,7 +173,7 @@ def think(state: AgentState, s: np.ndarray, r: np.ndarray) -> int:
         if state.forgets:
             _remember_for_a_while(state, r)
         else:
-            add(state.counts, state.s, state.a, state.r, r, 1, len(state.counts.contexts))
+            add(state.counts, state.s, state.a, state.r, r, 1, len(state.counts.layout))
         event = update(state.watch, state.counts)
     state.n_steps[0] += 1
     _copy(s, state.s)
@@ -327,7 +327,7 @@ class Developer:
         check_finite(
             {
                 "counts": counts.entries,
-                "sums of counts": counts.contexts["sum"],
+                "sums of counts": counts.sums,
                 "contingency": self.state.watch.values,
                 "reliability": maps.reliability,
                 "odds": maps.odds,
@@ -344,6 +344,8 @@ class Developer:
         self.__dict__.update(state)
         self._looks.check(len(self.modules))
         check_agent(self.state, self._untrained().state, self.variables)
+        if self.state.keeping and len(self.state.experience.s) < self._looks.next:
+            raise ValueError(f"there is no room for the steps until the next look, {self._looks.next}")
         flat_maps(self.variables, self.modules, self._tables, self.config.selector)
 
     def _untrained(self) -> "Developer":
@@ -361,7 +363,7 @@ class Developer:
         made = [f"module {number}" for number in range(1, len(self.modules) + 1)]
         return made + [type(module).__name__ for module in self.reactive]
 
-    def _steps(self) -> Steps:
+    def _steps(self) -> PastSteps:
         """All steps so far."""
         n_steps, modules = int(self.state.n_steps[0]), self.modules if self.local else []
         return self._looks.steps(self.state.experience, n_steps, self.variables, modules)

@@ -10,7 +10,7 @@ import numpy as np
 
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event, Variables
-from jointattn_mj.contingency.online.experience import Experience, Steps
+from jointattn_mj.contingency.online.experience import Experience, PastSteps
 from jointattn_mj.contingency.online.followed_maps import followed_map
 from jointattn_mj.contingency.online.local import LocalConfig, search
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
@@ -51,7 +51,7 @@ class Looks:
         """
         self.next = n_steps + max(self._config.look_every, int(n_steps * self._config.look_again))
 
-    def steps(self, experience: Experience, n_steps: int, variables: Variables, modules: Sequence[Module]) -> Steps:
+    def steps(self, experience: Experience, n_steps: int, variables: Variables, modules: Sequence[Module]) -> PastSteps:
         """All steps so far, with what hindsight says of the use of modules.
 
         Args:
@@ -60,7 +60,7 @@ class Looks:
             variables: Of the agent.
             modules: Of the agent.
         """
-        steps = Steps(experience, n_steps, variables)
+        steps = PastSteps(experience, n_steps, variables)
         for number, module in enumerate(modules):
             if self._config.hindsight:
                 steps.see_in_hindsight(number, module)
@@ -68,7 +68,7 @@ class Looks:
                 steps.begins_at(number, self.made_at[number])
         return steps
 
-    def followed(self, steps: Steps, modules: Sequence[Module]) -> list[Module]:
+    def followed(self, steps: PastSteps, modules: Sequence[Module]) -> list[Module]:
         """The modules with maps from all steps, each in the light of those before it.
 
         Args:
@@ -84,11 +84,11 @@ class Looks:
                 steps.see_in_hindsight(number, read[-1])
         return read
 
-    def module(self, event: Event, steps: Steps) -> Module:
+    def module(self, event: Event, steps: PastSteps) -> Module:
         """The module of an event by the steps so far."""
         return followed_map(event, steps.of(event), steps.begin(event), self._config)
 
-    def find(self, steps: Steps, events: Sequence[Event], modules: Sequence[Module]) -> tuple[int, np.ndarray]:
+    def find(self, steps: PastSteps, events: Sequence[Event], modules: Sequence[Module]) -> tuple[int, np.ndarray]:
         """Look for a contingent event.
 
         Args:
@@ -116,6 +116,6 @@ class Looks:
         for step in self.made_at:
             check_whole("step of a module", step, 0, np.iinfo(np.int64).max)
 
-    def _offers(self, event: Event, steps: Steps) -> bool:
+    def _offers(self, event: Event, steps: PastSteps) -> bool:
         """Whether the module of an event would offer anything."""
         return bool((self.module(event, steps).command != OFFERS_NOTHING).any())

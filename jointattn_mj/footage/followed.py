@@ -24,25 +24,25 @@ class FollowedFace:
         self._side = np.zeros(2)
         self._pattern = np.zeros((PATCH_SIDE, PATCH_SIDE), np.float32)
 
-    def show(self, seen: Sighting | None, image: np.ndarray, mapped: FrameMap) -> None:
+    def show(self, face: Sighting | None, image: np.ndarray, mapped: FrameMap) -> None:
         """Say where the face is in the next image.
 
         Args:
-            seen: The face; None where it was not found.
+            face: The face; None where it was not found.
             image: (h, w, 3) uint8 BGR, the video's image.
             mapped: From its pixels to those of the robot's image.
         """
         self._fix = NOWHERE
-        if seen is None:
+        if face is None:
             return
-        x, y = mapped.to_image(seen.centre - 0.5)
+        x, y = mapped.to_image(face.centre - 0.5)
         if not (0 <= x < IMAGE_WIDTH and 0 <= y < IMAGE_HEIGHT):
             return
-        high = PATTERN_HEIGHTS * float(seen.smooth[3])
+        high = PATTERN_HEIGHTS * float(face.smooth[3])
         side = np.array([high * mapped.scale_y / mapped.scale_x, high])
-        self._fix = FaceFix(float(x), float(y), seen.score, True)
+        self._fix = FaceFix(float(x), float(y), face.score, True)
         self._side = side * (mapped.scale_x, mapped.scale_y)
-        self._pattern = pattern(image, seen.centre, side)
+        self._pattern = pattern(image, face.centre, side)
 
     def detect(self, gray: np.ndarray, expected_px: tuple[float, float] | None, complete: object) -> FaceFix:
         """The face that was shown last."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from jointattn_mj.gaze_following import figures
 from jointattn_mj.gaze_following.result import SessionInMemory, SessionResult
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, FRAMES_PER_SECOND, SessionConfig, SessionRun
 from jointattn_mj.gaze_following.shifts import write_shifts
@@ -81,7 +80,8 @@ def run_session(
     if not options.resume:
         needed = round(BYTES_A_FRAME * config.minutes * FRAMES_PER_MINUTE)
         check_free(options.out, needed, f"{config.minutes:,g} minutes", "fewer minutes")
-    with claimed(options.out, options.resume):
+    frozen, theirs = options.out / "checkpoint.bin", (kind, progress, *watchers)
+    with claimed(options.out, options.resume), checkpoint.gone_on_with(frozen, options.resume, *theirs):
         return _run(config, options, progress, kind, watchers)
 
 
@@ -204,6 +204,8 @@ def _watched(session: SessionRun, watchers: Sequence[Watcher]) -> Iterator[ShowF
 
 
 def _leave_results(session: SessionRun, out: Path, wall_seconds: float) -> SessionSummary:
+    from jointattn_mj.gaze_following import figures  # matplotlib takes long to import
+
     summary = session.summary(wall_seconds)
     write_frames(out / "frames.parquet", session.frames)
     write_shifts(out / "gaze_shifts.parquet", session.shifts)

@@ -68,4 +68,10 @@ class _Located(CompileResultCacheImpl):
 
 
 class _Cache(FunctionCache):
+    """Reads no index of another state of the package: classes that it names may be gone."""
+
     _impl_class = _Located
+
+    def __init__(self, function: Function):
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        self._cache_file._version = f"{numba.__version__} {state()}"

@@ -42,7 +42,7 @@ class Group:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class GroupComparison:
     """Two groups, or all of them at once."""
 
     first: str
@@ -54,7 +54,7 @@ class Comparison:
     """Two-sided, by permutation of the dyads over the groups."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class DyadResult:
     """A measure dyad by dyad."""
 
@@ -63,8 +63,11 @@ class DyadResult:
     values: tuple[Significance, ...]
     groups: tuple[Group, ...]
     """All dyads together, then each group."""
-    comparisons: tuple[Comparison, ...]
+    comparisons: tuple[GroupComparison, ...]
     group_of: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"DyadResult({self.measure}, {len(self.names)} recordings, {len(self.groups)} groups)"
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a dyad."""
@@ -80,14 +83,18 @@ class DyadResult:
     def lines(self) -> list[str]:
         """The groups and their comparison, in words."""
         lines = [
-            f"{self.measure}, {one.name}: mean effective value {number(one.mean)} {bracket(one.interval)} over "
-            f"{one.dyads} recordings, p {_p(one.p)}"
-            for one in self.groups
+            f"{self.measure}, {group.name}: mean effective value {number(group.mean)} {bracket(group.interval)} over "
+            f"{group.dyads} recordings, p {_p(group.p)}"
+            for group in self.groups
         ]
-        for one in self.comparisons:
-            what = f"{one.first} against {one.second}" if one.second != "all" else f"all by {one.first}"
-            size = "difference" if one.second != "all" else "eta squared"
-            lines.append(f"{self.measure}, {what}: {size} {number(one.difference)}, p {_p(one.p)}")
+        for comparison in self.comparisons:
+            what = (
+                f"{comparison.first} against {comparison.second}"
+                if comparison.second != "all"
+                else f"all by {comparison.first}"
+            )
+            size = "difference" if comparison.second != "all" else "eta squared"
+            lines.append(f"{self.measure}, {what}: {size} {number(comparison.difference)}, p {_p(comparison.p)}")
         return lines
 
 
@@ -133,14 +140,14 @@ def by_dyad(
         if without:
             raise SeriesError(f"recording {without[0]!r} has no {by}")
         of = tuple(group_of[name] for name in called)
-    found = np.array([one.corrected for one in values])
-    p = np.array([min(one.p, 1 - 0.5 / (1 + one.surrogates)) for one in values])
-    groups = [_group("all", found, p)]
+    effective = np.array([value.corrected for value in values])
+    p = np.array([min(value.p, 1 - 0.5 / (1 + value.surrogates)) for value in values])
+    groups = [_group("all", effective, p)]
     kinds = sorted(set(of), key=_numeric)
     labels = np.array(of)
     if len(kinds) > 1:
-        groups += [_group(f"{by} {kind}", found[labels == kind], p[labels == kind]) for kind in kinds]
-    comparisons = compare(found, labels, kinds, by, options.surrogates, np.random.default_rng(streams[-1]))
+        groups += [_group(f"{by} {kind}", effective[labels == kind], p[labels == kind]) for kind in kinds]
+    comparisons = compare(effective, labels, kinds, by, options.surrogates, np.random.default_rng(streams[-1]))
     return DyadResult(measure.name, called, values, tuple(groups), tuple(comparisons), of)
 
 
@@ -155,18 +162,18 @@ def groups_by(data: Recordings, column: str, names: Mapping[int, str]) -> dict[s
     Raises:
         SeriesError: The column changes within a recording.
     """
-    found: dict[str, str] = {}
+    group_of: dict[str, str] = {}
     for group, part in zip(data.groups, data.columns[column], strict=True):
         name = names[group]
         values = {data.labels[column][code] for code in np.unique(part)}
-        values |= {found[name]} if name in found else set()
+        values |= {group_of[name]} if name in group_of else set()
         if len(values) > 1:
             there = ", ".join(sorted(values)[:5])
             raise SeriesError(
                 f"{column!r} changes within recording {name!r}: {there}; it must have one value in all of a recording"
             )
-        found[name] = values.pop()
-    return found
+        group_of[name] = values.pop()
+    return group_of
 
 
 def split(given: Steps) -> list[tuple[int, Steps]]:
@@ -196,7 +203,7 @@ def compare(
     by: str,
     permutations: int,
     rng: np.random.Generator,
-) -> list[Comparison]:
+) -> list[GroupComparison]:
     """Compare groups of dyads by permuting dyads over them.
 
     Args:
@@ -212,17 +219,19 @@ def compare(
     """
     if len(kinds) < 2:
         return []
-    found = []
+    comparisons = []
     if len(kinds) > 2:
         member = (labels[:, None] == np.array(kinds)).astype(float)
         observed = float(_eta(values[None], member)[0])
         drawn = _eta(rng.permuted(np.tile(values, (permutations, 1)), axis=1), member)
-        found.append(Comparison(by, "all", observed, float((1 + np.sum(drawn >= observed - 1e-12)) / (1 + len(drawn)))))
+        comparisons.append(
+            GroupComparison(by, "all", observed, float((1 + np.sum(drawn >= observed - 1e-12)) / (1 + len(drawn))))
+        )
     for first, second in combinations(kinds, 2):
         a, b = values[labels == first], values[labels == second]
         p = _two_sided(a, b, permutations, rng) if min(len(a), len(b)) >= FEWEST else float("nan")
-        found.append(Comparison(first, second, float(a.mean() - b.mean()), p))
-    return found
+        comparisons.append(GroupComparison(first, second, float(a.mean() - b.mean()), p))
+    return comparisons
 
 
 def _two_sided(a: np.ndarray, b: np.ndarray, permutations: int, rng: np.random.Generator) -> float:

@@ -117,22 +117,22 @@ def _transitions(report: RecordingReport) -> list[dict[str, Any]]:
 
 def _carried(pairs: "Mapping[tuple[str, str], MeasureResult]") -> dict[str, list[str]]:
     """Which looks carry the transfer entropy of each pair that is significant on its own."""
-    found = {}
+    carried = {}
     for (source, target), result in pairs.items():
         one = result.measured[0]
         if one.significance.p <= 0.05 and result.scans:
             lines = [value.words(result.names, result.labels) for value in carriers(one.values, most=result.explain)]
             if lines:
-                found[f"{source} → {target}"] = lines
-    return found
+                carried[f"{source} → {target}"] = lines
+    return carried
 
 
 def _by_recording(report: RecordingReport) -> list[dict[str, Any]]:
     """A row a recording: the transfer entropy of both directions of looks."""
     ways = [report.pairs[pair] for pair in (report.options.looks, report.options.looks[::-1])]
-    if not all(one.dyads for one in ways):
+    if not all(way.dyads for way in ways):
         return []
-    rows = [one.dyads[0].rows() for one in ways]
+    rows = [way.dyads[0].rows() for way in ways]
     return [{"name": a["recording"], "ways": [a, b]} for a, b in zip(*rows, strict=True)]
 
 
@@ -149,7 +149,9 @@ def _of_dyads(pairs: "Mapping[tuple[str, str], MeasureResult]") -> list[str]:
 def _settings(options: ReportOptions) -> list[tuple[str, str]]:
     """Every option and its value."""
     given = plain(options)
-    return [(one.name, "" if given[one.name] in (None, []) else str(given[one.name])) for one in fields(options)]
+    return [
+        (field.name, "" if given[field.name] in (None, []) else str(given[field.name])) for field in fields(options)
+    ]
 
 
 NOT = "no-"
@@ -159,11 +161,11 @@ NOT = "no-"
 def _command(options: ReportOptions) -> str:
     """The command line that makes this page again: options that are not the defaults."""
     words = ["jointattn", "recordings", str(options.file)]
-    for one in fields(options):
-        value = getattr(options, one.name)
-        if one.name == "file" or value == one.default:
+    for field in fields(options):
+        value = getattr(options, field.name)
+        if field.name == "file" or value == field.default:
             continue
-        name = one.name.replace("_", "-")
+        name = field.name.replace("_", "-")
         if isinstance(value, bool):
             words.append(f"--{name}" if value else f"--{NOT}{name}")
         else:

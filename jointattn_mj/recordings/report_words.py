@@ -56,7 +56,8 @@ def methods_paragraph(report: "RecordingReport") -> str:
     if report.agreements:
         first = report.agreements[0]
         kappas = "; ".join(
-            f"{one.tier}: {one.kappa:.2f} [{one.interval[0]:.2f}, {one.interval[1]:.2f}]" for one in report.agreements
+            f"{agreed.tier}: {agreed.kappa:.2f} [{agreed.interval[0]:.2f}, {agreed.interval[1]:.2f}]"
+            for agreed in report.agreements
         )
         parts.append(
             f"Agreement of two coders is Cohen's kappa by units of {first.step:g} s with a tolerance of "
@@ -76,13 +77,13 @@ def _results(report: "RecordingReport") -> list[str]:
         sentences.append(
             f"{source} to {target}: {number(row['effective'])} bits {bracket((row['low'], row['high']))}, {p_words(p)}"
         )
-    found = "; ".join([*sentences, *report.following(), *report.over_lags()])
-    return [f"Found: {found}.".replace("->", "to")]
+    results = "; ".join([*sentences, *report.following(), *report.over_lags()])
+    return [f"Found: {results}.".replace("->", "to")]
 
 
 def _surrogates(report: "RecordingReport") -> str:
-    methods = {row["method"] for one in report.pairs.values() for row in one.rows()[:1]}
-    inflation = [one.rows()[0]["inflation"] for one in report.pairs.values()]
+    methods = {row["method"] for result in report.pairs.values() for row in result.rows()[:1]}
+    inflation = [result.rows()[0]["inflation"] for result in report.pairs.values()]
     chosen = " or ".join(WORDS[method] for method in sorted(methods))
     why = (
         f", chosen by the measured autocorrelation (variance by chance {min(inflation):.2f} to {max(inflation):.2f} "
@@ -95,7 +96,7 @@ def _surrogates(report: "RecordingReport") -> str:
 
 def _unit_words(report: "RecordingReport") -> str:
     """Whether values are of recordings or of steps."""
-    dyads = next((one.dyads[0].groups[0].dyads for one in report.pairs.values() if one.dyads), None)
+    dyads = next((result.dyads[0].groups[0].dyads for result in report.pairs.values() if result.dyads), None)
     if dyads is not None:
         return (
             f"Values are means over {dyads} recordings, with 95% intervals over recordings by Student's t; p is of "

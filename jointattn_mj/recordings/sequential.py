@@ -44,7 +44,7 @@ class SequentialOptions(Checked):
     """Shortest shift in steps; by default until the given tier's autocorrelation is low."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LagTable:
     """A table of given and target codes, with the statistics of each combination; arrays are (given, target)."""
 
@@ -57,6 +57,9 @@ class LagTable:
     level: float = 0.95
     p_shift: np.ndarray | None = None
     """Two-sided p of the joint frequency from circular shifts, which holds for long looks, too; None: not drawn."""
+
+    def __repr__(self) -> str:
+        return f"LagTable({len(self.given)} given codes, {len(self.target)} target codes, {self.total} pairs)"
 
     @property
     def total(self) -> int:

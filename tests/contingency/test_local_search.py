@@ -7,7 +7,7 @@ import pytest
 
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event, Variable, Variables
-from jointattn_mj.contingency.online.experience import Experience, Steps, beyond_last, joint_code
+from jointattn_mj.contingency.online.experience import Experience, PastSteps, beyond_last, joint_code
 from jointattn_mj.contingency.online.followed_maps import followed_map, gains
 from jointattn_mj.contingency.online.local import LocalConfig, search
 from jointattn_mj.contingency.online.local_values import (
@@ -34,9 +34,9 @@ def variables(sensors=(3,), actions=(3,), results=2) -> Variables:
     )
 
 
-def steps_of(world: Variables, s, a, r) -> Steps:
+def steps_of(world: Variables, s, a, r) -> PastSteps:
     columns = (np.atleast_2d(np.asarray(part).T).T.astype(np.int8) for part in (s, a, r))
-    return Steps(Experience(*columns), len(s), world)
+    return PastSteps(Experience(*columns), len(s), world)
 
 
 def looking_pays(seed: int, n: int = 3000, sensors: int = 3):

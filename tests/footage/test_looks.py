@@ -9,10 +9,10 @@ import pytest
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.looks.check import Codings
-from jointattn_mj.footage.looks.coding import AWAY, UNSEEN, UNSURE, LooksSeen, code_looks
+from jointattn_mj.footage.looks.coding import AWAY, UNSEEN, UNSURE, ObservedLooks, code_looks
 from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.footage.looks.learning import NEVER, learn_evidence, posterior, smoothed
-from jointattn_mj.footage.looks.places import last_places, placements
+from jointattn_mj.footage.looks.locations import last_locations, placements
 from jointattn_mj.footage.looks.tables import looks_spans, looks_table
 from jointattn_mj.footage.run import run_perceive
 from jointattn_mj.recordings.agreement import kappa
@@ -22,7 +22,9 @@ SPOTS = np.array([[x, y] for x in (-2.0, -1.0, 0.0, 1.0, 2.0) for y in (1.0, 2.0
 """Where objects may lie, from the face, in its heights; a face is turned to one of them."""
 
 
-def session(looks: int = 2400, moved: bool = True, away: float = 0.0, seed: int = 0) -> tuple[LooksSeen, np.ndarray]:
+def session(
+    looks: int = 2400, moved: bool = True, away: float = 0.0, seed: int = 0
+) -> tuple[ObservedLooks, np.ndarray]:
     """A person who looks at an object for 15 looks, and may then put it to another spot; and the targets."""
     rng = np.random.default_rng(seed)
     lies = rng.permutation(len(SPOTS))[: len(NAMES)]
@@ -41,7 +43,7 @@ def session(looks: int = 2400, moved: bool = True, away: float = 0.0, seed: int 
             lies[target] = rng.choice(free)
     faced, placed = np.array(faces), np.array(px) * 40 + 100
     face = np.full((len(placed), 2), 100.0)
-    return LooksSeen(NAMES, faced, face, placed, np.zeros(len(placed), bool), 40.0, 0.2), np.array(targets)
+    return ObservedLooks(NAMES, faced, face, placed, np.zeros(len(placed), bool), 40.0, 0.2), np.array(targets)
 
 
 def agreed(codes: np.ndarray, targets: np.ndarray) -> float:
@@ -49,8 +51,8 @@ def agreed(codes: np.ndarray, targets: np.ndarray) -> float:
     return kappa(np.bincount(codes * size + targets, minlength=size * size).reshape(size, size))
 
 
-def changed(looks: LooksSeen, **fields) -> LooksSeen:
-    return LooksSeen(**{**vars(looks), **fields})
+def changed(looks: ObservedLooks, **fields) -> ObservedLooks:
+    return ObservedLooks(**{**vars(looks), **fields})
 
 
 def test_objects_that_are_moved_are_told_apart():
@@ -113,14 +115,14 @@ def test_places_are_forgotten_after_a_cut():
     px = np.full((6, 1, 2), np.nan)
     px[1], px[4] = 3.0, 7.0
     cut = np.array([False, False, False, True, False, False])
-    filled = last_places(px, cut)[:, 0, 0]
+    filled = last_locations(px, cut)[:, 0, 0]
     assert np.array_equal(filled, [np.nan, 3, 3, np.nan, 7, 7], equal_nan=True)
 
 
 def test_placements_count_rests_in_different_places():
     path = [0.0] * 8 + [0.2, 0.5, 0.8] + [1.0] * 8 + [np.nan] * 5 + [1.0] * 8 + [0.5] * 2 + [0.0] * 6
-    places = np.stack([path, path], axis=1)[:, None]
-    assert placements(places).tolist() == [3]
+    locations = np.stack([path, path], axis=1)[:, None]
+    assert placements(locations).tolist() == [3]
 
 
 def test_unknown_places_are_never_chosen():

@@ -87,7 +87,7 @@ class EventSeries(NamedTuple):
     """(4,) number of values of: what the result is conditioned on, sensor, action, result."""
 
 
-class Steps:
+class PastSteps:
     """All steps of an agent, as its events count them.
 
     Attributes:

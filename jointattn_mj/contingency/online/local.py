@@ -25,7 +25,7 @@ import numpy as np
 
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event
-from jointattn_mj.contingency.online.experience import EventSeries, Steps, beyond_last
+from jointattn_mj.contingency.online.experience import EventSeries, PastSteps, beyond_last
 from jointattn_mj.contingency.online.local_values import Draws, count, event_values, log_evidence, predictive_evidence
 from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Share, Whole
 
@@ -96,7 +96,7 @@ class LocalConfig(Checked):
 
 
 def search(
-    steps: Steps,
+    steps: PastSteps,
     events: Sequence[Event],
     served: Sequence[Event],
     since: int,
@@ -146,7 +146,7 @@ def search(
 
 
 def _drawn(
-    steps: Steps,
+    steps: PastSteps,
     events: Sequence[Event],
     served: Sequence[Event],
     since: int,
@@ -173,7 +173,7 @@ def _drawn(
     return lead, hoped, rises
 
 
-def _series(steps: Steps, event: Event, served: Sequence[Event], config: LocalConfig) -> EventSeries:
+def _series(steps: PastSteps, event: Event, served: Sequence[Event], config: LocalConfig) -> EventSeries:
     """The series of an event, conditioned as configured."""
     alike = [steps.of_world + number for number, one in enumerate(served) if one.result == event.result]
     return steps.of(event, config.condition == "joint", alike if config.given_modules else ())

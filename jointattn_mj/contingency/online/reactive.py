@@ -9,7 +9,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from jointattn_mj.contingency.online.events import Variable, Variables
-from jointattn_mj.contingency.online.experience import Steps
+from jointattn_mj.contingency.online.experience import PastSteps
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Positive, Share
 
@@ -44,7 +44,7 @@ class ReactiveModule(Protocol):
 class LearningModule(ReactiveModule, Protocol):
     """What a reactive module that learns must have in addition."""
 
-    def learned(self, variables: Variables, steps: Steps) -> ReactiveTable:
+    def learned(self, variables: Variables, steps: PastSteps) -> ReactiveTable:
         """Its table after so many steps.
 
         Args:
@@ -89,7 +89,7 @@ class CuriousModule(Checked):
         """See ``ReactiveModule``; before anything is known each command has the same probability."""
         return RandomModule(self.joint, self.trust).table(variables)
 
-    def learned(self, variables: Variables, steps: Steps) -> ReactiveTable:
+    def learned(self, variables: Variables, steps: PastSteps) -> ReactiveTable:
         """See ``LearningModule``."""
         joint = variables.joints.index(_named(variables.joints, self.joint))
         sensed, done, following, sizes = steps.sensed(joint)

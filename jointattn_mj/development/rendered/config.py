@@ -145,7 +145,7 @@ class RenderedDevelopmentOptions(DevelopmentOptions):
 
 def _driven(run: GrowingRun) -> list[str]:
     """What the film of growing resolution says beside the images: what moved the gaze, and the modules by name."""
-    made = [one.label for one in meanings(run.named_variables(), run.agent.modules)]
+    made = [meaning.label for meaning in meanings(run.named_variables(), run.agent.modules)]
     driver = int(run.agent.state.driver[0])
     mover = made[driver] if 0 <= driver < len(made) else "at random"
     return [f"Moves the gaze: {mover}", f"Modules: {', '.join(made) or 'none yet'}"]

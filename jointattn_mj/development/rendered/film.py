@@ -230,7 +230,7 @@ def _draw_drivers(canvas: np.ndarray, run: DevelopmentRun, driver: int) -> None:
     area = _DRIVERS.of(canvas)
     area[:] = PANEL
     write(area, 14, 8, "What moves its gaze", WHITE, TITLE, True)
-    made = [one for one in run.found if one.module is not None]
+    made = [detection for detection in run.detections if detection.module is not None]
     known = meanings(run.named_variables(), run.agent.modules)
     rows = [("at random, as at first", "", GREY, driver >= len(made))]
     for number, (one, meaning) in enumerate(zip(made, known, strict=True)):

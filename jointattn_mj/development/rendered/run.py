@@ -12,7 +12,7 @@ from jointattn_mj.development.rendered.body import Body, Witnessed
 from jointattn_mj.development.rendered.observer import ObservedRun
 from jointattn_mj.development.rendered.senses import CentralView, Senses, SensesConfig
 from jointattn_mj.development.rendered.stage import Stage, StageConfig
-from jointattn_mj.development.table.world import TableConfig
+from jointattn_mj.development.table.world import TableConfig, check_table
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Whole
 
@@ -91,6 +91,11 @@ class RenderedRun(ObservedRun):
         super().check()
         self.senses.check()
         self.stage.world.check()
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """See ``DevelopmentRun``."""
+        super().__setstate__(state)
+        check_table(self.stage.table, self.table)
 
     def more(self) -> dict[str, Any]:
         """See ``ObservedRun``; and which caregiver it was."""

@@ -7,14 +7,14 @@ import numpy as np
 
 from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.footage.looks.learning import learn_evidence, posterior, smoothed
-from jointattn_mj.footage.looks.places import last_places, placements
+from jointattn_mj.footage.looks.locations import last_locations, placements
 
 AWAY, UNSURE, UNSEEN = "away", "unsure", "cannot be seen"
 """Codes beside the candidates' names."""
 
 
 @dataclass(frozen=True, eq=False)
-class LooksSeen:
+class ObservedLooks:
     """What is seen of a person and of candidates, look by look.
 
     Attributes:
@@ -47,7 +47,7 @@ class LooksCoded:
         posterior: (n, k + 1) of each target, the last being away, given all looks; NaN where the face is not seen, and
             where nothing was coded.
         alone: (n,) posterior of the best object among the objects, by this look alone; NaN where the face is not seen.
-        placements: (k,) places at which each candidate has rested.
+        placements: (k,) locations at which each candidate has rested.
         doubt: Why nothing was coded; empty where something was.
     """
 
@@ -61,8 +61,8 @@ class LooksCoded:
 
     def summary(self, config: LooksConfig) -> dict[str, Any]:
         """Numbers that say how far the codes can be trusted."""
-        seen = self.codes != self.labels.index(UNSEEN)
-        count = max(int(seen.sum()), 1)
+        visible = self.codes != self.labels.index(UNSEEN)
+        count = max(int(visible.sum()), 1)
         return {
             "looks": len(self.codes),
             "shares": {
@@ -70,14 +70,14 @@ class LooksCoded:
                 for code, label in enumerate(self.labels)
             },
             "placements": dict(zip(self.labels, self.placements.tolist(), strict=False)),
-            "sure": round(float((self.posterior[seen] > config.sure).any(axis=1).sum() / count), 4),
-            "sure_by_a_look_alone": round(float((self.alone[seen] > config.sure).sum() / count), 4),
+            "sure": round(float((self.posterior[visible] > config.sure).any(axis=1).sum() / count), 4),
+            "sure_by_a_look_alone": round(float((self.alone[visible] > config.sure).sum() / count), 4),
             "coded": not self.doubt,
             "why_not": self.doubt or None,
         }
 
 
-def code_looks(looks: LooksSeen, config: LooksConfig) -> LooksCoded:
+def code_looks(looks: ObservedLooks, config: LooksConfig) -> LooksCoded:
     """Code every look of a video, learned from all of them.
 
     Args:
@@ -85,25 +85,25 @@ def code_looks(looks: LooksSeen, config: LooksConfig) -> LooksCoded:
         config: How looks are learned and coded.
     """
     n, k = looks.px.shape[:2]
-    seen = np.isfinite(looks.face_px).all(-1)
-    face = last_places(looks.face_px[:, None], looks.cut)
-    places = (last_places(looks.px, looks.cut) - face) / looks.height_px
+    visible = np.isfinite(looks.face_px).all(-1)
+    face = last_locations(looks.face_px[:, None], looks.cut)
+    locations = (last_locations(looks.px, looks.cut) - face) / looks.height_px
     evidence = np.zeros((n, k + 1))
-    evidence[seen, :k] = learn_evidence(looks.faces[seen], places[seen], config)
-    evidence[:, k] = -np.inf if config.away is None else np.where(seen, config.away, 0.0)
+    evidence[visible, :k] = learn_evidence(looks.faces[visible], locations[visible], config)
+    evidence[:, k] = -np.inf if config.away is None else np.where(visible, config.away, 0.0)
     stay = max(1 - looks.step_s / config.dwell_s, 1 / (k + 1))
     likely = _smoothed(evidence, stay, config)
     alone = posterior(evidence[:, :k]).max(axis=1, initial=0)
-    lost = _long_runs(~seen, max(1, round(config.lost_s / looks.step_s)))
-    # places of the image, not from the face: a person who moves puts nothing down
+    lost = _long_runs(~visible, max(1, round(config.lost_s / looks.step_s)))
+    # locations of the image, not from the face: a person who moves puts nothing down
     counts = placements(looks.px / looks.height_px)
     best = likely.argmax(axis=1)
     labels = (*looks.names, AWAY, UNSURE, UNSEEN)
-    doubt = _doubt(counts, alone[seen], config)
+    doubt = _doubt(counts, alone[visible], config)
     codes = np.where((likely.max(axis=1, initial=0) < config.least) | bool(doubt), labels.index(UNSURE), best)
     codes[lost] = labels.index(UNSEEN)
     likely[lost | bool(doubt)] = np.nan
-    alone[~seen] = np.nan
+    alone[~visible] = np.nan
     return LooksCoded(labels, codes, best, likely, alone, counts, doubt)
 
 
@@ -124,8 +124,8 @@ def _doubt(counts: np.ndarray, alone: np.ndarray, config: LooksConfig) -> str:
         return "the face was not seen"
     if counts.sum() < config.placements:
         return (
-            f"objects rested at {counts.sum()} places in all, and {config.placements} are asked for: where little is "
-            "moved, nothing tells at what somebody looks"
+            f"objects rested at {counts.sum()} locations in all, and {config.placements} are asked for: where little "
+            "is moved, nothing tells at what somebody looks"
         )
     share = float((alone > config.sure).mean())
     if share < config.sure_alone:

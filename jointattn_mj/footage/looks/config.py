@@ -13,8 +13,8 @@ class LooksConfig(Checked):
     every: Annotated[int, Whole("[1, 300]")] = 6
     """Take a look at every N-th frame: five a second. One a second codes as well; more date changes better."""
     tuning: Annotated[float, Real("[0.01, 10]")] = 0.14
-    """Standard deviation of the bump that stands for a place, in heights of the face's square: how far apart two places
-    must be to differ."""
+    """Standard deviation of the bump that stands for a location, in heights of the face's square: how far apart two
+    locations must be to differ."""
     rounds: Annotated[int, Whole("[1, 1000]")] = 10
     """Rounds of expectation and maximisation over all looks."""
     smoothing: Annotated[float, Real("[1e-6, 1e3]")] = 0.05
@@ -32,8 +32,8 @@ class LooksConfig(Checked):
     least: Share = 0.5
     """Posterior below which a look is "unsure"."""
     placements: Annotated[int, Whole("[0, 1e6]")] = 12
-    """Places at which objects must have rested in all. With fewer, nothing is coded but "unsure": where nothing moves,
-    nothing tells at what somebody looks."""
+    """Locations at which objects must have rested in all. With fewer, nothing is coded but "unsure": where nothing
+    moves, nothing tells at what somebody looks."""
     sure_alone: Share = 0.02
     """Share of looks in which one object must be sure among the objects before they are smoothed; with fewer, nothing
     is coded but "unsure"."""

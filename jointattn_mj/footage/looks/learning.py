@@ -10,64 +10,64 @@ import numpy as np
 from jointattn_mj.footage.looks.config import LooksConfig
 
 MOST_UNITS = 48
-"""Most units along one axis of the grid of places."""
+"""Most units along one axis of the grid of locations."""
 SPACING = 1.25
 """Distance of these units, in standard deviations of a bump."""
 NEVER = -30.0
-"""Evidence for a candidate of which no place is known."""
+"""Evidence for a candidate of which no location is known."""
 
 
-class PlaceCode:
-    """Code of places by bumps of activity on a grid of units that covers those of a video."""
+class LocationCode:
+    """Code of locations by bumps of activity on a grid of units that covers those of a video."""
 
-    def __init__(self, places: np.ndarray, tuning: float):
+    def __init__(self, locations: np.ndarray, tuning: float):
         """Lay out the grid.
 
         Args:
-            places: (n, k, 2), NaN where not known; at least one is.
+            locations: (n, k, 2), NaN where not known; at least one is.
             tuning: Standard deviation of a bump.
         """
-        known = places[np.isfinite(places).all(-1)]
+        known = locations[np.isfinite(locations).all(-1)]
         self._tuning, self._axes = tuning, []
         for low, high in np.quantile(known, (0.005, 0.995), axis=0).T:
             count = int(np.clip(np.ceil((high - low) / (SPACING * tuning)) + 1, 2, MOST_UNITS))
             self._axes.append(np.linspace(low, high, count))
         self.units = len(self._axes[0]) * len(self._axes[1])
 
-    def shares(self, places: np.ndarray) -> np.ndarray:
-        """Share of each unit in the bumps of ``places`` (n, 2): (n, units) float32, zeros where a place is NaN."""
-        known = np.isfinite(places).all(-1)
+    def shares(self, locations: np.ndarray) -> np.ndarray:
+        """Share of each unit in the bumps of ``locations`` (n, 2): (n, units) float32, zeros where one is NaN."""
+        known = np.isfinite(locations).all(-1)
         bumps = []
         for axis, units in enumerate(self._axes):
-            given = np.clip(np.where(known, places[:, axis], units[0]), units[0], units[-1])
+            given = np.clip(np.where(known, locations[:, axis], units[0]), units[0], units[-1])
             exponent = -0.5 * ((units - given[:, None]) / self._tuning) ** 2
             bump = np.exp(exponent - exponent.max(axis=1, keepdims=True))
             bumps.append((bump / bump.sum(axis=1, keepdims=True)).astype(np.float32))
-        shares: np.ndarray = (bumps[0][:, :, None] * bumps[1][:, None, :]).reshape(len(places), -1)
+        shares: np.ndarray = (bumps[0][:, :, None] * bumps[1][:, None, :]).reshape(len(locations), -1)
         shares[~known] = 0
         return shares
 
 
-def learn_evidence(faces: np.ndarray, places: np.ndarray, config: LooksConfig) -> np.ndarray:
+def learn_evidence(faces: np.ndarray, locations: np.ndarray, config: LooksConfig) -> np.ndarray:
     """Evidence for each candidate in each look, learned from all of them.
 
     Args:
         faces: (n, u) activations of a map of faces, each row summing to 1.
-        places: (n, k, 2) of candidates, from the face, in heights of the face's square; NaN where not known.
+        locations: (n, k, 2) of candidates, from the face, in heights of the face's square; NaN where not known.
         config: ``tuning``, ``rounds`` and ``smoothing``.
 
     Returns:
-        (n, k) log P(place | face) / P(place), smoothed; ``NEVER`` where a place is not known.
+        (n, k) log P(location | face) / P(location), smoothed; ``NEVER`` where a location is not known.
     """
-    known = np.isfinite(places).all(-1)
+    known = np.isfinite(locations).all(-1)
     if not known.any():
         return np.full(known.shape, NEVER)
     faces = faces.astype(np.float32)
-    code = PlaceCode(places, config.tuning)
-    shares = [code.shares(places[:, k]) for k in range(places.shape[1])]
+    code = LocationCode(locations, config.tuning)
+    shares = [code.shares(locations[:, k]) for k in range(locations.shape[1])]
     smoothing = config.smoothing / code.units
-    with_any = sum(one.sum(axis=0, dtype=float) for one in shares) / known.sum() + smoothing
-    base = np.stack([np.log(np.maximum(one @ with_any, 1e-12)) for one in shares], axis=1)
+    with_any = sum(share.sum(axis=0, dtype=float) for share in shares) / known.sum() + smoothing
+    base = np.stack([np.log(np.maximum(share @ with_any, 1e-12)) for share in shares], axis=1)
     weights = known / np.maximum(known.sum(axis=1, keepdims=True), 1)
     evidence = np.zeros(known.shape)
     for _ in range(config.rounds):
@@ -75,8 +75,8 @@ def learn_evidence(faces: np.ndarray, places: np.ndarray, config: LooksConfig) -
         counts = sum(faces.T @ (weights[:, k, None] * one) for k, one in enumerate(shares))
         with_face = faces @ counts
         with_face = with_face / np.maximum(with_face.sum(axis=1, keepdims=True), 1e-9) + smoothing
-        found = np.stack([np.einsum("nb,nb->n", with_face, one) for one in shares], axis=1)
-        evidence = np.where(known, np.log(np.maximum(found, 1e-12)) - base, NEVER)
+        likelihood = np.stack([np.einsum("nb,nb->n", with_face, share) for share in shares], axis=1)
+        evidence = np.where(known, np.log(np.maximum(likelihood, 1e-12)) - base, NEVER)
         weights = posterior(evidence) * known
     return evidence
 

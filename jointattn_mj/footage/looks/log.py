@@ -1,11 +1,11 @@
-"""What is kept of a video to code where a person looks: face pattern and places, look by look."""
+"""What is kept of a video to code where a person looks: face pattern and locations, look by look."""
 
 from pathlib import Path
 
 import numpy as np
 
 from jointattn_mj.footage.frame_map import IMAGE_HEIGHT, IMAGE_WIDTH
-from jointattn_mj.footage.looks.coding import LooksSeen
+from jointattn_mj.footage.looks.coding import ObservedLooks
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.io.rows import RowStore, log_folder, spans
 from jointattn_mj.perception.som import SOM
@@ -13,7 +13,7 @@ from jointattn_mj.perception.som import SOM
 BLOCK = 1000
 """Rows that are read at a time."""
 _HEAD = 3
-"""Numbers before the places: frame, height of the face's square, and whether the face is seen."""
+"""Numbers before the locations: frame, height of the face's square, and whether the face is seen."""
 
 
 class LooksLog:
@@ -62,7 +62,7 @@ class LooksLog:
         """Numbers of the frames (n,) of the looks."""
         return self.rows.column(0).astype(int)
 
-    def looks(self, som: SOM | None, cuts: np.ndarray, step_s: float) -> LooksSeen:
+    def looks(self, som: SOM | None, cuts: np.ndarray, step_s: float) -> ObservedLooks:
         """All looks, with faces as activations of a map.
 
         Args:
@@ -81,10 +81,10 @@ class LooksLog:
             if som is not None:
                 for i in np.flatnonzero(rows[:, 2]):
                     faces[first + i] = som.activations(rows[i, _HEAD + 2 * k :])
-        seen = np.isfinite(px[:, -1]).all(-1)
-        height = float(np.median(heights[seen])) if seen.any() else 1.0
+        visible = np.isfinite(px[:, -1]).all(-1)
+        height = float(np.median(heights[visible])) if visible.any() else 1.0
         frames = self.frames()
         cut = np.zeros(count, bool)
         after = np.searchsorted(frames, cuts)
         cut[after[after < count]] = True
-        return LooksSeen(self.names[:-1], faces, px[:, -1], px[:, :-1], cut, height, step_s)
+        return ObservedLooks(self.names[:-1], faces, px[:, -1], px[:, :-1], cut, height, step_s)

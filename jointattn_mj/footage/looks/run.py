@@ -32,8 +32,8 @@ def leave_looks(out: Path, log: LooksLog, viewing: Viewing, som: SOM | None) -> 
         OutputError: The table cannot be written.
     """
     config, start_s = viewing.config.coding, viewing.footage.start_s
-    cuts = [range(one.start, one.end) for one in viewing.spans.all if (one.tier, one.code) == (CAMERA, "cut")]
-    seen = log.looks(som, np.array([frame for cut in cuts for frame in cut], int), config.every / RATE)
-    coded, frames = code_looks(seen, config), log.frames()
+    cuts = [range(span.start, span.end) for span in viewing.spans.all if (span.tier, span.code) == (CAMERA, "cut")]
+    observed = log.looks(som, np.array([frame for cut in cuts for frame in cut], int), config.every / RATE)
+    coded, frames = code_looks(observed, config), log.frames()
     write_parquet(out / "looks.parquet", looks_table(coded, start_s + frames / RATE))
     return coded.summary(config), looks_spans(coded, frames, viewing.frames)

@@ -1,4 +1,4 @@
-"""Places of objects in a video: where each was last, and at how many places it has rested."""
+"""Locations of objects in a video: where each was last, and at how many locations it has rested."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ MOVED_HEIGHTS = 0.25
 """Distance between two placements, heights of the face's square."""
 
 
-def last_places(px: np.ndarray, cut: np.ndarray) -> np.ndarray:
+def last_locations(px: np.ndarray, cut: np.ndarray) -> np.ndarray:
     """Fill in where each candidate was seen last: what is hidden stays where it was.
 
     Args:
@@ -28,21 +28,21 @@ def last_places(px: np.ndarray, cut: np.ndarray) -> np.ndarray:
     return filled
 
 
-def placements(places: np.ndarray) -> np.ndarray:
-    """At how many places each candidate has rested.
+def placements(locations: np.ndarray) -> np.ndarray:
+    """At how many locations each candidate has rested.
 
     Args:
-        places: (n, k, 2) in heights of the face's square; NaN where a candidate is not seen.
+        locations: (n, k, 2) in heights of the face's square; NaN where a candidate is not seen.
 
     Returns:
         (k,) whole numbers.
     """
-    counts = np.zeros(places.shape[1], int)
-    for k in range(places.shape[1]):
-        seen = places[np.isfinite(places[:, k]).all(-1), k]
-        if len(seen) < REST_LOOKS:
+    counts = np.zeros(locations.shape[1], int)
+    for k in range(locations.shape[1]):
+        visible = locations[np.isfinite(locations[:, k]).all(-1), k]
+        if len(visible) < REST_LOOKS:
             continue
-        windows = np.lib.stride_tricks.sliding_window_view(seen, REST_LOOKS, axis=0)  # (m, 2, looks)
+        windows = np.lib.stride_tricks.sliding_window_view(visible, REST_LOOKS, axis=0)  # (m, 2, looks)
         still = (windows.max(-1) - windows.min(-1) <= REST_HEIGHTS).all(-1)
         before = np.full(2, np.inf)
         for middle in np.median(windows[still], axis=-1):
