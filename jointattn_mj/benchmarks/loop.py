@@ -11,6 +11,7 @@ import numpy as np
 from jointattn_mj.benchmarks.figures import Figures
 from jointattn_mj.benchmarks.options import BenchmarkOptions
 from jointattn_mj.gaze_following.agent import FamiliariseConfig
+from jointattn_mj.gaze_following.presets import PRESETS
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.world import World
@@ -30,8 +31,9 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
     Returns:
         renderer: OpenGL renderer that made the images. render_ms: milliseconds to render an image, alone; the same
         images that the session rendered. loop_ms_per_image: of a session from images, with everything, for each image
-        that it rendered. loop_to_render: ratio of the two, block by block. loop_times_real_time: simulated seconds of a
-        session from images in a second. session_26_min_s: seconds that 26 simulated minutes take at this pace.
+        that it rendered. loop_to_render: ratio of the two, block by block. contingent_to_render: the same ratio of a
+        session of the preset cross_situational. loop_times_real_time: simulated seconds of a session from images in a
+        second. session_26_min_s: seconds that 26 simulated minutes take at this pace.
         familiarise_s: seconds in which the robot gets to know the face, before a session. state_times_real_time:
         simulated seconds of a session from the state in a second. cartpole_ms: a step of dm_control's cartpole swingup,
         with pixels at 320x240. loop_to_cartpole: session from images for each rendered image, in steps of cartpole.
@@ -41,6 +43,7 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
     """
     minutes = options.blocks * options.seconds / 60
     loop = SessionRun(SessionConfig(minutes=minutes))
+    contingent = SessionRun(replace(loop.config, robot=PRESETS["cross_situational"]))
     state = SessionRun(SessionConfig(minutes=minutes, perception="state"))
     scene = World.build(loop.config.world, np.random.SeedSequence(1))
     cartpole = _cartpole()
@@ -48,28 +51,30 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
     start = time.perf_counter()
     loop.begin()
     familiarised = time.perf_counter() - start
+    contingent.begin()
     state.begin()
     _advance(state, 30)  # compiles
     block, times = round(options.seconds / FRAME_S), []
     try:
         for _ in range(options.blocks):
-            taken = Poses()
-            in_loop = _advance(loop, block, taken.note)
-            alone, in_state = _render(scene, taken), _advance(state, block)
-            times.append((in_loop, len(taken.poses), alone, in_state, _steps(cartpole, CARTPOLE_STEPS)))
+            (in_loop, alone, images), (in_contingent, its_alone, _) = (
+                _beside_rendering(session, block, scene) for session in (loop, contingent)
+            )
+            in_state = _advance(state, block)
+            ratio = in_contingent / its_alone
+            times.append((in_loop, images, alone, ratio, in_state, _steps(cartpole, CARTPOLE_STEPS)))
         with loop.world.physics.contexts.gl.make_current() as context:
             renderer = context.call(_renderer_name)
     finally:
-        loop.close()
-        state.close()
-        scene.close()
-        cartpole.close()
-    in_loop, images, rendering, in_state, steps = np.array(times, float).T
+        for part in (loop, contingent, state, scene, cartpole):
+            part.close()
+    in_loop, images, rendering, contingent_to_render, in_state, steps = np.array(times, float).T
     per_image, figures = in_loop / images, Figures()
     figures.add("renderer", renderer)
     figures.add("render_ms", 1000 * rendering / images)
     figures.add("loop_ms_per_image", 1000 * per_image)
     figures.add("loop_to_render", in_loop / rendering)
+    figures.add("contingent_to_render", contingent_to_render)
     figures.add("loop_times_real_time", options.seconds / in_loop)
     figures.add("session_26_min_s", in_loop * 26 * 60 / options.seconds)
     figures.add("familiarise_s", familiarised)
@@ -110,6 +115,13 @@ def _advance(session: SessionRun, frames: int, watch: Callable[[SessionRun], Non
     for _ in range(min(frames, session.total - session.frame)):
         session.step(watch)
     return time.perf_counter() - start
+
+
+def _beside_rendering(session: SessionRun, frames: int, scene: World) -> tuple[float, float, int]:
+    """Seconds that so many frames of a session take, seconds that its images take alone, and how many these are."""
+    taken = Poses()
+    spent = _advance(session, frames, taken.note)
+    return spent, _render(scene, taken), len(taken.poses)
 
 
 def _render(world: World, images: Poses) -> float:
