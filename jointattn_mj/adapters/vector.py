@@ -84,8 +84,13 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
         """
         if options:
             raise ConfigError(f"reset takes no options; got {options!r}")
-        alike = seed is None or not isinstance(seed, (list, tuple, np.ndarray))
-        seeds = [seed if seed is None else whole_seed(seed) + i for i in range(self.num_envs)] if alike else list(seed)
+        seeds: list[int | None]
+        if seed is None:
+            seeds = [None] * self.num_envs
+        elif isinstance(seed, (list, tuple, np.ndarray)):
+            seeds = list(seed)
+        else:
+            seeds = [whole_seed(seed) + i for i in range(self.num_envs)]
         if len(seeds) != self.num_envs:
             raise ConfigError(f"`seed` must be one number or {self.num_envs}, one for each world; got {len(seeds)}")
         for episodes, own in zip(self._episodes, seeds, strict=True):
@@ -146,7 +151,7 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
 
     def _observe(self) -> dict[str, np.ndarray]:
         """Observations of all worlds: new arrays."""
-        names = self.single_observation_space.spaces
+        names: dict[str, Any] = self.single_observation_space.spaces  # type: ignore[attr-defined]
         if not {"camera", "face_patch"} & names.keys():
             observed = {"head_angles": self._angles.copy(), "truth": self._gazes()}
         else:

@@ -116,7 +116,7 @@ def _transitions(report: RecordingReport) -> list[dict[str, Any]]:
 
 def _answers(report: RecordingReport) -> list[dict[str, Any]]:
     """Which look answers which: changes of looks that come more often than usual, in both directions, most first."""
-    answers = []
+    answers: list[dict[str, Any]] = []
     for source, target in (report.options.looks, report.options.looks[::-1]):
         result = report.pairs[source, target]
         labels = result.labels

@@ -54,4 +54,5 @@ class FollowSparse(Follow):
     def rewards(angles: np.ndarray, targets: int | np.ndarray) -> np.ndarray:
         """1 where the robot fixates what the caregiver looks at or turns to, and no other target is nearer; else 0."""
         nearest = (angles.argmin(-1) == targets) & (angles.min(-1) <= ROBOT_RADIUS)
-        return nearest.astype(float)
+        fixated: np.ndarray = nearest.astype(float)
+        return fixated

@@ -163,7 +163,7 @@ class PastSteps:
             given: Sensors of modules on whose values a result is conditioned as well, by result.
         """
         before = np.zeros(self._r.shape, np.int64, order="F")
-        values = np.zeros(before.shape[1], np.int64)
+        values = np.zeros(len(before.T), np.int64)
         for result in range(len(values)):
             codes = self._together if joint else self._r[:, result].astype(np.int64)
             for other in given.get(result, ()):
