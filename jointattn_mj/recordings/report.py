@@ -213,8 +213,8 @@ def run_report(
     reading = {one.name: getattr(options, one.name) for one in fields(ReadOptions)}
     events = read(options.file if source is None else source, **reading).events
     second = None if options.second is None else read(options.second, **reading).events
-    report = analyse(events, second, options, progress)
     with held(options.out):
+        report = analyse(events, second, options, progress)
         write_page(report, options.out)
     return report
 
