@@ -205,7 +205,7 @@ def draw_success(trials: Trials) -> Figure:
     panels[0].set_ylabel("share of right gaze shifts (eq. 6.9)")
     figure.suptitle("How often the robot looked where the caregiver looked")
     fullest = max(panels, key=lambda axes: len(axes.get_legend_handles_labels()[0]))
-    figure.legend(*fullest.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=4, frameon=False)
+    figure.legend(*fullest.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=2, frameon=False)
     return figure
 
 

@@ -44,7 +44,7 @@ def njit(function: Function | None = None, *, cache: bool = False, **options: An
     compiled = numba.njit(**options)(function)
     if cache and isinstance(compiled, Dispatcher):  # with NUMBA_DISABLE_JIT it is the function itself
         with suppress(RuntimeError):  # no folder
-            compiled._cache = _Cache(function)  # type: ignore[attr-defined, no-untyped-call]  # as ``enable_caching``
+            compiled._cache = _Cache(function)  # type: ignore[attr-defined]  # as ``enable_caching``
     return compiled
 
 

@@ -127,18 +127,38 @@ class Eye:
         Raises:
             GLError: No image can be rendered here; the message names the packages to install.
         """
-        if self._camera is None:
-            self._camera = self._open()
-        self._camera.update()
-        contexts = self._physics.contexts
-        with contexts.gl.make_current() as thread:
-            thread.call(self._draw, self._camera.scene.ptr, contexts.mujoco.ptr)
+        self._opened().update()
+        self._draw_into(self._read, self._rectangle)
         np.copyto(self._buffer, self._read[::-1])  # OpenGL's first row is the lowest
         return self._buffer
 
-    def _draw(self, scene: mujoco.MjvScene, context: mujoco.MjrContext) -> None:
-        mujoco.mjr_render(self._rectangle, scene, context)
-        mujoco.mjr_readPixels(self._read, None, self._rectangle, context)
+    def forget(self) -> None:
+        """Render the next image anew, whatever was rendered before; so does this eye in any case."""
+
+    def get_state(self) -> dict[str, np.ndarray]:
+        """What the next image depends on beside the physics: nothing."""
+        return {}
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Go on from a state."""
+
+    def _draw_into(self, pixels: np.ndarray, rectangle: mujoco.MjrRect) -> None:
+        """Draw the camera's scene into ``pixels`` (h, w, 3), the lowest row first."""
+        contexts = self._physics.contexts
+        with contexts.gl.make_current() as thread:
+            thread.call(self._draw, pixels, rectangle, self._opened().scene.ptr, contexts.mujoco.ptr)
+
+    @staticmethod
+    def _draw(
+        pixels: np.ndarray, rectangle: mujoco.MjrRect, scene: mujoco.MjvScene, context: mujoco.MjrContext
+    ) -> None:
+        mujoco.mjr_render(rectangle, scene, context)
+        mujoco.mjr_readPixels(pixels, None, rectangle, context)
+
+    def _opened(self) -> Camera:
+        if self._camera is None:
+            self._camera = self._open()
+        return self._camera
 
     def _open(self) -> Camera:
         try:

@@ -49,20 +49,22 @@ CHOICES_IN_KEYS = {
 }
 """Choices of fields that have been renamed, by field and choice as they are called now; likewise."""
 
-ADDED = {
+ADDED: dict[str, dict[str, Any]] = {
+    "": {"patch_side": None},
     "learner": {"pairs": "reached", "base": "none", "competition": 0.0, "compete_after": 10, "forgetting": 0.0,
                 "smoothing": 0.05},
-    "world": {"wrong": 0.0, "profile_shows": "gaze"},
+    "world": {"wrong": 0.0, "profile_shows": "gaze", "draws": "all"},
     "table": {"wrong": 0.0, "profile_shows": "gaze"},
     "gaze": {"gate_sharpness": 3.0, "commands": "direction", "wait_for_still_face": False, "read_again": False},
 }  # fmt: skip
 """Fields that configs have got since trials were first stored, by the field that holds the config, with the values at
-which trials are what they were; keys and stored configs leave them out then. A new field of a config belongs here."""
+which trials are what they were; keys and stored configs leave them out then. The setting's own config is held by "".
+A new field of a config belongs here."""
 
 
 def config_text(config: Any) -> str:
     """The config of a setting as JSON text, with the names of fields that keys are made of."""
-    return text_of(_with_first_names(plain(config)))
+    return text_of(_with_first_names(_without_added("", plain(config))))
 
 
 def _with_first_names(value: Any) -> Any:

@@ -125,8 +125,8 @@ def measures() -> Iterator[tuple[str, str, bool]]:
         scan = _measure("scan_lags", "'transfer_entropy'", "x", series, "lags=(1, 2)", "options=" + QUICK)
         yield scan, f"scan_lags(.., x, {series})", series not in MAYBE
         data = f"{{'x': x, 'y': y, 'z': {series}}}"
-        found = _measure("discover", data, "['x']", "['y']", "['z']", "options=" + QUICK)
-        yield found, f"discover({{.., 'z': {series}}})", series not in MAYBE
+        ranking = _measure("discover", data, "['x']", "['y']", "['z']", "options=" + QUICK)
+        yield ranking, f"discover({{.., 'z': {series}}})", series not in MAYBE
     for value in SCALARS:
         yield _measure("transfer_entropy", "x", "y", f"base={value}"), f"transfer_entropy(base={value})", True
         yield _measure("assess", value, "x", "y"), f"assess({value}, x, y)", True
