@@ -194,7 +194,7 @@ class TestMounted:
         for outcome in outcomes:
             refused(outcome, 2, str(tmp_path), "write")
 
-    @pytest.mark.parametrize(("name", "size"), [("play", 4), ("measure", 0), ("perceive", 100)])
+    @pytest.mark.parametrize(("name", "size"), [("play", 4), ("measure", 0), ("recordings", 4), ("perceive", 100)])
     def test_full(self, inputs, tmp_path, name, size):
         """One line; with space again the same command begins anew. ``size`` is in kB."""
         disk = tmp_path / "disk"
