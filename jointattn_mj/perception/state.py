@@ -7,10 +7,11 @@ caregiver's head instead of a grey patch. Errors are those that were measured fo
 
 from dataclasses import dataclass
 from math import cos, degrees, radians, sin
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
+from jointattn_mj.guards.restored import check_array
 from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Real, Share, Spread
 from jointattn_mj.perception.percept import Observation, Percept
@@ -75,6 +76,24 @@ class StatePerception:
         self._draws, self._noise = np.empty((2, objects + 1)), np.empty((objects + 1, 2))
         visible, moves = np.zeros((2, objects + 1), bool)
         self._percept = Percept(visible=visible, px=np.empty((objects + 1, 2)), moves=moves)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore it.
+
+        Raises:
+            ValueError: Compiled code cannot use it.
+        """
+        self.__dict__.update(state)
+        count, percept = len(self._world.config.scene.objects) + 1, self._percept
+        for name, array, shape, dtype in (
+            ("errors", self._errors, (4, count), float),
+            ("draws", self._draws, (2, count), float),
+            ("noise", self._noise, (count, 2), float),
+            ("visible", percept.visible, (count,), bool),
+            ("px", percept.px, (count, 2), float),
+            ("moves", percept.moves, (count,), bool),
+        ):
+            check_array(name, array, shape, dtype)
 
     def perceive(self, observation: Observation, landed: bool) -> Percept:
         """The percept of this frame; see ``perception.percept.Perceiver``.
