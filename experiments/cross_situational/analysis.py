@@ -3,12 +3,14 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointattn_mj.gaze_following.summary import LATE_MINUTES
 from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, paired_difference, proportion
 
+from ..sessions.analysis import MINUTES, WITHIN_DEG, half_way, within
 from ..wrong_map.analysis import WRONG_DEG
 from .sweep import COMPLETE, SETTINGS, Strangers
 
@@ -19,14 +21,22 @@ KEEPS_MINUTES = 3.0
 STEP = 0.5
 """Minutes between the times at which the rate of eq. 6.9 is taken."""
 RESAMPLES = 999
+MAIN = ("state/no_cues", "state/cues", "state/no_cues_thesis", "state/cues_thesis", "pixels/no_cues", "pixels/cues")
+TOGETHER = {"from the state": MAIN[:2], "from images": MAIN[4:]}
+"""Settings whose sessions are counted together for wrong maps."""
+PHASES = ("turn", "reach", "lift", "observe", "put", "gaze")
+"""What the caregiver does, in its order."""
+EARLY_MINUTES = 10
+"""Beginning of a session, in which either axis is still being learned."""
 AT_ONCE_S = 75.0
 """Beginning of the time with a stranger, before much can have been learned of the new face."""
-MAIN = ("state/no_cues", "state/cues", "state/no_cues_thesis", "state/cues_thesis", "pixels/no_cues", "pixels/cues")
 COLOURS = {"no_cues": "#2471a3", "cues": "#c0392b", "no_cues_thesis": "#85c1e9", "cues_thesis": "#f1948a"}
 WORDS = {"no_cues": "without motion cues", "cues": "with motion cues", "thesis": "the dissertation's rule"}
 
 
-def shares(trial: Trial, first_s: float, last_s: float = np.inf, column: str = "success") -> float:
+def shares(
+    trial: Trial, first_s: float, last_s: float = np.inf, column: str = "success", phase: str | None = None
+) -> float:
     """Share of successes among the shifts that landed in a span of time; NaN if there were none.
 
     Args:
@@ -34,16 +44,19 @@ def shares(trial: Trial, first_s: float, last_s: float = np.inf, column: str = "
         first_s: Begin of the span, seconds.
         last_s: End of the span, seconds.
         column: Which moment's target counts.
+        phase: Of the caregiver's task, in which the shifts began; None for any.
     """
     shifts = trial.result["shifts"]
     at, good = np.array(shifts["landing_s"]), np.array(shifts[column], float)
-    within = (at >= first_s) & (at < last_s)
-    return float(good[within].mean()) if within.any() else np.nan
+    counted = (at >= first_s) & (at < last_s)
+    if phase is not None:
+        counted &= np.array(shifts["phase_at_launch"]) == phase
+    return float(good[counted].mean()) if counted.any() else np.nan
 
 
-def late(trial: Trial, column: str = "success") -> float:
-    """Rate of success over the last six minutes."""
-    return shares(trial, 60 * (minutes_of(trial.setting) - LATE_MINUTES), column=column)
+def late(trial: Trial, column: str = "success", phase: str | None = None) -> float:
+    """Rate of success over the last six minutes; see ``shares``."""
+    return shares(trial, 60 * (minutes_of(trial.setting) - LATE_MINUTES), column=column, phase=phase)
 
 
 def minutes_of(setting: str) -> float:
@@ -94,6 +107,12 @@ def in_words(name: str) -> str:
         cues = rest.removesuffix("_thesis")
         parts = [WORDS["thesis"] if rest.endswith("thesis") else "cross-situational", WORDS[cues]]
         return ", ".join([*parts, f"from {'images' if group == 'pixels' else 'the state'}"])
+    if group == "told":
+        told = "whole percept" if rest == "all" else rest.replace("_", " ")
+        return f"cross-situational, without motion cues, from images, {told} told by the state"
+    if group == "upright":
+        seen, _, cues = rest.removesuffix("_thesis").partition("_")
+        return f"{in_words(f'{seen}/{cues}' + '_thesis' * rest.endswith('thesis'))}, objects in an upright square"
     if group == "ablation":
         return "with " + ", ".join(rest.replace("in_view", "all in view").replace("again", "reading again").split("+"))
     return f"{group}, {rest}".replace("_", " ").strip(", ")
@@ -116,14 +135,47 @@ def analyse(trials: Trials) -> list[Comparison]:
             continue
         note = f"successes {mean_interval([trial.result['successes'] for trial in part])}; wrong maps {wrong(part)}"
         findings.append(_row(f"late rate, {words}", mean_interval([late(trial) for trial in part]), note))
-        if name not in MAIN:
-            continue
-        findings.append(_row(f"sessions with a map off by more than {WRONG_DEG:g} deg, {words}", wrong(part)))
-        for moment in ("launch", "landing"):
-            rates = [late(trial, f"success_at_{moment}") for trial in part]
-            findings.append(_row(f"late rate by the caregiver's target at {moment}, {words}", mean_interval(rates)))
-        findings += [_minutes(level, part, words) for level in LEVELS]
+        if name.startswith("upright"):
+            findings += axes(part, words)
+        if name in MAIN:
+            findings += details(part, words)
+    for origin, names in TOGETHER.items():
+        if all(name in trials for name in names):
+            both = [trial for name in names for trial in trials[name]]
+            what = f"sessions with a map off by more than {WRONG_DEG:g} deg, cross-situational, with cues and without, "
+            findings.append(_row(what + origin, wrong(both)))
     return findings + differences(trials)
+
+
+def details(part: Sequence[Trial], words: str) -> list[Comparison]:
+    """Wrong maps, rates by either moment's target, how soon, and rates by what the caregiver did at launch."""
+    findings = [_row(f"sessions with a map off by more than {WRONG_DEG:g} deg, {words}", wrong(part))]
+    for moment in ("launch", "landing"):
+        rates = [late(trial, f"success_at_{moment}") for trial in part]
+        findings.append(_row(f"late rate by the caregiver's target at {moment}, {words}", mean_interval(rates)))
+    findings += [_minutes(level, part, words) for level in LEVELS]
+    by_phase = {phase: mean_interval([late(trial, phase=phase) for trial in part]) for phase in PHASES}
+    note = "; ".join(f"{phase} {rate}" for phase, rate in by_phase.items())
+    what = f"late rate by the caregiver's task at launch, {words}"
+    return [*findings, Comparison(what, "not tried", None, Verdict.EXTENSION, note)]
+
+
+def axes(part: Sequence[Trial], words: str) -> list[Comparison]:
+    """Whether pan is followed before tilt, where both have the same spread."""
+    early, half = (
+        [[measure(one, axis) for one in part] for axis in ("pan", "tilt")] for measure in (_early_share, half_way)
+    )
+    near = f"landings within {WITHIN_DEG} deg of the target in pan, less those in tilt, first {EARLY_MINUTES} minutes, "
+    apart = "minutes by which half of the gain in tilt comes after half of that in pan, "
+    return [
+        _row(near + words, paired_difference(early[0], early[1])),
+        _row(apart + words, paired_difference(half[1], half[0])),
+    ]
+
+
+def _early_share(trial: Trial, axis: str) -> float:
+    """Share of landings near the caregiver's object in pan or tilt, over the first minutes."""
+    return float(np.nanmean(within(trial, axis)[:EARLY_MINUTES]))
 
 
 def _minutes(level: float, part: Sequence[Trial], words: str) -> Comparison:
@@ -142,6 +194,7 @@ def differences(trials: Trials) -> list[Comparison]:
         ("state/cues_thesis", "state/no_cues_thesis"),
         ("state/no_cues", "state/no_cues_thesis"),
         ("state/cues", "state/cues_thesis"),
+        *((name, "pixels/no_cues") for name in SETTINGS if name.startswith("told")),
     ):
         rates = [{trial.seed: late(trial) for trial in trials.get(name, ())} for name in (one, other)]
         seeds = sorted(rates[0].keys() & rates[1].keys())
@@ -171,6 +224,10 @@ def _of(trials: Sequence[Trial], name: str) -> list[Trial]:
     return [Trial(trial.setting, trial.seed, {"shifts": trial.result[name]}) for trial in trials]
 
 
+APART = ("ablation", "strangers", "told", "upright")
+"""Settings that have figures or rows of their own."""
+
+
 def draw(trials: Trials) -> Mapping[str, Figure]:
     """Success over time; late rates of all combinations of parts; late rates in harder conditions."""
     figures = {}
@@ -178,8 +235,12 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         figures["cross_situational"] = draw_success(trials)
     if any(name.startswith("ablation") for name in trials):
         figures["cross_situational_ablation"] = draw_ablation(trials)
-    if any(name not in MAIN and not name.startswith(("ablation", "strangers")) for name in trials):
+    if any(name not in MAIN and not name.startswith(APART) for name in trials):
         figures["cross_situational_conditions"] = draw_conditions(trials)
+    if any(trials.get(name) for name in TOGETHER["from images"]):
+        figures["cross_situational_images"] = draw_images(trials)
+    if any(name.startswith("upright") for name in trials):
+        figures["cross_situational_axes"] = draw_axes(trials)
     return figures
 
 
@@ -237,8 +298,7 @@ def draw_ablation(trials: Trials) -> Figure:
 
 def draw_conditions(trials: Trials) -> Figure:
     """Late rate under other settings and in harder conditions, with the complete robot on top."""
-    skipped = ("ablation", "strangers", "pixels")
-    names = [name for name in SETTINGS if trials.get(name) and not name.startswith(skipped)]
+    names = [name for name in SETTINGS if trials.get(name) and not name.startswith((*APART, "pixels"))]
     figure = Figure(figsize=(9, 0.32 * len(names) + 1.2), layout="constrained")
     axes = figure.subplots()
     for at, name in enumerate(names):
@@ -250,4 +310,76 @@ def draw_conditions(trials: Trials) -> Figure:
     axes.set(xlim=(0, 1), ylim=(len(names) - 0.5, -0.5), xlabel="rate of the last 6 minutes")
     figure.suptitle("Other settings and harder conditions (sessions in brackets; bars: mean, 95%)", fontsize=10)
     axes.grid(alpha=0.3, axis="x")
+    return figure
+
+
+def draw_images(trials: Trials) -> Figure:
+    """Late rate by the caregiver's task, from the state and from images; and with parts of the percept told."""
+    names = [name for name in SETTINGS if name.startswith("told") and trials.get(name)]
+    figure = Figure(figsize=(10, 4), layout="constrained")
+    panels = figure.subplots(1, 1 + bool(names), sharey=True, squeeze=False, width_ratios=(3, 2)[: 1 + bool(names)])[0]
+    left = panels[0]
+    for shift, (name, colour, filled) in zip(
+        np.linspace(-0.24, 0.24, 4),
+        [(f"{origin}/{cues}", COLOURS[cues], origin == "pixels") for cues in ("no_cues", "cues")
+         for origin in ("state", "pixels")],
+        strict=True,
+    ):  # fmt: skip
+        part = trials.get(name, ())
+        if part:
+            rates = [mean_interval([late(trial, phase=phase) for trial in part]) for phase in PHASES]
+            label = f"{in_words(name).removeprefix('cross-situational, ')} ({len(part)})"
+            _bars(left, np.arange(len(PHASES)) + shift, rates, colour, filled, label)
+    left.set_xticks(range(len(PHASES)), PHASES)
+    left.set(
+        xlabel="what the caregiver did when the shift began", ylabel="rate of the last 6 minutes", ylim=(0.4, 1.02)
+    )
+    left.legend(fontsize=8, loc="lower right")
+    if names:
+        _draw_told(
+            panels[1], {"nothing": "pixels/no_cues"} | {name.removeprefix("told/"): name for name in names}, trials
+        )
+    for axes in panels:
+        axes.grid(alpha=0.3, axis="y")
+    figure.suptitle("What images cost (sessions in brackets; bars: mean, 95%)", fontsize=11)
+    return figure
+
+
+def _draw_told(axes: Axes, told: Mapping[str, str], trials: Trials) -> None:
+    """Late rates by what the state tells; ``told`` has the settings."""
+    rates = [mean_interval([late(trial) for trial in trials.get(name, ())]) for name in told.values()]
+    _bars(axes, np.arange(len(told)), rates, COLOURS["no_cues"], True, "")
+    labels = [f"{what}\n({len(trials.get(name, ()))})".replace("_", "\n") for what, name in told.items()]
+    axes.set_xticks(range(len(told)), labels)
+    axes.set(xlabel="told by the state, from images without cues", xlim=(-0.6, len(told) - 0.4))
+
+
+def _bars(axes: Axes, at: np.ndarray, rates: Sequence[Estimate], colour: str, filled: bool, label: str) -> None:
+    """Means with intervals at places (n,)."""
+    means = np.array([rate.mean for rate in rates])
+    around = np.abs(np.array([[rate.low, rate.high] for rate in rates]).T - means)
+    face = colour if filled else "white"
+    axes.errorbar(at, means, around, fmt="o", ms=5, color=colour, mfc=face, lw=1.2, label=label)
+
+
+def draw_axes(trials: Trials) -> Figure:
+    """Landings near the caregiver's object in pan and in tilt, where both have the same spread."""
+    names = [name for name in SETTINGS if name.startswith("upright") and trials.get(name)]
+    figure = Figure(figsize=(10, 3.4 * ((len(names) + 1) // 2)), layout="constrained")
+    panels = figure.subplots((len(names) + 1) // 2, 2, sharex=True, sharey=True, squeeze=False).ravel()
+    for panel, name in zip(panels, names, strict=False):
+        for axis, colour in (("pan", "#6c3483"), ("tilt", "#b7950b")):
+            rates = [mean_interval(column) for column in np.array([within(one, axis) for one in trials[name]]).T]
+            panel.fill_between(
+                MINUTES, [rate.low for rate in rates], [rate.high for rate in rates], color=colour, alpha=0.2, lw=0
+            )
+            panel.plot(MINUTES, [rate.mean for rate in rates], color=colour, label=axis)
+        words = in_words(name).removesuffix(", objects in an upright square")
+        panel.set_title(f"{words} ({len(trials[name])})", fontsize=9)
+        panel.set(xlim=(0, 26), ylim=(0, 1))
+        panel.grid(alpha=0.3)
+    panels[0].legend(fontsize=8, loc="lower right")
+    figure.supxlabel("time (simulated minutes)", fontsize=10)
+    figure.supylabel(f"landings within {WITHIN_DEG} deg of the caregiver's object", fontsize=10)
+    figure.suptitle("Pan and tilt, objects in an upright square (sessions in brackets; bands: 95%)", fontsize=11)
     return figure

@@ -1,12 +1,20 @@
-"""Caregivers who do not look at what they handle, as in Fig. 4.6, and who leave some objects alone."""
+"""Caregivers who do not look at what they handle, as in Fig. 4.6, who leave some objects alone, or whose objects hang
+side by side and above each other."""
+
+from typing import Any
 
 import numpy as np
 
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.caregiver import FRAME_S, Phase, Plan, TransferScript
 from jointattn_mj.scene.model import rest_height
 from jointattn_mj.scene.movement import Arm, minimum_jerk
 from jointattn_mj.scene.world import World
 
+PLANE_X = 0.8
+"""x of the upright plane, world frame, metres: before the caregiver's hand, above the table, below the face."""
+SIDE, HEIGHT = 1, 2
+"""Axes of the world in which places in the plane differ."""
 LOOKS_BACK_RAD = 0.05
 """A gaze that begins a phase farther than this from where it was is led there as in the phase ``turn``."""
 
@@ -70,10 +78,37 @@ class CarelessScript(TransferScript):
         return Plan(gaze=gaze, head=head, grasp=plan.grasp, joints=joints)
 
 
-class CarelessWorld(World):
-    """A world with such a caregiver."""
+class UprightScript(TransferScript):
+    """Transfers objects in an upright plane between robot and caregiver: the layout's x is their height.
 
-    script = CarelessScript
+    On the table objects differ far more in pan than in tilt. Here they can differ alike. The hand does not reach them:
+    they hang in the air, and move as if it held them.
+    """
+
+    def __init__(self, *arguments: Any):
+        """See ``TransferScript``."""
+        super().__init__(*arguments)
+        self.objects = _upright(self.objects)
+
+    def _new_location(self) -> np.ndarray:
+        others = self.objects[np.arange(len(self.objects)) != self.held]
+        try:
+            location: np.ndarray = _upright(self._layout.draw(others[:, [HEIGHT, SIDE]])[None])[0]
+        except ConfigError:  # no room
+            return self._taken_from
+        return location
+
+
+def _upright(points: np.ndarray) -> np.ndarray:
+    """Points (n, 3), world frame, metres, of places (n, 2 or more): their height, and how far to the robot's left."""
+    standing: np.ndarray = np.column_stack([np.full(len(points), PLANE_X), points[:, 1], points[:, 0]])
+    return standing
+
+
+class CarelessWorld(World):
+    """A world with such a caregiver, or one of another class."""
+
+    script: type[TransferScript] = CarelessScript
 
     def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> TransferScript:
         """See ``World``."""
@@ -88,3 +123,9 @@ def world_with(looks_away: float, looks_at_others: bool, handled: int | None) ->
     attributes = {"looks_away": looks_away, "looks_at_others": looks_at_others, "handled": handled}
     script = type("Script", (CarelessScript,), attributes)
     return type("ScriptedWorld", (CarelessWorld,), {"script": script})
+
+
+class UprightWorld(CarelessWorld):
+    """A world whose objects hang in an upright plane."""
+
+    script = UprightScript

@@ -2,10 +2,12 @@
 
 from dataclasses import dataclass, replace
 from itertools import product
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.agent import GazeFollower, GazeShift, RobotConfig
 from jointattn_mj.gaze_following.learners import Locations
 from jointattn_mj.gaze_following.presets import PRESETS
@@ -13,13 +15,16 @@ from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.options import Checked, Real, Share, Whole
 from jointattn_mj.perception.percept import Observation, Perceiver
+from jointattn_mj.perception.pixels import PixelPerception
 from jointattn_mj.scene.camera import direction_of
+from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.variation import drawn
 from jointattn_mj.scene.world import World
 from jointattn_mj.sweeps.claim import Setting
 
-from .caregivers import world_with
+from .caregivers import PLANE_X, UprightWorld, world_with
+from .told import PARTS, Part, PartlyTold
 
 FULL = PRESETS["cross_situational"]
 LOOK_EVERY = 90
@@ -41,6 +46,29 @@ class Condition(Checked):
     """Number of objects that the caregiver transfers; the rest are distractors. None for all."""
     learning: Literal["acting", "watching"] = "acting"
     """Watching: no gaze shift is made before the test, and nothing is learned in it."""
+
+
+@dataclass(frozen=True)
+class Upright(Condition):
+    """A session whose objects hang in a plane, side by side and above each other (see ``UprightScript``)."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.looks_away or self.looks_at_others or self.handled is not None:
+            raise ConfigError("where objects hang in a plane the caregiver looks at what is handled, and handles all")
+
+
+@dataclass(frozen=True)
+class PartlySeen(Condition):
+    """A session from images in which the robot is told parts of the percept by the state, without error."""
+
+    told: Part = "all"
+    """What the state tells (see ``told``)."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.config.perception != "pixels":
+            raise ConfigError(f"told {self.told} needs perception pixels; got {self.config.perception}")
 
 
 @dataclass(frozen=True)
@@ -84,6 +112,7 @@ def condition(
     minutes: float = 26.0,
     objects: int = 4,
     variation: str = "none",
+    kind: type[Condition] = Condition,
     **more: Any,
 ) -> Condition:
     """A session with some settings changed.
@@ -97,6 +126,7 @@ def condition(
         minutes: Length.
         objects: How many there are on the table.
         variation: What of the world varies with the seed.
+        kind: Class of the condition.
         more: Further fields of ``Condition``.
     """
     config = VariedSessionConfig(
@@ -106,7 +136,22 @@ def condition(
         robot=robot(PRESETS[preset], cues, gaze, learner),
     )
     scene = replace(config.world.scene, objects=OBJECTS[:objects])
-    return Condition(replace(config, world=replace(config.world, scene=scene)), **more)
+    return kind(replace(config, world=replace(config.world, scene=scene)), **more)
+
+
+def upright(**options: Any) -> Upright:
+    """A session with three objects in an upright square: 14 degrees wide and high for the robot, 16 and 15 for the
+    caregiver.
+
+    Args:
+        options: Of ``condition``.
+    """
+    made = condition(objects=3, learner={"units": (21, 13)}, kind=Upright, **options)  # 2.5 degrees on either axis
+    layout = LayoutConfig(x_range=(0.74, 0.94), y_range=(-0.1, 0.1), spacing=0.09, cells=(4, 4))
+    world = made.config.world
+    behaviour = replace(world.behaviour, holding_location=(PLANE_X, 0.0, 0.84))
+    assert isinstance(made, Upright)
+    return replace(made, config=replace(made.config, world=replace(world, layout=layout, behaviour=behaviour)))
 
 
 COMPLETE = "in_view+base+competition+wait+again"
@@ -131,8 +176,8 @@ SETTINGS = {
     "state/cues": Setting(condition(cues=True), 20),
     "state/no_cues_thesis": Setting(condition(preset="thesis"), 20),
     "state/cues_thesis": Setting(condition(cues=True, preset="thesis"), 20),
-    "pixels/no_cues": Setting(condition("pixels"), 10),
-    "pixels/cues": Setting(condition("pixels", cues=True), 10),
+    "pixels/no_cues": Setting(condition("pixels"), 20),
+    "pixels/cues": Setting(condition("pixels", cues=True), 20),
     **ablation(),
     "changed/gate_by_certainty": Setting(condition(gaze={"gate": "certainty"}), 10),
     "changed/gate_of_the_thesis": Setting(condition(gaze={"gate_midpoint": 150.0, "gate_width": 22.5}), 10),
@@ -151,18 +196,27 @@ SETTINGS = {
     "hour": Setting(condition(minutes=60), 10),
     "variation": Setting(condition("pixels", variation="all"), 10),
     "strangers/one_teacher": Setting(
-        Strangers(condition("pixels").config, PEOPLE[:1], PEOPLE[1:]), 5
+        Strangers(condition("pixels").config, PEOPLE[:1], PEOPLE[1:]), 10
     ),
     "strangers/three_teachers": Setting(
-        Strangers(condition("pixels").config, PEOPLE[:3], PEOPLE[3:]), 5
+        Strangers(condition("pixels").config, PEOPLE[:3], PEOPLE[3:]), 10
     ),
+    **{f"told/{part}": Setting(condition("pixels", kind=PartlySeen, told=part), 10) for part in PARTS},
+    "upright/state_no_cues": Setting(upright(), 10),
+    "upright/state_cues_thesis": Setting(upright(cues=True, preset="thesis"), 10),
+    "upright/pixels_no_cues": Setting(upright(perception="pixels"), 10),
+    "upright/pixels_cues_thesis": Setting(upright(perception="pixels", cues=True, preset="thesis"), 10),
 }  # fmt: skip
 """Under string ids: what is asked, a slash, and what is changed in the robot with all parts, from the state and without
 motion cues unless it says otherwise."""
+FILM = Path(__file__).with_name("side_by_side.mp4")
+"""Two robots side by side (see ``film``)."""
 FIRST_SEED = 60_000
 """Held-out seeds; the design and its numbers were chosen on others."""
 COLUMNS = ("landing_s", "success", "success_at_launch", "success_at_landing", "phase_at_launch", "on_nothing")
 """Kept of every shift from the face to an object."""
+ERRORS = ("pan_error_deg", "tilt_error_deg")
+"""Kept beside them where objects hang in a plane."""
 
 
 class ConditionRun(VariedSessionRun):
@@ -174,9 +228,19 @@ class ConditionRun(VariedSessionRun):
 
     def new_world(self, seed: np.random.SeedSequence) -> World:
         """See ``SessionRun``."""
-        kind = world_with(self._condition.looks_away, self._condition.looks_at_others, self._condition.handled)
+        asked = self._condition
+        kind = world_with(asked.looks_away, asked.looks_at_others, asked.handled)
+        if isinstance(asked, Upright):
+            kind = UprightWorld
         world, conditions = drawn(self.config.world, self.config.ranges, seed)
         return kind.build(world, seed, conditions)
+
+    def new_perceiver(self, rng: np.random.Generator) -> Perceiver:
+        """See ``SessionRun``."""
+        perceiver = super().new_perceiver(rng)
+        if isinstance(self._condition, PartlySeen) and isinstance(perceiver, PixelPerception):
+            return PartlyTold(perceiver, self.world, self._condition.told)
+        return perceiver
 
     def new_robot(self, perceiver: Perceiver, seed: np.random.SeedSequence) -> GazeFollower:
         """See ``SessionRun``."""
@@ -227,7 +291,7 @@ def trial(asked: Condition | Strangers, seed: int) -> dict[str, Any]:
         return {
             **{name: getattr(summary, name) for name in kept},
             "map_error_deg": summary.map_error_deg.median,
-            "shifts": _shifts(session),
+            "shifts": _shifts(session, (*COLUMNS, *ERRORS) if isinstance(asked, Upright) else COLUMNS),
         }
     finally:
         session.close()
@@ -238,9 +302,9 @@ def _finish(session: SessionRun) -> None:
         session.step()
 
 
-def _shifts(session: SessionRun) -> dict[str, list[Any]]:
+def _shifts(session: SessionRun, columns: tuple[str, ...] = COLUMNS) -> dict[str, list[Any]]:
     rows = [row for row in session.shifts if row.face_to_object and row.target_at_launch is not None]
-    return {name: [getattr(row, name) for row in rows] for name in COLUMNS}
+    return {name: [getattr(row, name) for row in rows] for name in columns}
 
 
 def _meet_strangers(asked: Strangers, seed: int) -> dict[str, Any]:

@@ -20,6 +20,9 @@ IDS = {
 }
 """Gymnasium's id of each task: ``gymnasium.make("jointattn_mj:Follow-v0")``."""
 ENTRY_POINT = "jointattn_mj.adapters.gymnasium:JointAttentionEnv"
+VECTOR_ENTRY_POINT = "jointattn_mj.adapters.vector:FollowVector"
+VECTORS = ("follow", "follow_hard")
+"""Tasks of which many worlds run together; of the others Gymnasium makes as many environments."""
 
 
 def register_when_needed() -> None:
@@ -33,7 +36,8 @@ def register_when_needed() -> None:
 def _register() -> None:
     gymnasium = importlib.import_module("gymnasium")
     for name, task in IDS.items():
-        gymnasium.register(id=name, entry_point=ENTRY_POINT, kwargs={"task": task})
+        vector = VECTOR_ENTRY_POINT if task in VECTORS else None
+        gymnasium.register(id=name, entry_point=ENTRY_POINT, vector_entry_point=vector, kwargs={"task": task})
 
 
 class _GymnasiumFinder:

@@ -40,6 +40,8 @@ class LagScan:
     surrogates: int
     method: str
     """How surrogates were made (see ``significance.Method``)."""
+    recordings: int = 0
+    """Recordings whose values were averaged; 0: all their steps were taken together."""
 
     @property
     def best(self) -> int:
@@ -159,6 +161,36 @@ def scan_steps(
         rng: Draws the surrogates.
         progress: Called with the number of surrogates drawn since the last call.
     """
+    return lag_scan(lags, scan_surrogates(given, measure, lags, timing, options, unit, rng, progress), options.level)
+
+
+@dataclass(frozen=True)
+class ScanSurrogates:
+    """Values at several lags, in units of the base, and those of surrogates that all lags share."""
+
+    value: np.ndarray
+    """Plug-in (lags,)."""
+    null: np.ndarray
+    """(surrogates, lags)."""
+    transitions: int
+    method: str
+
+
+def scan_surrogates(
+    given: Steps,
+    measure: Measure,
+    lags: Sequence[int],
+    timing: Timing,
+    options: TestOptions,
+    unit: float,
+    rng: np.random.Generator,
+    progress: Callable[[int], object] = lambda done: None,
+) -> ScanSurrogates:
+    """Measure series, and surrogates of them, at several lags; arguments as of ``scan_steps``.
+
+    Raises:
+        SeriesError: No or bad lags, or recordings shorter than the longest one.
+    """
     if not len(lags) or any(int(lag) != lag or lag < 1 for lag in lags) or len(set(lags)) < len(lags):
         raise SeriesError(f"lags must be different whole numbers of 1 or more; got {list(lags)[:10]}")
     at_lags = scanned(given, [int(lag) for lag in lags], timing)
@@ -173,23 +205,36 @@ def scan_steps(
         return np.concatenate([table.values(pieces) for table in tables])
 
     null = drawn(moved, values, first.transitions * len(tables), options.surrogates, rng, progress) / unit
-    value = np.array([measure.value(shifted.entries()) for shifted in at_lags]) / unit
+    value = np.array([measure.value(one.entries()) for one in at_lags]) / unit
+    return ScanSurrogates(value, null, first.transitions, how)
+
+
+def lag_scan(lags: Sequence[int], surrogates: ScanSurrogates, level: float, recordings: int = 0) -> LagScan:
+    """Chance levels and p at each lag.
+
+    Args:
+        lags: Steps from source to result.
+        surrogates: Values and surrogates at these lags.
+        level: Share of surrogates that stay below chance levels.
+        recordings: Recordings whose values were averaged; 0: all their steps were taken together.
+    """
+    value, null = surrogates.value, surrogates.null
     mean, sd = null.mean(0), null.std(0)
     rounding = 1e-12 * np.maximum(1, np.abs(value))
     sound = np.where(sd > rounding, sd, 1.0)
     z, of_null = (value - mean) / sound, (null - mean) / sound
     highest = of_null.max(1)
-    chance = np.quantile(null, options.level, axis=0) - mean
     return LagScan(
         lags=np.array(lags, np.int64),
         value=value,
         effective=value - mean,
-        chance=chance,
-        chance_of_all=np.quantile(highest, options.level) * np.where(sd > rounding, sd, 0.0),
+        chance=np.quantile(null, level, axis=0) - mean,
+        chance_of_all=np.quantile(highest, level) * np.where(sd > rounding, sd, 0.0),
         p=(1 + np.sum(null >= value - rounding, axis=0)) / (1 + len(null)),
         p_adjusted=(1 + np.sum(highest[:, None] >= z - 1e-9, axis=0)) / (1 + len(null)),
-        level=options.level,
-        transitions=first.transitions,
+        level=level,
+        transitions=surrogates.transitions,
         surrogates=len(null),
-        method=how,
+        method=surrogates.method,
+        recordings=recordings,
     )

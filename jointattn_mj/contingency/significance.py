@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import Annotated, Literal, get_args
 
@@ -18,7 +18,7 @@ from jointattn_mj.contingency.memory import Memory, memory
 from jointattn_mj.contingency.names import full_name
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.surrogates import Permute, plan
-from jointattn_mj.contingency.table import Steps, steps
+from jointattn_mj.contingency.table import Entries, Steps, steps
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import Checked, Count, Real, Whole
 
@@ -107,6 +107,8 @@ class Significance:
     """How the surrogates were made (see ``Method``)."""
     inflation: float = 1.0
     """How much more the measure varies by chance than it would with permutations (see ``memory``)."""
+    null: np.ndarray = field(default_factory=lambda: np.zeros(0), repr=False, compare=False)
+    """The surrogates' values, (surrogates,)."""
 
     def __repr__(self) -> str:
         low, high = self.interval
@@ -220,14 +222,16 @@ def assess_measures(
         told = _told(progress, len(at))
         null = drawn(ways, table.values, table.transitions, options.surrogates, rngs[at[0]], told)
         moved |= {i: (null[:, column], table.exchangeable) for column, i in enumerate(at)}
+    counted = given.entries_by_step() if options.resamples else (given.entries(), np.zeros(0, np.int64))
     return [
-        _assessed(given, measure, options, unit, rngs[i], progress, methods[i], remembered[i], moved.get(i))
+        _assessed(given, counted, measure, options, unit, rngs[i], progress, methods[i], remembered[i], moved.get(i))
         for i, measure in enumerate(measures)
     ]
 
 
 def _assessed(
     given: Steps,
+    counted: tuple[Entries, np.ndarray],
     measure: Measure,
     options: TestOptions,
     unit: float,
@@ -238,7 +242,7 @@ def _assessed(
     moved: tuple[np.ndarray, int] | None,
 ) -> Significance:
     """One measure; ``moved``: its surrogates and exchangeable transitions, where these are no permutations."""
-    entries = given.entries()
+    entries = counted[0]
     value = measure.value(entries)
     block = options.block
     if moved is None:
@@ -252,7 +256,7 @@ def _assessed(
     resampled = bootstrap.chosen(given, options.resample)
     low = high = float("nan")
     if options.resamples:
-        values = bootstrap.resampled(given, measure, options.resamples, rng, resampled, block, progress)
+        values = bootstrap.resampled(given, measure, options.resamples, rng, resampled, block, progress, counted)
         bias = measure.bias(entries, "degrees_of_freedom") if moved is None else mean
         low, high = bootstrap.interval(value, values, bias, options.level)
         if moved is not None:
@@ -273,6 +277,7 @@ def _assessed(
         resampled=resampled,
         method=method,
         inflation=remembered.inflation,
+        null=null / unit,
     )
 
 

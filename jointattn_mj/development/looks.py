@@ -16,9 +16,6 @@ from jointattn_mj.contingency.online.local import LocalConfig, search
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.guards.restored import check_whole
 
-STREAM = 1000
-"""Key of the random stream of looks, beside that of the selector."""
-
 
 class Looks:
     """When to look, and what is found and read then.
@@ -28,18 +25,13 @@ class Looks:
         made_at: Steps done when each module was made.
     """
 
-    def __init__(self, config: LocalConfig, seed: np.random.SeedSequence):
+    def __init__(self, config: LocalConfig):
         """Looks of an agent before its first step.
 
         Args:
             config: Settings of stop rule local; when to look is among them.
-            seed: Of the agent; looks have a stream of their own.
         """
-        key = (*seed.spawn_key, STREAM)
         self._config = config
-        self._random = np.random.default_rng(
-            np.random.SeedSequence(seed.entropy, spawn_key=key, pool_size=seed.pool_size)
-        )
         self.next = int(config.first_look)
         self.made_at: list[int] = []
 
@@ -99,10 +91,11 @@ class Looks:
         Returns:
             Number of the event that is found, or NOTHING; and every event's value (E,), nats.
         """
-        served, since = [module.event for module in modules], self.made_at[-1] if self.made_at else 0
+        served = [module.event for module in modules]
+        since = max(0, self.made_at[-1] - steps.forgotten) if self.made_at else 0
         if steps.n_steps < 2:
             return NOTHING, np.zeros(len(events))
-        return search(steps, events, served, since, self._config, self._random, lambda one: self._offers(one, steps))
+        return search(steps, events, served, since, self._config, lambda one: self._offers(one, steps))
 
     def check(self, modules: int) -> None:
         """Refuse looks that an agent with so many modules cannot have.

@@ -34,13 +34,14 @@ def check_module(module: Module, variables: Variables) -> None:
     check_array("a module's saliency", module.saliency, (*shape, results, actions), float)
 
 
-def check_agent(state: "AgentState", model: "AgentState", variables: Variables) -> None:
+def check_agent(state: "AgentState", model: "AgentState", variables: Variables, window: int | None = None) -> None:
     """Refuse an agent whose state is not laid out as that of a new one.
 
     Args:
         state: State of the agent.
         model: State of a new agent with the same variables and modules.
         variables: The agent's.
+        window: How many of the last steps are kept whole; None for all.
 
     Raises:
         ValueError: Something differs, or a value is none of its variable.
@@ -63,9 +64,9 @@ def check_agent(state: "AgentState", model: "AgentState", variables: Variables) 
     for values, size in ((past.s, sizes[0]), (past.a, sizes[1]), (past.r, sizes[2]), (past.r_next, sizes[2])):
         check_array("past", values, values.shape, np.int64, 0, size - 1)
     check_array("past", past.contexts, past.contexts.shape, np.int64, 0, len(counts.layout))
-    rows = int(state.n_steps[0]) if state.keeping else 0
+    rows = window or max(len(state.experience.s), int(state.n_steps[0]) if state.keeping else 0)
     for name, part, size in zip("sar", state.experience, sizes, strict=True):
-        check_array(f"experience of {name}", part, (max(rows, len(part)), len(size)), np.int8, 0, size - 1)
+        check_array(f"experience of {name}", part, (rows, len(size)), np.int8, 0, size - 1)
     check_array("driver", state.driver, state.driver.shape, np.int64, -1, len(maps.joint) - 1)
     check_array("first", state.watch.first[:1], (1,), np.int64, -1, len(state.watch.values) - 1)
     check_array("counts", counts.entries, counts.entries.shape, float, 0)

@@ -5,6 +5,7 @@ or is worn: what goes with the person's face wherever that goes. An object that 
 its colours, which need not be saturated.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
@@ -122,6 +123,12 @@ class FootageAreas:
                 slot.trail.clear()
         if lost:
             self._slots = [Slot() for _ in self._slots]
+
+    def turn(self, moved: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Say that the eye has turned: ``moved`` gives the new pixel (2,) of a pixel (2,) of the last image."""
+        for slot in self._slots:
+            slot.px = None if slot.px is None else moved(slot.px)
+            slot.trail = [np.concatenate([moved(one[:2]), moved(one[2:])]) for one in slot.trail]
 
     def find(self, image: np.ndarray, gray: np.ndarray, areas: Areas) -> None:
         """Find the objects in an image.

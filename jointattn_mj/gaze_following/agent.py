@@ -184,6 +184,10 @@ class GazeFollower:
         self._leaving_for = chosen if waits else None
         return chosen if not waits and chosen is not None and percept.visible[chosen] else None
 
+    def hold(self, direction: np.ndarray) -> None:
+        """Turn to ``direction`` (2,), deg, and stay there; only while no gaze shift is under way."""
+        self._hold(direction)
+
     def _hold(self, direction: np.ndarray) -> None:
         """Make ``direction`` (2,), deg, the reference of the head's servos."""
         self._held, self._command = direction, np.radians(direction)

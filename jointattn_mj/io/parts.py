@@ -45,6 +45,14 @@ footage.likeness: Appearance
 footage.people: People PeopleConfig Person Track
 footage.perceiving: FootagePerception
 footage.rest: Rest RestConfig
+footage.sessions.camera: CameraSessionRun
+footage.sessions.frames: WideFrames
+footage.sessions.head: DigitalHead
+footage.sessions.latency: CameraCount Latency
+footage.sessions.lens: HeadConfig
+footage.sessions.perceiver: WidePerception
+footage.sessions.session: CodedMoment VideoSessionRun
+footage.sessions.world: WideWorld
 footage.shots: ShotConfig Shots
 footage.spans: Span Spans
 footage.watcher: Watcher

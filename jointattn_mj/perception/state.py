@@ -74,8 +74,6 @@ class StatePerception:
             np.where(face, config.face_motion_false_alarm, config.object_motion_false_alarm),
         ])  # fmt: skip
         self._draws, self._noise = np.empty((2, objects + 1)), np.empty((objects + 1, 2))
-        visible, moves = np.zeros((2, objects + 1), bool)
-        self._percept = Percept(visible=visible, px=np.empty((objects + 1, 2)), moves=moves)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Restore it.
@@ -102,11 +100,13 @@ class StatePerception:
             observation: Only the head's angles are read, rad.
             landed: Whether the head has just come to rest; then no motion is detected, as with images.
         """
-        pan, tilt = (radians(degrees(angle)) for angle in observation.head_angles)
+        head = observation.head_angles
+        pan, tilt = radians(degrees(head[0])), radians(degrees(head[1]))
         self._rng.random(out=self._draws)
         self._rng.standard_normal(out=self._noise)
         moving = self._world.moving(self.config.face_moves_above_deg_s, self.config.object_moves_above_m_s)
-        percept = self._percept
+        n = len(moving)
+        percept = Percept(visible=np.empty(n, bool), px=np.empty((n, 2)), moves=np.empty(n, bool))
         _perceive(
             self._world.candidate_points(), cos(pan), sin(pan), cos(tilt), sin(tilt), moving, landed,
             self._draws, self._noise, self._errors, percept.visible, percept.px, percept.moves,

@@ -22,13 +22,13 @@ from jointattn_mj.contingency.local import LocalContingency, carriers, local_of_
 from jointattn_mj.contingency.names import NAMES, full_name, measure_choice
 from jointattn_mj.contingency.scan import LagScan, scan_steps
 from jointattn_mj.contingency.series import check_base
-from jointattn_mj.contingency.significance import MEASURES, Significance, assess_measures
+from jointattn_mj.contingency.significance import MEASURES, Significance, TestOptions, assess_measures
 from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.io.results import bracket, claimed_paths, number, share, write_results
 from jointattn_mj.options import Whole
 from jointattn_mj.recordings.delays import check_delay, delay_in_steps
-from jointattn_mj.recordings.dyads import DyadResult, by_dyad, groups_by
+from jointattn_mj.recordings.dyads import DyadResult, by_dyad, groups_by, scan_over_dyads
 from jointattn_mj.recordings.lags import draw_lags, lag_rows, lag_words
 from jointattn_mj.recordings.methods import WORDS, method_notes
 from jointattn_mj.recordings.options import RecordingTestOptions
@@ -292,13 +292,15 @@ def _run(
     if options.scan is not None:
         lags = range(1, delay_in_steps("scan", options.scan, data.step) + 1)
         unit, rng = check_base(options.base), np.random.default_rng(streams[len(CONDITIONED)])
+        each = _over_recordings(data, options)
         for measure in options.scanned:
-            scan = scan_steps(whole, measure, lags, timing, options.test(), unit, rng, progress)
+            if each:
+                stream = streams[len(CONDITIONED)].spawn(1)[0]
+                scan = scan_over_dyads(whole, measure, lags, timing, _of_one(options), unit, stream, progress)
+            else:
+                scan = scan_steps(whole, measure, lags, timing, options.test(), unit, rng, progress)
             scans.append((measure.name, scan))
-        notes.append(
-            f"p over lags comes from {scans[0][1].surrogates} surrogates, {WORDS[scans[0][1].method]}, and the highest "
-            f"of all {len(lags)} lags in each (max-T)"
-        )
+        notes.append(_scan_note(scans[0][1]))
     dyads = _by_recording(given, data, options, streams[-1])
     try:
         granger = float("nan") if options.measures else _granger(given, options.base)
@@ -370,20 +372,41 @@ def _measured(
     return tuple(measured)
 
 
+def _over_recordings(data: Recordings, options: MeasureOptions) -> bool:
+    """Whether there are values for each recording."""
+    if options.over == "auto":
+        return options.by is not None or len(set(data.groups)) >= ENOUGH_RECORDINGS
+    return options.over == "recordings"
+
+
+def _of_one(options: MeasureOptions) -> TestOptions:
+    """How one recording is tested, which has no partners in others."""
+    return replace(options.test(), method="auto") if options.method == "partners" else options.test()
+
+
+def _scan_note(scan: LagScan) -> str:
+    """Where p over lags comes from."""
+    how = " or ".join(WORDS[method] for method in scan.method.split(" or "))
+    means = f"; values are means over {scan.recordings} recordings, and so are those of surrogates" * (
+        scan.recordings > 0
+    )
+    return (
+        f"p over lags comes from {scan.surrogates} surrogates, {how}, and the highest of all {len(scan.lags)} lags in "
+        f"each (max-T){means}"
+    )
+
+
 def _by_recording(
     given: Steps, data: Recordings, options: MeasureOptions, stream: np.random.SeedSequence
 ) -> tuple[DyadResult, ...]:
     """Values for each recording, where there are several."""
-    count = len(set(data.groups))
-    few = options.over == "auto" and options.by is None and count < ENOUGH_RECORDINGS
-    if options.over == "steps" or few or not options.scanned:
+    if not options.scanned or not _over_recordings(data, options):
         return ()
     names = {number: data.names[number] if data.names else str(number) for number in set(data.groups)}
     group_of = None if options.by is None else groups_by(data, options.by, names)
     unit, streams = check_base(options.base), stream.spawn(len(options.scanned))
-    test = replace(options.test(), method="auto") if options.method == "partners" else options.test()
     return tuple(
-        by_dyad(given, measure, names, test, unit, one, group_of, options.by or "")
+        by_dyad(given, measure, names, _of_one(options), unit, one, group_of, options.by or "")
         for measure, one in zip(options.scanned, streams, strict=True)
     )
 

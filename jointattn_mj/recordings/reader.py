@@ -17,9 +17,11 @@ from jointattn_mj.recordings.steps import Recordings
 from jointattn_mj.recordings.table_files import TableFile
 
 if TYPE_CHECKING:
+    from jointattn_mj.recordings.agreement import Agreement
     from jointattn_mj.recordings.discover import DiscoverResult
     from jointattn_mj.recordings.measure import MeasureResult
     from jointattn_mj.recordings.report import RecordingReport
+    from jointattn_mj.recordings.transitions import TransitionResult
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -226,6 +228,48 @@ class Coding:
         names = _tuple(sensors), _tuple(actions), _tuple(results)
         options = DiscoverOptions(**self._told(step, how), sensors=names[0], actions=names[1], results=names[2])
         return run_discover(options, data=Coding(self.source, options, (*names[0], *names[1], *names[2])).steps(step))
+
+    def transitions(
+        self, given: str, target: str | None = None, step: float | None = None, **how: Any
+    ) -> "TransitionResult":
+        """Count what follows what, as ``jointattn transitions`` does.
+
+        Args:
+            given: Tier or column of the earlier code.
+            target: That of the later code; None: the same.
+            step: Length of a step in seconds, for events; None where rows are steps.
+            how: Further fields of ``TransitionOptions``, such as ``lag`` or ``unit``.
+
+        Returns:
+            Frequencies and what follows from them; ``print(result.text())`` shows them.
+
+        Raises:
+            SeriesError: It cannot be read, sampled or counted.
+            ConfigError: An option that cannot work.
+        """
+        from jointattn_mj.recordings.transitions import TransitionOptions, run_transitions
+
+        options = TransitionOptions(**self._told(step, how), given=given, target=target)
+        return run_transitions(options, Coding(self.source, options, tuple(dict.fromkeys(options.both))).steps(step))
+
+    def agreement(self, second: "Coding", tiers: Sequence[str] | None = None, **how: Any) -> tuple["Agreement", ...]:
+        """Compare with a second coder, as ``jointattn agreement`` does.
+
+        Args:
+            second: Coding of the same recordings.
+            tiers: Tiers that are compared; None: all that both have.
+            how: Fields of ``AgreementOptions``, such as ``step`` or ``tolerance_s``.
+
+        Returns:
+            Kappa and more for each tier.
+
+        Raises:
+            SeriesError: They cannot be read, or have nothing in common.
+            ConfigError: An option that cannot work.
+        """
+        from jointattn_mj.recordings.agreement import AgreementOptions, agreement
+
+        return agreement(self.events, second.events, tiers, AgreementOptions(**how))
 
     def report(self, out: Path | str, **how: Any) -> "RecordingReport":
         """Make one page of the coding, as ``jointattn recordings`` does.

@@ -23,10 +23,10 @@ from jointattn_mj.recordings.agreement import Agreement, AgreementOptions, agree
 from jointattn_mj.recordings.delays import check_delay, delay_in_steps
 from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.joint_attention import JointAttention, JointAttentionRules, joint_attention
-from jointattn_mj.recordings.measure import MeasureOptions, MeasureResult, run_measure
+from jointattn_mj.recordings.measure import ENOUGH_RECORDINGS, MeasureOptions, MeasureResult, run_measure
 from jointattn_mj.recordings.reader import ReadOptions, read
 from jointattn_mj.recordings.sampling import SampleOptions
-from jointattn_mj.recordings.sequential import LagTable, SequentialOptions, lag_table
+from jointattn_mj.recordings.sequential import LagTable, OverRecordings, SequentialOptions, lag_table, yules_q_over
 from jointattn_mj.recordings.steps import Recordings
 
 PAGE = "report.html"
@@ -111,6 +111,8 @@ class RecordingReport:
     agreements: tuple[Agreement, ...]
     notes: tuple[str, ...]
     """What was left out, and why; where p-values come from."""
+    over_recordings: Mapping[tuple[str, str], OverRecordings] = field(default_factory=dict)
+    """Yule's Q recording by recording, where there are several."""
     out: Path | None = None
     """Where it was written."""
 
@@ -151,12 +153,20 @@ class RecordingReport:
             "lags": [row for pair, one in pairs for row in named(pair, one.lag_rows())],
             "values": [row for pair, one in pairs for row in named(pair, _first_measure(one.value_rows()))],
             "dyads": [row for pair, one in pairs for row in named(pair, one.dyad_rows())],
-            "transitions": [row for pair, one in self.transitions.items() for row in named(pair, one.rows())],
+            "transitions": [row for pair in self.transitions for row in named(pair, self.transition_rows(pair))],
             "agreement": [agreed.row() for agreed in self.agreements],
             "events": [
                 dict(zip(columns, row, strict=True)) for row in zip(*(events[name] for name in columns), strict=True)
             ],
         }
+
+    def transition_rows(self, pair: tuple[str, str]) -> list[dict[str, Any]]:
+        """A row a transition of a pair of tiers, with means over recordings where there are several."""
+        table = self.transitions[pair]
+        if pair not in self.over_recordings:
+            return table.rows()
+        more = self.over_recordings[pair].rows(table.possible)
+        return [{**row, **means} for row, means in zip(table.rows(), more, strict=True)]
 
     def methods(self) -> str:
         """A paragraph to paste: what was done, with every number and setting."""
@@ -261,6 +271,8 @@ def analyse(
     lag = delay_in_steps("lag", options.lag, options.step)
     sequential = SequentialOptions(lag=lag, surrogates=options.surrogates, seed=options.seed)
     transitions = {pair: lag_table(steps, *pair, sequential) for pair in (options.looks, options.looks[::-1])}
+    several = len(set(steps.groups)) >= ENOUGH_RECORDINGS
+    over = {pair: yules_q_over(steps, *pair, sequential) for pair in transitions} if several else {}
     agreements: tuple[Agreement, ...] = ()
     if second is not None:
         same = AgreementOptions(
@@ -270,7 +282,7 @@ def analyse(
     notes = dict.fromkeys([*steps.notes(), *(note for result in pairs.values() for note in result.notes)])
     return RecordingReport(
         options, events, attention, steps, pairs, dict(zip(pairs, map(float, p), strict=True)), transitions,
-        agreements, tuple(notes), options.out,
+        agreements, tuple(notes), over, options.out,
     )  # fmt: skip
 
 

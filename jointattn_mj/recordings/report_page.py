@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
-from jointattn_mj.contingency.local import carriers
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.page import drawn, page
 from jointattn_mj.io.provenance import plain, versions
@@ -24,7 +23,7 @@ from jointattn_mj.recordings.report_figures import (
     timeline,
     transition_figure,
 )
-from jointattn_mj.recordings.report_words import p_words
+from jointattn_mj.recordings.report_words import p_words, wilson
 
 if TYPE_CHECKING:
     from jointattn_mj.recordings.measure import MeasureResult
@@ -65,7 +64,7 @@ def write_page(report: RecordingReport, folder: Path) -> None:
         "files": names,
         "ranking": report.ranking(),
         "transitions": _transitions(report),
-        "carried": _carried(report.pairs),
+        "answers": _answers(report),
         "dyads": _of_dyads(report.pairs),
         "by_recording": _by_recording(report),
         "hidden": len(report.events.recordings) - len(shown),
@@ -108,23 +107,29 @@ def _transitions(report: RecordingReport) -> list[dict[str, Any]]:
     """Those that stand out most, of both directions."""
     rows = [
         {"source": pair[0], "result": pair[1], "p_shift": None, **row}
-        for pair, table in report.transitions.items()
-        for row in table.rows()
+        for pair in report.transitions
+        for row in report.transition_rows(pair)
         if row["adjusted_residual"] == row["adjusted_residual"]
     ]
     return sorted(rows, key=lambda row: -abs(row["adjusted_residual"]))[:MOST_TRANSITIONS]
 
 
-def _carried(pairs: "Mapping[tuple[str, str], MeasureResult]") -> dict[str, list[str]]:
-    """Which looks carry the transfer entropy of each pair that is significant on its own."""
-    carried = {}
-    for (source, target), result in pairs.items():
-        one = result.measured[0]
-        if one.significance.p <= 0.05 and result.scans:
-            lines = [value.words(result.names, result.labels) for value in carriers(one.values, most=result.explain)]
-            if lines:
-                carried[f"{source} → {target}"] = lines
-    return carried
+def _answers(report: RecordingReport) -> list[dict[str, Any]]:
+    """Which look answers which: changes of looks that come more often than usual, in both directions, most first."""
+    answers = []
+    for source, target in (report.options.looks, report.options.looks[::-1]):
+        result = report.pairs[source, target]
+        labels = result.labels
+        for one in result.measured[0].values:
+            if one.before != one.result and one.contribution > 0 and one.p_adjusted <= report.options.alpha:
+                low, high = wilson(one.count, one.occasions)
+                answers.append(
+                    {"source": source, "look": labels[source][one.sensor], "target": target,
+                     "before": labels[target][one.before], "after": labels[target][one.result], "count": one.count,
+                     "occasions": one.occasions, "rate": one.rate, "low": low, "high": high, "usual": one.usual,
+                     "contribution": one.contribution, "p_adjusted": one.p_adjusted}
+                )  # fmt: skip
+    return sorted(answers, key=lambda row: -row["contribution"])[:MOST_TRANSITIONS]
 
 
 def _by_recording(report: RecordingReport) -> list[dict[str, Any]]:

@@ -19,6 +19,13 @@ def p_words(p: float) -> str:
     return "p < .001" if p < 0.001 else f"p = {p:.3f}".replace("0.", ".", 1)
 
 
+def wilson(count: int, of: int) -> tuple[float, float]:
+    """95% interval of a share (Wilson 1927)."""
+    z, share = 1.959964, count / of
+    middle, half = share + z * z / (2 * of), z * np.sqrt(share * (1 - share) / of + z * z / (4 * of * of))
+    return float((middle - half) / (1 + z * z / of)), float((middle + half) / (1 + z * z / of))
+
+
 def methods_paragraph(report: "RecordingReport") -> str:
     """The paragraph.
 
@@ -50,7 +57,9 @@ def methods_paragraph(report: "RecordingReport") -> str:
         + f"P-values of {len(report.pairs)} pairs of tiers were corrected by Holm's method; over lags of {o.step:g} to "
         f"{o.lags * o.step:g} s ({count(o.lags, 'lag')}) by the maximum over lags in each surrogate (Westfall and "
         f"Young, 1993). Transitions are adjusted residuals (Bakeman and Quera, 2011), tested by {o.surrogates:,} "
-        "circular shifts.",
+        "circular shifts"
+        + (", and means of the recordings' Yule's Q, with Student's t." if report.over_recordings else ".")
+        + " Which look answers which are shares of transfer entropy, tested exactly and corrected by Holm's method.",
         *_results(report),
     ]
     if report.agreements:
@@ -99,8 +108,9 @@ def _unit_words(report: "RecordingReport") -> str:
     dyads = next((result.dyads[0].groups[0].dyads for result in report.pairs.values() if result.dyads), None)
     if dyads is not None:
         return (
-            f"Values are means over {dyads} recordings, with 95% intervals over recordings by Student's t; p is of "
-            "the recordings together (Stouffer). Curves over lags and transitions are of all recordings' steps. "
+            f"Values are means over {dyads} recordings, with 95% intervals over recordings and two-sided p, both from "
+            "the distribution of t in the recordings' surrogates; curves over lags are means over recordings, held "
+            "against means of their surrogates. "
         )
     resamples = report.options.resamples
     return f"Intervals (95%) come from {resamples:,} block bootstrap resamples. " if resamples else ""

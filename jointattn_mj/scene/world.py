@@ -121,6 +121,7 @@ class World(Closable):
         self._steps = self.frames * steps_per_frame(model)
         self._wardrobe: Wardrobe | None = None
         self._image: np.ndarray | None = None
+        self._resting: mujoco.MjData | None = None  # all bodies as an episode begins, once ``script`` needs them
 
     @classmethod
     def build(cls, config: WorldConfig, seed: np.random.SeedSequence, conditions: Conditions = AS_USUAL) -> Self:
@@ -146,9 +147,7 @@ class World(Closable):
         """Begin an episode: objects laid out anew, the caregiver about to greet, the robot's head straight ahead."""
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_forward(self.model, self.data)
-        head = self.data.site("caregiver/face").xpos.copy()
-        arm = Arm.from_model(self.model, np.radians(self.config.behaviour.hand_pitch_deg))
-        self.caregiver = self.new_caregiver(head, arm, np.random.default_rng(seed))
+        self.caregiver = self._script(self.data, seed)
         self._script_angles[:] = self.caregiver.joints
         self._object_positions[:] = self.caregiver.objects
         mujoco.mj_forward(self.model, self.data)
@@ -158,6 +157,28 @@ class World(Closable):
         self.rendered_frames = 0
         self._image = None
         self.eye.forget()
+
+    def script(self, seed: np.random.SeedSequence) -> TransferScript:
+        """The caregiver's script of an episode, as ``reset`` begins it; the bodies stay as they are."""
+        if self._resting is None:
+            self._resting = mujoco.MjData(self.model)
+            mujoco.mj_forward(self.model, self._resting)
+        return self._script(self._resting, seed)
+
+    def _script(self, resting: mujoco.MjData, seed: np.random.SeedSequence) -> TransferScript:
+        arm = Arm.from_model(self.model, np.radians(self.config.behaviour.hand_pitch_deg))
+        return self.new_caregiver(resting.site("caregiver/face").xpos.copy(), arm, np.random.default_rng(seed))
+
+    def show(self, head: np.ndarray, script: TransferScript) -> None:
+        """Put all bodies where another episode has them, for an image of it.
+
+        Args:
+            head: (2,) pan and tilt of the robot's head, rad.
+            script: The caregiver's script in that episode.
+        """
+        self._head_angles[:], self._script_angles[:], self._object_positions[:] = head, script.joints, script.objects
+        mujoco.mj_fwdPosition(self.model, self.data)
+        self._image = None
 
     def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> TransferScript:
         """The caregiver's script for an episode.

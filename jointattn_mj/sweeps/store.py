@@ -53,8 +53,9 @@ ADDED: dict[str, dict[str, Any]] = {
     "": {"patch_side": None},
     "learner": {"pairs": "reached", "base": "none", "competition": 0.0, "compete_after": 10, "forgetting": 0.0,
                 "smoothing": 0.05},
-    "world": {"wrong": 0.0, "profile_shows": "gaze", "draws": "all"},
+    "world": {"wrong": 0.0, "profile_shows": "gaze", "draws": "all", "least_turned": 0},
     "table": {"wrong": 0.0, "profile_shows": "gaze"},
+    "rendered": {"least_turned": 0},
     "gaze": {"gate_sharpness": 3.0, "commands": "direction", "wait_for_still_face": False, "read_again": False},
 }  # fmt: skip
 """Fields that configs have got since trials were first stored, by the field that holds the config, with the values at

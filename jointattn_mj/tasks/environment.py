@@ -3,8 +3,9 @@
 from abc import abstractmethod
 from collections import OrderedDict
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from dm_control.mujoco.wrapper import MjModel
@@ -14,7 +15,7 @@ from dm_env import specs
 from jointattn_mj.errors import ConfigError, ObservationError, StateError
 from jointattn_mj.guards.closing import Closable
 from jointattn_mj.scene import snapshot
-from jointattn_mj.scene.caregiver import FRAME_S
+from jointattn_mj.scene.caregiver import FRAME_S, TransferScript
 from jointattn_mj.scene.dressing import Conditions
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH, build_model
 from jointattn_mj.scene.people import FaceConfig
@@ -144,6 +145,31 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
         self.world = self._world_of(*self._drawn)
         return self.world
 
+    def cast_script(self) -> tuple[World, TransferScript]:
+        """Begin the next episode outside of its world, which several tasks may then share: the world and the script."""
+        world = self.cast()
+        (seed,) = self._seeds.spawn(1)
+        self._begin_to_see()
+        return world, world.script(seed)
+
+    def twin(self) -> Self:
+        """Another task with episodes of its own, in the same worlds."""
+        other = object.__new__(type(self))  # a copy would have worlds of its own
+        other.__dict__.update(vars(self))
+        if self._face_patch:
+            other._face = copy(self._known_face())
+        return other
+
+    def observe_anew(self) -> TaskObservation:
+        """Observe the world as it is, after bodies were moved outside of a step."""
+        self._seen = None
+        return self.get_observation(self.world.physics)
+
+    @property
+    def varies(self) -> bool:
+        """Whether worlds differ from episode to episode by more than the caregiver."""
+        return self._variation.on
+
     def _world_of(self, config: WorldConfig, conditions: Conditions) -> World:
         """The world with that caregiver; compiled when it is first needed."""
         who = config.scene.caregiver, config.scene.face
@@ -161,13 +187,16 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
     def initialize_episode(self, physics: Physics) -> None:
         """Start the next episode: everything that its seed decides."""
         (seed,) = self._seeds.spawn(1)
-        if self._face_patch:
-            self._known_face().begin()
-        self._seen = None
+        self._begin_to_see()
         self.world.vary(*self._drawn)
         self.world.reset(seed)
         self.begin(seed)
         self.after_step(physics)
+
+    def _begin_to_see(self) -> None:
+        self._seen = None
+        if self._face_patch:
+            self._known_face().begin()
 
     def begin(self, seed: np.random.SeedSequence) -> None:
         """What a task adds to the start of an episode; ``seed`` is the episode's."""
@@ -331,6 +360,11 @@ class Environment(Closable, control.Environment):  # type: ignore[misc]
             key = control.FLAT_OBSERVATION_KEY
             return OrderedDict({key: specs.Array((size,), float, name=key)})
         return spec
+
+    @property
+    def step_limit(self) -> int:
+        """Steps in an episode."""
+        return int(self._step_limit)
 
     @property
     def over(self) -> bool:

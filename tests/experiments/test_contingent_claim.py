@@ -6,10 +6,15 @@ import numpy as np
 import pytest
 
 from experiments.cross_situational import analysis, sweep
-from experiments.cross_situational.caregivers import world_with
+from experiments.cross_situational.caregivers import PLANE_X, world_with
+from experiments.cross_situational.told import EXACT, PARTS, PartlyTold
 from experiments.registry import REGISTRY
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.perception.percept import Percept
+from jointattn_mj.perception.state import StatePerception
+from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.caregiver import Phase
-from jointattn_mj.scene.world import World, WorldConfig
+from jointattn_mj.scene.world import World, WorldConfig, WorldObservation
 from jointattn_mj.sweeps.claim import Trial
 
 pytestmark = pytest.mark.integration
@@ -49,6 +54,63 @@ def test_a_caregiver_who_looks_at_others():
 
 def test_distractors_are_never_handled():
     assert {held for _, _, held, _ in frames(90, handled=2)} == {None, 0, 1}
+
+
+@pytest.mark.parametrize(
+    ("kind", "options"), [(sweep.Upright, {"looks_away": 0.5}), (sweep.PartlySeen, {"told": "motion"})]
+)
+def test_conditions_that_contradict_each_other(kind, options):
+    with pytest.raises(ConfigError, match=r"handles all|needs perception pixels; got state"):
+        sweep.condition(kind=kind, **options)
+
+
+def test_objects_in_an_upright_square():
+    """Moved from place to place within it, as wide as high for the robot, never below the table or before the face."""
+    asked = sweep.SETTINGS["upright/state_no_cues"].config
+    session = sweep.ConditionRun(asked, 1)
+    places = []
+    for _ in range(1200):
+        session.world.step(np.zeros(2))
+        if session.world.caregiver.held is None:
+            places.append(session.world.caregiver.objects.copy())
+    session.close()
+    layout, (x, y, z) = asked.config.world.layout, np.vstack(places).T
+    assert (x == PLANE_X).all()
+    for along, span in ((z, layout.x_range), (y, layout.y_range)):
+        assert span[0] <= along.min() < along.max() <= span[1] and len(np.unique(along)) > 5
+    corners = [(PLANE_X, side, height) for side in layout.y_range for height in layout.x_range]
+    spread = np.ptp(directions_to(np.array(corners)), axis=0)
+    assert spread[0] == pytest.approx(spread[1], rel=0.05)
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_a_percept_of_which_a_part_is_told(part):
+    """Each part comes from where it should; images here find no face, and objects elsewhere."""
+    world = World.build(WorldConfig(), np.random.SeedSequence(5))
+    for _ in range(50):  # until the head turns
+        world.step(np.zeros(2))
+    seen = Blind()
+    told, exact = PartlyTold(seen, world, part), StatePerception(EXACT, world, np.random.default_rng(0))
+    percept, true = (one.perceive(WorldObservation(world), False) for one in (told, exact))
+    positions, pattern = part in ("positions", "all"), part in ("face_pattern", "all")
+    assert percept.visible[:-1].all() and percept.visible[-1] == (positions and pattern)
+    np.testing.assert_allclose(percept.px[0], true.px[0] if positions else (1, 2))
+    np.testing.assert_array_equal(percept.moves, true.moves & percept.visible if part in ("motion", "all") else False)
+    assert told.pattern_size == len(told.face_pattern()) == (2 if pattern else 3)
+    world.close()
+
+
+class Blind:
+    """Perception from images that finds no face, and every object in one place."""
+
+    pattern_size = 3
+
+    def perceive(self, observation, landed: bool) -> Percept:
+        visible = np.array([True] * 4 + [False])
+        return Percept(visible, np.where(visible[:, None], (1.0, 2.0), np.nan), np.zeros(5, bool))
+
+    def face_pattern(self) -> np.ndarray:
+        return np.zeros(3)
 
 
 def test_a_robot_that_watches_does_not_shift_its_gaze():
@@ -96,6 +158,32 @@ def test_what_is_found():
     assert wrong.ours.mean == 0.8
     figures = REGISTRY["contingent"].draw(trials | {"ablation/reached": [made_up("ablation/reached", 0, 9)]})
     assert set(figures) == {"cross_situational", "cross_situational_ablation"}
+
+
+def test_the_axes_apart():
+    """Pan right from the third minute, tilt from the eighth."""
+    at = np.arange(0, 26 * 60, 6.0)
+    off = {axis: np.where(at < 60 * minute, 9.0, 1.0).tolist() for axis, minute in (("pan", 3), ("tilt", 8))}
+    name = "upright/pixels_no_cues"
+    trials = [made_up(name, seed, 5.0) for seed in range(3)]
+    for trial in trials:
+        trial.result["shifts"] |= {f"{axis}_error_deg": errors for axis, errors in off.items()}
+    near, apart = analysis.axes(trials, "objects")
+    assert near.what.startswith("landings within 3.5 deg") and near.ours.mean == pytest.approx(0.5, abs=0.1)
+    assert apart.ours.mean == pytest.approx(3.5, abs=1)
+    assert "cross_situational_axes" in REGISTRY["contingent"].draw({name: trials})
+
+
+def test_what_images_cost():
+    names = ("state/no_cues", "pixels/no_cues", "told/motion")
+    trials = {name: [made_up(name, seed, 4.0) for seed in range(2)] for name in names}
+    for name in names:
+        for trial in trials[name]:
+            trial.result["shifts"]["phase_at_launch"] = ["put", "gaze"] * 130
+    found = {one.what: one for one in REGISTRY["contingent"].analyse(trials)}
+    assert "late rate by the caregiver's task at launch, cross-situational, without motion cues, from images" in found
+    assert any("motion told by the state" in what and ", less " in what for what in found)
+    assert "cross_situational_images" in REGISTRY["contingent"].draw(trials)
 
 
 def test_strangers_are_told_apart():

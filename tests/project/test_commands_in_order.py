@@ -24,7 +24,10 @@ pytestmark = pytest.mark.integration
 NOT_RUN = {
     "installs, builds or tests": lambda words: words[0] in ("apt-get", "pip", "make", "pytest"),
     "shows something until it is closed": lambda words: words[0] == "rerun" or words[:2] == ("jointattn", "view"),
+    "needs a camera": lambda words: words[:4] == ("jointattn", "session", "--world", "camera"),
+    "takes half an hour": lambda words: words[:3] == ("python", "-m", "experiments.recorded.compare"),
     "writes into the checkout": lambda words: words[:3] == ("python", "-m", "experiments.pages"),
+    "measures for minutes": lambda words: words[:2] == ("jointattn", "benchmark"),
     "tries for hours what can go wrong": lambda words: words[:3] == ("python", "-m", "tools.reliability"),
 }
 SHORT_CLAIM = "5.2"

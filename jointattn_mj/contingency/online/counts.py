@@ -37,8 +37,8 @@ counts begin."""
 OWN, OF_ACTION, OF_SENSOR, ALONE = range(4)
 """Columns of ``Counts.of_event``: (S, A), (A), (S) and nothing."""
 LISTED = 1 << 18
-"""Below this count (c+1) ln(c+1) - c ln c is looked up in a list; with logarithms a step at the table takes half as long
-again."""
+"""Below this count (c+1) ln(c+1) - c ln c is looked up in a list; with logarithms a step at the table takes half
+as long again."""
 
 
 @cache
@@ -182,9 +182,9 @@ def _c_ln_c(count: float) -> float:
 
 
 @njit(cache=True, forceinline=True)
-def _location(layout: np.ndarray, context: int, r: int, s: int, a: int) -> int:
+def _location(layout: np.ndarray, context: int, r: int, s: int, a: int) -> np.uint64:
     """Where in ``entries`` the row of (r, v) begins. Unsigned: no test for negative ones."""
-    location: int = np.uint64(layout[context, OFFSET])
+    location = np.uint64(layout[context, OFFSET])
     location += np.uint64(r) * np.uint64(layout[context, PER_RESULT])
     location += np.uint64(s) * np.uint64(layout[context, PER_SENSOR])
     location += np.uint64(a) * np.uint64(layout[context, PER_ACTION])

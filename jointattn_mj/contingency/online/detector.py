@@ -223,7 +223,7 @@ def update(watch: Watch, counts: Counts) -> int:
         if rule.drops and watch.modelled[e]:
             continue
         if value > highest:
-            first, highest, second = np.int64(e), value, highest
+            first, highest, second = np.int64(e), value, highest  # type: ignore[assignment]  # signed again
         elif value > second:
             second = value
     gap = highest - second if len(values) > 1 else highest

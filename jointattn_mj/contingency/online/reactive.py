@@ -3,6 +3,7 @@
 Your own is a class with a method ``table``, as in ``ReactiveModule``.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -93,8 +94,8 @@ class CuriousModule(Checked):
         """See ``LearningModule``."""
         joint = variables.joints.index(_named(variables.joints, self.joint))
         sensed, done, following, sizes = steps.sensed(joint)
-        counts = np.zeros((sizes[0], sizes[1], following.max(initial=-1) + 1))
-        np.add.at(counts, (sensed, done, following), 1.0)
+        code = (sensed.astype(np.int64) * sizes[1] + done) * sizes[2] + following
+        counts = np.bincount(code, minlength=math.prod(sizes)).reshape(sizes).astype(float)
         anyway = counts.sum(axis=0)
         total = anyway.sum(axis=1, keepdims=True)
         anyway = np.divide(anyway, total, out=np.zeros_like(anyway), where=total > 0)
