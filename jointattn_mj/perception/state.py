@@ -82,16 +82,10 @@ class StatePerception:
             ValueError: Compiled code cannot use it.
         """
         self.__dict__.update(state)
-        count, percept = len(self._world.config.scene.objects) + 1, self._percept
-        for name, array, shape, dtype in (
-            ("errors", self._errors, (4, count), float),
-            ("draws", self._draws, (2, count), float),
-            ("noise", self._noise, (count, 2), float),
-            ("visible", percept.visible, (count,), bool),
-            ("px", percept.px, (count, 2), float),
-            ("moves", percept.moves, (count,), bool),
-        ):
-            check_array(name, array, shape, dtype)
+        count = len(self._world.config.scene.objects) + 1
+        check_array("errors", self._errors, (4, count), float)
+        check_array("draws", self._draws, (2, count), float)
+        check_array("noise", self._noise, (count, 2), float)
 
     def perceive(self, observation: Observation, landed: bool) -> Percept:
         """The percept of this frame; see ``perception.percept.Perceiver``.

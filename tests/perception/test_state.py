@@ -70,8 +70,8 @@ def test_noise_misses_and_flags_have_the_rates_they_are_given(world):
     )  # fmt: skip
     visible, off, moves, moving = [], [], [], []
     for percept, pixels, real in looks(world, config, 6000):
-        visible.append(percept.visible.copy()), off.append(percept.px - pixels)
-        moves.append(percept.moves.copy()), moving.append(real)
+        visible.append(percept.visible), off.append(percept.px - pixels)
+        moves.append(percept.moves), moving.append(real)
     visible, off, moves, moving = map(np.array, (visible, off, moves, moving))
     assert (~visible[:, -1]).mean() == pytest.approx(0.1, abs=0.015)
     assert (~visible[:, :-1]).mean() == pytest.approx(0.2, abs=0.01)
