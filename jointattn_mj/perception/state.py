@@ -7,10 +7,11 @@ caregiver's head instead of a grey patch. Errors are those that were measured fo
 
 from dataclasses import dataclass
 from math import cos, degrees, radians, sin
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
+from jointattn_mj.guards.restored import check_array
 from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Real, Share, Spread
 from jointattn_mj.perception.percept import Observation, Percept
@@ -73,6 +74,18 @@ class StatePerception:
             np.where(face, config.face_motion_false_alarm, config.object_motion_false_alarm),
         ])  # fmt: skip
         self._draws, self._noise = np.empty((2, objects + 1)), np.empty((objects + 1, 2))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore it.
+
+        Raises:
+            ValueError: Compiled code cannot use it.
+        """
+        self.__dict__.update(state)
+        count = len(self._world.config.scene.objects) + 1
+        check_array("errors", self._errors, (4, count), float)
+        check_array("draws", self._draws, (2, count), float)
+        check_array("noise", self._noise, (count, 2), float)
 
     def perceive(self, observation: Observation, landed: bool) -> Percept:
         """The percept of this frame; see ``perception.percept.Perceiver``.

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Any
@@ -223,9 +224,16 @@ def run_report(
     reading = {one.name: getattr(options, one.name) for one in fields(ReadOptions)}
     events = read(options.file if source is None else source, **reading).events
     second = None if options.second is None else read(options.second, **reading).events
-    report = analyse(events, second, options, progress)
-    with held(options.out):
-        write_page(report, options.out)
+    new = not options.out.exists()
+    try:
+        with held(options.out):
+            report = analyse(events, second, options, progress)
+            write_page(report, options.out)
+    except BaseException:
+        if new:
+            with suppress(OSError):  # something is in it
+                options.out.rmdir()
+        raise
     return report
 
 

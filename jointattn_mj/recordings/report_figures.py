@@ -204,6 +204,7 @@ def latency_figure(chances: Sequence[GazeFollowing], followers: Sequence[str], w
     axes.set_ylim(0, 1)
     axes.set_xlabel("seconds after the partner began to look there", fontsize=9)
     axes.set_ylabel("share of looks followed", fontsize=9)
-    axes.legend(fontsize=9, frameon=False, loc="upper left")
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(fontsize=9, frameon=False, loc="upper left")
     axes.spines[["top", "right"]].set_visible(False)
     return figure

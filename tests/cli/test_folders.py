@@ -26,6 +26,7 @@ COMMANDS = {
     "realtime": ("develop", "realtime", "--steps", 20),
     "perceive": ("perceive", "VIDEO", "--no-overlay", "--scale", 1, "--som.updates", 10),
     "play": ("play", "follow_hard", "--agent", "zero", "--episodes", 1),
+    "recordings": ("recordings", "EVENTS", "--partner", "mother", "--time-unit", "s", "--resamples", 0),
     "measure": ("measure", "TABLE", "--source", "x", "--target", "y", "--surrogates", 10, "--resamples", 0),
 }
 OWNERS = ("session", "develop", "rendered", "realtime", "perceive")
@@ -47,17 +48,20 @@ cli.main(sys.argv[1:])
 
 @pytest.fixture(scope="module")
 def inputs(tmp_path_factory) -> dict[str, str]:
-    """A video and a table."""
+    """A video, a table, and coded events."""
     folder = tmp_path_factory.mktemp("inputs")
     (folder / "table.csv").write_text("x,y\n" + "0,1\n1,1\n1,0\n" * 20)
-    return {"VIDEO": str(encode(folder / "a.mkv", counted(20))), "TABLE": str(folder / "table.csv")}
+    looks = "".join(f"{who},{t},{t + 2},toy\n" for who in ("infant", "mother") for t in range(0, 60, 4))
+    (folder / "events.csv").write_text(f"tier,onset,offset,code\n{looks}")
+    video = encode(folder / "a.mkv", counted(20))
+    return {"EVENTS": str(folder / "events.csv"), "VIDEO": str(video), "TABLE": str(folder / "table.csv")}
 
 
 def command(name: str, inputs: dict[str, str], out: Path) -> list[str]:
     return [*(inputs.get(str(word), str(word)) for word in COMMANDS[name]), "--out", str(out)]
 
 
-@pytest.mark.parametrize("name", [*OWNERS, "play"])
+@pytest.mark.parametrize("name", [*OWNERS, "play", "recordings"])
 def test_another_process_is_at_work(jointattn, inputs, tmp_path, name):
     out = tmp_path / "out"
     with held(out):
@@ -190,7 +194,7 @@ class TestMounted:
         for outcome in outcomes:
             refused(outcome, 2, str(tmp_path), "write")
 
-    @pytest.mark.parametrize(("name", "size"), [("play", 4), ("measure", 0), ("perceive", 100)])
+    @pytest.mark.parametrize(("name", "size"), [("play", 4), ("measure", 0), ("recordings", 4), ("perceive", 100)])
     def test_full(self, inputs, tmp_path, name, size):
         """One line; with space again the same command begins anew. ``size`` is in kB."""
         disk = tmp_path / "disk"

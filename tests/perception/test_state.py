@@ -115,3 +115,10 @@ def test_defaults_are_what_was_measured():
 def test_impossible_options(options):
     with pytest.raises(ConfigError, match=next(iter(options))):
         StateConfig(**options)
+
+
+def test_a_percept_of_another_size_is_not_restored(world):
+    perceiver = StatePerception(EXACT, world, np.random.default_rng(0))
+    state = vars(perceiver) | {"_errors": np.zeros((4, 2))}
+    with pytest.raises(ValueError, match="errors must be"):
+        StatePerception.__new__(StatePerception).__setstate__(state)
