@@ -380,6 +380,6 @@ def draw_axes(trials: Trials) -> Figure:
         panel.grid(alpha=0.3)
     panels[0].legend(fontsize=8, loc="lower right")
     figure.supxlabel("time (simulated minutes)", fontsize=10)
-    figure.supylabel(f"landings within {WITHIN_DEG} deg of the caregiver's object", fontsize=10)
+    figure.supylabel(f"landings within {WITHIN_DEG} deg\nof the caregiver's object", fontsize=10)
     figure.suptitle("Pan and tilt, objects in an upright square (sessions in brackets; bands: 95%)", fontsize=11)
     return figure
