@@ -27,7 +27,7 @@ EVENTS = (Event(0, 0, 2), Event(2, 0, 0), Event(2, 0, 1))
 
 
 @dataclass(frozen=True)
-class Oracle(Checked):
+class SequentialTest(Checked):
     """A test that knows the truth."""
 
     table: TableConfig
@@ -55,7 +55,7 @@ class FaceModule:
         return ReactiveTable(self.joint, sensor.name, np.tile(odds, (len(sensor.values), 1)), 1.0)
 
 
-def needed(config: Oracle, seed: int) -> dict[str, Any]:
+def needed(config: SequentialTest, seed: int) -> dict[str, Any]:
     """Steps that the test of each event needs, one after the other.
 
     Args:

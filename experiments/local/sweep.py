@@ -19,7 +19,7 @@ from jointattn_mj.sweeps.claim import Setting
 
 from ..rendered.sweep import UNSTEADY
 from .later import Later, later
-from .oracle import Oracle, needed
+from .oracle import SequentialTest, needed
 
 CHANCES = (0.25, 0.5, 0.75)
 SPOTS = (2, 4, 5, 6, 8)
@@ -138,7 +138,7 @@ SETTINGS = {
         for name, both in REPLACED.items()
         for kept, memory in FORGETTING.items()
     },
-    **{f"oracle/{gaze}": Setting(Oracle(TableConfig(), gaze), runs=40) for gaze in ("random", "face")},
+    **{f"oracle/{gaze}": Setting(SequentialTest(TableConfig(), gaze), runs=40) for gaze in ("random", "face")},
     "later/3 spots": Setting(Later(_table().development), runs=20),
     "later/2 spots": Setting(Later(_table(2, caregiver={"follow": 0.5, "lead": 0.75}).development), runs=20),
     "later/silent": Setting(Later(_table(steps=NULL_STEPS, caregiver=SILENT).development), runs=20),
@@ -153,9 +153,9 @@ SETTINGS = {
 """World, a slash, and what is special."""
 
 
-def trial(config: LocalRun | Oracle | Later, seed: int) -> dict[str, Any]:
+def trial(config: LocalRun | SequentialTest | Later, seed: int) -> dict[str, Any]:
     """What a run found, or what a test of the truth needs, or whether what was found is true."""
-    if isinstance(config, Oracle):
+    if isinstance(config, SequentialTest):
         return needed(config, seed)
     return later(config, seed) if isinstance(config, Later) else watched(config, seed)
 

@@ -43,7 +43,8 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
     """
     minutes = options.blocks * options.seconds / 60
     loop = SessionRun(SessionConfig(minutes=minutes))
-    contingent = SessionRun(replace(loop.config, robot=PRESETS["cross_situational"]))
+    robot = replace(PRESETS["cross_situational"], familiarise=loop.config.robot.familiarise)
+    contingent = SessionRun(replace(loop.config, robot=robot))
     state = SessionRun(SessionConfig(minutes=minutes, perception="state"))
     scene = World.build(loop.config.world, np.random.SeedSequence(1))
     cartpole = _cartpole()

@@ -91,7 +91,7 @@ class EventSeries(NamedTuple):
     """(4,) number of values of: what the result is conditioned on, sensor, action, result."""
 
 
-class Columns(NamedTuple):
+class EventColumns(NamedTuple):
     """All steps, and which of their columns are those of each of E events; for compiled code."""
 
     s: np.ndarray
@@ -154,7 +154,7 @@ class PastSteps:
         columns = self._s[:, event.sensor], self._a[:, event.action], result.astype(np.int64), result
         return EventSeries(columns, np.array([sizes[-1], *sizes]))
 
-    def columns(self, events: Sequence[Event], joint: bool, given: Mapping[int, Sequence[int]]) -> Columns:
+    def columns(self, events: Sequence[Event], joint: bool, given: Mapping[int, Sequence[int]]) -> EventColumns:
         """The columns of some events.
 
         Args:
@@ -173,7 +173,7 @@ class PastSteps:
             values[result] = occurs.sum()
         numbers = np.array(events, np.int64).reshape(-1, 3)
         sizes = [counts[numbers[:, part]] for part, counts in enumerate(self._values)]
-        return Columns(
+        return EventColumns(
             self._s, self._a, before, self._r,
             np.column_stack([numbers, self._begin[numbers[:, 0]]]),
             np.column_stack([values[numbers[:, 2]], *sizes]),

@@ -25,7 +25,7 @@ import numpy as np
 
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event
-from jointattn_mj.contingency.online.experience import Columns, PastSteps, beyond_last
+from jointattn_mj.contingency.online.experience import EventColumns, PastSteps, beyond_last
 from jointattn_mj.contingency.online.local_values import (
     QUANTILES,
     Weighing,
@@ -166,7 +166,9 @@ def _alike(steps: PastSteps, served: Sequence[Event], config: LocalConfig) -> Ma
     return alike
 
 
-def _is_first(columns: Columns, first: np.ndarray, rivals: np.ndarray, hoped: np.ndarray, config: LocalConfig) -> bool:
+def _is_first(
+    columns: EventColumns, first: np.ndarray, rivals: np.ndarray, hoped: np.ndarray, config: LocalConfig
+) -> bool:
     """Whether no rival is higher, surely enough.
 
     Args:
@@ -187,7 +189,7 @@ def _is_first(columns: Columns, first: np.ndarray, rivals: np.ndarray, hoped: np
 
 def _is_evident(
     steps: PastSteps,
-    columns: Columns,
+    columns: EventColumns,
     number: int,
     events: Sequence[Event],
     served: Sequence[Event],

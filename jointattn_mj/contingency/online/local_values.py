@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointattn_mj.contingency.online.experience import Columns
+from jointattn_mj.contingency.online.experience import EventColumns
 from jointattn_mj.io.compiled import njit
 
 STRENGTHS = (1.0, 4.0, 16.0)
@@ -50,7 +50,7 @@ def count(
 
 @njit(cache=True)
 def event_values(
-    columns: Columns, since: int, how: Weighing, lead: np.ndarray, hoped: np.ndarray, rises: np.ndarray
+    columns: EventColumns, since: int, how: Weighing, lead: np.ndarray, hoped: np.ndarray, rises: np.ndarray
 ) -> None:
     """The value of each event: as the first, and as a rival of the first.
 
@@ -267,7 +267,7 @@ def exceeding(first: np.ndarray, hoped: np.ndarray, tolerance: float, higher: np
 
 
 @njit(cache=True)
-def evidences(columns: Columns, chosen: np.ndarray) -> np.ndarray:
+def evidences(columns: EventColumns, chosen: np.ndarray) -> np.ndarray:
     """Log evidence of the chosen events (their numbers), from all steps; see ``log_evidence``."""
     found = np.zeros(len(chosen))
     for i, e in enumerate(chosen):
