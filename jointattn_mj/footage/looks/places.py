@@ -11,7 +11,7 @@ MOVED_HEIGHTS = 0.25
 
 
 def last_places(px: np.ndarray, cut: np.ndarray) -> np.ndarray:
-    """Fill in where each candidate was seen last: what is hidden stays where it was.
+    """Fill in where each candidate was seen last.
 
     Args:
         px: (n, k, 2) pixels; NaN where a candidate is not seen.
@@ -26,6 +26,28 @@ def last_places(px: np.ndarray, cut: np.ndarray) -> np.ndarray:
     filled = np.take_along_axis(px, np.maximum(last, 0)[..., None], axis=0)
     filled[last < begun[:, None]] = np.nan
     return filled
+
+
+def known_places(px: np.ndarray, cut: np.ndarray, moved_px: float) -> np.ndarray:
+    """Fill in where candidates were while they were hidden.
+
+    One that is seen again where it was before has stayed there. One that is seen again elsewhere was moved meanwhile,
+    and nobody knows when. One that is not seen again is taken to have stayed.
+
+    Args:
+        px: (n, k, 2) pixels; NaN where a candidate is not seen.
+        cut: (n,) whether the image was cut before this look; what was seen before then says nothing.
+        moved_px: Distance from which a place is another one.
+
+    Returns:
+        (n, k, 2) pixels; NaN where a place is not known.
+    """
+    before = last_places(px, cut)
+    after = last_places(px[::-1], np.append(False, cut[:0:-1]))[::-1]
+    seen = np.isfinite(px).all(-1)
+    moved = np.linalg.norm(after - before, axis=-1) > moved_px
+    before[moved & ~seen] = np.nan
+    return before
 
 
 def placements(places: np.ndarray) -> np.ndarray:
