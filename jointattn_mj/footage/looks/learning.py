@@ -95,7 +95,7 @@ def learn_evidence(
         with_face = np.stack([np.einsum("nu,nu->n", one @ counts, faces) for one in shares], axis=1)
         found = with_face / total[:, None] + smoothing * spread
         evidence = np.where(known, np.log(np.maximum(found, 1e-12)) - base, NEVER)
-        weights = posterior(evidence) * known
+        weights = posterior(config.sharpness * evidence) * known
     return evidence
 
 
