@@ -25,8 +25,13 @@ POOL = 16
 class Camera(Protocol):
     """What a camera does to an image."""
 
-    fps: int
-    noise: float
+    @property
+    def fps(self) -> int:
+        """Images a second, a divisor of 30."""
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of each pixel's noise, grey values."""
 
 
 def film(

@@ -261,9 +261,9 @@ def compared(seen: LooksSeen, session: Session, config: LooksConfig) -> dict[str
     coded, count = code_looks(seen, config), seen.px.shape[1]
     settled = np.flatnonzero(session.settled)
     seconds = settled[settled % round(1 / seen.step_s) == 0]
-    right = coded.best == session.target
+    right = np.asarray(coded.best == session.target)
     sure = (coded.posterior > config.sure).any(axis=1)
-    away = session.target == count
+    away = np.asarray(session.target == count)
     others = {
         "last_moved": last_moved(session.moves),
         "nearest": nearest(session.px),

@@ -59,7 +59,7 @@ class PerceiveConfig(Checked):
     is called partner."""
     labels: Path | None = None
     """Codings of a person, as for check, of some minutes of this video: with looks, learning takes them for granted.
-    They help most where little is moved, and to tell looks away."""
+    They help most where little is moved."""
     max_minutes: Annotated[float, Real("(0, 1e6]")] | None = None
     """Minutes of the video to watch; all of it if not given."""
     fps: Annotated[float, Real("[0.01, 1000]")] | None = None
