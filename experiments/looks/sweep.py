@@ -261,9 +261,9 @@ def compared(seen: LooksSeen, session: Session, config: LooksConfig) -> dict[str
     coded, count = code_looks(seen, config), seen.px.shape[1]
     settled = np.flatnonzero(session.settled)
     seconds = settled[settled % round(1 / seen.step_s) == 0]
-    right = np.asarray(coded.best == session.target)
-    sure = (coded.posterior > config.sure).any(axis=1)
-    away = np.asarray(session.target == count)
+    right: np.ndarray = np.equal(coded.best, session.target)
+    sure: np.ndarray = (coded.posterior > config.sure).any(axis=1)
+    away: np.ndarray = np.equal(session.target, count)
     others = {
         "last_moved": last_moved(session.moves),
         "nearest": nearest(session.px),
