@@ -72,11 +72,11 @@ def _api(folder: Path) -> str:
 def _linked(page: Path) -> str:
     """A page of experiments/, with its links as they are among the pages of the site."""
 
-    def link(found: re.Match[str]) -> str:
-        target = (page.parent / found[1]).resolve()
+    def link(match: re.Match[str]) -> str:
+        target = (page.parent / match[1]).resolve()
         if target.name == "README.md":
             return f"]({'index' if target.parent == EXPERIMENTS else target.parent.name}.md"
-        return f"](../{target.relative_to(ROOT / 'docs')}" if (ROOT / "docs") in target.parents else found[0]
+        return f"](../{target.relative_to(ROOT / 'docs')}" if (ROOT / "docs") in target.parents else match[0]
 
     text = re.sub(r"\]\((?!https?:|#)([^)#]+)", link, page.read_text("utf-8"))
     return text.replace("](figures/", "](../figures/")

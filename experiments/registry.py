@@ -58,7 +58,7 @@ REGISTRY = Registry(
     Entry("continuous", "continuous", "Gaze following in continuous space", "section 7.1, asked for",
           "Once its event is found, a module learns a map from continuous data, by the pairs that contingent saliency "
           "marks as informative."),
-    Entry("rendered", "rendered_turns", "Development on a robot that sees, step by step", "sections 5.3 and 7.1",
+    Entry("rendered", "rendered", "Development on a robot that sees, step by step", "sections 5.3 and 7.1",
           "To validate our mechanism, we need to implement our mechanism into a real robot."),
     Entry("resolution", "resolution", "Resolution that grows", "section 7.1, asked for",
           "How fine variables are influences contingency, and was set in advance; it should improve along with the "

@@ -25,7 +25,7 @@ class TableRunConfig(Checked):
 
     world: TableConfig
     agent: DeveloperConfig
-    turns: Annotated[int, Whole("[1, 1e10]")] = 100_000
+    n_steps: Annotated[int, Whole("[1, 1e10]")] = 100_000
     """Steps of the run."""
     stop_after: Annotated[int, Whole("[0, 1e10]")] = 100
     """Number of modules after which the run may stop."""
@@ -38,7 +38,7 @@ def table_config(preset: str, **changes: Any) -> TableRunConfig:
 
     Args:
         preset: Name of a preset.
-        changes: New values of fields such as ``world.spots``, ``caregiver.lead``, ``detector.base`` or ``turns``.
+        changes: New values of fields such as ``world.spots``, ``caregiver.lead``, ``detector.base`` or ``n_steps``.
     """
     chosen = TableRunConfig(PRESETS[preset].world, PRESETS[preset].agent)
     for name, value in changes.items():
@@ -67,8 +67,8 @@ def run_table(config: TableRunConfig, seed: int, sample_every: int = 0) -> Table
         sample_every: Steps between two logs of contingency; 0 for none.
     """
     avoiding = () if config.avoids_faces is None else (AvoidingModule("shift gaze", "caregiver", config.avoids_faces),)
-    run = TableRun(config.world, config.agent, seed, config.turns, avoiding, sample_every or config.turns)
-    while run.steps_done < config.turns and len(run.found) < config.stop_after:
+    run = TableRun(config.world, config.agent, seed, config.n_steps, avoiding, sample_every or config.n_steps)
+    while run.steps_done < config.n_steps and len(run.detections) < config.stop_after:
         run.advance(1000)
     return run
 
@@ -77,14 +77,16 @@ def develop(config: TableRunConfig, seed: int) -> dict[str, Any]:
     """Trial: modules and their steps, whether gaze following is right, and rates of behaviour in each phase."""
     run = run_table(config, seed)
     variables, spots = run.agent.variables, config.world.spots
-    made = [found for found in run.found if found.module is not None]
-    following = [found.module.command[0] for found in made[:1] if variables.symbol(found.event) == STAGES[0]]
+    made = [detection for detection in run.detections if detection.module is not None]
+    following = [
+        detection.module.command[0] for detection in made[:1] if variables.symbol(detection.event) == STAGES[0]
+    ]
     done = behaviours(run.log("caregiver's face"), run.log("shift gaze"), spots)
     return {
-        "modules": [variables.symbol(found.event) for found in made],
-        "turns": [found.step for found in made],
+        "modules": [variables.symbol(detection.event) for detection in made],
+        "turns": [detection.step for detection in made],
         "directions_right": int((following[0][:spots] == np.arange(spots)).sum()) if following else None,
-        "phases": [list(phase.rates) for phase in phases(done, [found.step for found in made])],
+        "phases": [list(phase.rates) for phase in phases(done, [detection.step for detection in made])],
     }
 
 

@@ -12,13 +12,15 @@ The five jobs, each with a command of the same name:
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
 from jointattn_mj.adapters import registration as _registration
 from jointattn_mj.scene import gl as _gl
 from jointattn_mj.scene import llvm as _llvm
 
+TYPE_CHECKING = False  # as in typing, whose import takes long enough for a program to be interrupted in
 if TYPE_CHECKING:
+    from typing import Any
+
     from jointattn_mj import contingency, recordings
     from jointattn_mj.api.experiment import run_claim
     from jointattn_mj.api.perceive import perceive
@@ -90,7 +92,7 @@ _HOMES = {
 """The module of each public name; it is imported when the name is first asked for."""
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> "Any":
     """A public name, whose module is imported now (PEP 562)."""
     if name in ("contingency", "recordings"):
         return import_module(f"jointattn_mj.{name}")

@@ -51,11 +51,11 @@ class Interval(PrimitiveConstructorSpec[Any]):
     name: ClassVar[str]
 
     def __init__(self, interval: str):
-        found = re.fullmatch(r"([\[(]) *(\S+), *(\S+?)([\])])", interval)
-        if found is None:
+        match = re.fullmatch(r"([\[(]) *(\S+), *(\S+?)([\])])", interval)
+        if match is None:
             raise ValueError(f"an interval is written as [0, 1) or (0, 1]; got {interval!r}")
-        self.low, self.high = (self.kind(float(bound)) for bound in found.group(2, 3))
-        self.closed = found[1] == "[", found[4] == "]"
+        self.low, self.high = (self.kind(float(bound)) for bound in match.group(2, 3))
+        self.closed = match[1] == "[", match[4] == "]"
         self.interval, self.words = interval, f"a {self.name} in {interval}"
         super().__init__(
             nargs=1,
@@ -185,7 +185,9 @@ class Checked(metaclass=_ConfigType):
     def __repr__(self) -> str:
         """What differs from the defaults, as the code that makes the config: ``SessionConfig(minutes=2, seed=3)``."""
         given = [
-            f"{one.name}={getattr(self, one.name)!r}" for one in fields(cast(Any, self)) if not _is_default(self, one)
+            f"{field.name}={getattr(self, field.name)!r}"
+            for field in fields(cast(Any, self))
+            if not _is_default(self, field)
         ]
         return f"{type(self).__name__}({', '.join(given)})"
 

@@ -43,7 +43,7 @@ def count(counts, s, a, r, weight, contexts):
 
 def counted(counts: Counts, given: Series, weight: float = 1) -> Counts:
     """The same tables, with every transition of the series in them."""
-    count(counts, *given, weight, len(counts.contexts))
+    count(counts, *given, weight, len(counts.layout))
     return counts
 
 

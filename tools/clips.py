@@ -87,7 +87,7 @@ def measured(path: Path, faces: dict[int, list[Face]], every: int = 5) -> Score:
         if still.number == last or still.number % every:
             continue
         last = still.number
-        seen = [(one.face[:4], one.yaw_deg, one.yaw_error_deg) for one in viewing.seen]
+        seen = [(one.face[:4], one.yaw_deg, one.yaw_error_deg) for one in viewing.visible_faces]
         real = faces.get(last, [])
         there += sum(face.whole for face in real)
         boxes += len(seen)

@@ -25,7 +25,7 @@ ODD = re.compile(r"Traceback|warning|deprecat|Segmentation|core dumped", re.IGNO
 
 
 @dataclass(frozen=True)
-class Trial:
+class MachineTrial:
     """A command that somebody runs on the machine, and what has to come of it."""
 
     who: str
@@ -35,13 +35,13 @@ class Trial:
 
 
 TRIALS = (
-    Trial(USER, "make demo", "No images can be rendered here"),
-    Trial(USER, "make test", "for the administrator: apt-get", succeeds=False),
-    Trial("root", "make demo", "out/demo/trained/video.mp4"),
-    Trial("root", "make test", " passed"),
-    Trial("root", "make demo", "out/demo/trained/video.mp4"),
-    Trial(USER, "make demo", "out/demo/trained/video.mp4"),
-    Trial(USER, "make test", " passed"),
+    MachineTrial(USER, "make demo", "No images can be rendered here"),
+    MachineTrial(USER, "make test", "for the administrator: apt-get", succeeds=False),
+    MachineTrial("root", "make demo", "out/demo/trained/video.mp4"),
+    MachineTrial("root", "make test", " passed"),
+    MachineTrial("root", "make demo", "out/demo/trained/video.mp4"),
+    MachineTrial(USER, "make demo", "out/demo/trained/video.mp4"),
+    MachineTrial(USER, "make test", " passed"),
 )
 """In this order on each machine: root's first demo brings OpenGL."""
 
@@ -103,7 +103,7 @@ class Machine:
         return f"{done.stdout.split()[0]} MB" if done.stdout else "none"
 
 
-def tried(machine: Machine, trial: Trial, log: Path) -> str:
+def tried(machine: Machine, trial: MachineTrial, log: Path) -> str:
     """A row of the table."""
     started = time.monotonic()
     code = machine.run(trial.who, trial.command, log)

@@ -129,12 +129,12 @@ def parts(path: Path, name: str, scratch: str) -> Iterator[tuple[str, str]]:
 
 def record_folder(folder: Path, scratch: str) -> dict[str, str]:
     """Digests of all that a command left in ``folder``, in ``scratch``."""
-    found: dict[str, str] = {}
+    digests: dict[str, str] = {}
     for path in sorted(folder.rglob("*")):
         name = str(path.relative_to(folder))
         if path.is_file() and path.name not in UNTOLD and not path.name.startswith("."):
-            found |= {named(part): value for part, value in parts(path, name, scratch)}
-    return found
+            digests |= {named(part): value for part, value in parts(path, name, scratch)}
+    return digests
 
 
 def jointattn(arguments: list[str], **more: Any) -> subprocess.CompletedProcess[str]:
@@ -157,8 +157,8 @@ def record(to: Path, only: str) -> None:
                 continue
             words = shlex.split(command.format(**{"out": folders[name], **folders}))
             ended = jointattn(words, capture_output=True)
-            found = record_folder(folders[name], scratch) if ended.returncode == 0 else {}
-            _keep(records, to, name, found, ended.stderr)
+            digests = record_folder(folders[name], scratch) if ended.returncode == 0 else {}
+            _keep(records, to, name, digests, ended.stderr)
         from experiments.registry import REGISTRY
 
         for claim in REGISTRY:
@@ -168,14 +168,14 @@ def record(to: Path, only: str) -> None:
             words = ["experiment", "run", claim, "--setting", setting, "--runs", "1", "--jobs", "1"]
             ended = jointattn([*words, "--out", str(folder)], capture_output=True)
             results = [json.loads(path.read_text())["result"] for path in sorted(folder.rglob("trials/**/*.json"))]
-            found = {named(key): digest(json.dumps(value).encode()) for key, value in leaves(results, setting)}
-            _keep(records, to, f"claim/{claim}", found, ended.stderr)
+            digests = {named(key): digest(json.dumps(value).encode()) for key, value in leaves(results, setting)}
+            _keep(records, to, f"claim/{claim}", digests, ended.stderr)
 
 
-def _keep(records: dict[str, Any], to: Path, name: str, found: dict[str, str], said: str) -> None:
+def _keep(records: dict[str, Any], to: Path, name: str, digests: dict[str, str], said: str) -> None:
     """Add to the record what one command left, or how it failed, and say so."""
-    records[name] = found or {"failed": said[-300:]}
-    print(f"{name}: {f'{len(found)} parts' if found else f'FAILED: {said[-300:]}'}", flush=True)
+    records[name] = digests or {"failed": said[-300:]}
+    print(f"{name}: {f'{len(digests)} parts' if digests else f'FAILED: {said[-300:]}'}", flush=True)
     to.write_text(json.dumps(records, indent=1) + "\n")
 
 

@@ -213,12 +213,13 @@ def install(kind: str, missing: list[Part]) -> None:
         fail(f"{sys.executable} -m venv {VENV} fails")
     shutil.rmtree(TEMPORARY, ignore_errors=True)
     TEMPORARY.mkdir()
-    before = megabytes(VENV / "lib")
+    before, downloads = megabytes(VENV / "lib"), [0]
 
     def how_far() -> str:
         if CHANGES in LOG.read_text(errors="replace"):
             return f"installed {megabytes(VENV / 'lib') - before} of about {sum(part.installed for part in missing)} MB"
-        return f"downloaded {megabytes(TEMPORARY)} of about {sum(part.download for part in missing)} MB"
+        downloads.append(max(downloads[-1], megabytes(TEMPORARY)))  # pip holds a package twice while it moves it
+        return f"downloaded {downloads[-1]} of about {sum(part.download for part in missing)} MB"
 
     pip = [str(VENV / "bin" / "python"), "-m", "pip", "install", "--disable-pip-version-check", "--progress-bar=off"]
     for wanted in filter(None, (["--editable", f"{ROOT}{EXTRAS[kind]}"], ALONE)):

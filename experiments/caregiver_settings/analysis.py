@@ -28,8 +28,8 @@ def common(results: list[dict[str, Any]]) -> list[tuple[str, float, float]]:
     for result in results:
         for symbol, step in zip(result["modules"], result["turns"], strict=True):
             times.setdefault(symbol, []).append(step)
-    found = [(s, float(np.mean(t)), float(np.std(t))) for s, t in times.items() if len(t) > len(results) / 2]
-    return sorted(found, key=lambda item: item[1])
+    rows = [(s, float(np.mean(t)), float(np.std(t))) for s, t in times.items() if len(t) > len(results) / 2]
+    return sorted(rows, key=lambda item: item[1])
 
 
 def analyse(trials: Trials) -> list[Comparison]:

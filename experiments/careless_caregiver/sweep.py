@@ -13,7 +13,7 @@ TARGET = Event(0, 0, 1)
 
 FIRST_SEED = 30_000
 SETTINGS = {
-    f"at objects {care}": Setting(table_config("chapter4", turns=30_000, **{"caregiver.at_objects": care}), runs=20)
+    f"at objects {care}": Setting(table_config("chapter4", n_steps=30_000, **{"caregiver.at_objects": care}), runs=20)
     for care in CARE
 }
 

@@ -23,7 +23,7 @@ LABELS = {
 def analyse(trials: Trials) -> list[Comparison]:
     """Whether it was found; errors of table, map and chapter 6's learner, on held-out faces and in the run."""
     everything = [trial.result for trial in trials.get("scattered", ())]
-    results = _found(everything)
+    results = _detected(everything)
     if not results:
         return []
     last = CHECKPOINTS[-1]
@@ -53,13 +53,13 @@ def analyse(trials: Trials) -> list[Comparison]:
         f"error of informative pairs less that of chapter 6's, after {last:,} steps, deg",
         _difference(results, ("informative", last), ("chapter 6", last), "median_deg"),
     ))  # fmt: skip
-    for turns in CHECKPOINTS:
+    for steps in CHECKPOINTS:
         gain = _difference(
-            results, ("gaze at random, informative", turns), ("gaze at random, chapter 6", turns), "median_deg"
+            results, ("gaze at random, informative", steps), ("gaze at random, chapter 6", steps), "median_deg"
         )
-        if gain.n > 1 and turns in (1000, 3500):
+        if gain.n > 1 and steps in (1000, 3500):
             findings.append(_row(
-                f"the same while the gaze still moves at random, {turns:,} steps", gain,
+                f"the same while the gaze still moves at random, {steps:,} steps", gain,
                 "the same steps, informative by the module made later",
             ))  # fmt: skip
     both = [r for r in results if r["landings"]["table"]["n"] and r["landings"]["map"]["n"]]
@@ -73,7 +73,7 @@ def analyse(trials: Trials) -> list[Comparison]:
 
 def draw(trials: Trials) -> Mapping[str, Figure]:
     """Errors over steps, with the module and with gaze at random; shifts before and after the map took over."""
-    results = _found([trial.result for trial in trials.get("scattered", ())])
+    results = _detected([trial.result for trial in trials.get("scattered", ())])
     if not results:
         return {}
     figure = Figure(figsize=(12, 3.8), layout="constrained")
@@ -109,7 +109,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     return {"continuous": figure}
 
 
-def _found(results: Sequence[Result]) -> list[Result]:
+def _detected(results: Sequence[Result]) -> list[Result]:
     return [result for result in results if result["found"] is not None]
 
 
@@ -117,13 +117,13 @@ def _row(what: str, ours: Estimate, note: str = "") -> Comparison:
     return Comparison(what, "not tried", ours, Verdict.EXTENSION, note)
 
 
-def _value(result: Result, name: str, turns: int, key: str) -> float:
+def _value(result: Result, name: str, steps: int, key: str) -> float:
     """A number of a map at a checkpoint; NaN where the event was found before so many steps."""
-    return next((row[key] for row in result["maps"][name] if row["turns"] == turns and row[key] is not None), np.nan)
+    return next((row[key] for row in result["maps"][name] if row["turns"] == steps and row[key] is not None), np.nan)
 
 
-def _median(results: Sequence[Result], name: str, turns: int, key: str) -> Estimate:
-    return median_interval(_known([_value(result, name, turns, key) for result in results]))
+def _median(results: Sequence[Result], name: str, steps: int, key: str) -> Estimate:
+    return median_interval(_known([_value(result, name, steps, key) for result in results]))
 
 
 def _known(values: Sequence[float]) -> list[float]:
@@ -141,9 +141,9 @@ def _difference(results: Sequence[Result], one: tuple[str, int], other: tuple[st
 
 
 def _curve(axes, results: Sequence[Result], name: str, colour: str, label: str) -> None:
-    estimates = [(turns, _median(results, name, turns, "median_deg")) for turns in CHECKPOINTS]
-    known = [(turns, e) for turns, e in estimates if e.n >= len(results) / 2]
-    turns, middle = [t for t, _ in known], [e.mean for _, e in known]
+    estimates = [(steps, _median(results, name, steps, "median_deg")) for steps in CHECKPOINTS]
+    known = [(steps, e) for steps, e in estimates if e.n >= len(results) / 2]
+    steps, middle = [t for t, _ in known], [e.mean for _, e in known]
     low, high = zip(*(_interval(e) for _, e in known), strict=True) if known else ((), ())
-    axes.fill_between(turns, low, high, color=colour, alpha=0.15, lw=0)
-    axes.plot(turns, middle, "o-", ms=3, color=colour, label=label)
+    axes.fill_between(steps, low, high, color=colour, alpha=0.15, lw=0)
+    axes.plot(steps, middle, "o-", ms=3, color=colour, label=label)

@@ -14,7 +14,7 @@ from jointattn_mj.development.rendered.continuous import ContinuousRun
 from jointattn_mj.development.rendered.film import RunFilm
 from jointattn_mj.development.table.presets import PRESETS
 
-from .sweep import FILM, RunConfig
+from .sweep import FILM, ScatteredRun
 
 SEED = 7
 LEAD = 2
@@ -35,7 +35,7 @@ def moments(run: ContinuousRun, by_map: bool) -> Iterator[ContinuousRun]:
 
 def main() -> None:
     """Run and film."""
-    preset, trial = PRESETS["fast"], RunConfig()
+    preset, trial = PRESETS["fast"], ScatteredRun()
     run = ContinuousRun(
         preset.world, trial.world, preset.agent, SEED, trial.most + trial.after, trial.continuous, (RandomModule(GAZE),)
     )

@@ -16,7 +16,7 @@ from jointattn_mj.development.rendered.continuous import FORWARD, SCATTERED, Con
 from jointattn_mj.development.rendered.run import RenderedConfig
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.world import step
-from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, Places, make_learner
+from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, Locations, make_learner
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.scene.camera import directions_to, off_centre
 from jointattn_mj.sweeps.claim import Setting
@@ -29,7 +29,7 @@ LINEAR = LearnerConfig(code="linear", rate=0.1)
 
 
 @dataclass(frozen=True)
-class RunConfig(Checked):
+class ScatteredRun(Checked):
     """A run and the examination of its maps."""
 
     world: RenderedConfig = SCATTERED
@@ -45,7 +45,7 @@ class RunConfig(Checked):
 FIRST_SEED = 50_000
 FILM = Path(__file__).with_name("continuous.mp4")
 """Made by ``python -m experiments.continuous.film``."""
-SETTINGS = {"scattered": Setting(RunConfig(), runs=20)}
+SETTINGS = {"scattered": Setting(ScatteredRun(), runs=20)}
 
 
 @dataclass(frozen=True)
@@ -54,11 +54,11 @@ class Look:
 
     activations: np.ndarray
     category: int
-    hers: np.ndarray
+    target: np.ndarray
     others: np.ndarray
 
 
-def trial(config: RunConfig, seed: int) -> dict[str, Any]:
+def trial(config: ScatteredRun, seed: int) -> dict[str, Any]:
     """Step of gaze following, landings by table and by map, and errors of every map at the checkpoints."""
     preset = PRESETS["fast"]
     run = ContinuousRun(
@@ -68,20 +68,23 @@ def trial(config: RunConfig, seed: int) -> dict[str, Any]:
     following = None
     while run.steps_done < config.most and following is None:
         run.advance(100)
-        following = next((one for one in run.found if one.module and _follows(run, one.module.event)), None)
+        following = next(
+            (detection for detection in run.detections if detection.module and _follows(run, detection.module.event)),
+            None,
+        )
     categories = run.senses.categories.count
     if following is None:
         return {"found": None, "categories": categories}
     run.advance(config.after)
     by = {
-        name: [(one.off_deg, one.nearest) for one in run.landings if one.by_map is by_map]
+        name: [(landing.off_deg, landing.nearest) for landing in run.landings if landing.by_map is by_map]
         for name, by_map in (("table", False), ("map", True))
     }
     looks = list(_looks(run, config.looks, np.random.SeedSequence(seed).spawn(7)[6]))
     return {
         "found": following.step,
         "categories": categories,
-        "ready": next((one.step for one in run.landings if one.by_map), None),
+        "ready": next((landing.step for landing in run.landings if landing.by_map), None),
         "landings": {name: _landed(rows) for name, rows in by.items()},
         "pairs": _numbers(run.pairs, following.step),
         "maps": _maps(run, following.step, looks),
@@ -104,8 +107,8 @@ def _landed(rows: Sequence[tuple[float, bool]]) -> dict[str, Any]:
     }
 
 
-def _numbers(pairs: Sequence[Pair], found: int) -> dict[str, int]:
-    since = [pair for pair in pairs if pair.step >= found]
+def _numbers(pairs: Sequence[Pair], detected_at: int) -> dict[str, int]:
+    since = [pair for pair in pairs if pair.step >= detected_at]
     forward = [pair for pair in since if pair.order == FORWARD]
     return {
         "face to object": len(forward),
@@ -124,23 +127,23 @@ def _looks(run: ContinuousRun, count: int, seed: np.random.SeedSequence) -> Iter
         step(stage.table, action, stage.sensors, stage.results)
         stage.show(0, run.heads)
         shown = run.body.perceive()
-        hers = run.target()
-        if shown.pattern is None or hers is None:
+        target = run.target()
+        if shown.pattern is None or target is None:
             continue
-        directions = directions_to(np.vstack([hers, stage.world.caregiver.objects]))
+        directions = directions_to(np.vstack([target, stage.world.caregiver.objects]))
         others = directions[1:][np.abs(directions[1:] - directions[0]).max(axis=1) > 1e-9]
         categories = run.senses.categories
         yield Look(categories.som.activations(shown.pattern), categories.of(shown.pattern), directions[0], others)
         count -= 1
 
 
-def _maps(run: ContinuousRun, found: int, looks: Sequence[Look]) -> dict[str, list[dict[str, Any]]]:
+def _maps(run: ContinuousRun, detected_at: int, looks: Sequence[Look]) -> dict[str, list[dict[str, Any]]]:
     """Errors of each way of learning at the checkpoints. Before the event was found, gaze was random."""
     following = run.following
     if following is None:
         return {}
-    since = [pair for pair in run.pairs if pair.step >= found]
-    before = [pair for pair in run.pairs if pair.step < found]
+    since = [pair for pair in run.pairs if pair.step >= detected_at]
+    before = [pair for pair in run.pairs if pair.step < detected_at]
     face, gaze, object_there = (run.log(name).astype(int) for name in (FACE, GAZE, OBJECT))
     informative = [
         pair
@@ -154,11 +157,11 @@ def _maps(run: ContinuousRun, found: int, looks: Sequence[Look]) -> dict[str, li
     chosen = [pair for pair in since if pair.informative]
     forward = [pair for pair in since if pair.order == FORWARD]
     ways = {
-        "informative": (population, chosen, found),
-        "all": (population, forward, found),
-        "chapter 6": (population, since, found),
-        "informative, two linear outputs": (LINEAR, chosen, found),
-        "all, two linear outputs": (LINEAR, forward, found),
+        "informative": (population, chosen, detected_at),
+        "all": (population, forward, detected_at),
+        "chapter 6": (population, since, detected_at),
+        "informative, two linear outputs": (LINEAR, chosen, detected_at),
+        "all, two linear outputs": (LINEAR, forward, detected_at),
         "gaze at random, informative": (population, informative, 0),
         "gaze at random, all": (population, [pair for pair in before if pair.order == FORWARD], 0),
         "gaze at random, chapter 6": (population, before, 0),
@@ -168,7 +171,7 @@ def _maps(run: ContinuousRun, found: int, looks: Sequence[Look]) -> dict[str, li
     known = {"table": [{"turns": 0, **_judged(table, looks)}]}
     for name, (config, pairs, start) in ways.items():
         learner = make_learner(config, units, np.random.default_rng(0))
-        known[name] = list(_examined(learner, pairs, start, found if start == 0 else np.inf, looks))
+        known[name] = list(_examined(learner, pairs, start, detected_at if start == 0 else np.inf, looks))
     return known
 
 
@@ -177,12 +180,12 @@ def _examined(
 ) -> Iterable[dict[str, Any]]:
     """Errors of a learner on ``looks`` at each checkpoint after step ``start``, up to step ``end``."""
     left = list(pairs)
-    for turns in CHECKPOINTS:
-        if start + turns > end:
+    for steps in CHECKPOINTS:
+        if start + steps > end:
             return
-        while left and left[0].step < start + turns:
-            learner.learn(left[0].activations, Places.only(left.pop(0).direction))
-        yield {"turns": turns, "pairs": len(pairs) - len(left),
+        while left and left[0].step < start + steps:
+            learner.learn(left[0].activations, Locations.only(left.pop(0).direction))
+        yield {"turns": steps, "pairs": len(pairs) - len(left),
                **_judged([learner.predict(look.activations) for look in looks], looks)}  # fmt: skip
 
 
@@ -191,7 +194,7 @@ def _judged(directions: Sequence[np.ndarray | None], looks: Sequence[Look]) -> d
     off, nearest = [], 0
     for direction, look in zip(directions, looks, strict=True):
         if direction is not None:
-            off.append(off_centre(look.hers, direction))
+            off.append(off_centre(look.target, direction))
             nearest += all(off[-1] <= off_centre(other, direction) for other in look.others)
     return {
         "answered": len(off) / len(looks),

@@ -75,8 +75,8 @@ def soon(trials: Sequence[Trial], level: float) -> Estimate:
     times, shifts, good = curves(trials)
     rng = np.random.default_rng(0)
     draws = [rng.integers(len(trials), size=len(trials)) for _ in range(RESAMPLES)]
-    found = [minute_of(level, times, good[draw].sum(0) / shifts[draw].sum(0)) for draw in draws]
-    low, high = np.quantile(found, (0.025, 0.975), method="nearest")
+    minutes = [minute_of(level, times, good[draw].sum(0) / shifts[draw].sum(0)) for draw in draws]
+    low, high = np.quantile(minutes, (0.025, 0.975), method="nearest")
     whole = minute_of(level, times, good.sum(0) / shifts.sum(0))
     return Estimate(whole, float(low), float(high), np.nan, len(trials))
 
@@ -128,9 +128,9 @@ def analyse(trials: Trials) -> list[Comparison]:
 
 def _minutes(level: float, part: Sequence[Trial], words: str) -> Comparison:
     """How soon the rate stays at a level."""
-    found, what = soon(part, level), f"minutes until a rate of {level:g}, {words}"
-    if np.isfinite(found.mean):
-        return _row(what, found)
+    minutes, what = soon(part, level), f"minutes until a rate of {level:g}, {words}"
+    if np.isfinite(minutes.mean):
+        return _row(what, minutes)
     return Comparison(what, "not tried", None, Verdict.EXTENSION, f"never in {len(part)} sessions taken together")
 
 
@@ -205,7 +205,7 @@ def draw_success(trials: Trials) -> Figure:
     panels[0].set_ylabel("share of right gaze shifts (eq. 6.9)")
     figure.suptitle("How often the robot looked where the caregiver looked")
     fullest = max(panels, key=lambda axes: len(axes.get_legend_handles_labels()[0]))
-    figure.legend(*fullest.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=4, frameon=False)
+    figure.legend(*fullest.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=2, frameon=False)
     return figure
 
 
@@ -220,13 +220,13 @@ def draw_ablation(trials: Trials) -> Figure:
     order = sorted(named, key=lambda name: float(np.mean(rates[name])))
     figure = Figure(figsize=(10, 5.6), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    for place, name in enumerate(order):
-        above.plot(np.full(len(rates[name]), place), rates[name], "o", ms=2.5, color="#aeb6bf")
+    for at, name in enumerate(order):
+        above.plot(np.full(len(rates[name]), at), rates[name], "o", ms=2.5, color="#aeb6bf")
         mean = mean_interval(rates[name])
-        above.errorbar(place, mean.mean, [[mean.mean - mean.low], [mean.high - mean.mean]], fmt="_", color="#1b2631")
+        above.errorbar(at, mean.mean, [[mean.mean - mean.low], [mean.high - mean.mean]], fmt="_", color="#1b2631")
         has = [row for row, part in enumerate(parts) if part in named[name]]
-        below.plot([place] * len(parts), range(len(parts)), "o", ms=5, color="#e5e7e9")
-        below.plot([place] * len(has), has, "o", ms=5, color="#1b2631")
+        below.plot([at] * len(parts), range(len(parts)), "o", ms=5, color="#e5e7e9")
+        below.plot([at] * len(has), has, "o", ms=5, color="#1b2631")
     above.set(ylabel="rate of the last 6 minutes", ylim=(0, 1))
     above.set_title("What each part is worth, without motion cues, from the state (dots: sessions; bars: mean, 95%)")
     above.grid(alpha=0.3, axis="y")
@@ -241,13 +241,11 @@ def draw_conditions(trials: Trials) -> Figure:
     names = [name for name in SETTINGS if trials.get(name) and not name.startswith(skipped)]
     figure = Figure(figsize=(9, 0.32 * len(names) + 1.2), layout="constrained")
     axes = figure.subplots()
-    for place, name in enumerate(names):
+    for at, name in enumerate(names):
         rates = [late(trial) for trial in trials[name]]
         mean = mean_interval(rates)
-        axes.plot(rates, np.full(len(rates), place), "o", ms=2.5, color="#aeb6bf")
-        axes.errorbar(
-            mean.mean, place, xerr=[[mean.mean - mean.low], [mean.high - mean.mean]], fmt="|", color="#1b2631"
-        )
+        axes.plot(rates, np.full(len(rates), at), "o", ms=2.5, color="#aeb6bf")
+        axes.errorbar(mean.mean, at, xerr=[[mean.mean - mean.low], [mean.high - mean.mean]], fmt="|", color="#1b2631")
     axes.set_yticks(range(len(names)), [f"{in_words(name)} ({len(trials[name])})" for name in names], fontsize=8)
     axes.set(xlim=(0, 1), ylim=(len(names) - 0.5, -0.5), xlabel="rate of the last 6 minutes")
     figure.suptitle("Other settings and harder conditions (sessions in brackets; bars: mean, 95%)", fontsize=10)

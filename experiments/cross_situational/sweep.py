@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from jointattn_mj.gaze_following.agent import GazeFollower, GazeShift, RobotConfig
-from jointattn_mj.gaze_following.learners import Places
+from jointattn_mj.gaze_following.learners import Locations
 from jointattn_mj.gaze_following.presets import PRESETS
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
@@ -207,10 +207,10 @@ class OnlyWatching(GazeFollower):
         if percept.visible[self.face]:
             self._hold(direction_of(percept.px[self.face], head))
             if self.frames_left % LOOK_EVERY == 0:
-                self.learner.learn(self.face_input(), Places(self._in_view(percept, head)))
+                self.learner.learn(self.face_input(), Locations(self._in_view(percept, head)))
         return self._command
 
-    def _pair(self, shift: GazeShift, face: np.ndarray, places: Places) -> None:
+    def _pair(self, shift: GazeShift, face: np.ndarray, locations: Locations) -> None:
         """Nothing is learned from own shifts."""
 
 

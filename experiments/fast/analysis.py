@@ -1,4 +1,4 @@
-"""Turns until gaze alternation, whether the order holds, and whether the same preset serves other worlds."""
+"""Steps until gaze alternation, whether the order holds, and whether the same preset serves other worlds."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -8,10 +8,10 @@ SPOTS = (2, 3, 4, 5, 6)
 CHANCES = (0.25, 0.5, 0.75)
 
 
-def _other_world(preset: str, spots: int, follow: float, lead: float, turns: int) -> Setting:
+def _other_world(preset: str, spots: int, follow: float, lead: float, n_steps: int) -> Setting:
     changes = {
         "world.spots": spots, "world.objects": min(2, spots - 1), "caregiver.follow": follow, "caregiver.lead": lead,
-        "turns": turns, "stop_after": 3,
+        "n_steps": n_steps, "stop_after": 3,
     }  # fmt: skip
     return Setting(table_config(preset, **changes), runs=20)
 
@@ -21,8 +21,8 @@ SETTINGS = {
     "fast": Setting(table_config("fast"), runs=100),
     "thesis": Setting(table_config("thesis"), runs=100),
     **{
-        f"{preset} spots {spots} follow {follow} lead {lead}": _other_world(preset, spots, follow, lead, turns)
-        for preset, turns in (("fast", 60_000), ("thesis", 100_000))
+        f"{preset} spots {spots} follow {follow} lead {lead}": _other_world(preset, spots, follow, lead, n_steps)
+        for preset, n_steps in (("fast", 60_000), ("thesis", 100_000))
         for spots in SPOTS
         for follow in CHANCES
         for lead in CHANCES

@@ -11,9 +11,14 @@ from jointattn_mj.sweeps.statistics import Estimate, mean_interval, median_inter
 
 from .sweep import SETTINGS
 
-WORDS = {"state": "from the state", "images": "from images", "blindfolded": "blindfolded"}
+WORDS = {
+    "state": "from the state",
+    "patch": "from the face patch",
+    "images": "from images",
+    "blindfolded": "blindfolded",
+}
 BLINDFOLDED = "blindfolded"
-COLOURS = {"state": "#1f618d", "images": "#b03a2e", BLINDFOLDED: "#7f8c8d"}
+COLOURS = {"state": "#1f618d", "patch": "#1e8449", "images": "#b03a2e", BLINDFOLDED: "#7f8c8d"}
 BASELINES = {"oracle": "-.", "zero": "--", "random": ":"}
 NEAR = 0.9
 """Share of the way from the blindfolded learner to the oracle that counts as learned."""

@@ -1,4 +1,4 @@
-"""What a learner gets of the camera: a small grey image."""
+"""What a learner gets of the camera: a small grey image, or a small patch of the face."""
 
 from typing import Any
 
@@ -22,3 +22,18 @@ class SmallImage(gymnasium.ObservationWrapper):
         """The same with ``camera`` uint8 (1, height, width)."""
         grey = cv2.cvtColor(observation["camera"], cv2.COLOR_RGB2GRAY)
         return {**observation, "camera": cv2.resize(grey, self._size, interpolation=cv2.INTER_AREA)[None]}
+
+
+class SmallPatch(gymnasium.ObservationWrapper):
+    """Shrinks the observation ``face_patch`` to ``side`` pixels."""
+
+    def __init__(self, environment: gymnasium.Env, side: int):
+        super().__init__(environment)
+        self._size = side, side
+        small = spaces.Box(0, 255, self._size, np.uint8)
+        self.observation_space = spaces.Dict({**environment.observation_space.spaces, "face_patch": small})
+
+    def observation(self, observation: dict[str, Any]) -> dict[str, Any]:
+        """The same with ``face_patch`` uint8 (side, side)."""
+        small = cv2.resize(observation["face_patch"], self._size, interpolation=cv2.INTER_AREA)
+        return {**observation, "face_patch": small}

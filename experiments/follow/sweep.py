@@ -21,6 +21,9 @@ class Training(Checked):
     image_height: Annotated[int, Whole("[1, 1000]")] | None = None
     """Height of the grey image that is observed, in pixels; None: no image. Images are not stacked: the caregiver's
     gaze rests, and the face stays in view while the robot looks at the table."""
+    patch_side: Annotated[int, Whole("[1, 32]")] | None = None
+    """Side of the face patch that is observed, in pixels: of the 32 that the robot's face detector cuts out; None: no
+    patch."""
     steps: Annotated[int, Whole("[0, 1e10]")] = 12_288
     """Of experience, over all copies of the environment."""
     every: Annotated[int, Whole("[1, 1e10]")] = 1024
@@ -46,6 +49,8 @@ class Training(Checked):
 
 
 STATE = Training("Follow-v0", truth=True)
+PATCH = replace(STATE, truth=False, patch_side=16)
+"""Learned as from the state; half of the patch's resolution is enough for that, and quicker to learn from."""
 HARD = replace(STATE, environment="FollowHard-v0", steps=102_400, every=10_240)
 IMAGES = replace(
     STATE, truth=False, image_height=60, steps=61_440, every=10_240, copies=16, learning_rate=5e-4, batch=256,
@@ -54,9 +59,11 @@ IMAGES = replace(
 """More to be learned, so more copies and larger batches at a smaller rate; fewer epochs, for they take longest."""
 SETTINGS = {
     "follow/state": Setting(STATE, 10),
+    "follow/patch": Setting(PATCH, 10),
     "follow/blindfolded": Setting(replace(STATE, truth=False), 10),
     "follow/images": Setting(IMAGES, 2),
     "follow_hard/state": Setting(HARD, 7),
+    "follow_hard/patch": Setting(replace(HARD, truth=False, patch_side=16), 10),
     "follow_hard/blindfolded": Setting(replace(HARD, truth=False, steps=20_480, every=5120), 6),
 }
 """Task, a slash, what is observed. Blindfolded, all that can be learned is where objects tend to lie, and that is soon

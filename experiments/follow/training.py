@@ -17,7 +17,7 @@ from stable_baselines3 import PPO  # noqa: E402
 from stable_baselines3.common.evaluation import evaluate_policy  # noqa: E402
 from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv, VecNormalize  # noqa: E402
 
-from .images import SmallImage  # noqa: E402
+from .images import SmallImage, SmallPatch  # noqa: E402
 
 if TYPE_CHECKING:
     from .sweep import Training
@@ -64,9 +64,8 @@ def _copies(config: "Training", number: int) -> VecEnv:
     Every pixel of an image is normalised: as they are, a network for images makes nothing of so little contrast.
     """
     copies = DummyVecEnv([lambda: _environment(config)] * number)
-    if config.image_height is None:
-        return copies
-    return VecNormalize(copies, norm_reward=False, norm_obs_keys=["camera"])
+    seen = [name for name in ("camera", "face_patch") if name in copies.observation_space.spaces]
+    return VecNormalize(copies, norm_reward=False, norm_obs_keys=seen) if seen else copies
 
 
 def _for_tests(config: "Training", practice: VecEnv) -> VecEnv:
@@ -78,9 +77,12 @@ def _for_tests(config: "Training", practice: VecEnv) -> VecEnv:
 
 
 def _environment(config: "Training") -> gymnasium.Env:
-    camera = config.image_height is not None
-    made = gymnasium.make(f"jointattn_mj:{config.environment}", camera=camera, truth=config.truth)
-    return SmallImage(made, config.image_height) if camera else made
+    height, side = config.image_height, config.patch_side
+    made = gymnasium.make(
+        f"jointattn_mj:{config.environment}", camera=height is not None, truth=config.truth, face_patch=side is not None
+    )
+    made = made if height is None else SmallImage(made, height)
+    return made if side is None else SmallPatch(made, side)
 
 
 def _learner(config: "Training", environment: VecEnv, seed: int) -> PPO:

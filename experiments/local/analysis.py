@@ -10,7 +10,7 @@ from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
 from jointattn_mj.sweeps.statistics import median_interval, proportion
 
 from ..tables import STAGES, in_order
-from .sweep import CHANCES, PARTS, SETTINGS, SPOTS
+from .sweep import CHANCES, FORGETTING, PARTS, REPLACED, SETTINGS, SPOTS, STEPS
 
 KEEPS = 0.3
 """Least rate of keeping eye contact in which gaze alternation shows; before the first module it is .12 to .17."""
@@ -21,6 +21,24 @@ REALTIME = {
     "realtime/pixels, no cues": "in real time from images, without motion cues",
     "realtime/state, late answers": "in real time from the state, answers after .5 to 1 s",
 }
+LATER = {
+    "later/3 spots": "3 spots",
+    "later/2 spots": "2 spots, p_r .5, p_i .75",
+    "later/silent": "a caregiver who neither follows nor answers",
+}
+ORACLES = {"oracle/random": "random gaze", "oracle/face": "at the face half of the time"}
+CAREGIVERS = {
+    "another temper": "a caregiver who follows is replaced by one who leads",
+    "silent first": "a silent caregiver is replaced by one who follows and answers",
+    "silent then": "a caregiver is replaced by a silent one",
+}
+RIVAL = "(Π2, A1, R2)"
+"""The event that most often comes before gaze alternation where the order is another: looking away from eye contact."""
+BEYOND_DOUBT = 100.0
+"""Bayes factor above which an event holds."""
+RIGHT = ([0, 0], [1, 3], [0, 3])
+"""A pair (value of the sensor, command) that the map of each module must hold, at 3 spots: the spot that is looked at,
+the face after following, and the face else."""
 Results = Sequence[Mapping[str, Any]]
 
 
@@ -54,6 +72,14 @@ def analyse(trials: Trials) -> list[Comparison]:
         rows += _both(f"3% wrong observations, {spots} spots", results(trials, f"wrong/{spots} spots"))
     for name, words in NULLS.items():
         rows += _null(words, results(trials, name), silent=name == "null/silent")
+    for name, words in LATER.items():
+        rows += _later(name, words, results(trials, name))
+    for name, words in ORACLES.items():
+        some = results(trials, name)
+        rows += [_row(f"steps that a test needs that knows the truth, {words}", _median(some))] if some else []
+    for name in REPLACED:
+        for kept in FORGETTING:
+            rows += _replaced(name, kept, results(trials, f"replaced/{name}/{kept}"))
     for answer in ("0.5", "0"):
         rows += _answering(answer, results(trials, f"answer/{answer}"))
     for name, words in (("rendered/steady", "from images, step by step"), ("rendered/unsteady", "unsteady bodies")):
@@ -100,8 +126,8 @@ def _null(words: str, some: Results, silent: bool) -> list[Comparison]:
     if not some:
         return []
     if not silent:
-        return [_row(f"any module, {words}", proportion(sum(bool(one["modules"]) for one in some), len(some)))]
-    more = proportion(sum(one["modules"] != [STAGES[0]] for one in some), len(some))
+        return [_row(f"any module, {words}", proportion(sum(bool(result["modules"]) for result in some), len(some)))]
+    more = proportion(sum(result["modules"] != [STAGES[0]] for result in some), len(some))
     note = "such a caregiver looks at the robot between two objects only, so that having followed does say something"
     return [_row(f"modules besides gaze following, a caregiver who {words}", more, note)]
 
@@ -112,14 +138,68 @@ def _answering(answer: str, some: Results) -> list[Comparison]:
         return []
     rows = []
     for number, name in enumerate(("gaze following", "looking back after it")):
-        right = sum(one["modules"][: number + 1] == list(STAGES[: number + 1]) for one in some)
+        right = sum(result["modules"][: number + 1] == list(STAGES[: number + 1]) for result in some)
         rows.append(_row(f"{name} found, p_e = {answer}", proportion(right, len(some))))
     return rows
 
 
+def _median(some: Results) -> Any:
+    """Steps to the last of three events."""
+    return median_interval([one["turns"][2] for one in some])
+
+
+def _later(name: str, words: str, some: Results) -> list[Comparison]:
+    """Whether what comes after the three modules, or where there seems to be nothing, is true of other steps."""
+    if not some:
+        return []
+    known = set(STAGES[:1] if name == "later/silent" else STAGES)
+    evidence = [
+        (symbol, nats)
+        for one in some
+        for symbol, nats in zip(one["modules"], one["evidence"], strict=True)
+        if symbol not in known
+    ]
+    rows = []
+    if evidence:
+        names = ", ".join(sorted({symbol for symbol, _ in evidence}))
+        rows.append(
+            _row(
+                f"events beside these that hold in other steps, {words}",
+                proportion(sum(nats > np.log(BEYOND_DOUBT) for _, nats in evidence), len(evidence)),
+                f"{names}; evidence {np.median([nats for _, nats in evidence]):,.0f} nats (median)",
+            )
+        )
+    pairs = [dict(zip(one["modules"], one["evidence"], strict=True)) for one in some]
+    both = [one for one in pairs if {STAGES[2], RIVAL} <= one.keys()]
+    if both:
+        higher = proportion(sum(one[RIVAL] > one[STAGES[2]] for one in both), len(both))
+        rows.append(_row(f"more evidence of {RIVAL} than of gaze alternation, {words}", higher))
+    for part, what in enumerate(("after gaze was followed", "else")):
+        n, k = np.sum([one["looks"][part] for one in some if one["modules"]], axis=0).tolist()
+        rows.append(_row(f"face frontal in looks from an object, {what}, {words}", proportion(k, n)))
+    return rows
+
+
+def _replaced(name: str, kept: str, some: Results) -> list[Comparison]:
+    """What is found of a second caregiver, and what stays of the first."""
+    if not some:
+        return []
+    words = f"{CAREGIVERS[name]}, {kept} kept"
+    if name == "silent first":
+        right = sum(set(STAGES) <= set(one["modules"]) for one in some)
+        times = [max(one["turns"][one["modules"].index(stage)] for stage in STAGES) - STEPS // 2
+                 if set(STAGES) <= set(one["modules"]) else np.inf for one in some]  # fmt: skip
+        return [
+            _row(f"all three events found, {words}", proportion(right, len(some))),
+            _row(f"steps from the change to the last of them (median), {words}", median_interval(times)),
+        ]
+    right = sum(in_order(dict(one)) and all(RIGHT[n] in one["offers"][n] for n in (1, 2)) for one in some)
+    return [_row(f"looking back and alternation still offered at the end, {words}", proportion(right, len(some)))]
+
+
 def _behaviour(words: str, some: Results) -> list[Comparison]:
     """Whether gaze alternation shows in behaviour."""
-    kept = [one["phases"][3][2] if len(one["phases"]) > 3 else 0.0 for one in some]
+    kept = [result["phases"][3][2] if len(result["phases"]) > 3 else 0.0 for result in some]
     if not kept:
         return []
     note = f"rate {np.mean([rate for rate in kept if rate]):.2f} (mean); Fig. 5.5 as reproduced: .49"
@@ -136,7 +216,7 @@ def _two_hours(some: Results) -> list[Comparison]:
     """What comes after the third module."""
     if not some:
         return []
-    right = sum(in_order(dict(one)) and len(one["modules"]) == 3 for one in some)
+    right = sum(in_order(dict(result)) and len(result["modules"]) == 3 for result in some)
     return [_row("no module but the three in two hours, from the state", proportion(right, len(some)))]
 
 
@@ -149,6 +229,8 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     _curve(left, third([trial.result for trial in trials["table"]]), "3 spots")
     for spots in SPOTS:
         _curve(left, third(grid(trials, spots)), f"{spots} spots")
+    for name, words in ORACLES.items():
+        _curve(left, [one["turns"][2] for one in results(trials, name)], f"truth known, {words}", "--")
     left.set(xlabel="step", ylabel="share of runs", title="Gaze alternation at the table", xlim=(0, 8_000))
     for name, words in REALTIME.items():
         if name in trials:
@@ -163,26 +245,28 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     return {"local": figure}
 
 
-def _curve(axes: Any, times: Sequence[float], label: str) -> None:
+def _curve(axes: Any, times: Sequence[float], label: str, line: str = "-") -> None:
     """Share of runs by time."""
     ordered = np.sort(times)
     if len(ordered):
         axes.step(
-            ordered, (np.arange(len(ordered)) + 1) / len(ordered), where="post", label=f"{label} ({len(ordered)})"
+            ordered,
+            (np.arange(len(ordered)) + 1) / len(ordered),
+            where="post",
+            label=f"{label} ({len(ordered)})",
+            linestyle=line,
         )
 
 
 def _parts(axes: Any, trials: Trials) -> None:
     """Order and time with one part changed."""
     names = [name for name in PARTS if results(trials, f"part/{name}")]
-    for place, name in enumerate(names):
+    for at, name in enumerate(names):
         some = results(trials, f"part/{name}")
         share = proportion(sum(map(in_order, some)), len(some))
-        axes.errorbar(
-            share.mean, place, xerr=[[share.mean - share.low], [share.high - share.mean]], fmt="o", color="C0"
-        )
+        axes.errorbar(share.mean, at, xerr=[[share.mean - share.low], [share.high - share.mean]], fmt="o", color="C0")
         median = np.median(third(some))
-        axes.text(1.03, place, f"{median:,.0f}" if np.isfinite(median) else "-", va="center", fontsize=7)
+        axes.text(1.03, at, f"{median:,.0f}" if np.isfinite(median) else "-", va="center", fontsize=7)
     axes.set_yticks(range(len(names)), names, fontsize=7)
     axes.invert_yaxis()
     axes.set(xlim=(0, 1.2), xlabel="runs in order; number: median step", title="One part changed (2, 3 and 6 spots)")
@@ -191,13 +275,13 @@ def _parts(axes: Any, trials: Trials) -> None:
 
 def _rates(axes: Any, trials: Trials) -> None:
     """Rates of behaviour before and after the modules, in real time from images."""
-    some = [one for one in results(trials, "realtime/pixels") if len(one["phases"]) > 3]
+    some = [result for result in results(trials, "realtime/pixels") if len(result["phases"]) > 3]
     if some:
-        rates = np.mean([[one["phases"][0], one["phases"][3]] for one in some], axis=0)
-        places = np.arange(rates.shape[1])
-        axes.bar(places - 0.2, rates[0], 0.4, label="before the first module")
-        axes.bar(places + 0.2, rates[1], 0.4, label="after gaze alternation")
+        rates = np.mean([[result["phases"][0], result["phases"][3]] for result in some], axis=0)
+        columns = np.arange(rates.shape[1])
+        axes.bar(columns - 0.2, rates[0], 0.4, label="before the first module")
+        axes.bar(columns + 0.2, rates[1], 0.4, label="after gaze alternation")
         words = ("follows", "does not\nfollow", "keeps eye\ncontact", "shifts to\ncaregiver", "stays", "other\nspot")
-        axes.set_xticks(places, words, fontsize=7)
+        axes.set_xticks(columns, words, fontsize=7)
         axes.legend(fontsize=7)
     axes.set(ylabel="share of steps", title="What the robot does with its gaze, from images")

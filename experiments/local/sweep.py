@@ -11,10 +11,15 @@ from jointattn_mj.development.config import DevelopmentConfig, config_class
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.realtime.run import RealtimeRun
 from jointattn_mj.development.rendered.observer import ObservedRun
+from jointattn_mj.development.table.caregiver import TableCaregiverConfig, rules
+from jointattn_mj.development.table.run import TableRun
+from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.options import Checked, Whole
 from jointattn_mj.sweeps.claim import Setting
 
-from ..rendered_turns.sweep import UNSTEADY
+from ..rendered.sweep import UNSTEADY
+from .later import Later, later
+from .oracle import Oracle, needed
 
 CHANCES = (0.25, 0.5, 0.75)
 SPOTS = (2, 4, 5, 6, 8)
@@ -24,7 +29,7 @@ NULL_STEPS = 20_000
 
 
 @dataclass(frozen=True)
-class Watched(Checked):
+class LocalRun(Checked):
     """A run, and when it may stop."""
 
     development: DevelopmentConfig
@@ -32,41 +37,45 @@ class Watched(Checked):
     """Number of modules after which it stops."""
     further_steps: Annotated[int, Whole("[0, 1e9]")] = 0
     """Steps that it goes on after the last of these."""
+    then: TableCaregiverConfig | None = None
+    """At the table: another caregiver, who takes the place of the first half-way."""
 
 
-def _table(spots: int = 3, steps: int = STEPS, *, modules: int = 3, caregiver: Any = None, local: Any = None,
-           preset: str = "local", **table: Any) -> Watched:  # fmt: skip
+def _table(spots: int = 3, steps: int = STEPS, *, modules: int = 3, caregiver: Any = None, then: Any = None,
+           local: Any = None, memory: Any = None, **table: Any) -> LocalRun:  # fmt: skip
     """A run at the symbolic table.
 
     Args:
         spots: Number of spots; the objects are two, or one on two spots.
         steps: Length.
-        modules: See ``Watched``.
+        modules: See ``LocalRun``.
         caregiver: Changed options of the caregiver.
+        then: Those of another one, from half-way on.
         local: Changed options of the stop rule.
-        preset: Name of the preset.
+        memory: Changed options of the agent's memory.
         table: Changed options of the table; ``reactive`` is one of the run.
     """
     reactive = {"reactive": table.pop("reactive")} if "reactive" in table else {}
     world = {"spots": spots, "objects": min(2, spots - 1), "caregiver": caregiver or {}, **table}
     config = config_class("table").of(
-        preset=preset, steps=steps, sample_every=steps, table=world, agent={"local": local or {}}, **reactive
-    )
-    return Watched(config, modules)
+        preset="local", steps=steps, sample_every=steps, table=world,
+        agent={"local": local or {}, **(memory or {})}, **reactive,
+    )  # fmt: skip
+    return LocalRun(config, modules, then=None if then is None else TableCaregiverConfig(**then))
 
 
-def _rendered(steps: int, **rendered: Any) -> Watched:
+def _rendered(steps: int, **rendered: Any) -> LocalRun:
     config = config_class("rendered").of(preset="local", steps=steps, sample_every=steps, rendered=rendered)
-    return Watched(config)
+    return LocalRun(config)
 
 
 def _realtime(perception: str, minutes: float, *, modules: int = 3, further_steps: int = 0, local: Any = None,
-              reactive: str = "curious", **realtime: Any) -> Watched:  # fmt: skip
+              reactive: str = "curious", **realtime: Any) -> LocalRun:  # fmt: skip
     config = config_class("realtime").of(
         preset="local", minutes=minutes, steps=20_000, sample_every=20_000, reactive=reactive,
         realtime={"perception": perception, **realtime}, agent={"local": local or {}},
     )  # fmt: skip
-    return Watched(config, modules, further_steps)
+    return LocalRun(config, modules, further_steps)
 
 
 PARTS: dict[str, dict[str, Any]] = {
@@ -90,9 +99,17 @@ SILENT = {"follow": 0.0, "answer": 0.0}
 """A caregiver who neither follows nor answers."""
 FILM = Path(__file__).with_name("hour.mp4")
 """``python -m experiments.local.film``: the run of seed FILMED, from images."""
-FILMED = 120_000
-FIRST_SEED = 120_000
+FILMED = 140_000
+FIRST_SEED = 140_000
 """Settings were chosen on seeds 1000 to 1053 and, in real time from the state, on 1000 to 1009."""
+REPLACED = {
+    "another temper": {"caregiver": {"follow": 0.75, "lead": 0.25}, "then": {"follow": 0.25, "lead": 0.75}},
+    "silent first": {"caregiver": SILENT, "then": {}},
+    "silent then": {"caregiver": {}, "then": SILENT},
+}
+"""Caregivers one after the other, half of ``STEPS`` each."""
+FORGETTING = {"all steps": {}, "the last 3,000": {"memory": "window", "horizon": 3000}}
+"""What the agent keeps of its steps."""
 SETTINGS = {
     "table": Setting(_table(), runs=100),
     **{
@@ -116,6 +133,15 @@ SETTINGS = {
         for name, changes in PARTS.items()
         for spots in (2, 3, 6)
     },
+    **{
+        f"replaced/{name}/{kept}": Setting(_table(modules=20, memory=memory, **both), runs=20)
+        for name, both in REPLACED.items()
+        for kept, memory in FORGETTING.items()
+    },
+    **{f"oracle/{gaze}": Setting(Oracle(TableConfig(), gaze), runs=40) for gaze in ("random", "face")},
+    "later/3 spots": Setting(Later(_table().development), runs=20),
+    "later/2 spots": Setting(Later(_table(2, caregiver={"follow": 0.5, "lead": 0.75}).development), runs=20),
+    "later/silent": Setting(Later(_table(steps=NULL_STEPS, caregiver=SILENT).development), runs=20),
     "answer/0.5": Setting(_table(caregiver={"answer": 0.5}), runs=20),
     "answer/0": Setting(_table(caregiver={"answer": 0.0}), runs=20),
     "realtime/pixels, no cues": Setting(
@@ -127,12 +153,19 @@ SETTINGS = {
 """World, a slash, and what is special."""
 
 
-def trial(config: Watched, seed: int) -> dict[str, Any]:
+def trial(config: LocalRun | Oracle | Later, seed: int) -> dict[str, Any]:
+    """What a run found, or what a test of the truth needs, or whether what was found is true."""
+    if isinstance(config, Oracle):
+        return needed(config, seed)
+    return later(config, seed) if isinstance(config, Later) else watched(config, seed)
+
+
+def watched(config: LocalRun, seed: int) -> dict[str, Any]:
     """Modules, when they were made and what they offer at the end, and rates of behaviour in each phase."""
     run = replace(config.development, seed=seed).new_run()
     try:
         _go(run, config)
-        made = [one for one in run.found if one.module is not None]
+        made = [one for one in run.detections if one.module is not None]
         steps = [one.step for one in made]
         return {
             "modules": [run.agent.variables.symbol(one.event) for one in made],
@@ -148,14 +181,16 @@ def trial(config: Watched, seed: int) -> dict[str, Any]:
         run.close()
 
 
-def _go(run: DevelopmentRun, config: Watched) -> None:
+def _go(run: DevelopmentRun, config: LocalRun) -> None:
     """Advance until the run may stop."""
     at_a_time = 1 if config.development.unit == "min" else 100
     last: float = np.inf
     while run.steps_done < min(run.n_steps, last) and run.spent < config.development.length:
+        if config.then and isinstance(run, TableRun) and run.steps_done == run.n_steps // 2:
+            run.table = run.table._replace(rules=rules(config.then))
         run.advance(at_a_time)
-        if len(run.found) >= config.modules and last == np.inf:
-            last = run.found[config.modules - 1].step + config.further_steps
+        if len(run.detections) >= config.modules and last == np.inf:
+            last = run.detections[config.modules - 1].step + config.further_steps
 
 
 def _offers(run: DevelopmentRun, number: int) -> list[list[int]]:

@@ -16,8 +16,8 @@ COLOURS = {"kappa": "#c0392b", "last_moved": "#2471a3", "yaw": "#7d6608", "neare
 
 def values(trials: Sequence[Trial], minutes: float, name: str) -> list[float]:
     """One number of every session, where it has it."""
-    found = [trial.result[f"{minutes:g}"][name] for trial in trials]
-    return [float(one) for one in found if one is not None]
+    results = [trial.result[f"{minutes:g}"][name] for trial in trials]
+    return [float(result) for result in results if result is not None]
 
 
 def analyse(trials: Trials) -> list[Comparison]:
@@ -55,8 +55,8 @@ def analyse(trials: Trials) -> list[Comparison]:
     return findings
 
 
-def _row(what: str, found: Sequence[float], note: str) -> Comparison:
-    return Comparison(what, "not tried", mean_interval(found), Verdict.EXTENSION, note)
+def _row(what: str, kappas: Sequence[float], note: str) -> Comparison:
+    return Comparison(what, "not tried", mean_interval(kappas), Verdict.EXTENSION, note)
 
 
 def draw(trials: Trials) -> Mapping[str, Figure]:
@@ -68,8 +68,11 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     left, right = figure.subplots(1, 2)
     for name, label in CODERS.items():
         means = [mean_interval(values(part, minutes, name)) for minutes in MINUTES]
-        middle = [one.mean for one in means]
-        errors = [[one.mean - one.low for one in means], [one.high - one.mean for one in means]]
+        middle = [estimate.mean for estimate in means]
+        errors = [
+            [estimate.mean - estimate.low for estimate in means],
+            [estimate.high - estimate.mean for estimate in means],
+        ]
         left.errorbar(MINUTES, middle, errors, marker="o", ms=4, capsize=3, color=COLOURS[name], label=label)
     left.set(xscale="log", xlabel="minutes of video", ylabel="kappa by seconds, outside turns", ylim=(0, 1.02))
     left.set_xticks(MINUTES, [f"{minutes:g}" for minutes in MINUTES])

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from jointattn_mj.footage.config import PerceiveConfig
-from jointattn_mj.footage.looks.coding import LooksSeen
+from jointattn_mj.footage.looks.coding import ObservedLooks
 from jointattn_mj.footage.looks.log import LooksLog
 from jointattn_mj.footage.looks.run import looks_seen
 from jointattn_mj.footage.reader import RATE
@@ -59,14 +59,14 @@ def film(
                 reel.add(np.clip(eye.render() + noise, 0, 255).astype(np.uint8))
 
 
-def perceived(config: PerceiveConfig, minutes: tuple[float, ...]) -> dict[float, LooksSeen]:
+def perceived(config: PerceiveConfig, minutes: tuple[float, ...]) -> dict[float, ObservedLooks]:
     """What ``perceive --looks`` has seen after so many minutes of a video: as if it ended there.
 
     Args:
         config: Of the command, with ``looks``.
         minutes: When to take stock, ascending.
     """
-    seen: dict[float, LooksSeen] = {}
+    seen: dict[float, ObservedLooks] = {}
     with TemporaryDirectory() as folder:
         viewing = Viewing(config)
         viewing.prepare()

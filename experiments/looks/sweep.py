@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from jointattn_mj.footage.config import PerceiveConfig
-from jointattn_mj.footage.looks.coding import PARTNER, LooksSeen, code_looks
+from jointattn_mj.footage.looks.coding import PARTNER, ObservedLooks, code_looks
 from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.options import Checked, Real, Share, Whole
 from jointattn_mj.perception.som import SOM, SOMConfig
@@ -47,7 +47,7 @@ VERSION = 2
 
 
 @dataclass(frozen=True)
-class Table(Checked):
+class FilmedTable(Checked):
     """A caregiver at a table, and how the camera sees them."""
 
     world: WorldConfig = field(default_factory=WorldConfig)
@@ -86,12 +86,12 @@ def table(objects: int = 4, head_share: float | None = None, **more: Any) -> Set
     Args:
         objects: How many there are on the table.
         head_share: Share of the head in a turn of gaze; None for the usual one.
-        more: Fields of ``Table``.
+        more: Fields of ``FilmedTable``.
     """
     world = WorldConfig()
     behaviour = world.behaviour if head_share is None else replace(world.behaviour, head_share=head_share)
     scene = replace(world.scene, objects=OBJECTS[:objects])
-    return Setting(Table(replace(world, scene=scene, behaviour=behaviour), **more), 3)
+    return Setting(FilmedTable(replace(world, scene=scene, behaviour=behaviour), **more), 3)
 
 
 SETTINGS = {
@@ -127,7 +127,7 @@ class SeldomScript(CarelessScript):
         super()._begin(phase)
 
 
-def world_of(asked: Table) -> type[World]:
+def world_of(asked: FilmedTable) -> type[World]:
     """A class of worlds with the caregiver that is asked for."""
     attributes = {"looks_away": asked.looks_away, "handles": asked.handles, "at_partner": asked.at_partner}
     script: type[TransferScript] = type("Script", (SeldomScript,), attributes)
@@ -135,7 +135,7 @@ def world_of(asked: Table) -> type[World]:
 
 
 @dataclass(frozen=True, eq=False)
-class Session:
+class FilmedSession:
     """What was seen and what was so, look by look: arrays of n looks.
 
     Attributes:
@@ -153,7 +153,7 @@ class Session:
     settled: np.ndarray
 
 
-def watch(asked: Table, seed: int, minutes: float) -> Session:
+def watch(asked: FilmedTable, seed: int, minutes: float) -> FilmedSession:
     """Watch a caregiver for some minutes.
 
     Args:
@@ -192,7 +192,7 @@ def watch(asked: Table, seed: int, minutes: float) -> Session:
         partner = pixels_of_points(PARTNER_AT[None], np.degrees(CAMERA)) + sways[: len(seen)]
         seen = np.concatenate([seen[:, :-1], partner[:, None], seen[:, -1:]], axis=1)
         moving = np.column_stack([moving, np.zeros(len(seen), bool)])
-    return Session(np.array(faces), seen, moving, np.array(target), np.array(settled))
+    return FilmedSession(np.array(faces), seen, moving, np.array(target), np.array(settled))
 
 
 def hidden(rng: np.random.Generator, looks: int, objects: int, share: float) -> np.ndarray:
@@ -202,7 +202,7 @@ def hidden(rng: np.random.Generator, looks: int, objects: int, share: float) -> 
     return np.stack([np.convolve(one, kernel)[:looks] > 0 for one in starts.T], axis=1)
 
 
-def trial(asked: Table | Webcam, seed: int) -> dict[str, Any]:
+def trial(asked: FilmedTable | Webcam, seed: int) -> dict[str, Any]:
     """Trial: by minutes of video, how the codes of all coders agree with where the caregiver looked, outside turns.
 
     Of each coder ``kappa`` by seconds; of the coder of looks also how many of the seconds were ``sure``, how many of
@@ -218,11 +218,11 @@ def trial(asked: Table | Webcam, seed: int) -> dict[str, Any]:
     return {f"{minutes:g}": _coded(asked, seed, _first(whole, round(minutes * per_minute))) for minutes in MINUTES}
 
 
-def filmed(asked: Webcam, seed: int, video: Path) -> dict[float, tuple[LooksSeen, Session]]:
+def filmed(asked: Webcam, seed: int, video: Path) -> dict[float, tuple[ObservedLooks, FilmedSession]]:
     """Film a caregiver, and watch the video with ``perceive --looks``; by minutes, what was seen and what was so."""
     seeds = np.random.SeedSequence(seed).spawn(2)
     scene = replace(asked.world.scene, caregiver=sorted(IDENTITIES)[seed % len(IDENTITIES)])
-    world = world_of(Table()).build(replace(asked.world, scene=scene), seeds[0])
+    world = world_of(FilmedTable()).build(replace(asked.world, scene=scene), seeds[0])
     try:
         film(world, video, asked.minutes, CAMERA, asked, np.random.default_rng(seeds[1]))
     finally:
@@ -230,40 +230,40 @@ def filmed(asked: Webcam, seed: int, video: Path) -> dict[float, tuple[LooksSeen
     config = PerceiveConfig(video, objects=tuple(item.name for item in scene.objects), looks=True, coding=asked.looks)
     ends = tuple(minutes for minutes in MINUTES if minutes <= asked.minutes)
     found = {}
-    truth = watch(Table(replace(asked.world, scene=scene), looks=asked.looks), seed, asked.minutes)
+    truth = watch(FilmedTable(replace(asked.world, scene=scene), looks=asked.looks), seed, asked.minutes)
     for minutes, seen in perceived(config, ends).items():
         part = _first(truth, len(seen.faces))
         px = np.concatenate([seen.px, seen.face_px[:, None]], axis=1)
         faces = np.column_stack([seen.yaw_deg, seen.yaw_deg])
-        found[minutes] = seen, Session(faces, px, part.moves, part.target, part.settled)
+        found[minutes] = seen, FilmedSession(faces, px, part.moves, part.target, part.settled)
     return found
 
 
-def _first(session: Session, looks: int) -> Session:
-    return Session(*(getattr(session, name)[:looks] for name in ("faces", "px", "moves", "target", "settled")))
+def _first(session: FilmedSession, looks: int) -> FilmedSession:
+    return FilmedSession(*(getattr(session, name)[:looks] for name in ("faces", "px", "moves", "target", "settled")))
 
 
-def _coded(asked: Table, seed: int, session: Session) -> dict[str, Any]:
+def _coded(asked: FilmedTable, seed: int, session: FilmedSession) -> dict[str, Any]:
     rng = np.random.default_rng(seed)
     som = SOM(2, SOMConfig(), rng)
     som.train(session.faces[rng.permutation(len(session.faces))[: som.config.updates]], rng)
     active = np.array([som.activations(face) for face in session.faces])
     names = tuple(item.name for item in asked.world.scene.objects)
-    seen = LooksSeen(
+    seen = ObservedLooks(
         (*names, PARTNER) if asked.at_partner else names, active, session.px[:, -1], session.px[:, :-1],
         session.faces[:, 0], np.zeros(len(active), bool), HEIGHT_PX, asked.looks.every * FRAME_S,
     )  # fmt: skip
     return compared(seen, session, asked.looks)
 
 
-def compared(seen: LooksSeen, session: Session, config: LooksConfig) -> dict[str, Any]:
+def compared(seen: ObservedLooks, session: FilmedSession, config: LooksConfig) -> dict[str, Any]:
     """How all coders agree with where the caregiver looked; see ``trial``."""
     coded, count = code_looks(seen, config), seen.px.shape[1]
     settled = np.flatnonzero(session.settled)
     seconds = settled[settled % round(1 / seen.step_s) == 0]
-    right: np.ndarray = np.equal(coded.best, session.target)
-    sure: np.ndarray = (coded.posterior > config.sure).any(axis=1)
-    away: np.ndarray = np.equal(session.target, count)
+    right = coded.best - session.target == 0
+    sure = np.asarray(coded.posterior > config.sure).any(axis=1)
+    away = session.target - count == 0
     others = {
         "last_moved": last_moved(session.moves),
         "nearest": nearest(session.px),
@@ -311,7 +311,7 @@ def nearest(px: np.ndarray) -> np.ndarray:
     return numbers
 
 
-def by_yaw(session: Session) -> np.ndarray:
+def by_yaw(session: FilmedSession) -> np.ndarray:
     """Number of the object nearest in x to what a line makes of yaw, (n,); the line is fitted to the true targets."""
     count = session.px.shape[1] - 1
     across = session.px[:, :-1, 0] - session.px[:, -1:, 0]

@@ -15,7 +15,7 @@ FIRST_SEED = 30_000
 SETTINGS = {
     f"follow {follow} lead {lead} objects {objects}": Setting(
         table_config(
-            "chapter4", turns=30_000, **{"caregiver.follow": follow, "caregiver.lead": lead, "world.objects": objects}
+            "chapter4", n_steps=30_000, **{"caregiver.follow": follow, "caregiver.lead": lead, "world.objects": objects}
         ),
         runs=20,
     )

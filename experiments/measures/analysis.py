@@ -1,4 +1,4 @@
-"""Turns after which each measure ranks the right event first, and keeps it there."""
+"""Steps after which each measure ranks the right event first, and keeps it there."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -21,7 +21,7 @@ from ..tables import TableRunConfig, run_table, table_config
 
 FIRST_SEED = 30_000
 LENGTHS = tuple(int(n) for n in np.unique(np.geomspace(500, 40_000, 20).round(-2)))
-SETTINGS = {"chapter4": Setting(table_config("chapter4", turns=LENGTHS[-1]), runs=20)}
+SETTINGS = {"chapter4": Setting(table_config("chapter4", n_steps=LENGTHS[-1]), runs=20)}
 
 Measured = Callable[[np.ndarray, np.ndarray, np.ndarray], float]
 

@@ -23,7 +23,7 @@ NEIGHBOURS = 5
 
 
 @dataclass(frozen=True)
-class Options(Checked):
+class PerceptionOptions(Checked):
     """What to measure."""
 
     out: Path | None = None
@@ -84,7 +84,7 @@ def pattern_noise(pixels: dict[str, np.ndarray], exact: dict[str, np.ndarray]) -
     return float(np.sqrt(max(worse**2 - best**2, 0.0) / (1 + 1 / NEIGHBOURS)))
 
 
-def measure(options: Options) -> dict[str, float]:
+def measure(options: PerceptionOptions) -> dict[str, float]:
     """The rates and standard deviations, pooled over caregivers and seeds; names are those of ``StateConfig``."""
     runs, noise = [], []
     for caregiver in options.caregivers:
@@ -120,7 +120,7 @@ def measure(options: Options) -> dict[str, float]:
 
 def main() -> None:
     """Measure, print, and write."""
-    options = tyro.cli(Options, description=__doc__)
+    options = tyro.cli(PerceptionOptions, description=__doc__)
     text = json.dumps({name: round(value, 4) for name, value in measure(options).items()}, indent=1) + "\n"
     print(text)
     if options.out is not None:

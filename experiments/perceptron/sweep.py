@@ -7,14 +7,14 @@ from numba import njit
 
 from jointattn_mj.sweeps.claim import Setting
 
-from ..experience.sweep import found_objects
+from ..experience.sweep import shifts_to_objects
 from ..tables import TableRunConfig, run_table, table_config
 
 RATES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 EPOCHS = (1, 3, 10)
 
 FIRST_SEED = 30_000
-SETTINGS = {"chapter4": Setting(table_config("chapter4", turns=30_000), runs=20)}
+SETTINGS = {"chapter4": Setting(table_config("chapter4", n_steps=30_000), runs=20)}
 
 
 @njit(cache=True)
@@ -40,7 +40,7 @@ def train(weights, bias, inputs, outputs, rate):
 def trial(config: TableRunConfig, seed: int) -> dict[str, Any]:
     """Share of the caregiver's directions that the perceptron answers with the same direction."""
     run = run_table(config, seed)
-    face, gaze = found_objects(run)
+    face, gaze = shifts_to_objects(run)
     spots = config.world.spots
     values = [len(variable.values) for variable in (run.agent.variables.sensors[0], run.agent.variables.joints[0])]
     success: dict[str, dict[str, float]] = {}

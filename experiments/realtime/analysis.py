@@ -66,7 +66,7 @@ def _shares(name: str, part: Sequence[Trial]) -> list[Comparison]:
     if not timed:
         return _at_the_table(name, part, visible)
     times = [minute_of(trial, FOLLOWING) for trial in part]
-    found = [
+    rows = [
         Comparison(
             f"gaze following found within an hour, {WORDS[name]}", "asked for: 80%",
             proportion(sum(time <= HOUR for time in times), n), Verdict.EXTENSION,
@@ -85,8 +85,8 @@ def _shares(name: str, part: Sequence[Trial]) -> list[Comparison]:
     if longest > HOUR:
         late = proportion(sum(alternates(trial.result) for trial in part), n)
         what = f"gaze alternation after gaze following within {longest:.0f} minutes, {WORDS[name]}"
-        found.append(Comparison(what, "not tried", late, Verdict.EXTENSION))
-    return found
+        rows.append(Comparison(what, "not tried", late, Verdict.EXTENSION))
+    return rows
 
 
 def _at_the_table(name: str, part: Sequence[Trial], visible: str) -> list[Comparison]:

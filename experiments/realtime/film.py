@@ -34,7 +34,7 @@ def filmed(run: RealtimeRun, path: Path, minutes: float) -> None:
     run.run_until(BEFORE_MINUTES)
     with RealtimeFilm(path) as reel:
         reel.watch(run, "Before anything was found", SECONDS)
-        while run.minutes < minutes and len(run.found) < MODULES:
+        while run.minutes < minutes and len(run.detections) < MODULES:
             if run.advance(1) and run.agent.modules:
                 known = meanings(run.named_variables(), run.agent.modules)
                 reel.watch(run, f"After {known[-1].label}", SECONDS)

@@ -31,7 +31,7 @@ class Hour(Checked):
 
 
 @dataclass(frozen=True)
-class Turns(Checked):
+class TableHour(Checked):
     """The same agent at the symbolic table, for about as many steps as an ``Hour`` has."""
 
     table: TableConfig
@@ -52,24 +52,26 @@ SETTINGS = {
     "pixels/no_cues": Setting(_hour("pixels", False), runs=20),
     "state/cues": Setting(_hour("state", True, 90.0), runs=20),
     "state/no_cues": Setting(_hour("state", False, 90.0), runs=20),
-    "table": Setting(Turns(PRESETS["fast"].world, STEPS_AN_HOUR), runs=100),
-    "table, objects stay": Setting(Turns(replace(PRESETS["fast"].world, replaced_every=40), STEPS_AN_HOUR), runs=100),
+    "table": Setting(TableHour(PRESETS["fast"].world, STEPS_AN_HOUR), runs=100),
+    "table, objects stay": Setting(
+        TableHour(replace(PRESETS["fast"].world, replaced_every=40), STEPS_AN_HOUR), runs=100
+    ),
 }
 """Perception, a slash, and whether there are motion cues; then runs at the symbolic table."""
 
 
-def trial(config: Hour | Turns, seed: int) -> dict[str, Any]:
+def trial(config: Hour | TableHour, seed: int) -> dict[str, Any]:
     """Modules, what they mean, when they were made, and how the robot saw and moved."""
-    if isinstance(config, Turns):
+    if isinstance(config, TableHour):
         preset = PRESETS["fast"]
         table = TableRun(config.table, preset.agent, seed, config.steps, sample_every=config.steps)
-        while table.steps_done < table.n_steps and len(table.found) < MODULES:
+        while table.steps_done < table.n_steps and len(table.detections) < MODULES:
             table.advance(100)
         return _made(table)
     preset = PRESETS["fast"]
     run = RealtimeRun(preset.world, config.realtime, preset.agent, seed, MOST_STEPS, sample_every=MOST_STEPS)
     try:
-        while run.minutes < config.minutes and run.steps_done < run.n_steps and len(run.found) < MODULES:
+        while run.minutes < config.minutes and run.steps_done < run.n_steps and len(run.detections) < MODULES:
             run.advance(1)
         return {
             **_made(run),
@@ -85,12 +87,12 @@ def trial(config: Hour | Turns, seed: int) -> dict[str, Any]:
 
 
 def _made(run: DevelopmentRun) -> dict[str, Any]:
-    made = [one for one in run.found if one.module is not None]
+    made = [detection for detection in run.detections if detection.module is not None]
     variables = run.named_variables()
     return {
-        "modules": [variables.symbol(one.event) for one in made],
+        "modules": [variables.symbol(detection.event) for detection in made],
         "means": [meaning.label for meaning in meanings(variables, run.agent.modules)],
-        "turns": [one.step for one in made],
+        "turns": [detection.step for detection in made],
         "lived": run.steps_done,
     }
 
@@ -98,7 +100,7 @@ def _made(run: DevelopmentRun) -> dict[str, Any]:
 def _directions(run: RealtimeRun) -> list[int] | None:
     """Commands of gaze following's map, if it was found first: how many, and how many lead to where the caregiver then
     mostly looks."""
-    first = next((one.module for one in run.found if one.module is not None), None)
+    first = next((detection.module for detection in run.detections if detection.module is not None), None)
     if first is None or run.agent.variables.symbol(first.event) != "(S1, A1, R3)":
         return None
     mostly, commands = run.confusion()[:-1].argmax(axis=1), first.command[:, :-1]
@@ -109,10 +111,10 @@ def _directions(run: RealtimeRun) -> list[int] | None:
 def _after_following(run: RealtimeRun) -> dict[str, list[int]] | None:
     """Looks at the caregiver's face, and those that showed it frontal, in the second step after gaze following was used
     and after it was not; until the second module."""
-    if not run.found or run.agent.variables.symbol(run.found[0].event) != "(S1, A1, R3)":
+    if not run.detections or run.agent.variables.symbol(run.detections[0].event) != "(S1, A1, R3)":
         return None
-    last = run.found[1].step if len(run.found) > 1 else run.steps_done
-    steps = np.arange(run.found[0].step, last - 2)
+    last = run.detections[1].step if len(run.detections) > 1 else run.steps_done
+    steps = np.arange(run.detections[0].step, last - 2)
     used, to_face = run.log("driver of shift gaze")[steps] == 0, run.log("shift gaze")[steps + 1] == run.spots
     frontal = run.log("frontal face")[steps + 2] == 1
     return {

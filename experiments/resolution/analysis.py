@@ -44,7 +44,7 @@ def analyse(trials: Trials) -> list[Comparison]:
                  f"{np.mean([result['shuffled'] for result in results]):.2f} splits a run"),
             _row(f"{setting}: preset fast then finds gaze following",
                  proportion(sum(result["found"] is not None for result in results), len(results)),
-                 _mind(results, spots)),
+                 _agent(results, spots)),
         ]  # fmt: skip
     return findings
 
@@ -63,7 +63,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
             values = [2, *(step["faces"] + len(step["regions"]) for step in result["steps"])]
             height = [0.0, *(step["contingency"] / NATS_PER_BIT for step in result["steps"])]
             path.plot(values, height, "-", color=colour, lw=0.8, alpha=0.5, label=None if number else label)
-        told = np.array([[faces_at(result, turns) for turns in GRID] for result in results])
+        told = np.array([[faces_at(result, steps) for steps in GRID] for result in results])
         time.plot(GRID, told.mean(axis=0), color=colour, label=label)
         time.fill_between(GRID, *np.quantile(told, (0.1, 0.9), axis=0), color=colour, alpha=0.12, lw=0)
         time.axhline(spots + 1, color=colour, ls=":", lw=0.8)
@@ -99,9 +99,9 @@ def faces(result: Result) -> int:
     return len(result["confusion"])
 
 
-def faces_at(result: Result, turns: float) -> int:
+def faces_at(result: Result, steps: float) -> int:
     """The same after a number of steps of babbling."""
-    return max((step["faces"] for step in result["steps"] if step["turns"] <= turns), default=1)
+    return max((step["faces"] for step in result["steps"] if step["turns"] <= steps), default=1)
 
 
 def regions(result: Result) -> int:
@@ -121,7 +121,7 @@ def purity(result: Result) -> float:
 
 
 def settled(result: Result, spots: int) -> float:
-    """Turns until there were as many values of S as true targets; infinite where that never came."""
+    """Steps until there were as many values of S as true targets; infinite where that never came."""
     return next((step["turns"] for step in result["steps"] if step["faces"] >= spots + 1), np.inf)
 
 
@@ -131,15 +131,15 @@ def _first(results: Sequence[Result]) -> str:
     return f"first split of both together in {begun.count('S and A')} of {len(begun)}; cuts through tilt: {tilts}"
 
 
-def _mind(results: Sequence[Result], spots: int) -> str:
-    found = [result for result in results if result["found"] is not None]
-    if not found:
+def _agent(results: Sequence[Result], spots: int) -> str:
+    following = [result for result in results if result["found"] is not None]
+    if not following:
         return ""
-    turns = np.median([result["found"] for result in found])
-    right = sum(sum(result["right"]) == spots for result in found)
+    steps = np.median([result["found"] for result in following])
+    right = sum(sum(result["right"]) == spots for result in following)
     first = sum(result["first"] == "(S1, A1, R3)" for result in results)
     return (
-        f"after {turns:,.0f} steps more (median); its map leads right for all spots in {right} of {len(found)}; "
+        f"after {steps:,.0f} steps more (median); its map leads right for all spots in {right} of {len(following)}; "
         f"the first event of all in {first} of {len(results)}"
     )
 

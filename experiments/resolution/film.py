@@ -13,7 +13,7 @@ from jointattn_mj.development.rendered.growing import Babbling, GrowingRun
 from jointattn_mj.development.rendered.growth_film import GrowthFilm
 from jointattn_mj.development.table.presets import PRESETS
 
-from .sweep import FILM, RunConfig
+from .sweep import FILM, GrowingTrial
 
 SEED, SPOTS, MOST = 7, 3, 20_000
 AFTER = 5
@@ -42,7 +42,7 @@ def _driven(run: GrowingRun) -> list[str]:
 def main() -> None:
     """Run and film."""
     preset = PRESETS["fast"]
-    run = Babbling(replace(preset.world, spots=SPOTS), RunConfig(SPOTS).growing, SEED)
+    run = Babbling(replace(preset.world, spots=SPOTS), GrowingTrial(SPOTS).growing, SEED)
     with GrowthFilm(FILM) as film:
         run.advance(50)
         film.growth(run, run.growth.resolution, "At first: a face or none, somewhere or at the caregiver", _babbling, 4)
@@ -57,7 +57,7 @@ def main() -> None:
         agent = GrowingRun(run, preset.agent, SEED, MOST, (RandomModule(GAZE),))
         agent.advance(1)
         film.growth(agent, agent.resolution, "An agent with these values, before gaze following", _driven, 4)
-        while not agent.found and agent.steps_done < MOST:
+        while not agent.detections and agent.steps_done < MOST:
             agent.advance(50)
         before: deque[bytes] = deque(maxlen=2)
         shown = 0

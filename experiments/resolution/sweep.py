@@ -19,13 +19,13 @@ from jointattn_mj.sweeps.claim import Setting
 
 
 @dataclass(frozen=True)
-class RunConfig(Checked):
+class GrowingTrial(Checked):
     """Some steps of babbling, then an agent for some steps."""
 
     spots: Annotated[int, Whole("[2, 120]")]
     images: bool = False
     """Whether every step is rendered; else faces come from an album of images, and objects from geometry."""
-    turns: Annotated[int, Whole("[1, 1e10]")] = 40_000
+    n_steps: Annotated[int, Whole("[1, 1e10]")] = 40_000
     agent_steps: Annotated[int, Whole("[0, 1e10]")] = 20_000
     growing: GrowingConfig = field(default_factory=GrowingConfig)
 
@@ -34,17 +34,17 @@ FIRST_SEED = 50_000
 FILM = Path(__file__).with_name("resolution.mp4")
 """Made by ``python -m experiments.resolution.film``."""
 SETTINGS = {
-    **{f"{spots} spots": Setting(RunConfig(spots), runs=20) for spots in (2, 3, 4, 5)},
-    "an image every turn, 3 spots": Setting(RunConfig(3, images=True, turns=20_000, agent_steps=10_000), runs=4),
+    **{f"{spots} spots": Setting(GrowingTrial(spots), runs=20) for spots in (2, 3, 4, 5)},
+    "an image every step, 3 spots": Setting(GrowingTrial(3, images=True, n_steps=20_000, agent_steps=10_000), runs=4),
 }
 
 
-def trial(config: RunConfig, seed: int) -> dict[str, Any]:
+def trial(config: GrowingTrial, seed: int) -> dict[str, Any]:
     """The splits, what the values mean in the end, and what the preset ``fast`` found with them."""
     preset = PRESETS["fast"]
     table = replace(preset.world, spots=config.spots, objects=min(2, config.spots - 1))
     babbling = Babbling(table, config.growing, seed, FreeGazeBody if config.images else RecallingBody)
-    babbling.advance(config.turns)
+    babbling.advance(config.n_steps)
     growth, given = babbling.growth, babbling.experience()
     confusion = _confusion(babbling)
     truth = np.degrees(babbling.body.stage.locations)
@@ -59,13 +59,22 @@ def trial(config: RunConfig, seed: int) -> dict[str, Any]:
         "shuffled": _shuffled(babbling, np.random.default_rng(seed)),
     }
     run = GrowingRun(babbling, preset.agent, seed, config.agent_steps, (RandomModule(GAZE),))
-    found = None
-    while run.steps_done < config.agent_steps and found is None:
+    following = None
+    while run.steps_done < config.agent_steps and following is None:
         run.advance(100)
-        found = next((one for one in run.found if one.module and _follows(run.agent.variables, one.module)), None)
-    result["first"] = run.agent.variables.symbol(run.found[0].event) if run.found else None
-    result["found"] = None if found is None else found.step
-    result["right"] = None if found is None or found.module is None else _right(found.module, confusion, run)
+        following = next(
+            (
+                detection
+                for detection in run.detections
+                if detection.module and _follows(run.agent.variables, detection.module)
+            ),
+            None,
+        )
+    result["first"] = run.agent.variables.symbol(run.detections[0].event) if run.detections else None
+    result["found"] = None if following is None else following.step
+    result["right"] = (
+        None if following is None or following.module is None else _right(following.module, confusion, run)
+    )
     return result
 
 
@@ -94,9 +103,9 @@ def _shuffled(babbling: Babbling, rng: np.random.Generator) -> int:
     units[sensed] = rng.permutation(units[sensed])
     growth = Growth(babbling.body.som.weights, babbling.body.space, babbling.body.config.resolution)
     shuffled = given._replace(units=units)
-    for turns in range(500, len(units) + 1, 500):
-        if growth.due(turns):
-            growth.update(shuffled.some(slice(turns)))
+    for steps in range(500, len(units) + 1, 500):
+        if growth.due(steps):
+            growth.update(shuffled.some(slice(steps)))
     return len(growth.steps)
 
 

@@ -37,10 +37,10 @@ MINUTES = np.arange(1, 26)
 
 def value(trial: Trial, key: str) -> float:
     """A number of a session by its dotted name; NaN where there is none."""
-    found: Any = trial.result
+    result: Any = trial.result
     for part in key.split("."):
-        found = found[part]
-    return np.nan if found is None else float(found)
+        result = result[part]
+    return np.nan if result is None else float(result)
 
 
 def estimate(trials: Sequence[Trial], key: str) -> Estimate:

@@ -51,10 +51,10 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     figure = Figure(figsize=(8, 4.5), layout="constrained")
     axes = figure.subplots()
     for symbol in sorted(result["values"], key=lambda name: (name not in STAGES, name)):
-        found = symbol in STAGES
+        is_stage = symbol in STAGES
         axes.plot(
-            result["turns"], np.maximum(_course(result, symbol), 1e-5), label=symbol, lw=2 if found else 0.8,
-            alpha=1 if found else 0.6, color=f"C{STAGES.index(symbol)}" if found else None,
+            result["turns"], np.maximum(_course(result, symbol), 1e-5), label=symbol, lw=2 if is_stage else 0.8,
+            alpha=1 if is_stage else 0.6, color=f"C{STAGES.index(symbol)}" if is_stage else None,
         )  # fmt: skip
     top = axes.get_ylim()[1]
     for step, symbol in zip(result["made"], result["modules"], strict=True):

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 
 from jointattn_mj.baselines.turn_taking.agent import TurnTaker, TurnTakerConfig
-from jointattn_mj.baselines.turn_taking.attempts import Outcomes, Situations, run_attempts
+from jointattn_mj.baselines.turn_taking.attempts import AttemptSituations, Outcomes, run_attempts
 from jointattn_mj.baselines.turn_taking.faces import FaceBank, FaceBankConfig, FaceInputs, render_faces
 from jointattn_mj.baselines.turn_taking.layouts import ObjectTableConfig, draw_tables
 from jointattn_mj.options import Checked, Whole
@@ -100,9 +100,9 @@ def live_one(run: AttemptsConfig, faces: FaceBank, strange: FaceBank, seed: int)
     return results
 
 
-def _situations(run: AttemptsConfig, count: int, faces: FaceInputs, rng: np.random.Generator) -> Situations:
+def _situations(run: AttemptsConfig, count: int, faces: FaceInputs, rng: np.random.Generator) -> AttemptSituations:
     locations = draw_tables(run.table, count, rng)
-    return Situations.of_locations(locations, faces, run.faces.jitter_deg, rng)
+    return AttemptSituations.of_locations(locations, faces, run.faces.jitter_deg, rng)
 
 
 @cache
@@ -114,5 +114,5 @@ def face_banks(config: FaceBankConfig) -> tuple[FaceBank, FaceBank]:
 
 def trial(run: AttemptsConfig, seed: int) -> dict[str, list[int]]:
     """Trial: outcomes of a run, counted in stretches, and of its tests."""
-    found = live_one(run, *face_banks(run.faces), seed)
-    return {name: values.astype(int).tolist() for name, values in found.items()}
+    outcomes = live_one(run, *face_banks(run.faces), seed)
+    return {name: values.astype(int).tolist() for name, values in outcomes.items()}

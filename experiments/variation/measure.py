@@ -32,7 +32,7 @@ SHOWN, WIDTH, HEIGHT = 6, 200, 150
 
 
 @dataclass(frozen=True)
-class Options(Checked):
+class VariationOptions(Checked):
     """What to leave where."""
 
     figure: Path | None = None
@@ -45,7 +45,7 @@ class Options(Checked):
     """Of the episodes."""
 
 
-def found(image: np.ndarray, world: World, colours: ColourAreas) -> tuple[bool, int, int]:
+def detected(image: np.ndarray, world: World, colours: ColourAreas) -> tuple[bool, int, int]:
     """Whether OpenCV's cascade finds the face, how many objects their colours find, and how many are in view."""
     truth = pixels_of_points(world.candidate_points(), np.degrees(world.head_angles()))
     faces = haar_faces(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), FaceDetectorConfig())
@@ -57,7 +57,7 @@ def found(image: np.ndarray, world: World, colours: ColourAreas) -> tuple[bool, 
     return bool(face), int(np.sum(near & view)), int(view.sum())
 
 
-def measure(preset: str, options: Options) -> tuple[dict[str, int], np.ndarray]:
+def measure(preset: str, options: VariationOptions) -> tuple[dict[str, int], np.ndarray]:
     """Number of faces and objects found in a number of draws, and the first images side by side."""
     settings = {"random": options.seed, "variation": preset}
     environment = load("joint_attention", "object_transfer", task_kwargs=settings)
@@ -67,17 +67,17 @@ def measure(preset: str, options: Options) -> tuple[dict[str, int], np.ndarray]:
         environment.reset()
         for _ in range(FRAMES):
             step = environment.step(np.zeros(2))
-        rows.append(found(step.observation["camera"], environment.task.world, colours))
+        rows.append(detected(step.observation["camera"], environment.task.world, colours))
         images.append(step.observation["camera"])
     environment.close()
     faces, objects, in_view = np.sum(rows, axis=0).tolist()
-    band = np.hstack([cv2.resize(one, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA) for one in images[:SHOWN]])
+    band = np.hstack([cv2.resize(image, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA) for image in images[:SHOWN]])
     for colour, thickness in (((255, 255, 255), 3), ((0, 0, 0), 1)):
         cv2.putText(band, preset, (6, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.55, colour, thickness, cv2.LINE_AA)
     return {"draws": options.draws, "faces": faces, "objects": objects, "objects_in_view": in_view}, band
 
 
-def main(options: Options) -> None:
+def main(options: VariationOptions) -> None:
     """Measure every preset and print, one a line; leave the files that were asked for."""
     rates, bands = {}, []
     for preset in PRESETS:
@@ -94,4 +94,4 @@ def main(options: Options) -> None:
 
 
 if __name__ == "__main__":
-    main(tyro.cli(Options, description=__doc__))
+    main(tyro.cli(VariationOptions, description=__doc__))

@@ -27,7 +27,7 @@ def analyse(trials: Trials) -> list[Comparison]:
         if not trials.get(name):
             continue
         errors = np.array([error(trial) for trial in trials[name]])
-        label = name.replace("_", " ").replace("places", "positions")
+        label = name.replace("_", " ")
         rows = {
             "error of the learned map, deg": mean_interval(errors),
             f"sessions with an error above {WRONG_DEG:g} deg": proportion(int(np.sum(errors > WRONG_DEG)), len(errors)),

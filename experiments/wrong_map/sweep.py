@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from jointattn_mj.gaze_following.agent import GazeFollower, GazeShift
-from jointattn_mj.gaze_following.learners import Places
+from jointattn_mj.gaze_following.learners import Locations
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.options import Checked
 from jointattn_mj.scene.camera import directions_to, off_centre
@@ -30,40 +30,44 @@ def exact(**noise: float) -> SessionConfig:
     return replace(BASE, state=replace(BASE.state, **noise))
 
 
-def only_right_pairs(session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, places: Places) -> None:
+def only_right_pairs(
+    session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, locations: Locations
+) -> None:
     """Leave out the pairs that lead elsewhere than to the caregiver's target."""
-    if _is_right(session, places):
-        pair(shift, face, places)
+    if _is_right(session, locations):
+        pair(shift, face, locations)
 
 
-def only_still_pairs(session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, places: Places) -> None:
+def only_still_pairs(
+    session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, locations: Locations
+) -> None:
     """Leave out the pairs whose face was turning, or whose object was moving, when they were learned."""
     state = session.config.state
     moving = session.world.moving(state.face_moves_above_deg_s, state.object_moves_above_m_s)
     if not moving.any():
-        pair(shift, face, places)
+        pair(shift, face, locations)
 
 
 def wrong_pairs_scattered(
-    session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, places: Places
+    session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, locations: Locations
 ) -> None:
     """Send each wrong pair to a random position on the table: as many wrong pairs, but none that repeats."""
-    if not _is_right(session, places):
+    if not _is_right(session, locations):
         layout = session.config.world.layout
         spot = np.random.default_rng([session.config.seed, session.frame]).random(2)
         ranges = (layout.x_range, layout.y_range)
         x, y = (low + part * (high - low) for part, (low, high) in zip(spot, ranges, strict=True))
         height = session.world.caregiver.objects[:, 2].min()
-        places = Places.only(directions_to(np.array([[x, y, height]]))[0] - _face(session))
-    pair(shift, face, places)
+        locations = Locations.only(directions_to(np.array([[x, y, height]]))[0] - _face(session))
+    pair(shift, face, locations)
 
 
-def _is_right(session: SessionRun, places: Places) -> bool:
+def _is_right(session: SessionRun, locations: Locations) -> bool:
     caregiver = session.world.caregiver
-    if caregiver.target is None or places.reached is None:
+    if caregiver.target is None or locations.reached is None:
         return False
     target = directions_to(caregiver.objects[caregiver.target : caregiver.target + 1])[0]
-    return off_centre(target, places.reached + _face(session)) <= TOLERANCE_DEG
+    return off_centre(target, locations.reached + _face(session)) <= TOLERANCE_DEG
 
 
 def _face(session: SessionRun) -> np.ndarray:
@@ -71,7 +75,7 @@ def _face(session: SessionRun) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Condition(Checked):
+class PairCondition(Checked):
     """A session's config, and what is done to the pairs before they are learned."""
 
     config: SessionConfig
@@ -84,20 +88,20 @@ FILTERS: dict[str, Callable[..., None]] = {
     "wrong_scattered": wrong_pairs_scattered,
 }
 SETTINGS = {
-    "as_it_is": Setting(Condition(BASE), 10),
-    "with_cues": Setting(Condition(session_config("state", cues=True)), 10),
-    "exact_face_pattern": Setting(Condition(exact(pattern_noise_deg=0.0)), 10),
-    "exact_places": Setting(
-        Condition(exact(face_noise_px=0.0, face_miss=0.0, object_noise_px=0.0, object_miss=0.0)), 10
+    "as_it_is": Setting(PairCondition(BASE), 10),
+    "with_cues": Setting(PairCondition(session_config("state", cues=True)), 10),
+    "exact_face_pattern": Setting(PairCondition(exact(pattern_noise_deg=0.0)), 10),
+    "exact_locations": Setting(
+        PairCondition(exact(face_noise_px=0.0, face_miss=0.0, object_noise_px=0.0, object_miss=0.0)), 10
     ),
-    "feedback_commands": Setting(Condition(session_config("state", cues=False, gaze={"gate": "shut"})), 10),
-    "only_still_pairs": Setting(Condition(BASE, "only_still"), 10),
-    "wrong_pairs_scattered": Setting(Condition(BASE, "wrong_scattered"), 10),
-    "only_right_pairs": Setting(Condition(BASE, "only_right"), 10),
+    "feedback_commands": Setting(PairCondition(session_config("state", cues=False, gaze={"gate": "shut"})), 10),
+    "only_still_pairs": Setting(PairCondition(BASE, "only_still"), 10),
+    "wrong_pairs_scattered": Setting(PairCondition(BASE, "wrong_scattered"), 10),
+    "only_right_pairs": Setting(PairCondition(BASE, "only_right"), 10),
 }
 
 
-def trial(condition: Condition, seed: int) -> dict[str, Any]:
+def trial(condition: PairCondition, seed: int) -> dict[str, Any]:
     """A session's summary, and the share of its pairs that were right."""
     session = SessionRun(replace(condition.config, seed=seed))
     right = _watch_pairs(session, session.robot, FILTERS.get(condition.pairs))
@@ -117,12 +121,12 @@ def _watch_pairs(session: SessionRun, robot: GazeFollower, pair_filter: Callable
     right: list[bool] = []
     learn = robot._pair
 
-    def pair(shift: GazeShift, face: np.ndarray, places: Places) -> None:
-        right.append(_is_right(session, places))
+    def pair(shift: GazeShift, face: np.ndarray, locations: Locations) -> None:
+        right.append(_is_right(session, locations))
         if pair_filter is None:
-            learn(shift, face, places)
+            learn(shift, face, locations)
         else:
-            pair_filter(session, learn, shift, face, places)
+            pair_filter(session, learn, shift, face, locations)
 
     robot._pair = pair  # type: ignore[method-assign]
     return right

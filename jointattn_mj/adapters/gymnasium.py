@@ -21,7 +21,7 @@ from gymnasium import spaces  # noqa: E402
 DOMAIN = "joint_attention"
 
 
-class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
+class JointAttentionEnv(gymnasium.Env[dict[str, Any], np.ndarray]):
     """A task of the suite with Gymnasium's interface.
 
     Observations are a ``Dict`` with the task's keys. Angles, as actions, are scaled: -1 and 1 stand for the task's
@@ -77,7 +77,7 @@ class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
         if options:
             raise ConfigError(f"reset takes no options; got {options!r}")
         if seed is not None:
-            seed = _whole(seed)
+            seed = whole_seed(seed)
         super().reset(seed=seed)
         if seed is not None:
             self.environment.task.seed(seed)
@@ -136,7 +136,7 @@ class JointAttention(gymnasium.Env[dict[str, Any], np.ndarray]):
         }
 
 
-def _whole(seed: Any) -> int:
+def whole_seed(seed: Any) -> int:
     """A seed as ``int``; numpy's whole numbers are accepted too."""
     if isinstance(seed, (int, np.integer)) and not isinstance(seed, bool) and seed >= 0:
         return int(seed)

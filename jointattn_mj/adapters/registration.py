@@ -1,12 +1,14 @@
 """Registers the suite's tasks with Gymnasium, once both packages are imported, in either order."""
 
 import importlib
-import importlib.util
 import sys
 from collections.abc import Sequence
-from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
+
+TYPE_CHECKING = False  # as in typing, which the start of a program does not wait for
+if TYPE_CHECKING:
+    from importlib.abc import Loader
 
 IDS = {
     "ObjectTransfer-v0": "object_transfer",
@@ -17,7 +19,10 @@ IDS = {
     "TurnTakingHard-v0": "turn_taking_hard",
 }
 """Gymnasium's id of each task: ``gymnasium.make("jointattn_mj:Follow-v0")``."""
-ENTRY_POINT = "jointattn_mj.adapters.gymnasium:JointAttention"
+ENTRY_POINT = "jointattn_mj.adapters.gymnasium:JointAttentionEnv"
+VECTOR_ENTRY_POINT = "jointattn_mj.adapters.vector:FollowVector"
+VECTORS = ("follow", "follow_hard")
+"""Tasks of which many worlds run together; of the others Gymnasium makes as many environments."""
 
 
 def register_when_needed() -> None:
@@ -31,24 +36,27 @@ def register_when_needed() -> None:
 def _register() -> None:
     gymnasium = importlib.import_module("gymnasium")
     for name, task in IDS.items():
-        gymnasium.register(id=name, entry_point=ENTRY_POINT, kwargs={"task": task})
+        vector = VECTOR_ENTRY_POINT if task in VECTORS else None
+        gymnasium.register(id=name, entry_point=ENTRY_POINT, vector_entry_point=vector, kwargs={"task": task})
 
 
-class _GymnasiumFinder(MetaPathFinder):
+class _GymnasiumFinder:
     """An import hook that lets the import of gymnasium be followed by registration."""
 
     def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
         if name != "gymnasium":
             return None
+        from importlib.util import find_spec
+
         sys.meta_path.remove(self)
-        spec = importlib.util.find_spec(name)
+        spec = find_spec(name)
         if spec is not None and spec.loader is not None:
-            spec.loader = _ThenRegister(spec.loader)
+            spec.loader = _ThenRegister(spec.loader)  # type: ignore[assignment]  # has what a Loader needs
         return spec
 
 
-class _ThenRegister(Loader):
-    def __init__(self, loader: Loader):
+class _ThenRegister:
+    def __init__(self, loader: "Loader"):
         self._loader = loader
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:

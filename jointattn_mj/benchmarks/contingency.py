@@ -10,12 +10,12 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import count
 
 import numpy as np
 
+from jointattn_mj.benchmarks.figures import Figures
 from jointattn_mj.contingency.measures import transfer_entropy
 from jointattn_mj.contingency.online.counts import Counts, add, empty_counts
 from jointattn_mj.contingency.online.detector import DetectorConfig, Watch, new_watch, update
@@ -33,47 +33,27 @@ RUN_STEPS = 100_000
 """Steps of a run, as in section 5.3.2."""
 SAMPLES = 1_000_000
 """Samples in the series for transfer entropy."""
+SHORT = 100
+"""Samples in a short series; a fifth of all samples go into such series for the call that takes many."""
 MODULES = {12: 0, 48: 2, 108: 4, 300: 8}
 """Number of modules for each number of triples (sensor, action, result) of the variables of chapter 5."""
 
 
-@dataclass(frozen=True)
-class ContingencyBenchmark:
-    """Speed of finding contingency: medians over the blocks; None where pyinform is not installed."""
-
-    detector_steps_per_s_12: float
-    """Steps a second with 12 triples. A step counts a transition, updates all contingencies and finds the highest."""
-    detector_steps_per_s_300: float
-    detector_to_numpy_12: float
-    """How many times faster this is than recomputing all contingencies from the tables in numpy."""
-    detector_to_numpy_300: float
-    ns_per_triple_12: float
-    ns_per_triple_48: float
-    ns_per_triple_108: float
-    ns_per_triple_300: float
-    thesis_100k_s: float
-    """Seconds of a run of 100,000 steps at the table of chapter 5, preset thesis, compiled."""
-    thesis_100k_wall_s: float
-    fast_100k_s: float
-    fast_100k_wall_s: float
-    compile_s: float
-    """Seconds of the first step where nothing was compiled before."""
-    compile_wall_s: float
-    transfer_entropy_ms: float
-    """Milliseconds for a million samples of 4 and 2 values, int32 as pyinform expects, with all checks."""
-    pyinform_ms: float | None
-    transfer_entropy_to_pyinform: float | None
-
-    def rows(self) -> dict[str, float | None]:
-        """The figures by name."""
-        return asdict(self)
-
-
-def run_contingency_benchmark(blocks: int) -> ContingencyBenchmark:
+def run_contingency_benchmark(blocks: int) -> Figures:
     """Measure everything in each block; compiling, which takes a new process, once.
 
     Args:
         blocks: Their number; one more, in which functions are compiled, is not counted.
+
+    Returns:
+        detector_steps_per_s_...: steps a second with so many triples; a step counts a transition, updates all
+        contingencies and finds the highest. detector_to_numpy_...: how many times faster this is than recomputing all
+        contingencies from the tables in numpy. ns_per_triple_...: the same by triple. thesis_100k_s, fast_100k_s:
+        seconds of a run of 100,000 steps at the table of chapter 5 with that preset, compiled, and by the clock (wall).
+        compile_s: of the first step where nothing was compiled before. transfer_entropy_ms, pyinform_ms: milliseconds
+        for a million samples of 4 and 2 values, int32 as pyinform expects, with all checks. ..._to_pyinform: ratios,
+        also for int64, with a condition of 3 values, for a series of 100 steps, and for 2,000 such series in one call;
+        None where pyinform is not installed.
     """
     detecting = {triples: _Detecting(modules) for triples, modules in MODULES.items()}
     works: dict[str, Callable[[], object]] = {f"detector {triples}": one.run for triples, one in detecting.items()}
@@ -83,10 +63,11 @@ def run_contingency_benchmark(blocks: int) -> ContingencyBenchmark:
             works[f"numpy {triples} {padded}"] = partial(Recomputing(detecting[triples].variables, padded).run, *series)
     for name in ("thesis", "fast"):
         works[name] = partial(_advance, PRESETS[name], count())
-    source, target = (np.random.default_rng(1).integers(0, size, SAMPLES, np.int32) for size in (4, 2))
-    works["transfer entropy"] = partial(transfer_entropy, source, target)
-    if theirs := _pyinform():
-        works["pyinform"] = partial(theirs, source, target, k=1)
+    theirs = _pyinform()
+    for name, (ours, pyinform) in _transfers().items():
+        works[name] = ours
+        if theirs:
+            works[f"pyinform {name}"] = partial(pyinform, theirs)
     times: dict[str, list[tuple[float, float]]] = {name: [] for name in works}
     for _ in range(blocks + 1):
         for name, work in works.items():
@@ -94,33 +75,52 @@ def run_contingency_benchmark(blocks: int) -> ContingencyBenchmark:
     cpu, wall = (
         {name: np.array(pairs)[1:, which] for name, pairs in times.items()} for which in (0, 1)
     )  # [0] compiled
-    step = {triples: float(np.median(cpu[f"detector {triples}"])) / TRANSITIONS for triples in detecting}
+    step = {triples: cpu[f"detector {triples}"] / TRANSITIONS for triples in detecting}
+    figures = Figures()
+    for triples in (12, 300):
+        figures.add(f"detector_steps_per_s_{triples}", 1 / step[triples])
+    for triples in (12, 300):  # beside the layout that suits numpy better at this size
+        ratios = [cpu[f"numpy {triples} {padded}"] / RECOMPUTED / step[triples] for padded in (False, True)]
+        figures.add(f"detector_to_numpy_{triples}", min(ratios, key=lambda one: float(np.median(one))))
+    for triples in detecting:
+        figures.add(f"ns_per_triple_{triples}", 1e9 * step[triples] / triples)
+    for name in ("thesis", "fast"):
+        figures.add(f"{name}_100k_s", cpu[name])
+        figures.add(f"{name}_100k_wall_s", wall[name])
+    for name, seconds in zip(("compile_s", "compile_wall_s"), compile_seconds(), strict=True):
+        figures.add(name, seconds)
+    figures.add("transfer_entropy_ms", 1000 * cpu["transfer_entropy"])
+    figures.add("pyinform_ms", 1000 * cpu["pyinform transfer_entropy"] if theirs else None)
+    for name in _transfers():
+        figures.add(f"{name}_to_pyinform", cpu[name] / cpu[f"pyinform {name}"] if theirs else None)
+    return figures
 
-    def to_numpy(triples: int) -> float:
-        """In comparison with the layout that suits numpy better at this size."""
-        recomputed = [cpu[f"numpy {triples} {padded}"] / RECOMPUTED for padded in (False, True)]
-        return float(min(np.median(one / (cpu[f"detector {triples}"] / TRANSITIONS)) for one in recomputed))
 
-    compiling, compiling_wall = compile_seconds()
-    return ContingencyBenchmark(
-        detector_steps_per_s_12=1 / step[12],
-        detector_steps_per_s_300=1 / step[300],
-        detector_to_numpy_12=to_numpy(12),
-        detector_to_numpy_300=to_numpy(300),
-        ns_per_triple_12=1e9 * step[12] / 12,
-        ns_per_triple_48=1e9 * step[48] / 48,
-        ns_per_triple_108=1e9 * step[108] / 108,
-        ns_per_triple_300=1e9 * step[300] / 300,
-        thesis_100k_s=float(np.median(cpu["thesis"])),
-        thesis_100k_wall_s=float(np.median(wall["thesis"])),
-        fast_100k_s=float(np.median(cpu["fast"])),
-        fast_100k_wall_s=float(np.median(wall["fast"])),
-        compile_s=compiling,
-        compile_wall_s=compiling_wall,
-        transfer_entropy_ms=1000 * float(np.median(cpu["transfer entropy"])),
-        pyinform_ms=1000 * float(np.median(cpu["pyinform"])) if theirs else None,
-        transfer_entropy_to_pyinform=float(np.median(cpu["transfer entropy"] / cpu["pyinform"])) if theirs else None,
-    )
+def _transfers() -> dict[str, tuple[Callable[[], object], Callable[..., object]]]:
+    """Transfer entropies by name: ours, and a call of pyinform's function, which is given."""
+    source, target, known = (np.random.default_rng(1).integers(0, size, SAMPLES, np.int32) for size in (4, 2, 3))
+    wide, wide_target = source.astype(np.int64), target.astype(np.int64)
+    short, short_target = source[:SHORT], target[:SHORT]
+    many = [part[: SHORT * (SAMPLES // SHORT // 5)].reshape(-1, SHORT) for part in (source, target)]
+    lists = [list(part) for part in many]
+    again = 1 + SAMPLES // 10_000
+    return {
+        "transfer_entropy": (
+            partial(transfer_entropy, source, target), lambda theirs: theirs(source, target, k=1),
+        ),
+        "int64": (
+            partial(transfer_entropy, wide, wide_target), lambda theirs: theirs(wide, wide_target, k=1),
+        ),
+        "conditional": (
+            partial(transfer_entropy, source, target, known),
+            lambda theirs: theirs(source, target, k=1, condition=known),
+        ),
+        "short": (
+            lambda: [transfer_entropy(short, short_target) for _ in range(again)],
+            lambda theirs: [theirs(short, short_target, k=1) for _ in range(again)],
+        ),
+        "many_short": (lambda: transfer_entropy(lists[0], lists[1]), lambda theirs: theirs(*many, k=1)),
+    }  # fmt: skip
 
 
 class _Detecting:
@@ -133,7 +133,7 @@ class _Detecting:
         events, random = list(self.variables.events()), np.random.default_rng(0)
         self.counts, self.watch = empty_counts(self.variables, events), new_watch(DetectorConfig(), len(events))
         self.series = tuple(
-            np.column_stack([random.integers(0, len(one.values), TRANSITIONS + 1) for one in group])
+            np.column_stack([random.integers(0, len(variable.values), TRANSITIONS + 1) for variable in group])
             for group in (self.variables.sensors, self.variables.actions, self.variables.results)
         )
 
@@ -144,7 +144,7 @@ class _Detecting:
 @njit(cache=True)
 def _detect(watch: Watch, counts: Counts, s: np.ndarray, a: np.ndarray, r: np.ndarray) -> None:
     for t in range(len(s) - 1):
-        add(counts, s[t], a[t], r[t], r[t + 1], 1, len(counts.contexts))
+        add(counts, s[t], a[t], r[t], r[t + 1], 1, len(counts.layout))
         update(watch, counts)
 
 

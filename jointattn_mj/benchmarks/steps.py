@@ -1,10 +1,10 @@
 """Speed of development from images: a step beside rendering its image, and beside a step at the symbolic table."""
 
 import time
-from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from jointattn_mj.benchmarks.figures import Figures
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
 from jointattn_mj.development.rendered.senses import CentralView
@@ -16,25 +16,7 @@ STEPS = 1000
 """Steps in a block."""
 
 
-@dataclass(frozen=True)
-class StepsBenchmark:
-    """Speed of development from images: medians over the blocks."""
-
-    step_image_ms: float
-    """Milliseconds to render an image, alone; the same images that the run rendered."""
-    step_ms: float
-    """Milliseconds of a step from images, with everything."""
-    step_to_image: float
-    """Ratio of the two, block by block."""
-    table_step_us: float
-    """Microseconds of a step of the same agent at the symbolic table."""
-
-    def rows(self) -> dict[str, float | str]:
-        """The figures by name."""
-        return asdict(self)
-
-
-class _Noted(RenderedRun):
+class _PosedRun(RenderedRun):
     """A run that keeps the poses of all bodies at each image."""
 
     poses: list[Pose]
@@ -45,17 +27,22 @@ class _Noted(RenderedRun):
         self.poses.append(self.stage.world.pose())
 
 
-def run_steps_benchmark(blocks: int) -> StepsBenchmark:
+def run_steps_benchmark(blocks: int) -> Figures:
     """Measure runs from images, rendering alone, and runs at the symbolic table, interleaved in blocks.
 
     Args:
         blocks: Their number; one more, in which functions are compiled, is not counted.
 
+    Returns:
+        step_image_ms: milliseconds to render an image, alone; the same images that the run rendered. step_ms: of a step
+        from images, with everything. step_to_image: ratio of the two, block by block. table_step_us: microseconds of a
+        step of the same agent at the symbolic table.
+
     Raises:
         GLError: No image can be rendered here.
     """
     preset, n_steps, times = PRESETS["thesis"], (blocks + 1) * STEPS, []
-    run = _Noted(preset.world, RenderedConfig(), preset.agent, 0, n_steps)
+    run = _PosedRun(preset.world, RenderedConfig(), preset.agent, 0, n_steps)
     symbolic = TableRun(preset.world, preset.agent, 0, n_steps)
     world = run.stage.world
     try:
@@ -68,12 +55,12 @@ def run_steps_benchmark(blocks: int) -> StepsBenchmark:
     finally:
         run.close()
     in_run, images, at_table = np.array(times).T
-    return StepsBenchmark(
-        step_image_ms=1000 * float(np.median(images)) / STEPS,
-        step_ms=1000 * float(np.median(in_run)) / STEPS,
-        step_to_image=float(np.median(in_run / images)),
-        table_step_us=1e6 * float(np.median(at_table)) / STEPS,
-    )
+    figures = Figures()
+    figures.add("step_image_ms", 1000 * images / STEPS)
+    figures.add("step_ms", 1000 * in_run / STEPS)
+    figures.add("step_to_image", in_run / images)
+    figures.add("table_step_us", 1e6 * at_table / STEPS)
+    return figures
 
 
 def _seconds(run: DevelopmentRun) -> float:

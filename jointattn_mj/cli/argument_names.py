@@ -10,7 +10,7 @@ def with_options(message: str) -> str:
 
     Messages name an argument as it is called in Python, between backticks, with or without a value.
     """
-    return _ARGUMENT.sub(lambda found: _typed(found[1].replace("_", "-"), found[2]), message)
+    return _ARGUMENT.sub(lambda match: _typed(match[1].replace("_", "-"), match[2]), message)
 
 
 def _typed(name: str, value: str | None) -> str:

@@ -1,12 +1,11 @@
 """``jointattn benchmark``: how fast simulation, perception and analysis run."""
 
-import json
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Annotated
 
-from jointattn_mj.benchmarks.loop import BenchmarkOptions, as_text, run_benchmark
+from jointattn_mj.benchmarks.figures import Figures, committed
+from jointattn_mj.benchmarks.options import BenchmarkOptions
 from jointattn_mj.cli.running import one_thread
-from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.progress import Progress
 from jointattn_mj.options import FLAT
 
@@ -17,32 +16,46 @@ def benchmark(options: Annotated[BenchmarkOptions, FLAT]) -> None:
     """Measure how fast everything runs, as ratios taken in one run.
 
     Compares a session from images with rendering alone, with a session from the state, and with dm_control's cartpole;
-    steps of development from images with rendering these; the search for contingency with recomputation in numpy.
+    steps of development from images with rendering these; the search for contingency with recomputation in numpy, and
+    transfer entropy with pyinform; and counts what whole commands take. Medians stand beside their quartiles and beside
+    the figures that came with this version.
     """
     one_thread()
-    parts: dict[str, Callable[[], dict[str, Any]]] = {
-        "scene": lambda: run_benchmark(options).rows(),
-        "steps": lambda: _steps(options.blocks),
-        "contingency": lambda: _contingency(options.blocks),
+    before, figures = committed(), Figures()
+    parts: dict[str, Callable[[BenchmarkOptions], Figures]] = {
+        "scene": _scene,
+        "steps": _steps,
+        "contingency": _contingency,
+        "commands": _commands,
     }
-    rows: dict[str, Any] = {}
     with Progress("measuring") as shown:
         for name in parts if options.what == "all" else [options.what]:
             shown.doing(f"measuring {name}")
-            rows |= parts[name]()
-    print(as_text(rows))
+            figures.merge(parts[name](options))
+    print(figures.text(before))
     if options.out is not None:
-        text = json.dumps(rows, indent=1) + "\n"
-        write_whole(options.out, lambda path: path.write_text(text))
+        figures.write(options.out)
 
 
-def _steps(blocks: int) -> dict[str, Any]:
+def _scene(options: BenchmarkOptions) -> Figures:
+    from jointattn_mj.benchmarks.loop import run_benchmark
+
+    return run_benchmark(options)
+
+
+def _steps(options: BenchmarkOptions) -> Figures:
     from jointattn_mj.benchmarks.steps import run_steps_benchmark
 
-    return run_steps_benchmark(blocks).rows()
+    return run_steps_benchmark(options.blocks)
 
 
-def _contingency(blocks: int) -> dict[str, Any]:
+def _contingency(options: BenchmarkOptions) -> Figures:
     from jointattn_mj.benchmarks.contingency import run_contingency_benchmark
 
-    return run_contingency_benchmark(blocks).rows()
+    return run_contingency_benchmark(options.blocks)
+
+
+def _commands(options: BenchmarkOptions) -> Figures:
+    from jointattn_mj.cli.costs import run_commands_benchmark
+
+    return run_commands_benchmark(options.blocks)

@@ -44,6 +44,14 @@ JOBS: dict[str, dict[str, Command]] = {
             "Find the contingent events (sensor, action) -> result of a recording.",
             "a ranking of events with p-values; --out for files",
         ),
+        "transitions": Command(
+            "Count what follows what in coded interaction: lag-sequential analysis.",
+            "a table of transitions with residuals, odds ratios and p-values; --out for files",
+        ),
+        "agreement": Command(
+            "Compare two coders of the same recordings by Cohen's kappa.",
+            "a table of tiers and codes; --out for files",
+        ),
         "looks": Command(
             "Write the looks of a robot and its caregiver as files of ELAN, BORIS or Datavyu.",
             "a file for each recording",

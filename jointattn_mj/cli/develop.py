@@ -17,7 +17,7 @@ from jointattn_mj.development.config import (
     check_world,
     config_class,
 )
-from jointattn_mj.development.loop import DevelopmentRun, Found
+from jointattn_mj.development.loop import Detection, DevelopmentRun
 from jointattn_mj.development.meaning import Meaning
 from jointattn_mj.development.run import run_development
 from jointattn_mj.development.summary import DevelopmentSummary
@@ -160,14 +160,14 @@ def run_with_bar(config: DevelopmentConfig, options: UnfilmedOptions) -> None:
     started = time.perf_counter()
     shown = Progress("exploring" if config.world != "table" else "developing", config.length, config.unit)
 
-    def progress(run: DevelopmentRun, found: Sequence[tuple[Found, Meaning | None]]) -> None:
-        for one, meaning in found:
+    def progress(run: DevelopmentRun, detections: Sequence[tuple[Detection, Meaning | None]]) -> None:
+        for one, meaning in detections:
             if meaning is not None:
                 shown.say(f"step {one.step:,}: {meaning.label}  [{run.agent.variables.describe(one.event)}]")
         shown.doing("developing")
         shown.to(run.spent, count(len(run.agent.modules), "module"))
 
-    with going_on_from(options.out, "the run", options.resume), shown:
+    with going_on_from(options.out, "the run"), shown:
         result = run_development(config, options, progress)
     print(text(result.summary))
     print(f"In {time.perf_counter() - started:.1f} s. Results: {options.out}")

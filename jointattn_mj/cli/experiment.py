@@ -51,7 +51,7 @@ class ExperimentRunOptions(Checked):
 
 
 @dataclass(frozen=True)
-class ReportOptions(Checked):
+class ClaimReportOptions(Checked):
     """Write a report of the stored trials: report.html, claims.json, claims.csv and figures."""
 
     folder: Annotated[Path, tyro.conf.Positional]
@@ -64,12 +64,12 @@ class ReportOptions(Checked):
 
 Listing = Annotated[ListOptions, tyro.conf.subcommand("list")]
 Running = Annotated[ExperimentRunOptions, tyro.conf.subcommand("run")]
-Reporting = Annotated[ReportOptions, tyro.conf.subcommand("report")]
+Reporting = Annotated[ClaimReportOptions, tyro.conf.subcommand("report")]
 
 
 def experiment(command: Annotated[Listing | Running | Reporting, FLAT]) -> None:
     """List the claims of the dissertation, run them, or report what came out."""
-    options: ListOptions | ExperimentRunOptions | ReportOptions = command
+    options: ListOptions | ExperimentRunOptions | ClaimReportOptions = command
     registry = load_registry(options.registry)
     if isinstance(options, ListOptions):
         print(listing(registry, options.out))
@@ -159,7 +159,7 @@ def _run(registry: Registry, options: ExperimentRunOptions) -> None:
         raise SweepError(f"{count(len(tally.failed), 'trial')} failed; the same command tries them again")
 
 
-def _report(registry: Registry, options: ReportOptions) -> None:
+def _report(registry: Registry, options: ClaimReportOptions) -> None:
     from jointattn_mj.sweeps.report import write_report
 
     ids = chosen(registry, options.claims) if options.claims else list(registry)

@@ -13,6 +13,7 @@ def measure(options: Annotated[MeasureOptions, FLAT]) -> None:
     """Measure how much one recorded variable says about the next value of another.
 
     Prints transfer entropy, and with --condition combined transfer entropy (T^C, eq. 4.3) and state-action contingency
-    (SAC, eq. 5.2), with bias corrections, intervals and p-values. Leaves with --out: measures.csv, measures.json.
+    (SAC, eq. 5.2), or the --measures that are named, with bias corrections, intervals and p-values. Leaves with --out:
+    measures.csv, measures.json.
     """
     print_result(run_measure, options)

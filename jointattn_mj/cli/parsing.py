@@ -3,7 +3,8 @@
 A command is the function ``NAME`` of ``jointattn_mj.cli.NAME``. A module with sub-commands of its own has
 ``command_for(arguments, file)`` besides, which gives one of them and the words that follow it; ``file`` is that of
 --config. A module whose options have defaults that follow from another one, such as --preset, has
-``defaults_for(words, config)``, which gives the config that the options start from; ``config`` is that of the file.
+``defaults_for(words, config, kind)``, which gives the config of class ``kind`` that the options start from; ``config``
+is that of the file. A module with ``in_world(words)`` has another function of the same command for each --world.
 """
 
 import inspect
@@ -58,9 +59,12 @@ def parsed(name: str, arguments: Sequence[str]) -> Callable[[], None]:
         prog += " WORLD" if command.__name__ == name else f" {command.__name__}"
     else:
         command = getattr(module, name)
+        if hasattr(module, "in_world"):
+            command, words = module.in_world(words)
+            prog += "" if command.__name__ == name else f" --world {command.__name__}"
         start = None if file is None else _read(command, file, name)
         if hasattr(module, "defaults_for"):
-            start = module.defaults_for(words, start)
+            start = module.defaults_for(words, start, get_type_hints(command)[CONFIG])
         command = command if start is None else with_defaults(command, **{CONFIG: start})
     with GIVEN:
         words = with_names_of_today(words, command)

@@ -3,7 +3,7 @@
 import sys
 from typing import Annotated, Any
 
-from jointattn_mj.cli.running import of_a_checkpoint, one_thread
+from jointattn_mj.cli.running import one_thread
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.run import run_perceive
@@ -29,13 +29,13 @@ def perceive(config: Annotated[PerceiveConfig, FLAT], options: Annotated[Perceiv
     shown = Progress("reading again up to the checkpoint" if options.resume else "opening the video", unit="s of video")
 
     def progress(viewing: Viewing) -> None:
-        found = viewing.visible / viewing.frames
-        words = f"face in {found[-1]:.0%}, {len(viewing.fixations.all)} fixations"
+        share = viewing.visible / viewing.frames
+        words = f"face in {share[-1]:.0%}, {len(viewing.fixations.all)} fixations"
         shown.doing("perceiving")
         shown.to(viewing.frames / RATE, words, _seconds(viewing))
 
     try:
-        with of_a_checkpoint(options.out, options.resume), shown:
+        with shown:
             summary = run_perceive(config, options, progress)
     except KeyboardInterrupt:
         if (options.out / "summary.json").exists():
@@ -46,8 +46,8 @@ def perceive(config: Annotated[PerceiveConfig, FLAT], options: Annotated[Perceiv
             left = "nothing was written"
         print(f"jointattn: stopped; {left}", file=sys.stderr)
         raise
-    found = ", ".join(f"{name} {share:.0%}" for name, share in summary["found"].items())
-    print(f"{summary['watched_seconds']:.1f} s watched. Found: {found}. {summary['fixations']} fixations.")
+    shares = ", ".join(f"{name} {share:.0%}" for name, share in summary["detected"].items())
+    print(f"{summary['watched_seconds']:.1f} s watched. Found: {shares}. {summary['fixations']} fixations.")
     for note in summary["notes"]:
         print(f"Note: {note}.")
     if summary["checks"]:

@@ -98,7 +98,10 @@ def table(options: PlayOptions, episodes: list[Episode]) -> str:
         "",
         f"{'episode':>8}{'steps':>8}{'return':>12}{'a step':>10}",
     ]
-    lines += [f"{one.episode:8}{one.steps:8}{one.reward_sum:12.2f}{one.reward_a_step:10.3f}" for one in episodes]
-    total, share = mean_return(episodes), mean_interval([one.reward_a_step for one in episodes])
+    lines += [
+        f"{episode.episode:8}{episode.steps:8}{episode.reward_sum:12.2f}{episode.reward_a_step:10.3f}"
+        for episode in episodes
+    ]
+    total, share = mean_return(episodes), mean_interval([episode.reward_a_step for episode in episodes])
     lines += ["", f"mean return {total}; reward a step {share}"]
     return "\n".join([*lines, "With 95% bootstrap intervals."] if len(episodes) > 1 else lines)

@@ -1,9 +1,9 @@
 """``jointattn session``: a session of gaze following, and how it goes."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from jointattn_mj.api.session import LoggedSessionOptions, run_logged
 from jointattn_mj.cli.running import going_on_from, one_thread
@@ -13,9 +13,11 @@ from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.summary import LATE_MINUTES
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io.progress import Progress, count
-from jointattn_mj.options import FLAT, Checked
+from jointattn_mj.options import FLAT, Checked, meant, shown
 
 LESS = "fewer minutes"
+WORLDS = ("rendered", "video", "camera")
+"""Worlds of --world."""
 RECENT = 20
 """Gaze shifts over which the success rate beside the bar is taken."""
 
@@ -37,11 +39,14 @@ def session(
 ) -> None:
     """Simulate a robot that learns to look where a caregiver looks (chapter 6).
 
+    --world video puts a recorded person in the caregiver's place, --world camera one who is there; --world video --help
+    and --world camera --help have their options.
+
     Leaves in --out: config.yaml, summary.json, gaze_shifts.parquet (a row a gaze shift), frames.parquet (a row a
     frame), som.png, success.png (eq. 6.9), weights.npz, checkpoint.bin, and with --video a video.
     """
     one_thread()
-    shown = Progress("learning the caregiver's face", config.minutes, "simulated min", digits=1)
+    bar = Progress("learning the caregiver's face", config.minutes, "simulated min", digits=1)
     recent, counted, of_all = deque[bool](maxlen=RECENT), 0, 0
 
     def progress(session: SessionRun) -> None:
@@ -50,10 +55,10 @@ def session(
         recent.extend(new)
         counted, of_all = counted + len(new), len(session.shifts)
         rate = f"success {sum(recent) / len(recent):.0%} of the last {len(recent)}" if recent else "no success yet"
-        shown.doing("session")
-        shown.to(session.frame / FRAMES_PER_MINUTE, f"{count(counted, 'gaze shift')}, {rate}")
+        bar.doing("session")
+        bar.to(session.frame / FRAMES_PER_MINUTE, f"{count(counted, 'gaze shift')}, {rate}")
 
-    with going_on_from(options.out, "the session", options.resume), shown:
+    with going_on_from(options.out, "the session"), bar:
         summary = run_logged(config, options, progress, VariedSessionRun)
     late = summary.late_success_rate
     last = f" over the last {LATE_MINUTES:g} minutes" if config.minutes > LATE_MINUTES else ""
@@ -64,12 +69,40 @@ def session(
     )
 
 
-def defaults_for(words: Sequence[str], config: VariedSessionConfig | None) -> VariedSessionConfig:
+def in_world(words: Sequence[str]) -> tuple[Callable[..., None], list[str]]:
+    """The command for the world that is asked for, and the other words.
+
+    Args:
+        words: What follows ``jointattn session``.
+
+    Raises:
+        ConfigError: There is no such world.
+    """
+    world, others, waiting = "rendered", [], False
+    for word in words:
+        if waiting or word.startswith("--world="):
+            world, waiting = word.removeprefix("--world="), False
+        elif word == "--world":
+            waiting = True
+        else:
+            others.append(word)
+    if waiting or world not in WORLDS:
+        raise ConfigError(f"--world: expected one of {', '.join(WORLDS)}; got {shown(world)}{meant(world, WORLDS)}")
+    if world == "rendered":
+        return session, others
+    from jointattn_mj.cli import table_session  # not needed by most, and slow to import
+
+    command: Callable[..., None] = getattr(table_session, world)
+    return command, others
+
+
+def defaults_for(words: Sequence[str], config: Any, kind: type[Any] = VariedSessionConfig) -> Any:
     """The config that the options start from.
 
     Args:
         words: What follows ``jointattn session``.
         config: That of the file of --config; None without one.
+        kind: Class of the config.
 
     Raises:
         ConfigError: Both a file and a preset are given.
@@ -82,5 +115,5 @@ def defaults_for(words: Sequence[str], config: VariedSessionConfig | None) -> Va
             f"--preset {named[-1]} chooses other defaults than the file of --config, which holds them all; give one of "
             "the two"
         )
-    start = config or VariedSessionConfig()
+    start = config or kind()
     return replace(start, robot=PRESETS[named[-1]]) if named and named[-1] in PRESETS else start

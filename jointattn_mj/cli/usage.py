@@ -26,10 +26,10 @@ def without_class(message: str) -> str:
 
 def _placed(text: str) -> str:
     """``Error parsing LOCATION: MESSAGE`` as the option, or its dotted name, and the message."""
-    found = re.match(r"Error parsing (\S+): (.*)", text)
-    if found is None:
+    match = re.match(r"Error parsing (\S+): (.*)", text)
+    if match is None:
         return text
-    location, message = found.groups()
+    location, message = match.groups()
     if without_class(message) != message:
         part = location.partition(".")[2]  # after the parameter of the command
         return f"{part}.{without_class(message)}".removeprefix(".")
@@ -38,7 +38,7 @@ def _placed(text: str) -> str:
 
 def _commands(parts: list[str]) -> str:
     known = [re.match(r"Available subcommands: ([\w, -]+)$", part) for part in parts]
-    return "".join(f"; there are {found[1]}" for found in known if found)
+    return "".join(f"; there are {match[1]}" for match in known if match)
 
 
 def _suggestion(text: str, parts: list[str]) -> str:

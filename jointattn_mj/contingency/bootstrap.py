@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from jointattn_mj.contingency.information import Measure
-from jointattn_mj.contingency.table import Steps
+from jointattn_mj.contingency.table import Entries, Steps
 from jointattn_mj.io.compiled import njit
 
 Resample = Literal["auto", "blocks", "recordings"]
@@ -43,9 +43,13 @@ def resampled(
     resample: Literal["blocks", "recordings"] = "blocks",
     block: int | None = None,
     progress: Callable[[int], object] = lambda done: None,
+    counted: tuple[Entries, np.ndarray] | None = None,
 ) -> np.ndarray:
-    """Plug-in values (count,), in nats, of so many resamples; ``block`` transitions at a time."""
-    entries, which = steps.entries_by_step()
+    """Plug-in values (count,), in nats, of so many resamples; ``block`` transitions at a time.
+
+    ``counted`` is what ``steps.entries_by_step`` gave, where it was called already.
+    """
+    entries, which = counted or steps.entries_by_step()
     ids, signs = [], []
     for given, sign in [(measure.given, 1), (measure.less, -1)]:
         if given is not None:
@@ -56,7 +60,7 @@ def resampled(
     values = np.empty(count)
     if length and steps.transitions > MANY:
         length = max(length, len(entries.counts) * steps.transitions // MOST_COUNTS + 1)
-        which = _counted(which, spans, length, len(entries.counts))
+        which = _by_blocks(which, spans, length, len(entries.counts))
     for start in range(0, count, BATCH):
         batch = values[start : start + BATCH]
         if which.ndim == 2:
@@ -81,7 +85,7 @@ def interval(value: float, values: np.ndarray, bias: float, level: float) -> tup
 
 
 @njit(cache=True)
-def _counted(which: np.ndarray, spans: np.ndarray, length: int, entries: int) -> np.ndarray:
+def _by_blocks(which: np.ndarray, spans: np.ndarray, length: int, entries: int) -> np.ndarray:
     """How often each entry comes in each block of ``length`` transitions, int32 (blocks, entries)."""
     blocks = 0
     for recording in range(len(spans) - 1):

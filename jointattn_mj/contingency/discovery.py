@@ -24,7 +24,7 @@ from jointattn_mj.contingency.table import acted
 from jointattn_mj.errors import SeriesError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Finding:
     """An event and what is known about its contingency."""
 
@@ -43,6 +43,9 @@ class Finding:
     def event(self) -> str:
         """In one line."""
         return f"({self.sensor}, {self.action}) -> {self.result}"
+
+    def __repr__(self) -> str:
+        return f"Finding({self.event}: {self.significance.corrected:.3g} effective, adjusted p = {self.p_adjusted:.3g})"
 
 
 def discover(
@@ -109,7 +112,7 @@ def discover(
     events = list(product(sensors, actions, results))
     for event, stream in zip(events, _seeds(seed).spawn(len(events)), strict=True):
         tested.append(_tested(data, event, groups, timing, chosen, given, unit, generator(stream), progress))
-    adjusted = adjust([one.significance.p for one in tested], how)
+    adjusted = adjust([finding.significance.p for finding in tested], how)
     tested = [replace(one, p_adjusted=float(p)) for one, p in zip(tested, adjusted, strict=True)]
     ranked = sorted(tested, key=lambda one: -one.significance.corrected)
     for i, one in enumerate(ranked[:explain]):

@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from jointattn_mj.contingency.counting import Counter, counter
 from jointattn_mj.contingency.information import Measure
 from jointattn_mj.contingency.series import combined, distinct
 from jointattn_mj.contingency.surrogates import MOST_CELLS
@@ -84,11 +85,10 @@ class Moves:
 class Displaced:
     """What surrogates of some measures are counted from; ``displaced`` makes it."""
 
-    rest: tuple[np.ndarray, np.ndarray, np.ndarray]
-    """Runs of equal (r, a, n): codes, ends, and the run of each transition."""
-    source: tuple[np.ndarray, np.ndarray, np.ndarray]
-    """The same of the source."""
-    sizes: tuple[int, int]
+    counter: Counter
+    """Counts each (r, a, n) with each value of the source."""
+    transitions: int
+    """Number of transitions."""
     names: tuple[str, ...]
     """Axes of each term of a measure."""
     groups: np.ndarray
@@ -100,19 +100,9 @@ class Displaced:
     exchangeable: int
     """Transitions in recordings whose source varies."""
 
-    @property
-    def transitions(self) -> int:
-        """Number of transitions."""
-        return len(self.rest[2])
-
-    def table(self, pieces: np.ndarray) -> np.ndarray:
-        """Counts of one surrogate, int64 (combinations of r, a and n; values of s)."""
-        table: np.ndarray = _counted(pieces, *self.rest, *self.source, *self.sizes)
-        return table
-
     def values(self, pieces: np.ndarray) -> np.ndarray:
         """Plug-in values (measures,) in nats of one surrogate, for all measures from the same counts."""
-        terms = _terms(self.table(pieces), self.groups)
+        terms = _terms(self.counter.table(pieces), self.groups)
         values: np.ndarray = (self.weights @ terms + self.fixed) / self.transitions
         return values
 
@@ -148,7 +138,7 @@ def displaced(steps: Steps, measures: Sequence[Measure]) -> Displaced:
     spans = steps.spans(whole=True)
     lowest, highest = (extreme.reduceat(source, spans[:-1]) for extreme in (np.minimum, np.maximum))
     return Displaced(
-        _runs(rest), _runs(source), (rests, sources), tuple(names), groups, weights, -weights @ alone,
+        counter(rest, source, rests, sources), len(rest), tuple(names), groups, weights, -weights @ alone,
         int(np.diff(spans)[highest > lowest].sum()),
     )  # fmt: skip
 
@@ -186,14 +176,8 @@ def _signs(measure: Measure) -> dict[str, int]:
 
 def _numbered(columns: Sequence[np.ndarray], sizes: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
     """Numbers (n,) int32 of the combinations that occur, from 0, and where each occurs first."""
-    found = distinct(*combined(columns, sizes))
-    return found.which.astype(np.int32), found.first
-
-
-def _runs(codes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    change = np.flatnonzero(codes[1:] != codes[:-1]) + 1
-    starts, ends = np.append(0, change), np.append(change, len(codes))
-    return codes[starts], ends.astype(np.int64), np.repeat(np.arange(len(starts), dtype=np.int32), ends - starts)
+    combinations = distinct(*combined(columns, sizes))
+    return combinations.which.astype(np.int32), combinations.first
 
 
 def _shifted(spans: np.ndarray, offsets: np.ndarray) -> np.ndarray:
@@ -247,33 +231,6 @@ def _blocks(spans: np.ndarray, chance: float, rng: np.random.Generator) -> np.nd
                 used += 1
                 t, length, u = t + taken, length - taken, start
     return pieces[:used]
-
-
-@njit(cache=True, nogil=True)
-def _counted(
-    pieces: np.ndarray,
-    rest_codes: np.ndarray, rest_ends: np.ndarray, rest_at: np.ndarray,
-    source_codes: np.ndarray, source_ends: np.ndarray, source_at: np.ndarray,
-    rests: int, sources: int,
-) -> np.ndarray:  # fmt: skip
-    """How often each (r, a, n) comes with each s.
-
-    Counted run by run: 2 ns a step where looks last 16 steps on average, and less where they are longer.
-    """
-    table = np.zeros((rests, sources), np.int64)
-    for piece in range(len(pieces)):
-        t, u, stop = pieces[piece, 0], pieces[piece, 1], pieces[piece, 0] + pieces[piece, 2]
-        i, j = rest_at[t], source_at[u]
-        while t < stop:
-            step = min(rest_ends[i] - t, source_ends[j] - u, stop - t)
-            table[rest_codes[i], source_codes[j]] += step
-            t += step
-            u += step
-            if rest_ends[i] == t:
-                i += 1
-            if source_ends[j] == u:
-                j += 1
-    return table
 
 
 @njit(cache=True, nogil=True)

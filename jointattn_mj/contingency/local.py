@@ -18,7 +18,7 @@ from jointattn_mj.contingency.significance import MEASURES, Adjust, adjust
 from jointattn_mj.contingency.table import AXES, Entries, Steps, acted
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LocalContingency:
     """One observed combination of values."""
 
@@ -47,6 +47,12 @@ class LocalContingency:
     known: str = "ra"
     """What else counts besides s and r': r, what the result was before, and a, the action. Others are 0."""
 
+    def __repr__(self) -> str:
+        values = f"r={self.before}, s={self.sensor}, a={self.action}, r'={self.result}"
+        return (
+            f"LocalContingency({values}: {self.contribution:.3g}, {self.count} of {self.occasions}, p = {self.p:.3g})"
+        )
+
     @property
     def rate(self) -> float:
         """p(r' | r, s, a)."""
@@ -58,7 +64,20 @@ class LocalContingency:
         return self.expected / self.occasions
 
     def words(self, names: Sequence[str], labels: Mapping[str, Sequence[str]] | None = None) -> str:
-        """In words; ``names`` of sensor, action and result, and what their codes are called."""
+        """Say it in words.
+
+        Args:
+            names: Of sensor, action and result.
+            labels: What the codes of each are called, by these names; None: the codes stand for themselves.
+
+        Returns:
+            A line.
+
+        Examples:
+            >>> s, a, r = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0], [0, 0, 1, 0, 1, 1, 1, 0]
+            >>> local_contingency(s, a, r)[0].words(("face", "gaze", "toy"))
+            'face 0 with gaze 0: toy 1 -> 0 in 1 of 1 (100%; 50% whatever face)'
+        """
         called = [labels.get(name) if labels else None for name in names]
         sensor, action, before, result = (
             given[value] if given else str(value)
@@ -131,7 +150,7 @@ def local_of_steps(
         for axis, column, coded in zip(AXES, entries.columns, histories, strict=True)
     )
     occasions, adjusted = entries.marginal("ras"), adjust(p, how)
-    found = [
+    combinations = [
         LocalContingency(
             before=int(before[i]),
             sensor=int(source[i]),
@@ -148,18 +167,22 @@ def local_of_steps(
         )
         for i in np.argsort(-contribution, kind="stable")
     ]
-    return tuple(found)
+    return tuple(combinations)
 
 
-def carriers(found: Sequence[LocalContingency], alpha: float = 0.05, most: int = 3) -> tuple[LocalContingency, ...]:
+def carriers(
+    combinations: Sequence[LocalContingency], alpha: float = 0.05, most: int = 3
+) -> tuple[LocalContingency, ...]:
     """Pick the combinations that carry the measure.
 
     Args:
-        found: All combinations, those that add most first.
+        combinations: All combinations, those that add most first.
         alpha: Level of significance, after the correction.
         most: So many at most.
     """
-    return tuple(one for one in found if one.contribution > 0 and one.p_adjusted <= alpha)[:most]
+    return tuple(
+        combination for combination in combinations if combination.contribution > 0 and combination.p_adjusted <= alpha
+    )[:most]
 
 
 def _of_axes(entries: Entries, axes: str) -> Entries:

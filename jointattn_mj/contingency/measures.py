@@ -18,6 +18,7 @@ from jointattn_mj.contingency.surrogates import plan
 from jointattn_mj.contingency.table import Steps, acted, steps
 from jointattn_mj.errors import SeriesError
 
+_CORRECTIONS, _NORMALISATIONS = get_args(Correction), get_args(Normalise)
 LARGEST_SALIENCY = 2**26
 """Most entries of an array of contingent saliency."""
 
@@ -395,9 +396,9 @@ def _measured(
     seed: int,
 ) -> float:
     unit = check_base(base)
-    for name, choice, known in (("correction", correction, Correction), ("normalise", normalise, Normalise)):
-        if choice not in get_args(known):
-            raise SeriesError(f"{name} must be one of {', '.join(get_args(known))}; got {choice!r}")
+    for name, choice, known in (("correction", correction, _CORRECTIONS), ("normalise", normalise, _NORMALISATIONS)):
+        if choice not in known:
+            raise SeriesError(f"{name} must be one of {', '.join(known)}; got {choice!r}")
     table = given.dense()
     if table is not None and correction == normalise == "none":
         return measure.dense_value(table) / unit

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len, rfft
 
 from jointattn_mj.contingency.information import Measure
 from jointattn_mj.contingency.series import Coded, combined
@@ -115,6 +114,8 @@ def _autocorrelation(
         (lags + 1,): the values' autocovariances are added up, each in units of its frequency, as in a chi-squared
         statistic, and divided by that at lag 0. Where nothing varies it is 0 at all other lags.
     """
+    from scipy.fft import irfft, next_fast_len, rfft  # takes .1 s to import, and few recordings are tested
+
     values, codes = np.unique(codes, return_inverse=True)
     pairs, counts = np.unique(within * len(values) + codes, return_counts=True)
     order = np.argsort(-counts, kind="stable")[:MOST_PAIRS]

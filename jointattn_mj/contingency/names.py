@@ -38,12 +38,12 @@ def full_name(name: str, among: Iterable[str] | None = None) -> str:
     Raises:
         SeriesError: No such measure, or not one of those that are allowed.
     """
-    allowed = [one for one in NAMES if among is None or one.short in among]
-    for one in allowed:
-        if isinstance(name, str) and name.lower() in {each.lower() for each in one}:
-            return one.full
-    expected = ", ".join(f"{one.full} ({one.short})" for one in allowed)
-    near = meant(name, [each for one in allowed for each in one])
+    allowed = [names for names in NAMES if among is None or names.short in among]
+    for names in allowed:
+        if isinstance(name, str) and name.lower() in {each.lower() for each in names}:
+            return names.full
+    expected = ", ".join(f"{names.full} ({names.short})" for names in allowed)
+    near = meant(name, [each for names in allowed for each in names])
     raise SeriesError(f"measure: expected one of {expected}; got {shown(name)}{near}")
 
 
@@ -54,4 +54,7 @@ def measure_choice(names: Iterable[str]) -> Choice:
         names: Short names of the measures that are allowed.
     """
     chosen = [one for one in NAMES if one.short in names]
-    return Choice([one.short for one in chosen], other_names={each: one.short for one in chosen for each in one})
+    return Choice(
+        [measure.short for measure in chosen],
+        other_names={each: measure.short for measure in chosen for each in measure},
+    )

@@ -14,15 +14,32 @@ from jointattn_mj.io.compiled import njit
 SHUFFLE = 6
 """Strata with fewer transitions than so many for each hypergeometric draw are shuffled: that is faster there."""
 
+
+def shuffles(bounds: np.ndarray, source_bounds: np.ndarray, after_bounds: np.ndarray) -> np.ndarray:
+    """Which strata (k,) are shuffled, and not drawn from their margins.
+
+    Args:
+        bounds: (k + 1,) where the transitions of each stratum begin.
+        source_bounds: (k + 1,) where its values of s begin.
+        after_bounds: (k + 1,) where its values of n begin.
+    """
+    choices = (np.diff(source_bounds) - 1) * (np.diff(after_bounds) - 1)
+    shuffled: np.ndarray = (choices > 0) & (np.diff(bounds) < SHUFFLE * choices)
+    return shuffled
+
+
 Room = tuple[np.ndarray, np.ndarray]
 """A table, flat, and a list of its entries in use."""
 
 
 def tables(n: int) -> np.ndarray:
     """c ln c and ln c! for c = 0..n: (2, n + 1)."""
-    whole = np.arange(1, n + 1)
-    logs = np.log(whole)
-    return np.concatenate([np.zeros((2, 1)), [whole * logs, np.cumsum(logs)]], axis=1)
+    both = np.zeros((2, n + 1))  # filled in place, as n may be millions
+    both[0, 1:] = np.arange(1, n + 1)
+    np.log(both[0, 1:], out=both[1, 1:])
+    both[0] *= both[1]
+    np.cumsum(both[1], out=both[1])
+    return both
 
 
 def _check_draw(good: int, bad: int, drawn: int, log_factorial: np.ndarray, u: float) -> None:
@@ -144,7 +161,7 @@ def within(
     after_values: np.ndarray, after_counts: np.ndarray, after_bounds: np.ndarray,
 ) -> None:  # fmt: skip
     """Fill ``values`` with surrogates permuted within the strata."""
-    n = len(source)
+    n = bounds[-1]
     fine, coarse = _room(n, sources, afters), _room(n, sources, afters)
     rows, used, shuffled = np.zeros(sources, np.int64), np.zeros(2, np.int64), source.copy()
     left = np.empty(afters, np.int64)

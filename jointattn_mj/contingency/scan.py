@@ -16,7 +16,7 @@ from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import SeriesError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LagScan:
     """A measure at several lags; values in units of the base, each (lags,)."""
 
@@ -40,6 +40,8 @@ class LagScan:
     surrogates: int
     method: str
     """How surrogates were made (see ``significance.Method``)."""
+    recordings: int = 0
+    """Recordings whose values were averaged; 0: all their steps were taken together."""
 
     @property
     def best(self) -> int:
@@ -47,8 +49,26 @@ class LagScan:
         order = np.lexsort((-self.effective, self.p_adjusted))
         return int(order[0])
 
+    def __repr__(self) -> str:
+        at = self.best
+        return (
+            f"LagScan({len(self.lags)} lags, best {self.lags[at]}: {self.effective[at]:.3g} effective, adjusted p = "
+            f"{self.p_adjusted[at]:.3g})"
+        )
+
     def rows(self) -> list[dict[str, float | int]]:
-        """A row a lag."""
+        """Give the values as rows of a table.
+
+        Returns:
+            A mapping a lag, with the values of all columns of ``lags`` that ``jointattn measure --scan`` writes.
+
+        Examples:
+            >>> from jointattn_mj import contingency
+            >>> source, target = [0, 1, 1, 0, 1, 0, 0, 1] * 20, [1, 0, 1, 1, 0, 1, 0, 0] * 20
+            >>> scan = contingency.scan_lags("te", source, target, lags=[1, 2])
+            >>> [row["lag"] for row in scan.rows()]
+            [1, 2]
+        """
         return [
             {
                 "lag": int(self.lags[i]),
@@ -105,8 +125,8 @@ def scan_lags(
         >>> rng = np.random.default_rng(0)
         >>> source = rng.integers(0, 2, 300)
         >>> target = np.roll(source, 3)  # what the source was three steps before
-        >>> found = scan_lags("te", source, target, lags=range(1, 6), options=TestOptions(surrogates=99))
-        >>> int(found.lags[found.best]), float(found.p_adjusted[found.best])
+        >>> scan = scan_lags("te", source, target, lags=range(1, 6), options=TestOptions(surrogates=99))
+        >>> int(scan.lags[scan.best]), float(scan.p_adjusted[scan.best])
         (3, 0.01)
     """
     chosen = MEASURES[full_name(measure)]
@@ -141,6 +161,36 @@ def scan_steps(
         rng: Draws the surrogates.
         progress: Called with the number of surrogates drawn since the last call.
     """
+    return lag_scan(lags, scan_surrogates(given, measure, lags, timing, options, unit, rng, progress), options.level)
+
+
+@dataclass(frozen=True)
+class ScanSurrogates:
+    """Values at several lags, in units of the base, and those of surrogates that all lags share."""
+
+    value: np.ndarray
+    """Plug-in (lags,)."""
+    null: np.ndarray
+    """(surrogates, lags)."""
+    transitions: int
+    method: str
+
+
+def scan_surrogates(
+    given: Steps,
+    measure: Measure,
+    lags: Sequence[int],
+    timing: Timing,
+    options: TestOptions,
+    unit: float,
+    rng: np.random.Generator,
+    progress: Callable[[int], object] = lambda done: None,
+) -> ScanSurrogates:
+    """Measure series, and surrogates of them, at several lags; arguments as of ``scan_steps``.
+
+    Raises:
+        SeriesError: No or bad lags, or recordings shorter than the longest one.
+    """
     if not len(lags) or any(int(lag) != lag or lag < 1 for lag in lags) or len(set(lags)) < len(lags):
         raise SeriesError(f"lags must be different whole numbers of 1 or more; got {list(lags)[:10]}")
     at_lags = scanned(given, [int(lag) for lag in lags], timing)
@@ -148,7 +198,7 @@ def scan_steps(
     remembered = memory(first, measure)
     method = chosen_method(first, remembered, options)
     how = "shift" if method == "permutation" else method
-    tables = [displaced(one, [measure]) for one in at_lags]
+    tables = [displaced(shifted, [measure]) for shifted in at_lags]
     moved = moves(first, how, max(remembered.fresh_after, max(lags) - min(lags)), remembered.block)
 
     def values(pieces: np.ndarray) -> np.ndarray:
@@ -156,22 +206,35 @@ def scan_steps(
 
     null = drawn(moved, values, first.transitions * len(tables), options.surrogates, rng, progress) / unit
     value = np.array([measure.value(one.entries()) for one in at_lags]) / unit
+    return ScanSurrogates(value, null, first.transitions, how)
+
+
+def lag_scan(lags: Sequence[int], surrogates: ScanSurrogates, level: float, recordings: int = 0) -> LagScan:
+    """Chance levels and p at each lag.
+
+    Args:
+        lags: Steps from source to result.
+        surrogates: Values and surrogates at these lags.
+        level: Share of surrogates that stay below chance levels.
+        recordings: Recordings whose values were averaged; 0: all their steps were taken together.
+    """
+    value, null = surrogates.value, surrogates.null
     mean, sd = null.mean(0), null.std(0)
     rounding = 1e-12 * np.maximum(1, np.abs(value))
     sound = np.where(sd > rounding, sd, 1.0)
     z, of_null = (value - mean) / sound, (null - mean) / sound
     highest = of_null.max(1)
-    chance = np.quantile(null, options.level, axis=0) - mean
     return LagScan(
         lags=np.array(lags, np.int64),
         value=value,
         effective=value - mean,
-        chance=chance,
-        chance_of_all=np.quantile(highest, options.level) * np.where(sd > rounding, sd, 0.0),
+        chance=np.quantile(null, level, axis=0) - mean,
+        chance_of_all=np.quantile(highest, level) * np.where(sd > rounding, sd, 0.0),
         p=(1 + np.sum(null >= value - rounding, axis=0)) / (1 + len(null)),
         p_adjusted=(1 + np.sum(highest[:, None] >= z - 1e-9, axis=0)) / (1 + len(null)),
-        level=options.level,
-        transitions=first.transitions,
+        level=level,
+        transitions=surrogates.transitions,
         surrogates=len(null),
-        method=how,
+        method=surrogates.method,
+        recordings=recordings,
     )

@@ -6,6 +6,7 @@ from one into the next. Series that belong together are aligned such that ``r[t 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -55,17 +56,22 @@ def code(series: Series, name: str = "series") -> Coded:
             recording of fewer than two steps.
     """
     given = _recordings(series)
-    parts = [_whole(part, name if len(given) == 1 else f"recording {i} of {name}") for i, part in enumerate(given)]
+    lengths = _plain(given)
+    if lengths is None:
+        parts = [_whole(part, name if len(given) == 1 else f"recording {i} of {name}") for i, part in enumerate(given)]
+        lengths = [len(part) for part in parts]
+    else:
+        parts = list(given)
     if not parts:
         raise SeriesError(f"{name} is empty; at least 2 steps are needed")
-    codes = parts[0] if len(parts) == 1 else np.concatenate(parts)
-    lowest, highest = _extent(codes)
-    if lowest < 0:
+    codes = _as_codes(parts[0] if len(parts) == 1 else np.concatenate(parts))
+    unsigned, most = _UNSIGNED[codes.dtype]
+    highest = int(np.maximum.reduce(codes.view(unsigned)))  # one pass: negative codes are huge without their sign
+    if highest > most:
         at = int(np.argmax(codes < 0))
         raise SeriesError(f"codes of {name} must be 0 or more; got {codes[at]} at step {at}")
-    bounds = np.zeros(len(parts) + 1, np.int64)
-    np.cumsum([len(part) for part in parts], out=bounds[1:])
-    coded = Coded(codes, bounds, int(highest) + 1)
+    bounds = np.array([0, *lengths]).cumsum() if len(lengths) > 1 else np.array([0, lengths[0]])
+    coded = Coded(codes, bounds, highest + 1)
     return coded.compact() if highest >= max(SMALL, len(codes)) else coded
 
 
@@ -81,7 +87,9 @@ def aligned(**series: Series | None) -> list[Coded | None]:
     present = [(name, one) for name, one in coded.items() if one is not None]
     first_name, first = present[0]
     for name, other in present[1:]:
-        if not np.array_equal(other.bounds, first.bounds):
+        alone = len(other.bounds) == len(first.bounds) == 2
+        same = other.bounds[1] == first.bounds[1] if alone else np.array_equal(other.bounds, first.bounds)
+        if not same:
             raise SeriesError(
                 f"{first_name} and {name} must be equally long; got {_lengths(first)} and {_lengths(other)} steps"
             )
@@ -107,7 +115,7 @@ def joint(*series: Series) -> np.ndarray | list[np.ndarray]:
         >>> joint([0, 0, 1, 1], [0, 5, 0, 5]).tolist()
         [0, 1, 2, 3]
     """
-    if not series or any(one is None for one in series):
+    if not series or any(single is None for single in series):
         raise SeriesError("joint needs at least one series, and no None among them")
     coded = [one for one in aligned(**{f"series {i + 1}": one for i, one in enumerate(series)}) if one is not None]
     codes = distinct(*combined([one.codes for one in coded], [one.size for one in coded])).which
@@ -202,6 +210,22 @@ def _recordings(series: Series) -> Sequence[Any]:
     return [series]
 
 
+def _plain(given: Sequence[Any]) -> list[int] | None:
+    """Lengths of recordings that are arrays of one type of whole number, which need no look one by one; else None."""
+    if set(map(type, given)) != {np.ndarray}:
+        return None
+    kinds, lengths = set(map(_DTYPE, given)), list(map(len, given)) if given[0].ndim else [0]
+    one = kinds.pop() in _PLAIN and not kinds and min(lengths) >= 2
+    return lengths if one and set(map(_NDIM, given)) == {1} else None
+
+
+def _as_codes(array: np.ndarray) -> np.ndarray:
+    """Codes as int32 where they were that or less, otherwise int64; those in uint64 are known to be small enough."""
+    if array.dtype == np.uint64:
+        return np.ascontiguousarray(array).view(np.int64)
+    return np.ascontiguousarray(array, np.int32 if np.can_cast(array.dtype, np.int32) else np.int64)
+
+
 def _whole(given: Any, name: str) -> np.ndarray:
     """One recording as int32 (T,) where it was that or less, otherwise int64."""
     if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
@@ -226,7 +250,13 @@ def _whole(given: Any, name: str) -> np.ndarray:
         )
     if array.dtype == np.uint64 and array.max() >= 2**62:
         raise SeriesError(f"codes of {name} must be below 2**62; got {array.max()}")
-    return np.ascontiguousarray(array, np.int32 if np.can_cast(array.dtype, np.int32) else np.int64)
+    return _as_codes(array)
+
+
+_UNSIGNED = {np.dtype(np.int32): (np.uint32, 2**31 - 1), np.dtype(np.int64): (np.uint64, 2**63 - 1)}
+_DTYPE, _NDIM = attrgetter("dtype"), attrgetter("ndim")
+_PLAIN = frozenset(map(np.dtype, (np.int8, np.uint8, np.int16, np.uint16, np.int32, np.uint32, np.int64)))
+"""Whole numbers that can be codes whatever their values; in uint64 some are too large."""
 
 
 def _from_floats(array: np.ndarray, name: str) -> np.ndarray:
@@ -243,16 +273,6 @@ def _from_floats(array: np.ndarray, name: str) -> np.ndarray:
 def _lengths(coded: Coded) -> str:
     lengths = np.diff(coded.bounds).tolist()
     return str(lengths[0]) if len(lengths) == 1 else f"{lengths[:8]}{' and so on' if len(lengths) > 8 else ''}"
-
-
-@njit(cache=True)
-def _extent(codes: np.ndarray) -> tuple[int, int]:
-    """Lowest and highest."""
-    lowest, highest = codes[0], codes[0]
-    for value in codes:
-        lowest = min(lowest, value)
-        highest = max(highest, value)
-    return lowest, highest
 
 
 @njit(cache=True)

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import Annotated, Literal, get_args
 
@@ -18,7 +18,7 @@ from jointattn_mj.contingency.memory import Memory, memory
 from jointattn_mj.contingency.names import full_name
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.surrogates import Permute, plan
-from jointattn_mj.contingency.table import Steps, steps
+from jointattn_mj.contingency.table import Entries, Steps, steps
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import Checked, Count, Real, Whole
 
@@ -77,7 +77,7 @@ class TestOptions(Checked):
     7% false alarms at .05."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Significance:
     """A measure and what is known about it; in units of the logarithm's base (bits for 2)."""
 
@@ -107,6 +107,14 @@ class Significance:
     """How the surrogates were made (see ``Method``)."""
     inflation: float = 1.0
     """How much more the measure varies by chance than it would with permutations (see ``memory``)."""
+    null: np.ndarray = field(default_factory=lambda: np.zeros(0), repr=False, compare=False)
+    """The surrogates' values, (surrogates,)."""
+
+    def __repr__(self) -> str:
+        low, high = self.interval
+        interval = "" if np.isnan(low) else f", {self.level:.0%} interval {low:.3g} to {high:.3g}"
+        p = f"p = {self.p:.3g}, {self.transitions:,} transitions"
+        return f"Significance({self.corrected:.3g} effective{interval}, {p})"
 
 
 def assess(
@@ -151,8 +159,8 @@ def assess(
         >>> rng = np.random.default_rng(0)
         >>> source = rng.integers(0, 2, 200)
         >>> target = np.roll(source, 1)  # what the source was a step before
-        >>> found = assess("transfer_entropy", source, target, options=TestOptions(surrogates=99, resamples=0))
-        >>> round(found.value, 2), found.p
+        >>> tested = assess("transfer_entropy", source, target, options=TestOptions(surrogates=99, resamples=0))
+        >>> round(tested.value, 2), tested.p
         (0.99, 0.01)
     """
     chosen = MEASURES[full_name(measure)]
@@ -214,14 +222,16 @@ def assess_measures(
         told = _told(progress, len(at))
         null = drawn(ways, table.values, table.transitions, options.surrogates, rngs[at[0]], told)
         moved |= {i: (null[:, column], table.exchangeable) for column, i in enumerate(at)}
+    counted = given.entries_by_step() if options.resamples else (given.entries(), np.zeros(0, np.int64))
     return [
-        _assessed(given, measure, options, unit, rngs[i], progress, methods[i], remembered[i], moved.get(i))
+        _assessed(given, counted, measure, options, unit, rngs[i], progress, methods[i], remembered[i], moved.get(i))
         for i, measure in enumerate(measures)
     ]
 
 
 def _assessed(
     given: Steps,
+    counted: tuple[Entries, np.ndarray],
     measure: Measure,
     options: TestOptions,
     unit: float,
@@ -232,7 +242,7 @@ def _assessed(
     moved: tuple[np.ndarray, int] | None,
 ) -> Significance:
     """One measure; ``moved``: its surrogates and exchangeable transitions, where these are no permutations."""
-    entries = given.entries()
+    entries = counted[0]
     value = measure.value(entries)
     block = options.block
     if moved is None:
@@ -246,7 +256,7 @@ def _assessed(
     resampled = bootstrap.chosen(given, options.resample)
     low = high = float("nan")
     if options.resamples:
-        values = bootstrap.resampled(given, measure, options.resamples, rng, resampled, block, progress)
+        values = bootstrap.resampled(given, measure, options.resamples, rng, resampled, block, progress, counted)
         bias = measure.bias(entries, "degrees_of_freedom") if moved is None else mean
         low, high = bootstrap.interval(value, values, bias, options.level)
         if moved is not None:
@@ -267,6 +277,7 @@ def _assessed(
         resampled=resampled,
         method=method,
         inflation=remembered.inflation,
+        null=null / unit,
     )
 
 
@@ -349,6 +360,12 @@ def adjust(p: Sequence[float] | np.ndarray, how: Adjust = "holm") -> np.ndarray:
 def holm(p: Sequence[float] | np.ndarray) -> np.ndarray:
     """Adjust p-values (k,) by Holm's step-down method, which keeps the chance of any false alarm below alpha.
 
+    Args:
+        p: The p-values, 0 to 1.
+
+    Returns:
+        (k,) adjusted p-values in the same order.
+
     Examples:
         >>> holm([0.01, 0.04, 0.03]).tolist()
         [0.03, 0.06, 0.06]
@@ -361,6 +378,12 @@ def holm(p: Sequence[float] | np.ndarray) -> np.ndarray:
 
 def benjamini_hochberg(p: Sequence[float] | np.ndarray) -> np.ndarray:
     """Adjust p-values (k,) by Benjamini and Hochberg's step-up method, which keeps the rate of false discoveries.
+
+    Args:
+        p: The p-values, 0 to 1.
+
+    Returns:
+        (k,) adjusted p-values in the same order.
 
     Examples:
         >>> benjamini_hochberg([0.01, 0.04, 0.03]).round(3).tolist()

@@ -62,7 +62,16 @@ class Situations:
         return share
 
     def total(self) -> float:
-        """Sum of the values, weighed by their shares: SAC, with the actual policy."""
+        """Sum up the values, weighed by their shares.
+
+        Returns:
+            SAC with the actual policy, in units of the base.
+
+        Examples:
+            >>> s, a, r = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0], [0, 0, 1, 0, 1, 1, 1, 0]
+            >>> round(situation_contingency(s, a, r).total(), 3)
+            0.749
+        """
         return float(self.share @ self.value)
 
     def __repr__(self) -> str:
@@ -103,8 +112,8 @@ def situation_contingency(
     Examples:
         >>> s, a = [0, 1, 1, 0, 1, 0, 0, 1], [0, 0, 1, 1, 0, 1, 0, 0]
         >>> r = [0, 0, 1, 0, 1, 1, 1, 0]  # whether s and a differed a step before
-        >>> found = situation_contingency(s, a, r)
-        >>> round(found.total(), 3)  # the same as state_action_contingency(s, a, r)
+        >>> situations = situation_contingency(s, a, r)
+        >>> round(situations.total(), 3)  # the same as state_action_contingency(s, a, r)
         0.749
     """
     if policy not in get_args(Policy):
@@ -156,8 +165,8 @@ def situations_of_steps(
 
 def _numbered(*columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Combinations (k, columns) that occur, in lexicographic order, and the number of each row's (n,)."""
-    found, which = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
-    return found, which.ravel()
+    combinations, which = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
+    return combinations, which.ravel()
 
 
 def _pooled(counts: np.ndarray, group: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from jointattn_mj.contingency.information import Measure
-from jointattn_mj.contingency.permutation import plain, tables, within
+from jointattn_mj.contingency.permutation import plain, shuffles, tables, within
 from jointattn_mj.contingency.series import combined, distinct
 from jointattn_mj.contingency.table import AXES, Steps
 from jointattn_mj.errors import SeriesError
@@ -33,8 +33,11 @@ class Surrogates:
     Transitions are sorted by stratum; strata of one context lie together, and contexts of one coarser context.
     """
 
+    transitions: int
     source: np.ndarray
+    """Sorted by stratum; empty where tables are drawn in all strata, which needs no more than the margins."""
     after: np.ndarray
+    """The same of n."""
     sizes: tuple[int, int]
     bounds: np.ndarray
     """(k + 1,) of the strata."""
@@ -46,7 +49,7 @@ class Surrogates:
     margins: tuple[np.ndarray, ...]
     """Values of s and their counts in each stratum, and of n, as flat arrays with bounds."""
     groups: np.ndarray
-    """Positions of the transitions that are permuted among each other, group by group."""
+    """For plain permutations: positions of the transitions that change places with each other, group by group."""
     group_bounds: np.ndarray
 
     permute: Permute
@@ -54,10 +57,11 @@ class Surrogates:
     @property
     def exchangeable(self) -> int:
         """Transitions whose source can change places with another value; where there are few, nothing can be shown."""
-        bounds = self.bounds if self.permute == "context" else self.group_bounds
-        source = self.source if self.permute == "context" else self.source[self.groups]
-        lowest, highest = (extreme.reduceat(source, bounds[:-1]) for extreme in (np.minimum, np.maximum))
-        return int(np.diff(bounds)[highest > lowest].sum())
+        if self.permute == "context":
+            return int(np.diff(self.bounds)[np.diff(self.margins[2]) > 1].sum())
+        source = self.source[self.groups]
+        lowest, highest = (extreme.reduceat(source, self.group_bounds[:-1]) for extreme in (np.minimum, np.maximum))
+        return int(np.diff(self.group_bounds)[highest > lowest].sum())
 
     def draw(
         self, count: int, rng: np.random.Generator, progress: Callable[[int], object] = lambda done: None
@@ -69,7 +73,7 @@ class Surrogates:
         values = np.empty(count)
         shared = (
             self.source, self.after, self.sizes[0], self.sizes[1], self.bounds, self.contexts, self.fixed,
-            self.with_less, tables(len(self.source)),
+            self.with_less, tables(self.transitions),
         )  # fmt: skip
         for start in range(0, count, BATCH):
             batch = values[start : start + BATCH]
@@ -88,33 +92,41 @@ def plan(steps: Steps, measure: Measure, permute: Permute = "context", across_re
         SeriesError: Source and target have too many values.
     """
     columns, sizes = steps.columns(), steps.sizes
-    which = np.zeros(steps.transitions, np.int64) if across_recordings else steps.recordings()
+    n = steps.transitions
+    recording = np.zeros(n, np.int32) if across_recordings else steps.recordings()
+    # everything but the order of transitions follows from how often each combination comes
+    entries = distinct(*combined([recording, *columns], [int(recording[-1]) + 1, *sizes]))
+    combinations, weights, parts = [one[entries.first] for one in columns], entries.counts, recording[entries.first]
 
-    def keys(axes: str) -> np.ndarray:
+    def contexts_of(axes: str) -> np.ndarray:
         chosen = [AXES.index(axis) for axis in axes]
         if not chosen:
-            return np.zeros(len(which), np.int64)
-        return distinct(*combined([columns[i] for i in chosen], [sizes[i] for i in chosen])).which
+            return np.zeros(len(weights), np.int64)
+        return distinct(*combined([combinations[i] for i in chosen], [sizes[i] for i in chosen])).which
 
-    fine, coarse = keys(measure.given), keys(measure.less or "")
-    strata = fine if permute == "plain" else combined([fine, which], [fine.max() + 1, which.max() + 1])[0]
-    order = _stable_order(strata)
-    values = [distinct(columns[i][order], sizes[i]) for i in (2, 3)]
-    (sources, source), (afters, after) = ((one.keys, one.which) for one in values)
+    fine, coarse = contexts_of(measure.given), contexts_of(measure.less or "")
+    strata = fine if permute == "plain" else combined([fine, parts], [int(fine.max()) + 1, int(parts.max()) + 1])[0]
+    _, first, stratum = np.unique(strata, return_index=True, return_inverse=True)
+    (sources, source), (afters, after) = (np.unique(combinations[i], return_inverse=True) for i in (2, 3))
     if len(sources) * len(afters) > MOST_CELLS:
         raise SeriesError(
             f"a source of {len(sources)} and a target of {len(afters)} values have too many combinations for "
             "surrogates; sort the values into fewer bins"
         )
-    bounds = _edges(strata[order])
-    contexts = np.stack([fine, coarse])[:, order[bounds[:-1]]].T.copy()
-    fixed = _fixed(fine[order], after) - (0.0 if measure.less is None else _fixed(coarse[order], after))
-    groups = _stable_order(which[order])
-    stratum = np.repeat(np.arange(len(bounds) - 1), np.diff(bounds))
-    margins = (*_margin(stratum, source, len(sources)), *_margin(stratum, after, len(afters)))
+    bounds = np.concatenate([[0], np.cumsum(_summed(stratum, weights))])
+    contexts = np.stack([fine, coarse])[:, first].T.copy()
+    fixed = _fixed(fine, after, weights) - (0.0 if measure.less is None else _fixed(coarse, after, weights))
+    of_source, of_after = (_margin(stratum, one, weights) for one in (source, after))
+    in_order = groups = np.zeros(0, np.int64)
+    if permute == "plain" or shuffles(bounds, of_source[2], of_after[2]).any():
+        in_order = _stable_order(stratum[entries.which])
+        source, after = (one[entries.which[in_order]] for one in (source, after))
+    if permute == "plain":
+        groups = _stable_order(recording[in_order])
+    empty = not len(in_order)
     return Surrogates(
-        source, after, (len(sources), len(afters)), bounds, contexts, fixed, measure.less is not None, margins,
-        groups, _edges(which[order][groups]), permute,
+        n, in_order if empty else source, in_order if empty else after, (len(sources), len(afters)), bounds, contexts,
+        fixed, measure.less is not None, (*of_source, *of_after), groups, _edges(recording[in_order][groups]), permute,
     )  # fmt: skip
 
 
@@ -129,18 +141,23 @@ def _edges(ordered: np.ndarray) -> np.ndarray:
     return np.concatenate([[0], np.flatnonzero(np.diff(ordered)) + 1, [len(ordered)]])
 
 
-def _fixed(context: np.ndarray, after: np.ndarray) -> float:
+def _fixed(context: np.ndarray, after: np.ndarray, weights: np.ndarray) -> float:
     """Sum of c ln c over the contexts, less that over (context, n)."""
     afters = int(after.max()) + 1
-    inner = distinct(context * afters + after, (int(context.max()) + 1) * afters).counts
-    outer = np.bincount(context)
-    outer = outer[outer > 0]
+    inner = _summed(np.unique(context * afters + after, return_inverse=True)[1], weights)
+    outer = _summed(context, weights)
     return float(outer @ np.log(outer) - inner @ np.log(inner))
 
 
-def _margin(stratum: np.ndarray, value: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _margin(stratum: np.ndarray, value: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Values and counts in each stratum, and where each stratum's begin."""
-    found = distinct(stratum * size + value, (int(stratum[-1]) + 1) * size)
-    keys, counts = found.keys, found.counts
-    bounds = np.searchsorted(keys, np.arange(stratum[-1] + 2) * size)
-    return keys % size, counts, bounds
+    size = int(value.max()) + 1
+    keys, which = np.unique(stratum * size + value, return_inverse=True)
+    bounds = np.searchsorted(keys, np.arange(int(stratum.max()) + 2) * size)
+    return keys % size, _summed(which, weights), bounds
+
+
+def _summed(which: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Sums (k,), int64, of weights (m,) by number."""
+    sums: np.ndarray = np.bincount(which, weights).astype(np.int64)
+    return sums

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from math import prod
 
 import numpy as np
 
@@ -15,6 +16,8 @@ AXES = "rasn"
 
 DENSE = 2**16
 """A table of so many entries, or of two for every transition, is counted in place; a larger one by sorting."""
+PAIRED = 2**12
+"""A table of two transitions in a row that has no more entries is counted in place of one of single transitions."""
 
 
 @dataclass(frozen=True)
@@ -115,22 +118,26 @@ class Steps:
 
     def dense(self) -> np.ndarray | None:
         """Counts as an array over (r, a, s, n), or None where that would be large."""
-        total = np.prod(self.sizes, dtype=float)
+        total = prod(self.sizes)
         if total > max(DENSE, 2 * self.transitions):
             return None
         target, source = self.target, self.source
         if self.history is not None:
             keys = combined(self.columns(), self.sizes)[0]
             return np.bincount(keys, minlength=int(total)).reshape(self.sizes)
-        table = np.zeros(int(total), np.int32 if len(target.codes) < 2**31 else np.int64)
-        if self.condition is None:
-            _count(table, target.codes, source.codes, target.bounds, target.size, source.size)
-        else:
-            conditions = self.condition
-            _count_conditioned(
-                table, target.codes, conditions.codes, source.codes, target.bounds,
-                target.size, conditions.size, source.size,
-            )  # fmt: skip
+        known, size = source.codes, source.size
+        if self.condition is not None:
+            known, size = np.empty_like(known), size * self.condition.size
+            _take_together(self.condition.codes, source.codes, source.size, known)
+        kind = np.int32 if len(target.codes) < 2**31 else np.int64
+        table: np.ndarray = np.zeros(total, kind)
+        paired = total * total // target.size
+        pairs = np.zeros(paired if paired <= min(PAIRED, self.transitions // 4) else 0, kind)
+        _count(table, pairs, target.codes, known, target.bounds, target.size, size)
+        if len(pairs):
+            by_step = pairs.reshape(-1, target.size, size, target.size)
+            table += by_step.sum((2, 3), kind).ravel()  # the first transition of each pair
+            table += by_step.sum(0, kind).ravel()  # the second
         return table.reshape(self.sizes)
 
     def entries(self, dense: np.ndarray | None = None) -> Entries:
@@ -146,9 +153,9 @@ class Steps:
     def entries_by_step(self) -> tuple[Entries, np.ndarray]:
         """The entries, and for each transition the number of its entry (n,)."""
         columns = self.columns()
-        found = distinct(*combined(columns, self.sizes))
-        counts = found.counts.astype(float)
-        return Entries(np.array([column[found.first] for column in columns]), counts, self.sizes), found.which
+        entries = distinct(*combined(columns, self.sizes))
+        counts = entries.counts.astype(float)
+        return Entries(np.array([column[entries.first] for column in columns]), counts, self.sizes), entries.which
 
 
 def steps(
@@ -188,8 +195,8 @@ def acted(source: Series, condition: Series, target: Series, groups: Sequence[in
 
 
 def _sorted(columns: list[np.ndarray], sizes: tuple[int, int, int, int]) -> Entries:
-    found = distinct(*combined(columns, sizes))
-    return Entries(np.array([column[found.first] for column in columns]), found.counts.astype(float), sizes)
+    entries = distinct(*combined(columns, sizes))
+    return Entries(np.array([column[entries.first] for column in columns]), entries.counts.astype(float), sizes)
 
 
 def dense_information(table: np.ndarray, given: str) -> float:
@@ -240,27 +247,48 @@ def _information(blocks: np.ndarray, logarithms: np.ndarray) -> float:
 
 
 @njit(cache=True)
-def _count(
-    table: np.ndarray, target: np.ndarray, source: np.ndarray, bounds: np.ndarray, targets: int, sources: int
-) -> None:
-    """Add every transition to ``table``, flat over (r, s, n)."""
-    for recording in range(len(bounds) - 1):
-        before = target[bounds[recording]]
-        for t in range(bounds[recording], bounds[recording + 1] - 1):
-            after = target[t + 1]
-            table[(before * sources + source[t]) * targets + after] += 1
-            before = after
+def _take_together(first: np.ndarray, second: np.ndarray, seconds: int, both: np.ndarray) -> None:
+    """Write codes of pairs into ``both``; those of ``second`` are below ``seconds``."""
+    for t in range(len(both)):
+        both[t] = first[t] * seconds + second[t]
+
+
+@njit(cache=True, inline="always")
+def _unsigned(code: int) -> np.uint64:
+    """A code, known to be small, without its sign: an index that compiled code need not test."""
+    return np.uint64(np.uint32(code))
 
 
 @njit(cache=True)
-def _count_conditioned(
-    table: np.ndarray, target: np.ndarray, condition: np.ndarray, source: np.ndarray, bounds: np.ndarray,
-    targets: int, conditions: int, sources: int,
+def _count(
+    table: np.ndarray, pairs: np.ndarray, target: np.ndarray, source: np.ndarray, bounds: np.ndarray,
+    targets: int, sources: int,
 ) -> None:  # fmt: skip
-    """Add every transition to ``table``, flat over (r, a, s, n)."""
+    """Add every transition to ``table``, flat over (r, s, n).
+
+    Args:
+        table: Counts.
+        pairs: Zeros, flat over (r, s, r', s', n) of two transitions in a row, which halve the time; or none.
+        target: (T,) codes.
+        source: (T,) codes.
+        bounds: Where recordings begin, and the end.
+        targets: Codes of the target lie below this.
+        sources: Codes of the source lie below this.
+    """
+    all_targets, all_sources = _unsigned(targets), _unsigned(sources)
+    states = all_targets * all_sources
     for recording in range(len(bounds) - 1):
-        before = target[bounds[recording]]
-        for t in range(bounds[recording], bounds[recording + 1] - 1):
-            after = target[t + 1]
-            table[((before * conditions + condition[t]) * sources + source[t]) * targets + after] += 1
-            before = after
+        t, last = np.uint64(bounds[recording]), np.uint64(bounds[recording + 1] - 1)
+        state = _unsigned(target[t]) * all_sources + _unsigned(source[t])
+        if len(pairs):
+            for _ in range((last - t) // np.uint64(2)):
+                t += np.uint64(2)
+                between = _unsigned(target[t - np.uint64(1)]) * all_sources + _unsigned(source[t - np.uint64(1)])
+                after = _unsigned(target[t])
+                pairs[(state * states + between) * all_targets + after] += 1
+                state = after * all_sources + _unsigned(source[t])
+        while t < last:
+            t += np.uint64(1)
+            after = _unsigned(target[t])
+            table[state * all_targets + after] += 1
+            state = after * all_sources + _unsigned(source[t])

@@ -23,7 +23,7 @@ from jointattn_mj.contingency.online.counts import (
 )
 from jointattn_mj.contingency.online.detector import NOTHING, DetectorConfig, Watch, grown, new_watch, update
 from jointattn_mj.contingency.online.events import Event, Variable, Variables
-from jointattn_mj.contingency.online.experience import Experience, Steps, empty_experience, keep, roomier
+from jointattn_mj.contingency.online.experience import Experience, PastSteps, empty_experience, keep, roomier
 from jointattn_mj.contingency.online.local import LocalConfig
 from jointattn_mj.contingency.online.modules import Module, ReproductionConfig, make_module
 from jointattn_mj.contingency.online.reactive import LearningModule, RandomModule, ReactiveModule
@@ -48,7 +48,8 @@ class DeveloperConfig(Checked):
     selector: SelectorConfig = field(default_factory=SelectorConfig)
     memory: Literal["whole", "reset", "window", "fading"] = "whole"
     """Which transitions the counts hold. ``whole``: all. ``reset``: those since the last module was made, which changed
-    the robot's behaviour. ``window``: the last ``horizon``. ``fading``: all, older ones with less weight."""
+    the robot's behaviour. ``window``: the last ``horizon``. ``fading``: all, older ones with less weight. Stop rule
+    local knows the first and the third."""
     horizon: Annotated[int, Whole("[2, 1e10]")] = 20_000
     """Memory window: how many transitions; memory fading: transitions after which the weight is 1/e."""
     history: Literal["since_creation", "full"] = "since_creation"
@@ -64,10 +65,10 @@ class DeveloperConfig(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.detector.stop_rule == "local" and (self.memory != "whole" or self.refresh_every):
+        if self.detector.stop_rule == "local" and (self.memory not in ("whole", "window") or self.refresh_every):
             raise ConfigError(
-                "stop_rule local keeps all steps and reads maps anew at its own looks: it needs memory whole and "
-                f"refresh_every 0; got {self.memory} and {self.refresh_every}"
+                "stop_rule local keeps steps and reads maps anew at its own looks: it needs memory whole or window, "
+                f"and refresh_every 0; got {self.memory} and {self.refresh_every}"
             )
         if self.memory == "fading" and (self.detector.stop_rule == "confidence" or self.detector.correction != "none"):
             raise ConfigError(
@@ -137,7 +138,7 @@ def _copy(values: np.ndarray, to: np.ndarray) -> None:
 def _remember_for_a_while(state: AgentState, r_next: np.ndarray) -> None:
     """Count the last transition, and let older ones fade or take the oldest out."""
     counts, past = state.counts, state.past
-    contexts = len(counts.contexts)
+    contexts = len(counts.layout)
     if past.weight[1] != 1.0:
         past.weight[0] *= past.weight[1]
         add(counts, state.s, state.a, state.r, r_next, past.weight[0], contexts)
@@ -173,7 +174,7 @@ def think(state: AgentState, s: np.ndarray, r: np.ndarray) -> int:
         if state.forgets:
             _remember_for_a_while(state, r)
         else:
-            add(state.counts, state.s, state.a, state.r, r, 1, len(state.counts.contexts))
+            add(state.counts, state.s, state.a, state.r, r, 1, len(state.counts.layout))
         event = update(state.watch, state.counts)
     state.n_steps[0] += 1
     _copy(s, state.s)
@@ -222,15 +223,15 @@ class Developer:
         self._tables = [module.table(variables) for module in self.reactive]
         keeping = self.local or any(isinstance(module, LearningModule) for module in self.reactive)
         sequence = seed if isinstance(seed, np.random.SeedSequence) else np.random.SeedSequence(seed)
-        self._looks = Looks(config.local, sequence)
-        rows = self._looks.next if keeping else 0
+        self._looks = Looks(config.local)
+        rows = (self._window or self._looks.next) if keeping else 0
         maps = flat_maps(variables, [], self._tables, config.selector)
         self.state = AgentState(
             counts=empty_counts(variables, [] if self.local else self.events),
             watch=new_watch(config.detector, len(self.events)),
             maps=maps,
             past=self._empty_past(),
-            forgets=config.memory in ("window", "fading"),
+            forgets=config.memory in ("window", "fading") and not self.local,
             counting=not self.local,
             keeping=keeping,
             experience=empty_experience(rows, len(variables.sensors), len(variables.actions), results),
@@ -262,6 +263,11 @@ class Developer:
         return self.state.a[: len(self.state.driver)].copy()
 
     @property
+    def _window(self) -> int | None:
+        """How many of the last steps are kept whole; None for all."""
+        return int(self.config.horizon) if self.local and self.config.memory == "window" else None
+
+    @property
     def next_pause(self) -> int | None:
         """Number of steps after which the agent has something to do between two steps; None for never."""
         every, pauses = self.config.refresh_every, list[int]()
@@ -283,7 +289,7 @@ class Developer:
         n_steps = int(self.state.n_steps[0])
         if not self.state.keeping or n_steps < self._looks.next:
             return event
-        steps = self._steps()
+        steps = self.steps()
         self._tables = [
             module.learned(self.variables, steps) if isinstance(module, LearningModule) else table
             for module, table in zip(self.reactive, self._tables, strict=True)
@@ -295,8 +301,8 @@ class Developer:
             self.state.watch.values[:] = values / np.log(self.config.detector.base)
         self._set_modules(modules)
         self._looks.postpone(n_steps)
-        widths = len(self.variables.sensors), len(self.variables.actions)
-        self.state = self.state._replace(experience=roomier(self.state.experience, self._looks.next, *widths))
+        widths, rows = (len(self.variables.sensors), len(self.variables.actions)), self._window or self._looks.next
+        self.state = self.state._replace(experience=roomier(self.state.experience, rows, *widths))
         return event
 
     def take_in(self, event: int) -> Module | None:
@@ -317,6 +323,19 @@ class Developer:
         self._grow(event, made)
         return made
 
+    def steps(self, variables: Variables | None = None, modules: Sequence[Module] | None = None) -> PastSteps:
+        """All steps that are kept, with what hindsight says of the use of modules.
+
+        Args:
+            variables: Those of another agent at the same joints and sensors, for its modules; None: its own.
+            modules: Those of the other; None: its own.
+        """
+        n_steps, own = int(self.state.n_steps[0]), self.modules if self.local else []
+        known = variables or self.variables
+        widths = len(known.sensors), len(known.actions)
+        experience = roomier(self.state.experience, 0, *widths)
+        return self._looks.steps(experience, n_steps, known, own if modules is None else modules)
+
     def check(self) -> None:
         """Check that all numbers are finite.
 
@@ -327,7 +346,7 @@ class Developer:
         check_finite(
             {
                 "counts": counts.entries,
-                "sums of counts": counts.contexts["sum"],
+                "sums of counts": counts.sums,
                 "contingency": self.state.watch.values,
                 "reliability": maps.reliability,
                 "odds": maps.odds,
@@ -343,7 +362,9 @@ class Developer:
         """
         self.__dict__.update(state)
         self._looks.check(len(self.modules))
-        check_agent(self.state, self._untrained().state, self.variables)
+        check_agent(self.state, self._untrained().state, self.variables, self._window)
+        if self.state.keeping and not self._window and len(self.state.experience.s) < self._looks.next:
+            raise ValueError(f"there is no room for the steps until the next look, {self._looks.next}")
         flat_maps(self.variables, self.modules, self._tables, self.config.selector)
 
     def _untrained(self) -> "Developer":
@@ -361,14 +382,9 @@ class Developer:
         made = [f"module {number}" for number in range(1, len(self.modules) + 1)]
         return made + [type(module).__name__ for module in self.reactive]
 
-    def _steps(self) -> Steps:
-        """All steps so far."""
-        n_steps, modules = int(self.state.n_steps[0]), self.modules if self.local else []
-        return self._looks.steps(self.state.experience, n_steps, self.variables, modules)
-
     def _module(self, event: Event) -> Module:
         if self.local:
-            return self._looks.module(event, self._steps())
+            return self._looks.module(event, self.steps())
         table = joint_table(self.state.counts, self.events.index(event))
         return make_module(event, table, self.config.reproduction)
 
@@ -424,7 +440,7 @@ class Developer:
 
     def _empty_past(self) -> RecentSteps:
         config, variables = self.config, self.variables
-        horizon = config.horizon if config.memory == "window" else 0
+        horizon = config.horizon if config.memory == "window" and not self.local else 0
         grows = np.exp(1 / config.horizon) if config.memory == "fading" else 1.0
         widths = (len(variables.sensors), len(variables.actions), len(variables.results), len(variables.results))
         s, a, r, r_next = (np.zeros((horizon, width), np.int64) for width in widths)

@@ -187,5 +187,5 @@ def check_world(world: str) -> None:
     Raises:
         ConfigError: It is none of ``WORLDS``.
     """
-    if world not in WORLDS:
+    if not isinstance(world, str) or world not in WORLDS:
         raise ConfigError(f"world: expected one of {', '.join(WORLDS)}; got {shown(world)}{meant(world, WORLDS)}")

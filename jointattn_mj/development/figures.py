@@ -52,23 +52,21 @@ class Made:
     """What it means."""
 
 
-def draw_contingency(
-    path: Path, noted: ContingencyLog, names: Sequence[str], made: Sequence[Made], measure: str
-) -> None:
+def draw_contingency(path: Path, log: ContingencyLog, names: Sequence[str], made: Sequence[Made], measure: str) -> None:
     """Draw the contingency of every event that was ever one of the two highest (Fig. 5.3), on a logarithmic axis.
 
     Args:
         path: PNG file.
-        noted: The measure of all events over time.
+        log: The measure of all events over time.
         names: (events,) in words.
         made: Modules in their order; triangles mark where they were made.
         measure: Name and unit for the axis.
     """
-    last = max(1, len(noted) * noted.every)
+    last = max(1, len(log) * log.every)
     end = _end(made, last)
-    few = np.unique(np.linspace(0, min(len(noted), (end - 1) // noted.every), MOST_POINTS).astype(int))
-    few = few[few < len(noted)]
-    curves, steps = _curves(noted, few), (few + 1) * noted.every
+    few = np.unique(np.linspace(0, min(len(log), (end - 1) // log.every), MOST_POINTS).astype(int))
+    few = few[few < len(log)]
+    curves, steps = _curves(log, few), (few + 1) * log.every
     modelled = {one.event: number for number, one in enumerate(made)}
     others = [event for event in curves.shown if event not in modelled]
     rows = len(made) + min(len(others), MOST_NAMED + 1)
@@ -122,8 +120,8 @@ def draw_behaviour(path: Path, series: Series, parts: Sequence[BehaviourPhase], 
     rates = moving_rates(series, steps)
     for number, (short, words) in enumerate(zip(SHORT, BEHAVIOURS, strict=True)):
         axes.plot(steps, rates[:, number], color=BEHAVIOUR_INKS[number], lw=1.6, label=f"{short}  {words}")
-    for one in made:
-        axes.axvline(one.step, color="#2c3e50", lw=1, ls="--")
+    for detection in made:
+        axes.axvline(detection.step, color="#2c3e50", lw=1, ls="--")
     for number, part in enumerate(parts):
         first, last = part.first, min(part.last, end)
         if last - first > 0.03 * end:
@@ -163,7 +161,7 @@ def draw_maps(path: Path, maps: Sequence[MapImage]) -> None:
         path: PNG file.
         maps: In the order in which the modules were made.
     """
-    inches = [ROW * one.module.command.size + 1.1 for one in maps] or [1.0]
+    inches = [ROW * image.module.command.size + 1.1 for image in maps] or [1.0]
     figure = Figure(figsize=(WIDTH, sum(inches) + 1.0), layout="constrained")
     grid = figure.subplots(len(inches), 1, squeeze=False, height_ratios=inches).ravel()
     for axes in grid:
@@ -225,17 +223,17 @@ class _Curves:
     """The highest value of all, at least 0."""
 
 
-def _curves(noted: ContingencyLog, points: np.ndarray) -> _Curves:
+def _curves(log: ContingencyLog, points: np.ndarray) -> _Curves:
     """Go through the log, a part at a time, and keep the rows ``points``."""
-    kept, often, highest = list[np.ndarray](), np.zeros(noted.events, np.int64), 0.0
-    for first, end in spans(len(noted), max(1, PART_BYTES // (8 * noted.events))):
-        values = noted.values(first, end)
+    kept, often, highest = list[np.ndarray](), np.zeros(log.events, np.int64), 0.0
+    for first, end in spans(len(log), max(1, PART_BYTES // (8 * log.events))):
+        values = log.values(first, end)
         kept.append(values[points[(points >= first) & (points < end)] - first])
         highest = np.nanmax(values, initial=highest)
         values[np.isnan(values)] = -np.inf
         for _ in range(2):
             best = values.argmax(axis=1)
-            often += np.bincount(best, minlength=noted.events)
+            often += np.bincount(best, minlength=log.events)
             values[np.arange(len(values)), best] = -np.inf
     shown = [event for event in np.argsort(-often, kind="stable").tolist() if often[event]]
     return _Curves(np.concatenate(kept), shown, highest)

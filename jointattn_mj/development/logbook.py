@@ -93,9 +93,9 @@ def _contingency(run: DevelopmentRun) -> Iterator[pa.Table]:
     unit = f"{run.agent.config.detector.measure} in units of base {run.agent.config.detector.base:g}"
     names = [run.agent.variables.describe(event) for event in run.agent.events]
     meanings = {"step": "steps done", **dict.fromkeys(names, unit)}
-    for first, last in spans(len(run.noted), max(1, PART_BYTES // (8 * len(names)))):
-        values = run.noted.values(first, last)
-        columns = {"step": pa.array(run.noted.n_steps(first, last))}
+    for first, last in spans(len(run.contingency_log), max(1, PART_BYTES // (8 * len(names)))):
+        values = run.contingency_log.values(first, last)
+        columns = {"step": pa.array(run.contingency_log.n_steps(first, last))}
         columns |= {name: pa.array(values[:, number], from_pandas=True) for number, name in enumerate(names)}
         yield described(pa.table(columns), meanings)
 
@@ -130,7 +130,7 @@ def _steps(run: DevelopmentRun) -> Iterator[pa.Table]:
 
 def _made(run: DevelopmentRun) -> list[int]:
     """Steps done when each module was made."""
-    return [one.step for one in run.found if one.module is not None]
+    return [detection.step for detection in run.detections if detection.module is not None]
 
 
 def _drivers(run: DevelopmentRun) -> tuple[tuple[str, ...], np.ndarray]:

@@ -10,14 +10,11 @@ import numpy as np
 
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event, Variables
-from jointattn_mj.contingency.online.experience import Experience, Steps
+from jointattn_mj.contingency.online.experience import Experience, PastSteps
 from jointattn_mj.contingency.online.followed_maps import followed_map
 from jointattn_mj.contingency.online.local import LocalConfig, search
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.guards.restored import check_whole
-
-STREAM = 1000
-"""Key of the random stream of looks, beside that of the selector."""
 
 
 class Looks:
@@ -28,18 +25,13 @@ class Looks:
         made_at: Steps done when each module was made.
     """
 
-    def __init__(self, config: LocalConfig, seed: np.random.SeedSequence):
+    def __init__(self, config: LocalConfig):
         """Looks of an agent before its first step.
 
         Args:
             config: Settings of stop rule local; when to look is among them.
-            seed: Of the agent; looks have a stream of their own.
         """
-        key = (*seed.spawn_key, STREAM)
         self._config = config
-        self._random = np.random.default_rng(
-            np.random.SeedSequence(seed.entropy, spawn_key=key, pool_size=seed.pool_size)
-        )
         self.next = int(config.first_look)
         self.made_at: list[int] = []
 
@@ -51,7 +43,7 @@ class Looks:
         """
         self.next = n_steps + max(self._config.look_every, int(n_steps * self._config.look_again))
 
-    def steps(self, experience: Experience, n_steps: int, variables: Variables, modules: Sequence[Module]) -> Steps:
+    def steps(self, experience: Experience, n_steps: int, variables: Variables, modules: Sequence[Module]) -> PastSteps:
         """All steps so far, with what hindsight says of the use of modules.
 
         Args:
@@ -60,7 +52,7 @@ class Looks:
             variables: Of the agent.
             modules: Of the agent.
         """
-        steps = Steps(experience, n_steps, variables)
+        steps = PastSteps(experience, n_steps, variables)
         for number, module in enumerate(modules):
             if self._config.hindsight:
                 steps.see_in_hindsight(number, module)
@@ -68,7 +60,7 @@ class Looks:
                 steps.begins_at(number, self.made_at[number])
         return steps
 
-    def followed(self, steps: Steps, modules: Sequence[Module]) -> list[Module]:
+    def followed(self, steps: PastSteps, modules: Sequence[Module]) -> list[Module]:
         """The modules with maps from all steps, each in the light of those before it.
 
         Args:
@@ -84,11 +76,11 @@ class Looks:
                 steps.see_in_hindsight(number, read[-1])
         return read
 
-    def module(self, event: Event, steps: Steps) -> Module:
+    def module(self, event: Event, steps: PastSteps) -> Module:
         """The module of an event by the steps so far."""
         return followed_map(event, steps.of(event), steps.begin(event), self._config)
 
-    def find(self, steps: Steps, events: Sequence[Event], modules: Sequence[Module]) -> tuple[int, np.ndarray]:
+    def find(self, steps: PastSteps, events: Sequence[Event], modules: Sequence[Module]) -> tuple[int, np.ndarray]:
         """Look for a contingent event.
 
         Args:
@@ -99,10 +91,11 @@ class Looks:
         Returns:
             Number of the event that is found, or NOTHING; and every event's value (E,), nats.
         """
-        served, since = [module.event for module in modules], self.made_at[-1] if self.made_at else 0
+        served = [module.event for module in modules]
+        since = max(0, self.made_at[-1] - steps.forgotten) if self.made_at else 0
         if steps.n_steps < 2:
             return NOTHING, np.zeros(len(events))
-        return search(steps, events, served, since, self._config, self._random, lambda one: self._offers(one, steps))
+        return search(steps, events, served, since, self._config, lambda one: self._offers(one, steps))
 
     def check(self, modules: int) -> None:
         """Refuse looks that an agent with so many modules cannot have.
@@ -116,6 +109,6 @@ class Looks:
         for step in self.made_at:
             check_whole("step of a module", step, 0, np.iinfo(np.int64).max)
 
-    def _offers(self, event: Event, steps: Steps) -> bool:
+    def _offers(self, event: Event, steps: PastSteps) -> bool:
         """Whether the module of an event would offer anything."""
         return bool((self.module(event, steps).command != OFFERS_NOTHING).any())

@@ -24,7 +24,7 @@ from jointattn_mj.io.rows import RowStore
 
 
 @dataclass(frozen=True)
-class Found:
+class Detection:
     """An event that the detector found to be contingent."""
 
     step: int
@@ -42,9 +42,9 @@ class DevelopmentRun(ABC):
         agent: The agent of chapter 5.
         n_steps: Longest possible run.
         steps_done: Steps so far.
-        found: Events that were found to be contingent, in order.
+        detections: Events that the detector found to be contingent, in order.
         columns: Names of the log's columns.
-        noted: Contingency of all events, every ``sample_every`` steps.
+        contingency_log: Contingency of all events, every ``sample_every`` steps.
         witnessed: Columns that the robot does not know, and the names of their values.
     """
 
@@ -68,7 +68,7 @@ class DevelopmentRun(ABC):
             )
         self.agent, self.n_steps, self.sample_every, self.witnessed = agent, n_steps, sample_every, dict(witnessed)
         self.steps_done = 0
-        self.found: list[Found] = []
+        self.detections: list[Detection] = []
         variables = agent.variables
         sizes = [len(one.values) for one in (*variables.sensors, *variables.actions, *variables.results)]
         most = max(*sizes, agent.config.most_modules + len(agent.reactive))
@@ -78,7 +78,7 @@ class DevelopmentRun(ABC):
         self._r = np.zeros(len(variables.results), np.int64)
         self.columns = self._columns()
         self._log = RowStore("log", np.int8, len(self.columns))
-        self.noted = ContingencyLog(sample_every, len(agent.events))
+        self.contingency_log = ContingencyLog(sample_every, len(agent.events))
 
     def __repr__(self) -> str:
         done, modules = f"{self.steps_done:,} of {self.n_steps:,} steps", len(self.agent.modules)
@@ -145,12 +145,15 @@ class DevelopmentRun(ABC):
             raise ValueError("the agent's variables are others than those of its world")
         for name, least in (("steps_done", 0), ("n_steps", 1), ("sample_every", 1)):
             check_whole(name, getattr(self, name), least, most)
+        if self.steps_done != self.agent.state.n_steps[0]:
+            raise ValueError(f"{self.steps_done} steps are done, and the agent has done {self.agent.state.n_steps[0]}")
         base = variables.without_modules()
         check_array("s", self._s, (len(base.sensors),), np.int64)
         check_array("r", self._r, (len(base.results),), np.int64)
         if self.columns != self._columns() or self._log.columns != len(self.columns):
             raise ValueError("the log has other columns")
-        if self._log.dtype != np.int8 or self.noted.dtype != np.float64 or self.noted.events != len(self.agent.events):
+        kept = self.contingency_log
+        if self._log.dtype != np.int8 or kept.dtype != np.float64 or kept.events != len(self.agent.events):
             raise ValueError("the log holds other numbers")
 
     def _columns(self) -> tuple[str, ...]:
@@ -162,27 +165,27 @@ class DevelopmentRun(ABC):
         """Variables of the world, without those of modules."""
         return self.agent.variables.without_modules()
 
-    def advance(self, n_steps: int) -> list[Found]:
+    def advance(self, n_steps: int) -> list[Detection]:
         """Do ``n_steps`` steps more, or as many as are left; returns the events that were found in them."""
-        known, last = len(self.found), min(self.n_steps, self.steps_done + n_steps)
+        known, last = len(self.detections), min(self.n_steps, self.steps_done + n_steps)
         while self.steps_done < last:
-            first, log, samples = self.steps_done, self._log.free(), self.noted.free()
-            noted = first // self.sample_every
-            room = (noted + len(samples) + 1) * self.sample_every - 1
+            first, log, samples = self.steps_done, self._log.free(), self.contingency_log.free()
+            logged = first // self.sample_every
+            room = (logged + len(samples) + 1) * self.sample_every - 1
             self.steps_done, event = self._advance(min(self._pause(last), first + len(log), room), log, samples)
             self._log.fill(self.steps_done - first)
-            self.noted.fill(self.steps_done // self.sample_every - noted)
+            self.contingency_log.fill(self.steps_done // self.sample_every - logged)
             self.take_in(event)
-        return self.found[known:]
+        return self.detections[known:]
 
     def take_in(self, event: int) -> None:
         """Make a module of the event of that number, unless it is NOTHING."""
         event = self.agent.looked(event)
         module = self.agent.take_in(event)
         if event != NOTHING:
-            self.found.append(Found(self.steps_done, self.agent.events[event], module))
+            self.detections.append(Detection(self.steps_done, self.agent.events[event], module))
         if module is not None:
-            self.noted.widen(len(self.agent.events))
+            self.contingency_log.widen(len(self.agent.events))
 
     def log(self, column: str, first: int = 0, last: int | None = None) -> np.ndarray:
         """Values of a column in the steps from ``first`` to before ``last``.
@@ -199,7 +202,7 @@ class DevelopmentRun(ABC):
 
     def contingency(self) -> tuple[np.ndarray, np.ndarray]:
         """Steps (n,) after which contingency was noted, and each event's measure (n, events); NaN before it existed."""
-        return self.noted.n_steps(), self.noted.values()
+        return self.contingency_log.n_steps(), self.contingency_log.values()
 
     def attach(self, folder: Path) -> None:
         """Keep the log in ``folder`` from now on, and not in memory (see ``RowStore``)."""
@@ -212,7 +215,7 @@ class DevelopmentRun(ABC):
             rows.recall(folder)
 
     def _written_down(self) -> tuple[RowStore | ContingencyLog, ...]:
-        return self._log, self.noted
+        return self._log, self.contingency_log
 
     def _pause(self, last: int) -> int:
         """Step before which the agent has nothing to do between two steps."""

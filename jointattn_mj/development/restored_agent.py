@@ -13,9 +13,6 @@ from jointattn_mj.io.compiled import njit
 if TYPE_CHECKING:
     from jointattn_mj.development.agent import AgentState, RecentSteps
 
-LAYOUT = ("sensor", "action", "result", "per_sensor", "per_action", "per_result", "width", "offset")
-"""Fields of ``counts.CONTEXT`` that say where counts lie."""
-
 
 def check_module(module: Module, variables: Variables) -> None:
     """Refuse a module whose maps do not fit the variables that there were when it was made.
@@ -37,13 +34,14 @@ def check_module(module: Module, variables: Variables) -> None:
     check_array("a module's saliency", module.saliency, (*shape, results, actions), float)
 
 
-def check_agent(state: "AgentState", model: "AgentState", variables: Variables) -> None:
+def check_agent(state: "AgentState", model: "AgentState", variables: Variables, window: int | None = None) -> None:
     """Refuse an agent whose state is not laid out as that of a new one.
 
     Args:
         state: State of the agent.
         model: State of a new agent with the same variables and modules.
         variables: The agent's.
+        window: How many of the last steps are kept whole; None for all.
 
     Raises:
         ValueError: Something differs, or a value is none of its variable.
@@ -51,8 +49,7 @@ def check_agent(state: "AgentState", model: "AgentState", variables: Variables) 
     check_alike(state._replace(experience=model.experience), model)
     check_array("n_steps", state.n_steps, (1,), np.int64, 0)
     counts, maps, past = state.counts, state.maps, state.past
-    fixed = {"of_event": (counts.of_event, model.counts.of_event)}
-    fixed |= {name: (counts.contexts[name], model.counts.contexts[name]) for name in LAYOUT}
+    fixed = {name: (getattr(counts, name), getattr(model.counts, name)) for name in ("of_event", "layout")}
     of_maps = ("sensor", "result", "joint", "uses", "size", "offset", "command", "commands")
     fixed |= {name: (getattr(maps, name), getattr(model.maps, name)) for name in of_maps}
     for name, (given, expected) in fixed.items():
@@ -66,15 +63,16 @@ def check_agent(state: "AgentState", model: "AgentState", variables: Variables) 
         check_array(name, values, values.shape, np.int64, 0, size - 1)
     for values, size in ((past.s, sizes[0]), (past.a, sizes[1]), (past.r, sizes[2]), (past.r_next, sizes[2])):
         check_array("past", values, values.shape, np.int64, 0, size - 1)
-    check_array("past", past.contexts, past.contexts.shape, np.int64, 0, len(counts.contexts))
-    rows = int(state.n_steps[0]) if state.keeping else 0
+    check_array("past", past.contexts, past.contexts.shape, np.int64, 0, len(counts.layout))
+    rows = window or max(len(state.experience.s), int(state.n_steps[0]) if state.keeping else 0)
     for name, part, size in zip("sar", state.experience, sizes, strict=True):
-        check_array(f"experience of {name}", part, (max(rows, len(part)), len(size)), np.int8, 0, size - 1)
+        check_array(f"experience of {name}", part, (rows, len(size)), np.int8, 0, size - 1)
     check_array("driver", state.driver, state.driver.shape, np.int64, -1, len(maps.joint) - 1)
     check_array("first", state.watch.first[:1], (1,), np.int64, -1, len(state.watch.values) - 1)
     check_array("counts", counts.entries, counts.entries.shape, float, 0)
     if len(past.contexts):  # what is forgotten is taken out of the counts again
-        remembered = counts._replace(entries=np.zeros_like(counts.entries), contexts=model.counts.contexts.copy())
+        blank = {name: np.zeros_like(getattr(counts, name)) for name in ("entries", "sums", "n", "occupied")}
+        remembered = counts._replace(**blank)
         _remember(remembered, past)
         if not np.array_equal(remembered.entries, counts.entries):
             raise ValueError("counts are others than those of what is remembered")

@@ -70,6 +70,13 @@ class DevelopmentResult:
 
         Raises:
             OutputError: The folder holds no finished run.
+
+        Examples:
+            >>> from jointattn_mj import Development, DevelopmentResult
+            >>> result = Development("fast", steps=500, seed=1).run()
+            >>> result.save("out/few_steps")
+            >>> DevelopmentResult.open("out/few_steps") == result
+            True
         """
         path = path_of(folder, "folder") / SUMMARY
         check_kind(path.parent, cls.__name__)
@@ -113,7 +120,7 @@ class DevelopmentResult:
     @cached_property
     def maps(self) -> tuple["Table", ...]:
         """The map of each module: under which observables it gives which command, how reliably, and what it expects."""
-        return tuple(self._source.map(one.number) for one in self.modules)
+        return tuple(self._source.map(module.number) for module in self.modules)
 
     def save(self, folder: str | PathLike[str]) -> None:
         """Write summary, tables, maps, figures and config to a folder, as ``jointattn develop`` does.
@@ -123,6 +130,13 @@ class DevelopmentResult:
 
         Raises:
             OutputError: The folder holds another run, or cannot be written.
+
+        Examples:
+            >>> from jointattn_mj import Development
+            >>> result = Development("fast", steps=500, seed=1).run()
+            >>> result.folder is None
+            True
+            >>> result.save("out/kept")
         """
         with claimed(out := path_of(folder, "folder")):
             self._source.save(out)
@@ -214,7 +228,7 @@ class Finished:
     def __init__(self, config: DevelopmentConfig, run: DevelopmentRun):
         self._config, self._run = config, run
         self._variables = run.named_variables()
-        self._made = [one for one in run.found if one.module is not None]
+        self._made = [detection for detection in run.detections if detection.module is not None]
         self._meanings = meanings(self._variables, run.agent.modules)
 
     def result(self) -> DevelopmentResult:
@@ -262,7 +276,7 @@ class Finished:
         return summarise(self._run, names, self._meanings, self._phases())
 
     def _phases(self) -> list[BehaviourPhase]:
-        return phases(BehaviourLog(self._run), [one.step for one in self._made])
+        return phases(BehaviourLog(self._run), [detection.step for detection in self._made])
 
     def _draw(self, folder: Path) -> None:
         from jointattn_mj.development import figures
@@ -281,6 +295,6 @@ class Finished:
             for number, (mark, module) in enumerate(zip(marks, agent.modules, strict=True), 1)
         ]
         sac, behaviour, learned = (folder / name for name in FIGURES)
-        figures.draw_contingency(sac, run.noted, names, marks, measure)
+        figures.draw_contingency(sac, run.contingency_log, names, marks, measure)
         figures.draw_behaviour(behaviour, BehaviourLog(run), self._phases(), marks)
         figures.draw_maps(learned, maps)

@@ -13,7 +13,7 @@ from jointattn_mj.development.config import (
     changed,
     config_class,
 )
-from jointattn_mj.development.loop import DevelopmentRun, Found
+from jointattn_mj.development.loop import Detection, DevelopmentRun
 from jointattn_mj.development.meaning import Meaning, meanings
 from jointattn_mj.development.result import CONFIG, DevelopmentResult, Finished
 from jointattn_mj.errors import ConfigError
@@ -27,7 +27,7 @@ from jointattn_mj.options import check_argument, check_called, path_of
 
 LIKELY_MODULES = 8
 """For an estimate of the space on disk: few runs make more modules."""
-Progress = Callable[[DevelopmentRun, Sequence[tuple[Found, Meaning | None]]], object]
+Progress = Callable[[DevelopmentRun, Sequence[tuple[Detection, Meaning | None]]], object]
 """Called now and then with the run, and with the events that were found since the last call and what they mean."""
 
 
@@ -72,10 +72,22 @@ class Development:
 
     @classmethod
     def from_config(cls, config: DevelopmentConfig) -> "Development":
-        """The same for a config that is already there.
+        """Make a development of a config that is already there.
+
+        Args:
+            config: All options, such as those of a result.
+
+        Returns:
+            The development; its ``run`` does what the config says.
 
         Raises:
             ConfigError: It is no such config.
+
+        Examples:
+            >>> from jointattn_mj import Development
+            >>> config = Development("fast", steps=6000).config
+            >>> Development.from_config(config).steps
+            6000
         """
         check_argument("config", config, DevelopmentConfig)
         made = cls.__new__(cls)
@@ -87,6 +99,9 @@ class Development:
 
         Args:
             changes: Options by name, but for world and preset, from which others follow.
+
+        Returns:
+            Another development; this one stays as it is.
 
         Raises:
             ConfigError: No such option, or a value that is not allowed.
@@ -113,7 +128,7 @@ class Development:
         resume: bool = False,
         checkpoint_every: int | None = None,
         video: bool = False,
-        progress: Progress = lambda run, found: None,
+        progress: Progress = lambda run, detections: None,
     ) -> DevelopmentResult:
         """Run to the end.
 
@@ -147,8 +162,8 @@ class Development:
         if resume or checkpoint_every is not None or video:
             raise ConfigError("resume, checkpoint_every and video need a folder; give out as well")
         run = self.config.new_run()
-        for found in _parts(self.config, run):
-            progress(run, _with_meanings(run, found))
+        for detections in _parts(self.config, run):
+            progress(run, _with_meanings(run, detections))
         run.check()
         result = Finished(self.config, run).result()
         run.close()
@@ -161,7 +176,7 @@ class Development:
 
 
 def run_development(
-    config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress = lambda run, found: None
+    config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress = lambda run, detections: None
 ) -> DevelopmentResult:
     """Run in a folder, with checkpoints.
 
@@ -182,7 +197,8 @@ def run_development(
         check_space(config, options.out)
     if options.video and not config.films:
         raise ConfigError("only what is rendered can be filmed; choose world rendered with images, or no video")
-    with claimed(options.out, options.resume):
+    frozen = options.out / "checkpoint.bin"
+    with claimed(options.out, options.resume), checkpoint.gone_on_with(frozen, options.resume, progress):
         return _run(config, options, progress)
 
 
@@ -205,10 +221,10 @@ def _run(config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress
     if not (out / CONFIG).exists():
         write_config(out / CONFIG, config)
     with deferred() as interrupts:
-        for found in _parts(config, run, every):
-            if options.video and found and run.agent.modules:
+        for detections in _parts(config, run, every):
+            if options.video and detections and run.agent.modules:
                 _keep(_moment(out, len(run.agent.modules)), run, config)
-            progress(run, _with_meanings(run, found))
+            progress(run, _with_meanings(run, detections))
             if run.steps_done in (run.n_steps, run.steps_done // every * every) or interrupts.requested:
                 _keep(frozen, run, config)
             if interrupts.requested:
@@ -224,7 +240,7 @@ def _run(config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress
     return DevelopmentResult.open(out)
 
 
-def _parts(config: DevelopmentConfig, run: DevelopmentRun, every: int | None = None) -> Iterator[list[Found]]:
+def _parts(config: DevelopmentConfig, run: DevelopmentRun, every: int | None = None) -> Iterator[list[Detection]]:
     """Advance to the end in parts, which also end after each ``every`` steps; what was found in each."""
     while run.spent < config.length and run.steps_done < run.n_steps:
         pause = run.n_steps if every is None else min(run.n_steps, (run.steps_done // every + 1) * every)
@@ -267,9 +283,9 @@ def check_space(config: DevelopmentConfig, out: Path) -> None:
     check_free(out, log + samples, what, f"fewer steps{', or a larger `sample_every`' if samples > log else ''}")
 
 
-def _with_meanings(run: DevelopmentRun, found: Sequence[Found]) -> list[tuple[Found, Meaning | None]]:
-    if not found:
+def _with_meanings(run: DevelopmentRun, detections: Sequence[Detection]) -> list[tuple[Detection, Meaning | None]]:
+    if not detections:
         return []
     known = zip(run.agent.modules, meanings(run.named_variables(), run.agent.modules), strict=True)
     by_module = {id(module): meaning for module, meaning in known}
-    return [(one, by_module.get(id(one.module))) for one in found]
+    return [(one, by_module.get(id(one.module))) for one in detections]

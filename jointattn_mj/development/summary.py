@@ -92,7 +92,7 @@ class DevelopmentSummary:
     """What only one world has: who the caregiver was, how well perception did, minutes."""
 
     def __repr__(self) -> str:
-        names = ", ".join(one.means for one in self.modules) or "none"
+        names = ", ".join(module.means for module in self.modules) or "none"
         return f"<{self.world}, preset {self.preset}, seed {self.seed}, {self.steps:,} steps; modules: {names}>"
 
     def to_json(self) -> dict[str, Any]:
@@ -104,21 +104,21 @@ class DevelopmentSummary:
             "steps": self.steps,
             "modules": [
                 {
-                    "module": one.number,
-                    "step": one.step,
-                    "event": one.event,
-                    "symbol": one.symbol,
-                    "name": one.name,
-                    "means": one.means,
-                    "map": map_name(one.number),
+                    "module": module.number,
+                    "step": module.step,
+                    "event": module.event,
+                    "symbol": module.symbol,
+                    "name": module.name,
+                    "means": module.means,
+                    "map": map_name(module.number),
                 }
-                for one in self.modules
+                for module in self.modules
             ],
-            "found_without_a_module": [vars(one) for one in self.found_without_a_module],
+            "found_without_a_module": [vars(event) for event in self.found_without_a_module],
             "behaviours": dict(zip(SHORT, BEHAVIOURS, strict=True)),
             "phases": [vars(part) | {"rates": dict(part.rates)} for part in self.phases],
             "measure": self.measure,
-            "highest_at_the_end": [vars(one) for one in self.highest_at_the_end],
+            "highest_at_the_end": [vars(event) for event in self.highest_at_the_end],
             **self.more,
         }
 
@@ -169,13 +169,13 @@ def summarise(
     agent = run.agent
     made: list[LearnedModule] = []
     beyond: list[UnmodelledEvent] = []
-    for one in run.found:
-        event = agent.variables.describe(one.event)
-        if one.module is None:
-            beyond.append(UnmodelledEvent(one.step, event))
+    for detection in run.detections:
+        event = agent.variables.describe(detection.event)
+        if detection.module is None:
+            beyond.append(UnmodelledEvent(detection.step, event))
             continue
-        meaning, symbol = known[len(made)], agent.variables.symbol(one.event)
-        made.append(LearnedModule(len(made) + 1, one.step, event, symbol, meaning.short, meaning.words))
+        meaning, symbol = known[len(made)], agent.variables.symbol(detection.event)
+        made.append(LearnedModule(len(made) + 1, detection.step, event, symbol, meaning.short, meaning.words))
     contingency = agent.state.watch.values
     order = np.argsort(-contingency, kind="stable")[:RANKED].tolist()
     return DevelopmentSummary(

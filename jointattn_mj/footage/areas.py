@@ -5,6 +5,7 @@ or is worn: what goes with the person's face wherever that goes. An object that 
 its colours, which need not be saturated.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
@@ -123,6 +124,12 @@ class FootageAreas:
         if lost:
             self._slots = [Slot() for _ in self._slots]
 
+    def turn(self, moved: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Say that the eye has turned: ``moved`` gives the new pixel (2,) of a pixel (2,) of the last image."""
+        for slot in self._slots:
+            slot.px = None if slot.px is None else moved(slot.px)
+            slot.trail = [np.concatenate([moved(one[:2]), moved(one[2:])]) for one in slot.trail]
+
     def find(self, image: np.ndarray, gray: np.ndarray, areas: Areas) -> None:
         """Find the objects in an image.
 
@@ -163,7 +170,7 @@ class FootageAreas:
         """Give the areas of one object to its slots."""
         slots = range(k * self._each, (k + 1) * self._each)
         mask = (labels == k + 1).view(np.uint8)
-        found: list[Part] = []
+        candidates: list[Part] = []
         parts = np.zeros(mask.shape, np.int32)
         if cv2.countNonZero(mask) >= self._least:
             closed = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
@@ -171,17 +178,17 @@ class FootageAreas:
             for part in range(1, len(stats)):
                 area = int(stats[part, cv2.CC_STAT_AREA])
                 if area >= self._least and not self._is_too_large(area, labels.shape):
-                    found.append((part, centres[part], stats[part], area))
-            found = self._without_clothes(found, stats[1:], centres[1:])
-        self.counts[k, min(len(found), 9)] += 1
-        owners = self._owners(found, slots)
+                    candidates.append((part, centres[part], stats[part], area))
+            candidates = self._without_clothes(candidates, stats[1:], centres[1:])
+        self.counts[k, min(len(candidates), 9)] += 1
+        owners = self._owners(candidates, slots)
         for slot in slots:
             areas.visible[slot], areas.area[slot], areas.px[slot], areas.box[slot] = False, 0, np.nan, 0
             state, given = self._slots[slot], owners.get(slot)
             if given is None:
                 state.missing += 1
                 continue
-            part, centre, box, area = found[given]
+            part, centre, box, area = candidates[given]
             state.px, state.missing = centre.copy(), 0
             if self._is_worn(state, centre):
                 continue
@@ -189,12 +196,12 @@ class FootageAreas:
             areas.box[slot] = box[0], box[1], box[0] + box[2], box[1] + box[3]
             self._cut_mask(mask, parts, part, centre, areas, slot)
 
-    def _owners(self, found: list[Part], slots: range) -> dict[int, int]:
+    def _owners(self, candidates: list[Part], slots: range) -> dict[int, int]:
         """Area of each slot: the nearest to where it was, or the largest that is left for one that is lost."""
         owners: dict[int, int] = {}
-        left = set(range(len(found)))
+        left = set(range(len(candidates)))
         pairs = sorted(
-            (float(np.hypot(*(found[one][1] - px))), slot, one)
+            (float(np.hypot(*(candidates[one][1] - px))), slot, one)
             for slot in slots for one in left if (px := self._slots[slot].px) is not None
         )  # fmt: skip
         for off, slot, one in pairs:
@@ -205,21 +212,21 @@ class FootageAreas:
         for slot in slots:
             state = self._slots[slot]
             if slot not in owners and left and (state.px is None or state.missing >= self.config.lost_images):
-                largest = max(left, key=lambda one: found[one][3])
+                largest = max(left, key=lambda one: candidates[one][3])
                 owners[slot] = largest
                 state.trail.clear()
                 left.discard(largest)
         return owners
 
-    def _without_clothes(self, found: list[Part], stats: np.ndarray, centres: np.ndarray) -> list[Part]:
+    def _without_clothes(self, candidates: list[Part], stats: np.ndarray, centres: np.ndarray) -> list[Part]:
         """The areas less those below a face, where one reaches from the collar down and is large: it is worn."""
         for face in self._faces:
             collar = face[1] + (0.5 + COLLAR) * face[3]
             large = stats[:, cv2.CC_STAT_AREA] > self.config.worn_faces * float(face[3]) ** 2
             at_collar = np.flatnonzero(large & (stats[:, cv2.CC_STAT_TOP] < collar))
             if any(_is_below(face, centres[part]) for part in at_collar):
-                found = [one for one in found if not _is_below(face, one[1], SLEEVE)]
-        return found
+                candidates = [one for one in candidates if not _is_below(face, one[1], SLEEVE)]
+        return candidates
 
     def _is_too_large(self, area: int, shape: tuple[int, ...]) -> bool:
         """Whether an area is too large for a thing that one handles."""

@@ -23,14 +23,14 @@ NEXT = 5
 
 
 def note_checks(
-    spans: Spans, frame: int, seen: list[Sighting], chosen: Sighting | None, shots: Shots, cut: bool, last: list[float]
+    spans: Spans, frame: int, faces: list[Sighting], chosen: Sighting | None, shots: Shots, cut: bool, last: list[float]
 ) -> list[float]:
     """Note who is there, and what should be checked.
 
     Args:
         spans: Takes the notes.
         frame: Number of the frame.
-        seen: The faces in it.
+        faces: The faces in it.
         chosen: The face of interest among them.
         shots: Have seen the frame.
         cut: Whether it follows upon a cut.
@@ -39,8 +39,8 @@ def note_checks(
     Returns:
         The same, now.
     """
-    for one in seen:
-        spans.note(PERSON, f"track {one.track}", frame, one.score)
+    for face in faces:
+        spans.note(PERSON, f"track {face.track}", frame, face.score)
     if cut:
         spans.note(CAMERA, "cut", frame)
         spans.note(CHECK, "cut", frame)
@@ -54,7 +54,7 @@ def note_checks(
         spans.note(CHECK, "low score", frame, chosen.score)
     if chosen.judged and not chosen.sure:
         spans.note(CHECK, "unsure who it is", frame)
-    if any(one.smooth[3] > RIVAL * chosen.smooth[3] for one in seen if one is not chosen):
+    if any(face.smooth[3] > RIVAL * chosen.smooth[3] for face in faces if face is not chosen):
         spans.note(CHECK, "several faces", frame)
     x, y = (float(value) for value in chosen.face[:2] + chosen.face[2:4] / 2)
     if last and not cut and frame - last[0] <= NEXT and np.hypot(x - last[1], y - last[2]) > FAR * last[3]:

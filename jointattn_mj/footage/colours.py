@@ -46,8 +46,8 @@ def sought_objects(objects: tuple[str, ...]) -> tuple[Sought, ...]:
 
 def _sought(item: str) -> Sought:
     if "@" in item:
-        name, _, place = item.partition("@")
-        pick = _PICK.fullmatch(place)
+        name, _, where = item.partition("@")
+        pick = _PICK.fullmatch(where)
         if not pick:
             raise ConfigError(
                 f"objects: one that is picked needs a time and a pixel of the video, cup@12.5s:420,310; got {item!r}"
@@ -70,10 +70,12 @@ def _sought(item: str) -> Sought:
 
 def candidate_names(objects: tuple[str, ...], areas: int = 1) -> tuple[str, ...]:
     """Names of the objects; where there may be several areas of each, ``cup``, ``cup_2`` and so on."""
-    return tuple(one.name if k == 0 else f"{one.name}_{k + 1}" for one in sought_objects(objects) for k in range(areas))
+    return tuple(
+        item.name if k == 0 else f"{item.name}_{k + 1}" for item in sought_objects(objects) for k in range(areas)
+    )
 
 
 def object_colours(objects: tuple[str, ...]) -> tuple[tuple[str, ...], np.ndarray]:
     """Names and nominal colours (n, 3), 0..1, of the objects that are searched for by colour."""
-    coloured = [(one.name, one.rgb) for one in sought_objects(objects) if one.rgb is not None]
+    coloured = [(item.name, item.rgb) for item in sought_objects(objects) if item.rgb is not None]
     return tuple(name for name, _ in coloured), np.array([rgb for _, rgb in coloured], float).reshape(-1, 3)

@@ -88,11 +88,11 @@ class FaceAlbum:
             start_s: Time of the first frame, s.
         """
         active = [som.activations(pattern) for pattern in self.patterns]
-        units = np.array([int(one.argmax()) for one in active])
+        units = np.array([int(activation.argmax()) for activation in active])
         columns = {
             "time_s": start_s + self.times,
             "row": (units // som.config.columns).astype(np.int32),
             "column": (units % som.config.columns).astype(np.int32),
-            "activation": np.array([float(one.max()) for one in active], np.float32),
+            "activation": np.array([float(activation.max()) for activation in active], np.float32),
         }
         return described(pa.table(columns), MEANINGS)

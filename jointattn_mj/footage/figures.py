@@ -14,6 +14,8 @@ from jointattn_mj.io.figures import save
 
 POINTS = 600
 """Most points of a curve."""
+WIDTH = 6.0
+"""Inches. What is wider cannot be read on a telephone, which shows it at 390 pixels."""
 FACE = "#8a5a3c"
 Ink = str | tuple[float, ...]
 
@@ -34,8 +36,9 @@ def draw_fixations(
         start_s: Time of the first frame, s.
     """
     inks: list[Ink] = [*(tuple(0.85 * np.asarray(colour)) for colour in rgb), FACE]
-    figure = Figure(figsize=(11, 5.2), layout="constrained")
-    parts = figure.subplot_mosaic([["where", "when"], ["where", "why"]], width_ratios=[1.25, 1], height_ratios=[1, 1.3])
+    heights = (WIDTH * image.shape[0] / image.shape[1], 0.5 + 0.28 * len(names), 2.4)
+    figure = Figure(figsize=(WIDTH, sum(heights)), layout="constrained")
+    parts = figure.subplot_mosaic([["where"], ["when"], ["why"]], height_ratios=heights)
     _where(parts["where"], image, fixations, inks)
     _when(parts["when"], fixations, names, inks, start_s)
     _why(parts["why"], percepts, names, inks)
@@ -50,21 +53,26 @@ def _seconds(percepts: Path) -> float:
 
 def _where(axes: Axes, image: np.ndarray, fixations: list[Fixation], inks: list[Ink]) -> None:
     axes.imshow(image // 2 + 127)
-    visible = [one for one in fixations if one.frames_visible]
-    locations = np.array([one.px_sum / one.frames_visible for one in visible]).reshape(-1, 2)
+    visible = [fixation for fixation in fixations if fixation.frames_visible]
+    locations = np.array([fixation.px_sum / fixation.frames_visible for fixation in visible]).reshape(-1, 2)
     axes.plot(*locations.T, color="#34495e", lw=0.6, alpha=0.5)
-    sizes, colours = [160 * one.seconds for one in visible], [inks[one.candidate] for one in visible]
+    sizes, colours = (
+        [160 * fixation.seconds for fixation in visible],
+        [inks[fixation.candidate] for fixation in visible],
+    )
     axes.scatter(locations[:, 0], locations[:, 1], sizes, colours, alpha=0.55, edgecolors="white", linewidths=0.8)
     axes.set(xticks=[], yticks=[])
-    axes.set_title(
-        f"Where the robot would look ({len(fixations)} fixations; area: how long)", loc="left", weight="bold"
-    )
+    axes.set_title("Where the robot would look (area: how long)", loc="left", weight="bold")
     axes.set(xlim=(-0.5, image.shape[1] - 0.5), ylim=(image.shape[0] - 0.5, -0.5))
 
 
 def _when(axes: Axes, fixations: list[Fixation], names: tuple[str, ...], inks: list[Ink], start_s: float) -> None:
     for number in range(len(names)):
-        bars = [(start_s + one.start / RATE, one.seconds) for one in fixations if one.candidate == number]
+        bars = [
+            (start_s + fixation.start / RATE, fixation.seconds)
+            for fixation in fixations
+            if fixation.candidate == number
+        ]
         axes.broken_barh(bars, (len(names) - 1 - number - 0.4, 0.8), facecolors=inks[number])
     axes.set(yticks=range(len(names)), yticklabels=names[::-1], ylim=(-0.6, len(names) - 0.4))
     axes.set_title("What it would look at, and when", loc="left", weight="bold")

@@ -91,7 +91,7 @@ class Fixations:
         """Number of fixations, and their time in seconds, by candidate."""
         chosen = {name: [one for one in self.all if names[one.candidate] == name] for name in names}
         return {
-            name: {"fixations": len(fixations), "seconds": round(sum(one.seconds for one in fixations), 3)}
+            name: {"fixations": len(fixations), "seconds": round(sum(fixation.seconds for fixation in fixations), 3)}
             for name, fixations in chosen.items()
         }
 

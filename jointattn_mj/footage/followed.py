@@ -1,9 +1,11 @@
 """The face of interest as the robot's perception takes it: location, box, and pattern from the video's own pixels."""
 
+from typing import Protocol
+
 import cv2
 import numpy as np
 
-from jointattn_mj.footage.frame_map import IMAGE_HEIGHT, IMAGE_WIDTH, FrameMap
+from jointattn_mj.footage.frame_map import IMAGE_HEIGHT, IMAGE_WIDTH
 from jointattn_mj.footage.people import Sighting
 from jointattn_mj.perception.faces import PATCH_SIDE, FaceFix
 
@@ -12,6 +14,21 @@ PATTERN_HEIGHTS = 1.1
 BLUR_PX = 0.7
 """Standard deviation of the pattern's blur, as of ``perception.faces``."""
 NOWHERE = FaceFix(float("nan"), float("nan"), -1.0, False)
+
+
+class ToImage(Protocol):
+    """A map from pixels of the video to those of the robot's image."""
+
+    @property
+    def scale_x(self) -> float:
+        """Pixels of the robot's image for the width of one of the video."""
+
+    @property
+    def scale_y(self) -> float:
+        """Pixels of the robot's image for the height of one of the video."""
+
+    def to_image(self, px: np.ndarray) -> np.ndarray:
+        """Pixels (..., 2) of the robot's image for pixels of the video."""
 
 
 class FollowedFace:
@@ -24,25 +41,25 @@ class FollowedFace:
         self._side = np.zeros(2)
         self._pattern = np.zeros((PATCH_SIDE, PATCH_SIDE), np.float32)
 
-    def show(self, seen: Sighting | None, image: np.ndarray, mapped: FrameMap) -> None:
+    def show(self, face: Sighting | None, image: np.ndarray, mapped: ToImage) -> None:
         """Say where the face is in the next image.
 
         Args:
-            seen: The face; None where it was not found.
+            face: The face; None where it was not found.
             image: (h, w, 3) uint8 BGR, the video's image.
             mapped: From its pixels to those of the robot's image.
         """
         self._fix = NOWHERE
-        if seen is None:
+        if face is None:
             return
-        x, y = mapped.to_image(seen.centre - 0.5)
+        x, y = mapped.to_image(face.centre - 0.5)
         if not (0 <= x < IMAGE_WIDTH and 0 <= y < IMAGE_HEIGHT):
             return
-        high = PATTERN_HEIGHTS * float(seen.smooth[3])
+        high = PATTERN_HEIGHTS * float(face.smooth[3])
         side = np.array([high * mapped.scale_y / mapped.scale_x, high])
-        self._fix = FaceFix(float(x), float(y), seen.score, True)
+        self._fix = FaceFix(float(x), float(y), face.score, True)
         self._side = side * (mapped.scale_x, mapped.scale_y)
-        self._pattern = pattern(image, seen.centre, side)
+        self._pattern = pattern(image, face.centre, side)
 
     def detect(self, gray: np.ndarray, expected_px: tuple[float, float] | None, complete: object) -> FaceFix:
         """The face that was shown last."""

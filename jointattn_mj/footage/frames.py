@@ -138,7 +138,7 @@ def frame_now(viewing: Viewing, still: Still) -> PerceivedFrame:
         face_fit=single(fit),
         objects=candidates,
         fixation=attended,
-        people=tuple(_person(one, one is viewing.chosen) for one in viewing.seen),
+        people=tuple(_person(face, face is viewing.chosen) for face in viewing.visible_faces),
         flow=_flow(viewing),
     )
 

@@ -51,29 +51,29 @@ class FaceOfInterest:
         self._challenged = 0
         self._missing = 0
 
-    def choose(self, seen: list[Sighting], cut: bool) -> Sighting | None:
+    def choose(self, faces: list[Sighting], cut: bool) -> Sighting | None:
         """The face of interest in an image; None if it is not there.
 
         Args:
-            seen: The faces in the image, the largest first.
+            faces: The faces in the image, the largest first.
             cut: Whether the image follows upon a cut.
         """
         rule = self._rule
         if rule.person is not None:
-            return next((one for one in seen if one.person == rule.person), None)
+            return next((face for face in faces if face.person == rule.person), None)
         if rule.region is not None:
             x0, y0, x1, y1 = rule.region
-            return next((one for one in seen if x0 <= one.centre[0] <= x1 and y0 <= one.centre[1] <= y1), None)
-        own = None if cut else next((one for one in seen if one.track == self._track), None)
+            return next((face for face in faces if x0 <= face.centre[0] <= x1 and y0 <= face.centre[1] <= y1), None)
+        own = None if cut else next((face for face in faces if face.track == self._track), None)
         if own is None:
             self._missing = PATIENCE + 1 if cut else self._missing + 1
-            if not seen or (self._track and self._missing <= PATIENCE):
+            if not faces or (self._track and self._missing <= PATIENCE):
                 return None
-            own = seen[0]
+            own = faces[0]
         self._missing = 0
-        larger = seen[0].smooth[3] > LARGER * own.smooth[3]
+        larger = faces[0].smooth[3] > LARGER * own.smooth[3]
         self._challenged = self._challenged + 1 if larger else 0
         if self._challenged > PATIENCE:
-            own, self._challenged = seen[0], 0
+            own, self._challenged = faces[0], 0
         self._track = own.track
         return own

@@ -27,7 +27,7 @@ def label_table(
     sought = sought_objects(objects)
     table = np.zeros(64**3, np.uint8)
     coloured = [k for k, one in enumerate(sought) if one.rgb is not None]
-    rgb = np.array([one.rgb if one.rgb is not None else (0.5, 0.5, 0.5) for one in sought], float)
+    rgb = np.array([item.rgb if item.rgb is not None else (0.5, 0.5, 0.5) for item in sought], float)
     if coloured:
         labels = colour_table(rgb[coloured], config)
         table = np.concatenate([[0], np.array(coloured) + 1])[labels].astype(np.uint8)

@@ -76,17 +76,17 @@ class FootageOverlay:
     @staticmethod
     def _draw_people(area: np.ndarray, mapped: FrameMap, viewing: Viewing) -> None:
         """Draw the box of each face, with the number of the person, and where the head points."""
-        for one in viewing.seen:
-            x, y, wide, high = one.smooth
+        for face in viewing.visible_faces:
+            x, y, wide, high = face.smooth
             corners = np.array([(x, y), (x + wide, y), (x + wide, y + high), (x, y + high), (x, y)])
             box = location(mapped.to_image(corners - 0.5))
-            ink = PERSON if one is viewing.chosen else GREY
+            ink = PERSON if face is viewing.chosen else GREY
             lines(area, [box], ink, 1)
-            who = f"{one.person}{'' if one.sure else '?'}" if one.person else "?"
+            who = f"{face.person}{'' if face.sure else '?'}" if face.person else "?"
             caption(area, np.array([box[:, 0].mean(), box[0, 1] - 26]), who, ink)
-            if not np.isnan(one.yaw_deg):
-                nose = location(mapped.to_image(one.face[LANDMARKS].reshape(5, 2)[2] - 0.5))
-                end = nose + np.array([np.sin(np.radians(one.yaw_deg)) * np.ptp(box[:, 1]), 0.0])
+            if not np.isnan(face.yaw_deg):
+                nose = location(mapped.to_image(face.face[LANDMARKS].reshape(5, 2)[2] - 0.5))
+                end = nose + np.array([np.sin(np.radians(face.yaw_deg)) * np.ptp(box[:, 1]), 0.0])
                 lines(area, [np.stack([nose, end])], ink, 3)
 
     def _draw_shift(self, area: np.ndarray, watcher: Watcher, goal: int) -> None:

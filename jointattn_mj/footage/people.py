@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from jointattn_mj.footage.head import yaw_of
 from jointattn_mj.footage.likeness import OTHER, SAME, Appearance, appearance, likeness
@@ -135,15 +134,15 @@ class Person:
     perhaps: int = 0
     """Person of whom it is unsure whether this is another; 0 for none."""
 
-    def likeness(self, seen: Appearance) -> float:
+    def likeness(self, appeared: Appearance) -> float:
         """How alike an appearance is to the most similar view, 0 to 1."""
-        return max((likeness(view, seen) for view in self.views.values()), default=0.0)
+        return max((likeness(view, appeared) for view in self.views.values()), default=0.0)
 
-    def learn(self, seen: Appearance, yaw_deg: float) -> None:
+    def learn(self, appeared: Appearance, yaw_deg: float) -> None:
         """Remember an appearance."""
         view = 0 if np.isnan(yaw_deg) else 1 + int(np.searchsorted(YAW_BINS, yaw_deg))
         old = self.views.get(view)
-        self.views[view] = seen if old is None else Appearance(*map(_mixed, old, seen))
+        self.views[view] = appeared if old is None else Appearance(*map(_mixed, old, appeared))
 
 
 def _mixed(old: np.ndarray, new: np.ndarray) -> np.ndarray:
@@ -191,14 +190,14 @@ class People:
         if cut:
             self.tracks.clear()
         self._images += 1
-        found = self._find(image, cut)
-        self._assign(image, found, frame)
+        faces = self._find(image, cut)
+        self._assign(image, faces, frame)
         self.tracks = [track for track in self.tracks if self._goes_on(track, frame)]
         now = [track for track in self.tracks if track.last == frame]
         for track in now:
             self._believe(track)
-        seen = [self._sighting(image, track, frame) for track in now if track.believed]
-        return sorted(seen, key=lambda one: -float(one.smooth[3]))
+        sightings = [self._sighting(image, track, frame) for track in now if track.believed]
+        return sorted(sightings, key=lambda one: -float(one.smooth[3]))
 
     def _goes_on(self, track: Track, frame: int) -> bool:
         return frame - track.last <= (self._gap if track.believed else 0)
@@ -210,46 +209,48 @@ class People:
 
     def _find(self, image: np.ndarray, cut: bool) -> np.ndarray:
         """The faces of an image: known ones in windows, and now and then, or where one is lost, all."""
-        config, found = self.config, np.zeros((0, COLUMNS), np.float32)
+        config, faces = self.config, np.zeros((0, COLUMNS), np.float32)
         if self.tracks:
             boxes = np.array([track.face[BOX] for track in self.tracks])
             near = faces_near(image, boxes, config.keep_score, config.window_px, config.window_face_px)
             near = near[~np.isnan(near[:, 0])]
             lost = len(near) < len(self.tracks)
             for face in near[np.argsort(-near[:, SCORE], kind="stable")]:
-                if not len(found) or overlaps(face[BOX], found[:, BOX]).max() < 0.4:
-                    found = np.vstack([found, face])
+                if not len(faces) or overlaps(face[BOX], faces[:, BOX]).max() < 0.4:
+                    faces = np.vstack([faces, face])
             if lost:
                 self._until_scan = min(self._until_scan, config.empty_every)
         self._until_scan -= 1
         if cut or self._until_scan < 0:
             for face in faces_in(image, min(config.doubtful_score, config.start_score), config.scan_px):
-                if not len(found) or overlaps(face[BOX], found[:, BOX]).max() < 0.2:
-                    found = np.vstack([found, face])
-            self._until_scan = (config.scan_every if len(found) else config.empty_every) - 1
-        return found
+                if not len(faces) or overlaps(face[BOX], faces[:, BOX]).max() < 0.2:
+                    faces = np.vstack([faces, face])
+            self._until_scan = (config.scan_every if len(faces) else config.empty_every) - 1
+        return faces
 
-    def _assign(self, image: np.ndarray, found: np.ndarray, frame: int) -> None:
+    def _assign(self, image: np.ndarray, faces: np.ndarray, frame: int) -> None:
         """Give each face to the track that it continues, or begin one."""
-        costs = np.full((len(self.tracks), len(found)), np.inf)
-        centres = found[:, :2] + found[:, 2:4] / 2
+        costs = np.full((len(self.tracks), len(faces)), np.inf)
+        centres = faces[:, :2] + faces[:, 2:4] / 2
         for i, track in enumerate(self.tracks):
             high = float(track.face[3])
             off = np.hypot(*(centres - track.face[:2] - track.face[2:4] / 2).T) / high
-            ratio = np.abs(np.log(found[:, 3] / high))
+            ratio = np.abs(np.log(faces[:, 3] / high))
             reach = self.config.reach * min(1.0 + 0.1 * (frame - track.last), 2.0)
             costs[i] = np.where((off < reach) & (ratio < np.log(1.6)), off + ratio, np.inf)
         for i, k in self._contested(costs):
             person = self.people.get(self.tracks[i].person)
             if person is not None and person.views:
-                costs[i, k] += 4 * (1 - person.likeness(appearance(image, found[k])))
+                costs[i, k] += 4 * (1 - person.likeness(appearance(image, faces[k])))
         taken = set()
         if costs.size:
+            from scipy.optimize import linear_sum_assignment  # takes .2 s to import
+
             for i, k in zip(*linear_sum_assignment(np.where(np.isinf(costs), 1e6, costs)), strict=True):
                 if np.isfinite(costs[i, k]):
-                    self._follow_on(self.tracks[i], found[k], frame)
+                    self._follow_on(self.tracks[i], faces[k], frame)
                     taken.add(int(k))
-        for k, face in enumerate(found):
+        for k, face in enumerate(faces):
             if k not in taken and face[SCORE] >= self.config.doubtful_score:
                 self._number += 1
                 self.tracks.append(Track(self._number, face, face[BOX].copy(), frame))
@@ -283,15 +284,15 @@ class People:
             person.unsure += not track.sure
         return Sighting(track.number, track.person, track.sure, track.judged, track.face, track.smooth, yaw, error)
 
-    def _judge(self, track: Track, seen: Appearance, yaw: float, frame: int) -> None:
+    def _judge(self, track: Track, appeared: Appearance, yaw: float, frame: int) -> None:
         """Find out who a new face is."""
         present = {other.person for other in self.tracks if other is not track and other.last == frame}
         absent = [person for number, person in self.people.items() if number not in present]
         if not absent:
-            self._is_new(track, seen, yaw, frame, True)
+            self._is_new(track, appeared, yaw, frame, True)
             return
         for person in absent:
-            track.evidence.setdefault(person.number, []).append(person.likeness(seen))
+            track.evidence.setdefault(person.number, []).append(person.likeness(appeared))
         likely = sorted(((float(np.mean(values)), number) for number, values in track.evidence.items()), reverse=True)
         (best, number), second = likely[0], likely[1][0] if len(likely) > 1 else 0.0
         track.person = number if best >= SAME else 0
@@ -302,25 +303,25 @@ class People:
             track.judged = track.sure = True
             self.tracks = [one for one in self.tracks if one is track or one.person != number]  # lost elsewhere
         else:
-            self._is_new(track, seen, yaw, frame, best <= OTHER)
+            self._is_new(track, appeared, yaw, frame, best <= OTHER)
             if best > OTHER and track.person:
                 self.people[track.person].perhaps = number
 
-    def _is_new(self, track: Track, seen: Appearance, yaw: float, frame: int, sure: bool) -> None:
+    def _is_new(self, track: Track, appeared: Appearance, yaw: float, frame: int, sure: bool) -> None:
         track.judged, track.sure = True, sure
         if len(self.people) == MOST_PEOPLE:
             track.person, track.sure = 0, False
             return
         track.person = len(self.people) + 1
         person = self.people[track.person] = Person(track.person, first=frame, last=frame)
-        person.learn(seen, yaw)
+        person.learn(appeared, yaw)
 
-    def _compare(self, track: Track, seen: Appearance, yaw: float) -> None:
+    def _compare(self, track: Track, appeared: Appearance, yaw: float) -> None:
         """Learn more of a person, or notice that a track has passed to somebody else."""
         person = self.people.get(track.person)
         if person is None:
             return
-        alike = person.likeness(seen)
+        alike = person.likeness(appeared)
         track.odd = track.odd + 1 if alike < STRANGE else 0
         if track.odd >= 3:
             track.judged = track.sure = False
@@ -328,7 +329,7 @@ class People:
             self._number += 1
             track.number = self._number
         elif track.odd == 0 and track.sure and not self._crowded(track):
-            person.learn(seen, yaw)
+            person.learn(appeared, yaw)
 
     def _crowded(self, track: Track) -> bool:
         """Whether another face is so near that the two could be mixed up."""

@@ -62,11 +62,11 @@ class PeopleLog:
         self.rows = RowStore("people", np.float64, _WIDTH) if rows is None else rows
         self.rows.attach(log_folder(out))
 
-    def add(self, seen: list[Sighting], chosen: Sighting | None, frame: int, image: int) -> None:
+    def add(self, faces: list[Sighting], chosen: Sighting | None, frame: int, image: int) -> None:
         """Add the faces of an image.
 
         Args:
-            seen: All of them.
+            faces: All of them.
             chosen: The face of interest among them.
             frame: Number of the frame.
             image: Number of the video's image.
@@ -74,9 +74,9 @@ class PeopleLog:
         Raises:
             OutputError: The log cannot be written.
         """
-        for one in seen:
-            about = (frame, image, one.track, one is chosen)
-            self.rows.append(np.concatenate([about, one.face, (one.yaw_deg, one.yaw_error_deg)]))
+        for face in faces:
+            about = (frame, image, face.track, face is chosen)
+            self.rows.append(np.concatenate([about, face.face, (face.yaw_deg, face.yaw_error_deg)]))
 
     def write(self, path: Path, start_s: float, owner: Mapping[int, tuple[int, bool]]) -> None:
         """Write all rows as a Parquet file.

@@ -29,7 +29,7 @@ def picked_tables(footage: Footage, sought: tuple[Sought, ...]) -> dict[str, np.
     Raises:
         FootageError: The video has no such time or pixel, or no object can be told from what is around it.
     """
-    waiting = sorted((one.picked[0], one.name, one) for one in sought if one.picked is not None)
+    waiting = sorted((item.picked[0], item.name, item) for item in sought if item.picked is not None)
     tables: dict[str, np.ndarray] = {}
     if not waiting:
         return tables

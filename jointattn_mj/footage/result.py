@@ -56,6 +56,12 @@ class PerceptionResult:
         Raises:
             OutputError: The folder holds no results of a video.
             ConfigError: Its config.yaml cannot be read.
+
+        Examples:
+            >>> from jointattn_mj import PerceptionResult, perceive
+            >>> _ = perceive("out/clip.mp4", out="out/perceived_again", overlay=False)
+            >>> PerceptionResult.open("out/perceived_again").summary["fixations"]
+            1
         """
         path = path_of(folder, "folder")
         check_kind(path, cls.__name__)
@@ -120,5 +126,5 @@ class PerceptionResult:
         fixations = f"{summary['fixations']} fixation{'s' * (summary['fixations'] != 1)}"
         return (
             f"PerceptionResult({summary['watched_seconds']:.1f} s of {self.config.video.name}, "
-            f"face in {summary['found']['face']:.0%}, {fixations}, in {self.folder})"
+            f"face in {summary['detected']['face']:.0%}, {fixations}, in {self.folder})"
         )

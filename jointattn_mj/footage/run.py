@@ -18,13 +18,14 @@ from jointattn_mj.footage.overlay import HEIGHT, WIDTH, FootageOverlay
 from jointattn_mj.footage.people_log import PeopleLog
 from jointattn_mj.footage.reader import RATE, Still
 from jointattn_mj.footage.spans import write_spans
-from jointattn_mj.footage.summary import summarise
+from jointattn_mj.footage.summary import OLD_KEYS, summarise
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.io import checkpoint
 from jointattn_mj.io.files import claimed, write_whole
 from jointattn_mj.io.interrupts import Interrupts, deferred
 from jointattn_mj.io.provenance import plain, write_config
 from jointattn_mj.io.rows import RowStore, forget_log, log_folder
+from jointattn_mj.options import warn_renamed
 from jointattn_mj.video.parted import PartedReel
 from jointattn_mj.video.reel import find_ffmpeg
 
@@ -77,7 +78,8 @@ def run_perceive(
     codings = _codings(config, options.check, "check")
     known = _codings(config, config.labels, "labels")
     viewing = Viewing(config)
-    with claimed(options.out, options.resume):
+    frozen = options.out / "checkpoint.bin"
+    with claimed(options.out, options.resume), checkpoint.gone_on_with(frozen, options.resume, progress):
         return _run(viewing, options, codings, known, progress)
 
 
@@ -133,7 +135,7 @@ def _run(
             mapped = viewing.see(still)
             log.add(viewing.watcher, still.number, still.fresh)
             if still.fresh:
-                faces.add(viewing.seen, viewing.chosen, viewing.frames - 1, still.number)
+                faces.add(viewing.visible_faces, viewing.chosen, viewing.frames - 1, still.number)
             if config.looks and (viewing.frames - 1) % config.coding.every == 0:
                 looks.add(viewing)
             if every is not None and (viewing.frames - 1) % every == 0:
@@ -207,8 +209,12 @@ def read_summary(out: Path) -> dict[str, Any]:
     """
     try:
         summary: dict[str, Any] = json.loads((out / "summary.json").read_text())
+        for old, name in OLD_KEYS.items():
+            if old in summary:
+                warn_renamed(f"{old} in {out / 'summary.json'}", name)
+                summary[name] = summary.pop(old)
         return summary
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, AttributeError) as error:
         raise OutputError(f"{out / 'summary.json'} is missing or damaged; give the folder of a video") from error
 
 

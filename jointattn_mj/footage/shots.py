@@ -102,10 +102,10 @@ def _border_shift(before: np.ndarray, now: np.ndarray) -> np.ndarray:
     points = points[strength > 2e-4]
     if len(points) < SECTORS:
         return np.zeros(2)
-    there, found, _ = cv2.calcOpticalFlowPyrLK(
+    there, tracked, _ = cv2.calcOpticalFlowPyrLK(
         before, now, points[:, None], points[:, None].copy(), winSize=(11, 11), maxLevel=2
     )
-    moved, kept = (there[:, 0] - points)[found[:, 0] == 1], points[found[:, 0] == 1]
+    moved, kept = (there[:, 0] - points)[tracked[:, 0] == 1], points[tracked[:, 0] == 1]
     angle = np.arctan2(kept[:, 1] - HEIGHT / 2, kept[:, 0] - WIDTH / 2)
     sector = ((angle + np.pi) / (2 * np.pi) * SECTORS).astype(int) % SECTORS
     medians = [np.median(moved[sector == k], axis=0) for k in range(SECTORS) if (sector == k).sum() >= 2]

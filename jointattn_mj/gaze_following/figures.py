@@ -29,7 +29,7 @@ def draw_success(path: Path, shifts: Shifts, minutes: float) -> None:
         shifts: All gaze shifts of the session.
         minutes: Length of the session, simulated minutes.
     """
-    counts = shifts.column("face_to_object") == 1
+    counts = (shifts.column("face_to_object") == 1) & ~np.isnan(shifts.column("success"))
     at, success = shifts.column("landing_s")[counts] / 60, shifts.column("success")[counts] == 1
     figure = Figure(figsize=(7.2, 4.6), layout="constrained")
     axes = figure.subplots()

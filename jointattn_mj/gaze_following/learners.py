@@ -2,7 +2,7 @@
 
 The dissertation has a two-layered perceptron on the activations of the self-organising map. It is trained after every
 shift that ends at an object, with the robot's own motor command as reference. "Two-layered" leaves the output code
-open; both readings are here. Every learner is told of all places in view with a face (``Places``); those of the
+open; both readings are here. Every learner is told of all locations in view with a face (``Locations``); those of the
 dissertation take notice of the object reached alone, ``cross_situational`` weighs all of them.
 """
 
@@ -89,7 +89,7 @@ class LearnerConfig(Checked):
 
 
 @dataclass(frozen=True)
-class Places:
+class Locations:
     """Where objects lay when a face was seen, as turns of the head (pan, tilt) that lead from the face there, deg.
 
     Attributes:
@@ -102,7 +102,7 @@ class Places:
     reached: np.ndarray | None = None
 
     @classmethod
-    def only(cls, command: np.ndarray) -> "Places":
+    def only(cls, command: np.ndarray) -> "Locations":
         """One object, the only one in view, that was reached by ``command`` (2,), deg."""
         there = np.asarray(command)
         return cls(np.reshape(there, (1, -1)), there)
@@ -114,11 +114,11 @@ class Learner(Protocol):
     def predict(self, face: np.ndarray) -> np.ndarray:
         """Motor command (2,), deg, whatever is in view: the turn of the head from the face to what it looks at."""
 
-    def score(self, face: np.ndarray, places: Places) -> np.ndarray:
+    def score(self, face: np.ndarray, locations: Locations) -> np.ndarray:
         """How well each of the n objects in view goes with the face: (n,), the greatest being the best."""
 
-    def learn(self, face: np.ndarray, places: Places) -> None:
-        """Learn from a face and the places of objects."""
+    def learn(self, face: np.ndarray, locations: Locations) -> None:
+        """Learn from a face and the locations of objects."""
 
     def weights(self) -> np.ndarray:
         """All learned weights, as one array."""
@@ -194,20 +194,20 @@ class PopulationLearner:
         """The command (2,), deg, whose units the activations (k,) make most active."""
         return self._code.decode(self._activity(face))
 
-    def score(self, face: np.ndarray, places: Places) -> np.ndarray:
+    def score(self, face: np.ndarray, locations: Locations) -> np.ndarray:
         """Activity (n,) of the units about each of the n objects in view."""
-        return self._code.at(self._activity(face), places_in_view(places))
+        return self._code.at(self._activity(face), locations_in_view(locations))
 
     def _activity(self, face: np.ndarray) -> np.ndarray:
         given = numbers("activations of the face", face, (len(self._weights) - 1,))
         activity: np.ndarray = np.tensordot(given, self._weights[:-1], 1)
         return activity
 
-    def learn(self, face: np.ndarray, places: Places) -> None:
-        """Make one step of the normalised delta rule towards the place reached, if one was."""
-        if places.reached is None:
+    def learn(self, face: np.ndarray, locations: Locations) -> None:
+        """Make one step of the normalised delta rule towards the location reached, if one was."""
+        if locations.reached is None:
             return
-        command = numbers("places.reached", places.reached, (2,))
+        command = numbers("locations.reached", locations.reached, (2,))
         inputs = np.append(numbers("activations of the face", face, (len(self._weights) - 1,)), self._context)
         error = self._code.encode(command) - np.tensordot(inputs, self._weights, 1)
         gain = self._rate / (inputs @ inputs)
@@ -234,16 +234,16 @@ class LinearLearner:
         """The command (2,), deg: the weighted sum of the activations (k,)."""
         return numbers("activations of the face", face, (len(self._weights),)) @ self._weights
 
-    def score(self, face: np.ndarray, places: Places) -> np.ndarray:
+    def score(self, face: np.ndarray, locations: Locations) -> np.ndarray:
         """How near each of the n objects in view is to the command: (n,) distances, negative, deg."""
-        nearness: np.ndarray = -np.linalg.norm(places_in_view(places) - self.predict(face), axis=1)
+        nearness: np.ndarray = -np.linalg.norm(locations_in_view(locations) - self.predict(face), axis=1)
         return nearness
 
-    def learn(self, face: np.ndarray, places: Places) -> None:
-        """Make one step of the normalised delta rule towards the place reached, if one was."""
-        if places.reached is None:
+    def learn(self, face: np.ndarray, locations: Locations) -> None:
+        """Make one step of the normalised delta rule towards the location reached, if one was."""
+        if locations.reached is None:
             return
-        off = numbers("places.reached", places.reached, (2,)) - self.predict(face)
+        off = numbers("locations.reached", locations.reached, (2,)) - self.predict(face)
         gain = self._config.rate / (face @ face)
         self._weights += np.outer(gain * face, off)
 
@@ -281,13 +281,13 @@ def make_learner(config: LearnerConfig, inputs: int, rng: np.random.Generator) -
     return PopulationLearner(config, inputs) if config.code == "population" else LinearLearner(config, inputs)
 
 
-def places_in_view(places: Places) -> np.ndarray:
+def locations_in_view(locations: Locations) -> np.ndarray:
     """The directions (n, 2), deg, of all objects in view.
 
     Raises:
         ObservationError: They are no finite numbers of this shape.
     """
-    return numbers("places.in_view", places.in_view, (-1, 2))
+    return numbers("locations.in_view", locations.in_view, (-1, 2))
 
 
 def same_shape(given: np.ndarray, own: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.gaze_following.learners import LearnerConfig, Places, PopulationCode, places_in_view, same_shape
+from jointattn_mj.gaze_following.learners import LearnerConfig, Locations, PopulationCode, locations_in_view, same_shape
 from jointattn_mj.io.extras import extra
 
 extra("torch", "torch")
@@ -54,13 +54,13 @@ class NetworkLearner:
         """
         return self._code.decode(self._activity(face))
 
-    def score(self, face: np.ndarray, places: Places) -> np.ndarray:
+    def score(self, face: np.ndarray, locations: Locations) -> np.ndarray:
         """Activity (n,) of the units about each of the n objects in view.
 
         Raises:
             ConfigError: The network has diverged.
         """
-        return self._code.at(self._activity(face), places_in_view(places))
+        return self._code.at(self._activity(face), locations_in_view(locations))
 
     def _activity(self, face: np.ndarray) -> np.ndarray:
         with torch.no_grad():
@@ -70,11 +70,11 @@ class NetworkLearner:
         units: np.ndarray = activity.double().numpy().reshape(self._code.shape)
         return units
 
-    def learn(self, face: np.ndarray, places: Places) -> None:
-        """Make one step of backpropagation towards the place reached, if one was."""
-        if places.reached is None:
+    def learn(self, face: np.ndarray, locations: Locations) -> None:
+        """Make one step of backpropagation towards the location reached, if one was."""
+        if locations.reached is None:
             return
-        wanted = torch.from_numpy(self._code.encode(places.reached).ravel()).float()
+        wanted = torch.from_numpy(self._code.encode(locations.reached).ravel()).float()
         self._descent.zero_grad()
         (0.5 * (self._network(torch.from_numpy(face).float()) - wanted).square().sum()).backward()
         self._descent.step()

@@ -8,7 +8,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from jointattn_mj.gaze_following import figures
 from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts
 from jointattn_mj.gaze_following.summary import SessionSummary
@@ -98,6 +97,12 @@ class SessionResult:
         Raises:
             OutputError: The folder holds no finished session.
             ConfigError: Its config.yaml cannot be read.
+
+        Examples:
+            >>> from jointattn_mj import Session, SessionResult
+            >>> result = Session(minutes=0.1, perception="state").run(out="out/session")
+            >>> SessionResult.open("out/session") == result
+            True
         """
         path = path_of(folder, "folder")
         check_kind(path, cls.__name__)
@@ -135,7 +140,14 @@ class SessionResult:
 
         Raises:
             OutputError: The folder holds another run, or cannot be written.
+
+        Examples:
+            >>> from jointattn_mj import Session
+            >>> result = Session(minutes=0.1, perception="state").run()
+            >>> result.save("out/kept_session")
         """
+        from jointattn_mj.gaze_following import figures  # matplotlib takes long to import
+
         out = path_of(folder, "folder")
         with claimed(out):
             write_config(out / "config.yaml", self.config)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from jointattn_mj.gaze_following import figures
 from jointattn_mj.gaze_following.result import SessionInMemory, SessionResult
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, FRAMES_PER_SECOND, SessionConfig, SessionRun
 from jointattn_mj.gaze_following.shifts import write_shifts
@@ -55,6 +54,7 @@ def run_session(
     progress: Callable[[SessionRun], object] = lambda session: None,
     kind: type[SessionRun] = SessionRun,
     watchers: Sequence[Watcher] = (),
+    prepare: Callable[[SessionRun], object] = lambda session: None,
 ) -> SessionSummary:
     """Run a session and leave its results in the folder ``options.out``.
 
@@ -67,6 +67,7 @@ def run_session(
         kind: Class of the session. One with parts of your own has their classes in its own module, where a checkpoint
             finds them.
         watchers: What else is to see every frame, such as a log for a viewer.
+        prepare: Is called once with the session, before it begins or goes on.
 
     Raises:
         ConfigError: The session's log would not fit onto the disk.
@@ -79,10 +80,11 @@ def run_session(
     if options.video:
         watchers = (_film(options), *watchers)
     if not options.resume:
-        needed = round(BYTES_A_FRAME * config.minutes * FRAMES_PER_MINUTE)
-        check_free(options.out, needed, f"{config.minutes:,g} minutes", "fewer minutes")
-    with claimed(options.out, options.resume):
-        return _run(config, options, progress, kind, watchers)
+        needed = round(BYTES_A_FRAME * config.most_minutes * FRAMES_PER_MINUTE)
+        check_free(options.out, needed, f"{config.most_minutes:,g} minutes", "fewer minutes")
+    frozen, theirs = options.out / "checkpoint.bin", (kind, progress, *watchers)
+    with claimed(options.out, options.resume), checkpoint.gone_on_with(frozen, options.resume, *theirs):
+        return _run(config, options, progress, kind, watchers, prepare)
 
 
 def run_in_memory(
@@ -119,6 +121,7 @@ def _run(
     progress: Callable[[SessionRun], object],
     kind: type[SessionRun],
     watchers: Sequence[Watcher],
+    prepare: Callable[[SessionRun], object],
 ) -> SessionSummary:
     """Run a session in a folder that is held for it."""
     out, path = options.out, options.out / "checkpoint.bin"
@@ -136,7 +139,11 @@ def _run(
 
     try:
         if options.resume and (summary := summary_of_ended(out)) is not None:
-            return SessionSummary.of(summary)
+            ended: SessionSummary = session.summary_of(summary)
+            return ended
+        if options.resume:
+            session.go_on()
+        prepare(session)
         if not options.resume:
             session.begin()
         session.attach(log_folder(out))
@@ -204,12 +211,11 @@ def _watched(session: SessionRun, watchers: Sequence[Watcher]) -> Iterator[ShowF
 
 
 def _leave_results(session: SessionRun, out: Path, wall_seconds: float) -> SessionSummary:
-    summary = session.summary(wall_seconds)
+    summary: SessionSummary = session.summary(wall_seconds)
     write_frames(out / "frames.parquet", session.frames)
     write_shifts(out / "gaze_shifts.parquet", session.shifts)
     write_weights(out / "weights.npz", session.weights())
-    figures.draw_success(out / "success.png", session.shifts, session.config.minutes)
-    figures.draw_som(out / "som.png", session.robot.som)
+    session.draw(out)
     summary.write(out / "summary.json")
     forget_log(out)
     return summary

@@ -9,10 +9,12 @@ moment counts. A shift takes a second, and the human goes on meanwhile:
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from jointattn_mj.scene.camera import directions_to, off_centre
+from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.world import World
 
 
@@ -21,7 +23,7 @@ class Moment:
     """The caregiver's target and the objects' directions at one time."""
 
     frame: int  # of the session
-    phase: str  # of the caregiver's task
+    phase: str | None  # of the caregiver's task, where that is known
     target: int | None  # object that the caregiver looks at
     directions: np.ndarray  # (n, 2) of the objects from the robot, deg
 
@@ -30,6 +32,11 @@ class Moment:
         """The present moment of ``world``; ``frame`` is its number."""
         caregiver = world.caregiver
         return cls(frame, str(caregiver.phase), caregiver.target, directions_to(caregiver.objects))
+
+    @property
+    def time_s(self) -> float:
+        """Time in the session, s."""
+        return self.frame * FRAME_S
 
     def nearest(self, head: np.ndarray) -> tuple[int, float]:
         """The object nearest to the centre of view, and its distance (deg), for a head at ``head`` (pan, tilt; deg)."""
@@ -42,10 +49,17 @@ class Moment:
 class Judgement:
     """Score of a gaze shift from the face to an object."""
 
-    at_launch: bool  # success by the caregiver's target at launch
-    at_landing: bool  # success by the target at landing
+    at_launch: bool | None  # success by the caregiver's target at launch; None where that is not known
+    at_landing: bool | None  # success by the target at landing, likewise
     nearest: int  # object nearest to the centre of view at landing
     distance: float  # how far off it was, deg
+
+    def success(self, moment: Literal["either", "launch", "landing"]) -> bool | None:
+        """Whether the shift was a success by the target at that moment; None where that is not known."""
+        if moment != "either":
+            return self.at_launch if moment == "launch" else self.at_landing
+        either = {self.at_launch, self.at_landing}
+        return True if True in either else None if None in either else False
 
 
 def judge(launch: Moment, landing: Moment, head: np.ndarray) -> Judgement:

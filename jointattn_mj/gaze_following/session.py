@@ -3,15 +3,15 @@
 A session can be stored at any frame and continued from there. ``run`` gives it a folder, checkpoints and results.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
 from jointattn_mj.gaze_following.agent import GazeFollower, GazeShift, RobotConfig
-from jointattn_mj.gaze_following.scoring import Moment, judge
+from jointattn_mj.gaze_following.scoring import Judgement, Moment, judge
 from jointattn_mj.gaze_following.shifts import Shifts, shift_row
 from jointattn_mj.gaze_following.summary import SessionSummary, summarise
 from jointattn_mj.gaze_following.tables import FrameTable
@@ -52,6 +52,11 @@ class SessionConfig(Checked):
     state: StateConfig = field(default_factory=StateConfig)
     """Errors of perception with ``perception state``."""
 
+    @property
+    def most_minutes(self) -> float:
+        """Longest that the session can last, minutes."""
+        return self.minutes
+
     RENAMED: ClassVar = {"truth": "state"}
     OLD_CHOICES: ClassVar = {"perception": {"truth": "state"}}
 
@@ -73,18 +78,28 @@ class SessionRun:
     def __init__(self, config: SessionConfig):
         self.config = config
         world, perceiver, robot = np.random.SeedSequence(config.seed).spawn(3)
-        objects = config.world.scene.objects
-        self.names = (*(item.name for item in objects), "face")
+        self.names = (*self.object_names(), "face")
         self.world = self.new_world(world)
         self.robot = self.new_robot(self.new_perceiver(np.random.default_rng(perceiver)), robot)
-        self.total = max(1, round(config.minutes * FRAMES_PER_MINUTE))
+        self.total = max(1, round(self.session_minutes() * FRAMES_PER_MINUTE))
         self.frame = 0
         self.shifts = Shifts(self.names)
-        self.frames = FrameTable(
-            self.names[:-1], config.state.face_moves_above_deg_s, config.state.object_moves_above_m_s
-        )
+        self.frames = self.new_frames()
         self._launch: Moment | None = None
         self._observation = WorldObservation(self.world)
+
+    def object_names(self) -> tuple[str, ...]:
+        """Names of the objects."""
+        return tuple(item.name for item in self.config.world.scene.objects)
+
+    def session_minutes(self) -> float:
+        """Longest that the session lasts."""
+        return self.config.minutes
+
+    def new_frames(self) -> FrameTable:
+        """Make the table of frames."""
+        state = self.config.state
+        return FrameTable(self.names[:-1], state.face_moves_above_deg_s, state.object_moves_above_m_s)
 
     def new_world(self, seed: np.random.SeedSequence) -> World:
         """Make scene, caregiver and the robot's body."""
@@ -122,24 +137,27 @@ class SessionRun:
         if robot.landed is not None and self._launch is not None:
             self._record_landing(robot.landed, self._launch, np.degrees(head))
         if robot.shift is not None and (robot.landed is not None or not turning):
-            self._launch = Moment.now(world, self.frame)
+            self._launch = self.moment()
         self.frames.add(world, robot, world.rendered_frames > rendered, head)
         if watch is not None:
             watch(self)
         world.step(command)
         self.frame += 1
 
+    def moment(self) -> Moment:
+        """What success may be held against now."""
+        return Moment.now(self.world, self.frame)
+
+    def judge(self, launch: Moment, landing: Moment, head: np.ndarray) -> Judgement:
+        """Score a gaze shift from the face to an object; see ``scoring.judge``."""
+        return judge(launch, landing, head)
+
     def _record_landing(self, shift: GazeShift, launch: Moment, head: np.ndarray) -> None:
-        landing = Moment.now(self.world, self.frame)
+        landing = self.moment()
         judgement = success = None
         if shift.source == self.robot.face:
-            judgement = judge(launch, landing, head)
-            moments = {
-                "launch": judgement.at_launch,
-                "landing": judgement.at_landing,
-                "either": judgement.at_launch or judgement.at_landing,
-            }
-            success = moments[self.config.success]
+            judgement = self.judge(launch, landing, head)
+            success = judgement.success(self.config.success)
         radius = self.config.robot.gaze.centre_radius_deg
         self.shifts.append(
             shift_row(shift, launch, landing, head, self.robot.iterations, self.names, judgement, success, radius)
@@ -166,6 +184,20 @@ class SessionRun:
     def summary(self, wall_seconds: float) -> SessionSummary:
         """The session so far in numbers; ``wall_seconds`` is its computing time."""
         return summarise(self.frames, self.shifts, self.config.minutes, wall_seconds)
+
+    def summary_of(self, values: Mapping[str, Any]) -> SessionSummary:
+        """The summary that ``summary.json`` holds."""
+        return SessionSummary.of(values)
+
+    def draw(self, out: Path) -> None:
+        """Draw the figures of a session that has ended into the folder ``out``."""
+        from jointattn_mj.gaze_following.figures import draw_som, draw_success  # slow to import
+
+        draw_success(out / "success.png", self.shifts, self.config.minutes)
+        draw_som(out / "som.png", self.robot.som)
+
+    def go_on(self) -> None:
+        """Take up again what a checkpoint does not hold."""
 
     def close(self) -> None:
         """Free what rendering needed."""

@@ -16,7 +16,6 @@ from jointattn_mj.io.parquet import write_parts
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.rows import RowStore, spans
 from jointattn_mj.scene.camera import off_centre
-from jointattn_mj.scene.caregiver import FRAME_S
 
 COMMANDERS = ("visual_feedback", "learner")
 GROUP = 1 << 13
@@ -33,8 +32,8 @@ class ShiftRow:
     chosen: str
     reached: str | None
     commanded_by: str
-    phase_at_launch: str
-    phase_at_landing: str
+    phase_at_launch: str | None
+    phase_at_landing: str | None
     target_at_launch: str | None
     target_at_landing: str | None
     start_pan_deg: float
@@ -94,8 +93,8 @@ def shift_row(
     aimed = judgement is not None and launch.target is not None
     target = launch.directions[launch.target] if aimed else np.full(2, np.nan)
     return ShiftRow(
-        launch_s=launch.frame * FRAME_S,
-        landing_s=landing.frame * FRAME_S,
+        launch_s=launch.time_s,
+        landing_s=landing.time_s,
         source=name(shift.source),
         chosen=names[shift.chosen],
         reached=name(shift.reached),

@@ -143,7 +143,7 @@ def rate_of_success(times: np.ndarray, at: np.ndarray, success: np.ndarray) -> n
 
 def moving_average(shifts: Shifts, minutes: float) -> tuple[np.ndarray, np.ndarray]:
     """mov_ave(t), eq. 6.9, at every full minute: (t, rate), each (m,); NaN where nothing happened."""
-    counts = shifts.column("face_to_object") == 1
+    counts = (shifts.column("face_to_object") == 1) & ~np.isnan(shifts.column("success"))
     times = np.arange(1, max(2, int(np.ceil(minutes))))
     at, success = shifts.column("landing_s")[counts] / 60, shifts.column("success")[counts] == 1
     return times, rate_of_success(times, at, success)

@@ -123,11 +123,11 @@ def archive_of(content: bytes, largest: int | None = None) -> zipfile.ZipFile:
     except zipfile.BadZipFile as error:
         raise ValueError(f"it is no zip file ({error})") from error
     members = archive.infolist()
-    if len({one.filename for one in members}) < len(members):
+    if len({member.filename for member in members}) < len(members):
         raise ValueError("a member is there twice")
-    if largest is None and any(one.compress_type != zipfile.ZIP_STORED for one in members):
+    if largest is None and any(member.compress_type != zipfile.ZIP_STORED for member in members):
         raise ValueError("its members are compressed")
-    most, total = len(content) if largest is None else largest, sum(one.file_size for one in members)
+    most, total = len(content) if largest is None else largest, sum(member.file_size for member in members)
     if total > most:
         raise ValueError(f"its members have {total} bytes, more than {most}")
     return archive

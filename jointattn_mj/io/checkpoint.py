@@ -18,10 +18,12 @@ import json
 import platform
 import re
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from importlib import metadata
 from pathlib import Path
+from traceback import walk_tb
 from typing import Any
 
 import yaml
@@ -31,6 +33,7 @@ from jointattn_mj.errors import CheckpointError, JointAttnError
 from jointattn_mj.io.archive import archive_of, content_of, member_named, read_array, write_array
 from jointattn_mj.io.codec import Decoder, Encoder
 from jointattn_mj.io.files import write_whole
+from jointattn_mj.io.parts import PACKAGE
 from jointattn_mj.io.provenance import plain
 from jointattn_mj.options import shown
 
@@ -123,6 +126,36 @@ def load(
             "the version that wrote it, or begin the run anew"
         ) from error
     return loaded
+
+
+@contextmanager
+def gone_on_with(path: Path, resumed: bool, *theirs: Any) -> Iterator[None]:
+    """Name the checkpoint where the block breaks in a way that no code has foreseen.
+
+    Not every number in a checkpoint is checked: one that was changed by hand can break a run much later.
+
+    Args:
+        path: The checkpoint.
+        resumed: Whether the run in the block was read from it; nothing is done otherwise.
+        theirs: Classes and functions of the caller: what is raised in their modules passes as it is.
+
+    Raises:
+        CheckpointError: The run has broken so.
+    """
+    try:
+        yield
+    except (JointAttnError, OSError, MemoryError):
+        raise
+    except Exception as error:  # the kinds of compiled code, OpenCV and MuJoCo have nothing in common
+        modules = {getattr(one, "__module__", "") for one in theirs}
+        met = {frame.f_globals.get("__name__", "") for frame, _ in walk_tb(error.__traceback__)}
+        if not resumed or any(name in met and name.partition(".")[0] != PACKAGE for name in modules):
+            raise
+        said = f"{type(error).__name__}: {' '.join(str(error).split())[:200]}".removesuffix(": ")
+        raise CheckpointError(
+            f"{path} does not fit: the run that it holds cannot go on ({said}); begin anew in another folder, or "
+            "report this as a fault of jointattn if nobody has changed the file"
+        ) from error
 
 
 def _of_another_config(path: Path, versions: dict[str, str], config: Any) -> str:

@@ -94,7 +94,7 @@ class Encoder:
         return [self.value(one) for key, value in mapping.items() for one in (_key(key), value)]
 
     def _sorted(self, values: Iterable[Any]) -> Entry:
-        return [self.value(_key(one)) for one in sorted(values, key=lambda one: (type(one).__name__, repr(one)))]
+        return [self.value(_key(value)) for value in sorted(values, key=lambda one: (type(one).__name__, repr(one)))]
 
     def _generator(self, generator: np.random.Generator) -> Entry:
         bits = generator.bit_generator
@@ -165,7 +165,7 @@ class Decoder:
         return self._made.setdefault(number, made)
 
     def _values(self, values: Iterable[Any]) -> Iterable[Any]:
-        return (self.value(one) for one in values)
+        return (self.value(value) for value in values)
 
     def _fill(self, number: int, container: Any, values: Sequence[Any]) -> Any:
         """A container that may hold itself."""

@@ -44,7 +44,7 @@ def njit(function: Function | None = None, *, cache: bool = False, **options: An
     compiled = numba.njit(**options)(function)
     if cache and isinstance(compiled, Dispatcher):  # with NUMBA_DISABLE_JIT it is the function itself
         with suppress(RuntimeError):  # no folder
-            compiled._cache = _Cache(function)  # type: ignore[attr-defined, no-untyped-call]  # as ``enable_caching``
+            compiled._cache = _Cache(function)  # type: ignore[attr-defined]  # as ``enable_caching``
     return compiled
 
 
@@ -68,4 +68,10 @@ class _Located(CompileResultCacheImpl):
 
 
 class _Cache(FunctionCache):
+    """Reads no index of another state of the package: classes that it names may be gone."""
+
     _impl_class = _Located
+
+    def __init__(self, function: Function):
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        self._cache_file._version = f"{numba.__version__} {state()}"

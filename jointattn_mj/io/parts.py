@@ -23,7 +23,7 @@ contingency.online.selector: Maps SelectorConfig
 development.agent: Developer DeveloperConfig AgentState RecentSteps
 development.contingency_log: ContingencyLog
 development.looks: Looks
-development.loop: Found
+development.loop: Detection
 development.realtime.partner: Partner PartnerConfig PartnerWorld
 development.realtime.run: RealtimeConfig RealtimeRun
 development.rendered.body: Body
@@ -34,7 +34,7 @@ development.rendered.senses: Senses SensesConfig
 development.rendered.stage: Stage StageConfig
 development.table.caregiver: TableCaregiverConfig Rules
 development.table.run: TableRun
-development.table.world: Table TableConfig
+development.table.world: TableState TableConfig
 footage.areas: AreaConfig FootageAreas Slot
 footage.faces: FaceAlbum
 footage.fixations: Fixation Fixations
@@ -45,6 +45,14 @@ footage.likeness: Appearance
 footage.people: People PeopleConfig Person Track
 footage.perceiving: FootagePerception
 footage.rest: Rest RestConfig
+footage.sessions.camera: CameraSessionRun
+footage.sessions.frames: WideFrames
+footage.sessions.head: DigitalHead
+footage.sessions.latency: CameraCount Latency
+footage.sessions.lens: HeadConfig
+footage.sessions.perceiver: WidePerception
+footage.sessions.session: CodedMoment VideoSessionRun
+footage.sessions.world: WideWorld
 footage.shots: ShotConfig Shots
 footage.spans: Span Spans
 footage.watcher: Watcher
@@ -90,7 +98,7 @@ PARTS = frozenset(
 
 
 class ForeignError(TypeError):
-    """A class has no place in a checkpoint."""
+    """A class has no location in a checkpoint."""
 
 
 def is_part(kind: type) -> bool:

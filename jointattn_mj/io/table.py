@@ -51,15 +51,27 @@ class Table:
             new_names: Names of columns as an earlier version wrote them, and what they are called now; or what makes
                 the name of today from any. Old names in the file are told of by a ``RenamedWarning``.
 
+        Returns:
+            The table, its columns by their names of today.
+
         Raises:
             OutputError: There is no such file, or it is no Parquet file.
+
+        Examples:
+            >>> import pyarrow
+            >>> from pathlib import Path
+            >>> from jointattn_mj.io.table import Table
+            >>> Table(pyarrow.table({"turn": [1, 2]})).write(Path("old.parquet"))
+            >>> Table.read(Path("old.parquet")).columns
+            ('turn',)
         """
         try:
             arrow = pq.read_table(path)
         except FileNotFoundError as error:
             raise OutputError(f"there is no table at {path}; give the folder of a finished run") from error
         except (OSError, pa.ArrowException) as error:
-            raise OutputError(f"cannot read the table {path} ({error}); give the folder of a finished run") from error
+            said = " ".join(str(error).split())  # pyarrow ends lines
+            raise OutputError(f"cannot read the table {path} ({said}); give the folder of a finished run") from error
         if new_names is None:
             return cls(arrow)
         names = [new_names(name) if callable(new_names) else new_names.get(name, name) for name in arrow.column_names]
@@ -75,8 +87,20 @@ class Table:
     def write(self, path: Path) -> None:
         """Write a Parquet file, whole or not at all.
 
+        Args:
+            path: The file; one that is there is replaced.
+
         Raises:
             OutputError: The file cannot be written.
+
+        Examples:
+            >>> import pyarrow
+            >>> from pathlib import Path
+            >>> from jointattn_mj.io.table import Table
+            >>> table = Table(pyarrow.table({"time_s": [0.0, 0.5]}))
+            >>> table.write(Path("times.parquet"))
+            >>> Table.read(Path("times.parquet")) == table
+            True
         """
         write_parquet(path, self.arrow)
 
@@ -86,29 +110,58 @@ class Table:
         return tuple(self.arrow.column_names)
 
     def describe(self, column: str) -> str:
-        """What a column means; empty where its writer has not said so.
+        """Say what a column means.
+
+        Args:
+            column: Name of a column.
+
+        Returns:
+            The meaning, with its unit; empty where its writer has not said so.
 
         Raises:
             KeyError: There is no such column.
+
+        Examples:
+            >>> from jointattn_mj import Session
+            >>> Session(minutes=0.1, perception="state").run().frames.describe("attended")
+            'candidate that the robot fixates; while its head turns, the last one fixated'
         """
         self._check(column)
         metadata: dict[bytes, bytes] = self.arrow.field(column).metadata or {}
         return metadata.get(b"description", b"").decode()
 
     def to_pandas(self) -> Any:
-        """The table as ``pandas.DataFrame``.
+        """Give the table as ``pandas.DataFrame``.
+
+        Returns:
+            The data frame, with the same columns.
 
         Raises:
             ExtraError: The package pandas is not installed.
+
+        Examples:
+            >>> import pyarrow
+            >>> from jointattn_mj.io.table import Table
+            >>> Table(pyarrow.table({"time_s": [0.0, 0.5]})).to_pandas().shape
+            (2, 1)
         """
         extra("tables", "pandas")
         return self.arrow.to_pandas()
 
     def to_polars(self) -> Any:
-        """The table as ``polars.DataFrame``.
+        """Give the table as ``polars.DataFrame``.
+
+        Returns:
+            The data frame, with the same columns.
 
         Raises:
             ExtraError: The package polars is not installed.
+
+        Examples:
+            >>> import pyarrow
+            >>> from jointattn_mj.io.table import Table
+            >>> Table(pyarrow.table({"time_s": [0.0, 0.5]})).to_polars().shape  # doctest: +SKIP
+            (2, 1)
         """
         return extra("tables", "polars").from_arrow(self.arrow)
 

@@ -1,5 +1,7 @@
 """Standard streams that may be closed or full, and signals that end a command; neither ends in a traceback."""
 
+from __future__ import annotations
+
 import atexit
 import os
 import signal
@@ -8,9 +10,14 @@ import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
-from typing import Any, TextIO
+
+TYPE_CHECKING = False  # as in typing, whose import takes long enough to be interrupted in
+if TYPE_CHECKING:
+    from typing import Any, TextIO
 
 INTERRUPTED = 130
+AGAIN_S = 0.05
+"""After how long an interruption that Python discarded is repeated."""
 STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """Ctrl-C, the first signal that schedulers send, and the end of the terminal."""
 
@@ -97,6 +104,7 @@ def stopped_like_ctrl_c() -> Iterator[None]:
     """While the block runs, SIGTERM and SIGHUP raise KeyboardInterrupt as Ctrl-C does; ignored signals stay ignored.
 
     So does an error after such a signal: libraries make errors of their own of an interruption while they are imported.
+    An interruption that Python discards, as in a finaliser or while a module is locked, comes again a moment later.
     After an interruption each signal ends the process at once with 130, so that a second one cannot break off an
     orderly end.
     """
@@ -104,23 +112,32 @@ def stopped_like_ctrl_c() -> Iterator[None]:
         yield
         return
     kept = _heeded()
-    interrupted = False
+    interrupted: int | None = None
+    report = sys.unraisablehook
 
     def stop(number: int, frame: FrameType | None) -> None:
         nonlocal interrupted
-        interrupted = True
+        interrupted = number
         raise KeyboardInterrupt
 
+    def discarded(unraisable: Any) -> None:
+        if interrupted and issubclass(unraisable.exc_type, KeyboardInterrupt):
+            threading.Timer(AGAIN_S, os.kill, (os.getpid(), interrupted)).start()
+        else:
+            report(unraisable)
+
     _handle(kept, stop)
+    sys.unraisablehook = discarded
     ended = False
     try:
         yield
     except BaseException as error:
-        ended = interrupted or isinstance(error, KeyboardInterrupt)
+        ended = bool(interrupted) or isinstance(error, KeyboardInterrupt)
         if interrupted and not isinstance(error, KeyboardInterrupt):
             raise KeyboardInterrupt from error
         raise
     finally:
+        sys.unraisablehook = report
         for number, handler in kept.items():
             signal.signal(number, _end_at_once if ended else handler)
 

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-from scipy.cluster.hierarchy import fcluster, linkage
-from scipy.spatial.distance import pdist, squareform
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Whole
@@ -76,6 +74,9 @@ def grouped(points: np.ndarray, weights: np.ndarray, config: GroupingConfig) -> 
     """
     if len(points) < 3:
         return np.arange(len(points))
+    from scipy.cluster.hierarchy import fcluster, linkage  # takes .2 s to import
+    from scipy.spatial.distance import pdist, squareform
+
     apart = pdist(points)
     tree, distances = linkage(points, config.linkage), squareform(apart)
     stages = [fcluster(tree, count, "maxclust") - 1 for count in range(2, min(config.most, len(points) - 1) + 1)]

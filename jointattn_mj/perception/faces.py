@@ -101,13 +101,13 @@ class FaceFix(NamedTuple):
         x: Centre of the face, pixels; NaN where there is none.
         y: Likewise.
         score: Normalised cross-correlation of the best view, -1 to 1.
-        found: Whether a face was detected.
+        detected: Whether a face was detected.
     """
 
     x: float
     y: float
     score: float
-    found: bool
+    detected: bool
 
 
 class FaceFinder(Protocol):

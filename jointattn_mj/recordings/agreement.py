@@ -30,7 +30,7 @@ class AgreementOptions(Checked):
     """Random seed of the resamples."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Agreement:
     """How far two coders agree on one tier."""
 
@@ -44,6 +44,13 @@ class Agreement:
     tolerance_s: float
     outside_s: float
     """Seconds that only one of the two has coded: they are left out."""
+    level: float = 0.95
+    """Coverage of the interval."""
+
+    def __repr__(self) -> str:
+        return (
+            f"Agreement({self.tier!r}, {len(self.labels)} codes, kappa {self.kappa:.2f}, {self.matrix.sum():g} units)"
+        )
 
     @property
     def observed(self) -> float:
@@ -69,12 +76,12 @@ class Agreement:
 
     def by_code(self) -> dict[str, float]:
         """Kappa of each code against all others."""
-        found = {}
+        kappas = {}
         for i, label in enumerate(self.labels):
             both, first, second = self.matrix[i, i], self.matrix[i].sum(), self.matrix[:, i].sum()
             rest = self.matrix.sum() - first - second + both
-            found[label] = kappa(np.array([[both, first - both], [second - both, rest]]))
-        return found
+            kappas[label] = kappa(np.array([[both, first - both], [second - both, rest]]))
+        return kappas
 
     def row(self) -> dict[str, Any]:
         """In one row."""
@@ -90,7 +97,7 @@ def kappa(matrix: np.ndarray) -> float:
     """Cohen's kappa of an agreement matrix (codes, codes); NaN where it is not defined.
 
     Examples:
-        >>> round(kappa(np.array([[88, 14, 18], [10, 40, 10], [2, 6, 12]])), 3)  # Cohen (1960)
+        >>> round(kappa(np.array([[88, 14, 18], [10, 40, 10], [2, 6, 12]])), 3)  # .70 alike, .41 by chance
         0.492
     """
     matrix = np.asarray(matrix, float)
@@ -133,7 +140,7 @@ def agreement(
 def _of_tier(
     first: Events, second: Events, pairs: list[tuple[str, str]], tier: str, options: AgreementOptions
 ) -> Agreement:
-    found, outside = [], 0.0
+    coded_pairs, outside = [], 0.0
     for names in pairs:
         ends = [_ends(events, name) for events, name in zip((first, second), names, strict=True)]
         start, stop = max(end[0] for end in ends), min(end[1] for end in ends)
@@ -141,21 +148,22 @@ def _of_tier(
         units = int((stop - start) / options.step + 1e-6)
         if units > 0:
             middles = start + (np.arange(units) + 0.5) * options.step
-            found.append(
+            coded_pairs.append(
                 [_codes_at(events, name, tier, middles) for events, name in zip((first, second), names, strict=True)]
             )
-    if not found:
+    if not coded_pairs:
         raise SeriesError(f"the coders have no time of tier {tier!r} in common")
-    labels = sorted({str(label) for pair in found for one in pair for label in np.unique(one)})
+    labels = sorted({str(label) for pair in coded_pairs for one in pair for label in np.unique(one)})
     number = {label: i for i, label in enumerate(labels)}
     reach = round(options.tolerance_s / options.step)
-    coded = [[np.array([number[label] for label in one]) for one in pair] for pair in found]
+    coded = [[np.array([number[label] for label in one]) for one in pair] for pair in coded_pairs]
     counted = [_tallied(a, b, reach) for a, b in coded]
     matrix = sum(_matrix(one, len(labels)) for one in counted) / 2
     interval = _interval(counted, len(labels), options)
     return Agreement(
-        tier, tuple(labels), np.asarray(matrix), interval, options.step, options.tolerance_s, float(max(outside, 0.0))
-    )
+        tier, tuple(labels), np.asarray(matrix), interval, options.step, options.tolerance_s,
+        float(max(outside, 0.0)), options.level,
+    )  # fmt: skip
 
 
 def _tallied(first: np.ndarray, second: np.ndarray, reach: int) -> np.ndarray:

@@ -19,8 +19,8 @@ def check_delay(name: str, text: str) -> None:
     Raises:
         ConfigError: It is neither, or 0.
     """
-    found = _DELAY.fullmatch(text.strip())
-    if found is None or float(found[1] or found[2]) == 0:
+    match = _DELAY.fullmatch(text.strip())
+    if match is None or float(match[1] or match[2]) == 0:
         raise ConfigError(f"{name}: expected steps, such as 3, or a time, such as 0.5s or 500ms; got {shown(text)}")
 
 
@@ -36,13 +36,13 @@ def delay_in_steps(name: str, text: str, step: float | None) -> int:
         ConfigError: No delay, a time where the length of a step is not known, or one shorter than half a step.
     """
     check_delay(name, text)
-    found = _DELAY.fullmatch(text.strip())
-    assert found is not None
-    if found[1]:
-        return int(found[1])
+    match = _DELAY.fullmatch(text.strip())
+    assert match is not None
+    if match[1]:
+        return int(match[1])
     if step is None:
         raise ConfigError(f"{name} {text}: how long a step lasts is not known; give the {name} in steps, such as 5")
-    steps = round(float(found[2]) * _SECONDS[found[3]] / step)
+    steps = round(float(match[2]) * _SECONDS[match[3]] / step)
     if steps < 1:
         raise ConfigError(f"{name} {text} is less than half a step of {step:g} s; give at least {step:g}s")
     return steps

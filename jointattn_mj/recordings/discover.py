@@ -49,7 +49,7 @@ class DiscoverOptions(RecordingTestOptions):
         return len(self.sensors) * len(self.actions) * len(self.results)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class DiscoverResult:
     """All events, the most contingent first."""
 
@@ -57,6 +57,10 @@ class DiscoverResult:
     findings: tuple[Finding, ...]
     labels: dict[str, tuple[str, ...]]
     notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        first = f", first {self.findings[0].event}" if self.findings else ""
+        return f"DiscoverResult({len(self.findings)} events{first})"
 
     def rows(self) -> list[dict[str, Any]]:
         """A row an event."""
@@ -85,21 +89,21 @@ class DiscoverResult:
 
     def text(self) -> str:
         """A table to read, and the values in words."""
-        width = max(len(one.event) for one in self.findings)
+        width = max(len(finding.event) for finding in self.findings)
         name = "SAC" if self.options.measure == "sac" else "T^C"
         lines = [
             f"{'event':{width}}{name:>10}{'effective':>11}{'95% interval':>22}{'share':>9}{'z':>8}{'p':>9}{'p adj.':>9}"
         ]
-        for one in self.findings:
-            found = one.significance
-            mark = " *" if one.p_adjusted <= self.options.alpha else ""
+        for finding in self.findings:
+            significance = finding.significance
+            mark = " *" if finding.p_adjusted <= self.options.alpha else ""
             lines.append(
-                f"{one.event:{width}}{number(found.value):>10}{number(found.corrected):>11}{bracket(found.interval):>22}"
-                f"{share(one.normalised):>9}{found.z:8.1f}{found.p:9.4f}{one.p_adjusted:9.4f}{mark}"
+                f"{finding.event:{width}}{number(significance.value):>10}{number(significance.corrected):>11}{bracket(significance.interval):>22}"
+                f"{share(finding.normalised):>9}{significance.z:8.1f}{significance.p:9.4f}{finding.p_adjusted:9.4f}{mark}"
             )
-        for one in self.findings:
-            if one.values:
-                lines += ["", f"{one.event} is carried by", *(f"  {words}" for words in self._values(one))]
+        for finding in self.findings:
+            if finding.values:
+                lines += ["", f"{finding.event} is carried by", *(f"  {words}" for words in self._values(finding))]
         how = {"holm": "by Holm", "benjamini_hochberg": "by Benjamini and Hochberg", "none": "not corrected"}
         adjusted = how[self.options.correction]
         lines += [
@@ -152,7 +156,7 @@ def _run(
         timing=options.timing(data.step),
         progress=patient(progress, options.draws, options.yes),
     )
-    tested = [(one.event, one.significance) for one in findings]
+    tested = [(finding.event, finding.significance) for finding in findings]
     notes = [
         *data.notes(),
         *exchange_notes([one for _, one in tested]),

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 
 from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.lagged import Timing
+from jointattn_mj.contingency.scan import LagScan, ScanSurrogates, lag_scan, scan_surrogates
 from jointattn_mj.contingency.series import Coded
 from jointattn_mj.contingency.significance import Significance, TestOptions, assess_steps
 from jointattn_mj.contingency.table import Steps
@@ -22,6 +24,10 @@ from jointattn_mj.recordings.steps import Recordings
 
 FEWEST = 2
 """Dyads of a group that can be compared."""
+DRAWS = 49_999
+"""Times that a surrogate of each dyad is put together to a group by chance."""
+LEVEL = 0.95
+"""Coverage of intervals over dyads."""
 MOST_EXACT = 20_000
 """Up to so many ways to part dyads into two groups, all are tried."""
 
@@ -36,13 +42,13 @@ class Group:
     """Mean of the effective values."""
     sd: float
     interval: tuple[float, float]
-    """Of the mean, over dyads: by Student's t; NaN for one dyad."""
+    """Of the mean, over dyads (see ``over_dyads``); NaN for one dyad."""
     p: float
-    """Of values so high by chance: the dyads' own p-values together, by Stouffer's method."""
+    """Two-sided, of the mean: at most .05 exactly where 0 lies outside the interval. Of one dyad its own."""
 
 
 @dataclass(frozen=True)
-class Comparison:
+class GroupComparison:
     """Two groups, or all of them at once."""
 
     first: str
@@ -54,7 +60,7 @@ class Comparison:
     """Two-sided, by permutation of the dyads over the groups."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class DyadResult:
     """A measure dyad by dyad."""
 
@@ -63,8 +69,11 @@ class DyadResult:
     values: tuple[Significance, ...]
     groups: tuple[Group, ...]
     """All dyads together, then each group."""
-    comparisons: tuple[Comparison, ...]
+    comparisons: tuple[GroupComparison, ...]
     group_of: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"DyadResult({self.measure}, {len(self.names)} recordings, {len(self.groups)} groups)"
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a dyad."""
@@ -80,14 +89,18 @@ class DyadResult:
     def lines(self) -> list[str]:
         """The groups and their comparison, in words."""
         lines = [
-            f"{self.measure}, {one.name}: mean effective value {number(one.mean)} {bracket(one.interval)} over "
-            f"{one.dyads} recordings, p {_p(one.p)}"
-            for one in self.groups
+            f"{self.measure}, {group.name}: mean effective value {number(group.mean)} {bracket(group.interval)} over "
+            f"{group.dyads} recordings, p {_p(group.p)}"
+            for group in self.groups
         ]
-        for one in self.comparisons:
-            what = f"{one.first} against {one.second}" if one.second != "all" else f"all by {one.first}"
-            size = "difference" if one.second != "all" else "eta squared"
-            lines.append(f"{self.measure}, {what}: {size} {number(one.difference)}, p {_p(one.p)}")
+        for comparison in self.comparisons:
+            what = (
+                f"{comparison.first} against {comparison.second}"
+                if comparison.second != "all"
+                else f"all by {comparison.first}"
+            )
+            size = "difference" if comparison.second != "all" else "eta squared"
+            lines.append(f"{self.measure}, {what}: {size} {number(comparison.difference)}, p {_p(comparison.p)}")
         return lines
 
 
@@ -121,7 +134,7 @@ def by_dyad(
     dyads = split(given)
     if len(dyads) < FEWEST:
         raise SeriesError(f"values by recording need at least {FEWEST} recordings; got {len(dyads)}")
-    streams = seed.spawn(len(dyads) + 1)
+    streams = seed.spawn(len(dyads) + 2)
     called = tuple(names.get(number, str(number)) for number, _ in dyads)
     values = tuple(
         assess_steps(dyad, measure, options, unit, np.random.default_rng(stream), progress)
@@ -133,14 +146,18 @@ def by_dyad(
         if without:
             raise SeriesError(f"recording {without[0]!r} has no {by}")
         of = tuple(group_of[name] for name in called)
-    found = np.array([one.corrected for one in values])
-    p = np.array([min(one.p, 1 - 0.5 / (1 + one.surrogates)) for one in values])
-    groups = [_group("all", found, p)]
+    effective = np.array([one.corrected for one in values])
     kinds = sorted(set(of), key=_numeric)
     labels = np.array(of)
+    members = {"all": np.ones(len(values), bool)}
     if len(kinds) > 1:
-        groups += [_group(f"{by} {kind}", found[labels == kind], p[labels == kind]) for kind in kinds]
-    comparisons = compare(found, labels, kinds, by, options.surrogates, np.random.default_rng(streams[-1]))
+        members |= {f"{by} {kind}": labels == kind for kind in kinds}
+    chance, permuted = (np.random.default_rng(one) for one in streams[-2:])
+    groups = [
+        _group(name, [one for one, its in zip(values, of_group, strict=True) if its], chance)
+        for name, of_group in members.items()
+    ]
+    comparisons = compare(effective, labels, kinds, by, options.surrogates, permuted)
     return DyadResult(measure.name, called, values, tuple(groups), tuple(comparisons), of)
 
 
@@ -155,18 +172,18 @@ def groups_by(data: Recordings, column: str, names: Mapping[int, str]) -> dict[s
     Raises:
         SeriesError: The column changes within a recording.
     """
-    found: dict[str, str] = {}
+    group_of: dict[str, str] = {}
     for group, part in zip(data.groups, data.columns[column], strict=True):
         name = names[group]
         values = {data.labels[column][code] for code in np.unique(part)}
-        values |= {found[name]} if name in found else set()
+        values |= {group_of[name]} if name in group_of else set()
         if len(values) > 1:
             there = ", ".join(sorted(values)[:5])
             raise SeriesError(
                 f"{column!r} changes within recording {name!r}: {there}; it must have one value in all of a recording"
             )
-        found[name] = values.pop()
-    return found
+        group_of[name] = values.pop()
+    return group_of
 
 
 def split(given: Steps) -> list[tuple[int, Steps]]:
@@ -196,7 +213,7 @@ def compare(
     by: str,
     permutations: int,
     rng: np.random.Generator,
-) -> list[Comparison]:
+) -> list[GroupComparison]:
     """Compare groups of dyads by permuting dyads over them.
 
     Args:
@@ -212,17 +229,19 @@ def compare(
     """
     if len(kinds) < 2:
         return []
-    found = []
+    comparisons = []
     if len(kinds) > 2:
         member = (labels[:, None] == np.array(kinds)).astype(float)
         observed = float(_eta(values[None], member)[0])
         drawn = _eta(rng.permuted(np.tile(values, (permutations, 1)), axis=1), member)
-        found.append(Comparison(by, "all", observed, float((1 + np.sum(drawn >= observed - 1e-12)) / (1 + len(drawn)))))
+        comparisons.append(
+            GroupComparison(by, "all", observed, float((1 + np.sum(drawn >= observed - 1e-12)) / (1 + len(drawn))))
+        )
     for first, second in combinations(kinds, 2):
         a, b = values[labels == first], values[labels == second]
         p = _two_sided(a, b, permutations, rng) if min(len(a), len(b)) >= FEWEST else float("nan")
-        found.append(Comparison(first, second, float(a.mean() - b.mean()), p))
-    return found
+        comparisons.append(GroupComparison(first, second, float(a.mean() - b.mean()), p))
+    return comparisons
 
 
 def _two_sided(a: np.ndarray, b: np.ndarray, permutations: int, rng: np.random.Generator) -> float:
@@ -247,13 +266,114 @@ def _eta(values: np.ndarray, member: np.ndarray) -> np.ndarray:
     return share
 
 
-def _group(name: str, values: np.ndarray, p: np.ndarray) -> Group:
-    from scipy.stats import norm, t
+def over_dyads(
+    values: np.ndarray, nulls: Sequence[np.ndarray], rng: np.random.Generator, level: float = LEVEL
+) -> tuple[tuple[float, float], float]:
+    """Interval of the mean over dyads, and p of a mean so far from 0 by chance; both say the same.
 
-    n = len(values)
-    mean, sd = float(values.mean()), float(values.std(ddof=1)) if n > 1 else float("nan")
-    half = float(t.ppf(0.975, n - 1)) * sd / np.sqrt(n) if n > 1 else float("nan")
-    return Group(name, n, mean, sd, (mean - half, mean + half), float(norm.sf(norm.isf(p).sum() / np.sqrt(n))))
+    Both come from t, the mean in its standard errors over dyads. What t is by chance is known from the dyads' own
+    surrogates, one of each put together at random. Student's t would be too seldom large: contingency by chance is
+    often a little below its mean and seldom far above. ``pytest -m slow tests/contingency/test_calibration.py``
+    measures false alarms and what intervals hold.
+
+    Args:
+        values: Effective values (n,).
+        nulls: Surrogates of each dyad, each (m,), less their mean.
+        rng: Puts them together.
+        level: Coverage of the interval; p is at most 1 - level exactly where 0 lies outside it.
+
+    Returns:
+        Interval and p, two-sided.
+    """
+    drawn = np.stack([rng.choice(null, DRAWS) for null in nulls])
+    error, observed = _standard_error(values), _in_errors(values[:, None])[0]
+    by_chance = np.sort(_in_errors(drawn))
+    above = DRAWS - np.searchsorted(by_chance, observed, "left")
+    below = np.searchsorted(by_chance, observed, "right")
+    allowed = max(int((1 - level) / 2 * (DRAWS + 1) + 1e-9), 1)
+    low, high = by_chance[DRAWS - allowed], by_chance[allowed - 1]
+    mean = float(values.mean())
+    interval = float(mean - low * error), float(mean - high * error)
+    return interval, min(1.0, 2 * (1 + int(min(above, below))) / (1 + DRAWS))
+
+
+def scan_over_dyads(
+    given: Steps,
+    measure: Measure,
+    lags: Sequence[int],
+    timing: Timing,
+    options: TestOptions,
+    unit: float,
+    seed: np.random.SeedSequence,
+    progress: Callable[[int], object] = lambda done: None,
+) -> LagScan:
+    """Means over dyads at several lags; steps of different dyads are never put into one table.
+
+    The means are held against means of the dyads' surrogates: p is of means so high if no dyad were contingent at any
+    lag. A few dyads are enough for that, while what holds for dyads in general needs more of them (``over_dyads``).
+
+    Args:
+        given: The series.
+        measure: What is measured.
+        lags: Steps from source to result.
+        timing: Histories.
+        options: How each dyad is tested.
+        unit: Natural logarithm of the base.
+        seed: Of surrogates.
+        progress: Called with the number of surrogates drawn since the last call.
+
+    Raises:
+        SeriesError: Bad lags, or a dyad that is shorter than the longest one.
+    """
+    dyads = split(given)
+    streams = seed.spawn(len(dyads) + 1)
+    told = _in_turn(progress, len(dyads))
+    scans = [
+        scan_surrogates(dyad, measure, lags, timing, options, unit, np.random.default_rng(stream), told)
+        for (_, dyad), stream in zip(dyads, streams, strict=False)
+    ]
+    count = max(len(one.null) for one in scans)
+    rng = np.random.default_rng(streams[-1])
+    nulls = [one.null if len(one.null) == count else rng.choice(one.null, count) for one in scans]
+    together = ScanSurrogates(
+        np.mean([one.value for one in scans], 0), np.mean(nulls, 0), sum(one.transitions for one in scans),
+        " or ".join(sorted({one.method for one in scans})),
+    )  # fmt: skip
+    return lag_scan(lags, together, options.level, len(scans))
+
+
+def _in_turn(progress: Callable[[int], object], dyads: int) -> Callable[[int], object]:
+    """Tells of a surrogate when so many dyads have drawn one."""
+    done = 0
+
+    def tell(more: int) -> None:
+        nonlocal done
+        told, done = done // dyads, done + more
+        progress(done // dyads - told)
+
+    return tell
+
+
+def _standard_error(values: np.ndarray) -> np.ndarray:
+    """Of the mean over the first axis."""
+    error: np.ndarray = values.std(0, ddof=1) / np.sqrt(len(values))
+    return error
+
+
+def _in_errors(values: np.ndarray) -> np.ndarray:
+    """Means over dyads in their standard errors, for values (n, k); where these are 0, infinite or 0 as the mean is."""
+    mean, error = values.mean(0), _standard_error(values)
+    with np.errstate(divide="ignore"):
+        t: np.ndarray = np.divide(mean, error, out=np.zeros(len(mean)), where=(error > 0) | (mean != 0))
+    return t
+
+
+def _group(name: str, dyads: Sequence[Significance], rng: np.random.Generator) -> Group:
+    values = np.array([one.corrected for one in dyads])
+    if len(dyads) == 1:
+        return Group(name, 1, float(values[0]), float("nan"), (float("nan"), float("nan")), dyads[0].p)
+    interval, p = over_dyads(values, [one.null - one.null_mean for one in dyads], rng)
+    return Group(name, len(dyads), float(values.mean()), float(values.std(ddof=1)), interval, p)
 
 
 def _p(p: float) -> str:

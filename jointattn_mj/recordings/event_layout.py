@@ -6,7 +6,7 @@ from jointattn_mj.recordings.times import TimeUnit
 
 
 @dataclass(frozen=True)
-class Track:
+class EventTrack:
     """Columns, by their locations, that together say what is coded from when to when."""
 
     onset: int
@@ -31,7 +31,7 @@ class Track:
 class EventLayout:
     """What an event table's columns are."""
 
-    tracks: tuple[Track, ...]
+    tracks: tuple[EventTrack, ...]
     recording: tuple[int, ...] = ()
     """Columns that together name the recording, if any do."""
     unit: TimeUnit = "auto"

@@ -8,7 +8,7 @@ import numpy as np
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import shown
-from jointattn_mj.recordings.event_layout import EventLayout, Track
+from jointattn_mj.recordings.event_layout import EventLayout, EventTrack
 from jointattn_mj.recordings.events import Events, first_met
 from jointattn_mj.recordings.labels import missing_labels, ordered
 from jointattn_mj.recordings.table_files import TableFile
@@ -24,7 +24,7 @@ PARTS = "|"
 
 
 @dataclass(frozen=True)
-class _Found:
+class _TrackEvents:
     """Events of one track."""
 
     rows: np.ndarray
@@ -112,19 +112,19 @@ def read_event_table(
         units = {i: "s" if one == "auto" else one for i, one in units.items()}
     times = {i: columns.times(i, units[i], rate) for i in when}
     bare = _without_codes(columns, tracks, times, kept)
-    found = [_gathered(columns, track, times, recordings, kept) for track in tracks]
-    rows = np.concatenate([one.rows for one in found])
+    gathered = [_gathered(columns, track, times, recordings, kept) for track in tracks]
+    rows = np.concatenate([part.rows for part in gathered])
     if not len(rows):
         raise SeriesError(f"{table.path} has no events below its header")
-    tier = Texts.stacked([one.tier for one in found])
+    tier = Texts.stacked([part.tier for part in gathered])
     recording = recordings.take(rows)
     tiers = tuple(one.name for one in tracks if not one.tier)
     try:
         return Events.of(
             tier,
-            _same_numbers(tier, Texts.stacked([one.code for one in found])),
-            np.concatenate([one.onset for one in found]),
-            np.concatenate([one.offset for one in found]),
+            _same_numbers(tier, Texts.stacked([part.code for part in gathered])),
+            np.concatenate([part.onset for part in gathered]),
+            np.concatenate([part.offset for part in gathered]),
             recording,
             tiers={recording.names[i]: tiers for i in first_met(recording.numbers)},
             resolution=1 / rate if rate and {"frames", "auto"} & set(units.values()) else 0.001,
@@ -149,21 +149,21 @@ def _recordings(columns: _Columns, layout: EventLayout, name: str) -> tuple[Text
 
 
 def _without_codes(
-    columns: _Columns, tracks: Sequence[Track], times: Mapping[int, np.ndarray], kept: np.ndarray
+    columns: _Columns, tracks: Sequence[EventTrack], times: Mapping[int, np.ndarray], kept: np.ndarray
 ) -> int:
     """Number of rows that have an onset, and no code in any of several columns."""
-    if any(one.alone for one in tracks):
+    if any(track.alone for track in tracks):
         return 0
     timed, coded = np.zeros(columns.rows, bool), np.zeros(columns.rows, bool)
-    for one in tracks:
-        timed |= ~np.isnan(times[one.onset])
-        coded |= columns.joined(one.code, PARTS).numbers >= 0
+    for track in tracks:
+        timed |= ~np.isnan(times[track.onset])
+        coded |= columns.joined(track.code, PARTS).numbers >= 0
     return int((timed & ~coded & kept).sum())
 
 
 def _gathered(
-    columns: _Columns, track: Track, times: Mapping[int, np.ndarray], recordings: Texts, kept: np.ndarray
-) -> _Found:
+    columns: _Columns, track: EventTrack, times: Mapping[int, np.ndarray], recordings: Texts, kept: np.ndarray
+) -> _TrackEvents:
     """The events of one track."""
     code = columns.joined(track.code, PARTS)
     tier = columns.joined(track.tier, ".") if track.tier else Texts(np.full(columns.rows, -1), [])
@@ -194,7 +194,7 @@ def _gathered(
             f"{path} does not say when {shown(code.at(unknown[0]))} ends in data row {unknown[0] + 1}; a point event "
             "has its onset as its offset"
         )
-    return _Found(rows, tier.take(rows), code.take(rows), onset[rows], offset[rows])
+    return _TrackEvents(rows, tier.take(rows), code.take(rows), onset[rows], offset[rows])
 
 
 def _paired(

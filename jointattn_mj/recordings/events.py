@@ -72,6 +72,11 @@ class Events:
 
         Raises:
             SeriesError: Columns of different lengths, times that are no numbers, or an offset before its onset.
+
+        Examples:
+            >>> from jointattn_mj.recordings.events import Events
+            >>> Events.of(["infant", "infant"], ["toy", "face"], [0, 0.5], [0.5, 1]).table["code"].tolist()
+            ['toy', 'face']
         """
         import pyarrow as pa  # here, so that measures of arrays do without it
 
@@ -88,13 +93,13 @@ class Events:
                 f"event {at + 1} ({shown(texts[2].at(at))} on {texts[1].at(at)!r}) ends at {times[1][at]:g} s, before "
                 f"it begins at {times[0][at]:g} s"
             )
-        if min((one.numbers.min(initial=0) for one in texts[:2]), default=0) < 0:
+        if min((text.numbers.min(initial=0) for text in texts[:2]), default=0) < 0:
             raise SeriesError("each event needs a recording and a tier")
         pairs = texts[0].numbers * (len(texts[1].names) + 1) + texts[1].numbers
         names = _tiers(
             ((texts[0].at(row), texts[1].at(row)) for row in first_met(pairs, rows=True)), more.pop("tiers", {})
         )
-        every = list(dict.fromkeys(one for some in names.values() for one in some))
+        every = list(dict.fromkeys(result for some in names.values() for result in some))
         numbers = [texts[0].among(list(names)), texts[1].among(every), texts[2].numbers]
         order = np.lexsort((times[1], times[0], *reversed(numbers[:2])))
         columns = [
@@ -125,10 +130,23 @@ class Events:
         return f"Events({', '.join(counts)})"
 
     def select(self, tiers: Iterable[str] | None = None, recordings: Iterable[str] | None = None) -> "Events":
-        """The events of some tiers and recordings.
+        """Take the events of some tiers and recordings.
+
+        Args:
+            tiers: Names of tiers; None: all.
+            recordings: Names of recordings; None: all.
+
+        Returns:
+            Their events.
 
         Raises:
             SeriesError: There is no such tier or recording.
+
+        Examples:
+            >>> from jointattn_mj.recordings.events import Events
+            >>> gaze = Events.of(["infant", "mother"], ["toy", "face"], [0, 0.1], [0.5, 1])
+            >>> gaze.select(["infant"])
+            Events(1 event, 1 tier, 1 recording)
         """
         kept = self._known(tiers, self.tier_names, "tier"), self._known(recordings, self.recordings, "recording")
         rows = np.isin(self.table["tier"], kept[0]) & np.isin(self.table["recording"], kept[1])
@@ -137,23 +155,36 @@ class Events:
         return replace(self, table=Table(self.table.arrow.filter(rows)), tiers=names, spans=spans)
 
     def joined(self, *others: "Events") -> "Events":
-        """These events and those of ``others``: further recordings, or further tiers of the same ones."""
+        """Put events together.
+
+        Args:
+            others: Further recordings, or further tiers of the same ones.
+
+        Returns:
+            These events and all of ``others``.
+
+        Examples:
+            >>> from jointattn_mj.recordings.events import Events
+            >>> gaze = Events.of(["infant", "mother"], ["toy", "face"], [0, 0.1], [0.5, 1])
+            >>> gaze.joined(Events.of(["infant"], ["toy"], [0], [2], "second visit"))
+            Events(3 events, 2 tiers, 2 recordings)
+        """
         every = (self, *others)
         texts = [
-            Texts.stacked([Texts(*dictionary(one.table.arrow[name])) for one in every])
+            Texts.stacked([Texts(*dictionary(part.table.arrow[name])) for part in every])
             for name in ("tier", "code", "recording")
         ]
-        onset, offset = (np.concatenate([one.table[name] for one in every]) for name in ("onset", "offset"))
+        onset, offset = (np.concatenate([part.table[name] for part in every]) for name in ("onset", "offset"))
         return Events.of(
             texts[0],
             texts[1],
             onset,
             offset,
             texts[2],
-            tiers=_tiers([], *(one.tiers for one in every)),
-            spans={recording: span for one in every for recording, span in one.spans.items()},
-            resolution=max(one.resolution for one in every),
-            remarks=tuple(dict.fromkeys(remark for one in every for remark in one.remarks)),
+            tiers=_tiers([], *(part.tiers for part in every)),
+            spans={recording: span for part in every for recording, span in part.spans.items()},
+            resolution=max(part.resolution for part in every),
+            remarks=tuple(dict.fromkeys(remark for part in every for remark in part.remarks)),
         )
 
     def steps(
@@ -185,15 +216,29 @@ class Events:
         Raises:
             SeriesError: No such tier, overlaps, missing codes, or no two steps that follow each other.
             ConfigError: An option that cannot work.
+
+        Examples:
+            >>> from jointattn_mj.recordings.events import Events
+            >>> gaze = Events.of(["infant", "mother"], ["toy", "face"], [0, 0.1], [0.5, 1])
+            >>> gaze.steps(0.25)
+            Recordings(4 rows, 1 recording, 2 columns: infant, mother)
         """
         options = SampleOptions(value_at=value_at, nothing=nothing, overlaps=overlaps, span=span, **more)
         return sample(self, step, self._known(tiers, self.tier_names, "tier"), options)
 
     def to_pandas(self) -> Any:
-        """The table as ``pandas.DataFrame``.
+        """Give the table as ``pandas.DataFrame``.
+
+        Returns:
+            The data frame, with the same columns.
 
         Raises:
             ExtraError: The package pandas is not installed.
+
+        Examples:
+            >>> from jointattn_mj.recordings.events import Events
+            >>> Events.of(["infant"], ["toy"], [0], [0.5]).to_pandas()["offset"].tolist()
+            [0.5]
         """
         return self.table.to_pandas()
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from jointattn_mj.errors import SeriesError
+from jointattn_mj.io.extras import extra
 
 STARTS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
 """How workbooks begin: .xlsx, .xlsb and .ods are zip archives, .xls is not."""
@@ -20,17 +21,17 @@ def sheet_rows(data: bytes, path: Path, sheet: str | None = None) -> list[list[s
         sheet: Name of the sheet; None: the only one that is not blank, or several that have the same header.
 
     Raises:
+        ExtraError: The extra ``excel`` is not installed.
         SeriesError: No workbook that can be read, no such sheet, or several that could be meant.
     """
+    calamine = extra("excel", "python_calamine")
     try:
-        import python_calamine as calamine  # here, as few read workbooks
-
         book = calamine.CalamineWorkbook.from_filelike(io.BytesIO(data))
         names = list(book.sheet_names)
         if sheet is not None and sheet not in names:
             raise SeriesError(f"{path} has no sheet {sheet!r}; there are {', '.join(names)}")
         tables = {name: _rows(book, name) for name in names if sheet in (None, name)}
-    except (SeriesError, ImportError, KeyboardInterrupt, SystemExit, MemoryError):
+    except (SeriesError, KeyboardInterrupt, SystemExit, MemoryError):
         raise
     except BaseException as error:  # a panic in compiled code is no Exception
         raise SeriesError(f"{path} is no workbook that can be read: {' '.join(str(error).split())[:200]}") from error

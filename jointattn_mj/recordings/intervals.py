@@ -77,14 +77,14 @@ def at_times(intervals: Intervals, times: np.ndarray) -> np.ndarray:
 
 def overlaps(first: Intervals, second: Intervals) -> list[tuple[float, float, int, int]]:
     """Times that an interval of each has in common: onset, offset, and the numbers of the two."""
-    found, i, j = [], 0, 0
+    common, i, j = [], 0, 0
     while i < len(first) and j < len(second):
         onset = max(first.onset[i], second.onset[j])
         offset = min(first.offset[i], second.offset[j])
         if offset > onset:
-            found.append((float(onset), float(offset), i, j))
+            common.append((float(onset), float(offset), i, j))
         if first.offset[i] <= second.offset[j]:
             i += 1
         else:
             j += 1
-    return found
+    return common

@@ -74,7 +74,7 @@ class GazeFollowing:
     """Seconds until the follower began to look there; NaN: not within the time allowed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class JointAttention:
     """What was derived."""
 
@@ -85,6 +85,9 @@ class JointAttention:
     rules: JointAttentionRules
     seconds: dict[str, float]
     """How long each recording was coded."""
+
+    def __repr__(self) -> str:
+        return f"JointAttention({len(self.seconds)} recordings, {len(self.opportunities)} looks that could be followed)"
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a recording: shares of time, numbers a minute, following and its latency, who leads."""
@@ -99,8 +102,12 @@ class JointAttention:
                 row[f"{name}, share of time"] = float((kept.offset - kept.onset).sum()) / seconds if seconds else 0.0
                 row[f"{name}, a minute"] = 60 * len(kept) / seconds if seconds else 0.0
         for follower in (rules.infant, rules.partner):
-            chances = [one for one in self.opportunities if (one.recording, one.follower) == (recording, follower)]
-            latencies = np.array([one.latency for one in chances])
+            chances = [
+                opportunity
+                for opportunity in self.opportunities
+                if (opportunity.recording, opportunity.follower) == (recording, follower)
+            ]
+            latencies = np.array([opportunity.latency for opportunity in chances])
             followed = latencies[np.isfinite(latencies)]
             row[f"{follower} could follow"] = len(chances)
             row[f"{follower} follows"] = len(followed)
@@ -128,8 +135,8 @@ def joint_attention(events: Events, rules: JointAttentionRules | None = None) ->
 
     Examples:
         >>> looks = Events.of(["infant", "infant", "mother"], ["face", "cup", "cup"], [0, 4, 3], [4, 9, 9])
-        >>> found = joint_attention(looks)
-        >>> found.opportunities[0].follower, found.opportunities[0].latency
+        >>> attention = joint_attention(looks)
+        >>> attention.opportunities[0].follower, attention.opportunities[0].latency
         ('infant', 1.0)
     """
     rules = rules or JointAttentionRules()
@@ -238,5 +245,5 @@ def _seconds(events: Events, recording: str, *tiers: Intervals) -> float:
     if recording in events.spans:
         start, stop = events.spans[recording]
         return stop - start
-    times = np.concatenate([np.concatenate([one.onset, one.offset]) for one in tiers])
+    times = np.concatenate([np.concatenate([tier.onset, tier.offset]) for tier in tiers])
     return float(times.max() - times.min()) if len(times) else 0.0

@@ -76,7 +76,8 @@ def lag_figure(scans: Sequence[tuple[str, LagScan]], step: float | None, title: 
             at, 0, scan.chance_of_all, color=CHANCE, alpha=0.18, lw=0, label=f"{tries}, all lags together"
         )
         axes.plot(at, scan.chance, color=CHANCE, lw=1, ls="--", label=f"{tries}, each lag alone")
-        axes.plot(at, scan.effective, color=INK, marker="o", ms=3.5, lw=1.6, label="effective value")
+        mean = f", mean over {scan.recordings} recordings" if scan.recordings else ""
+        axes.plot(at, scan.effective, color=INK, marker="o", ms=3.5, lw=1.6, label=f"effective value{mean}")
         told = scan.p_adjusted <= 1 - scan.level
         axes.plot(at[told], scan.effective[told], "o", color=BEST, ms=6, label="significant among all lags")
         axes.axhline(0, color="black", lw=0.6)

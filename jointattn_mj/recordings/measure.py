@@ -19,15 +19,16 @@ from jointattn_mj.contingency.information import (
 )
 from jointattn_mj.contingency.lagged import timed
 from jointattn_mj.contingency.local import LocalContingency, carriers, local_of_steps
+from jointattn_mj.contingency.names import NAMES, full_name, measure_choice
 from jointattn_mj.contingency.scan import LagScan, scan_steps
 from jointattn_mj.contingency.series import check_base
-from jointattn_mj.contingency.significance import Significance, assess_measures
+from jointattn_mj.contingency.significance import MEASURES, Significance, TestOptions, assess_measures
 from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.io.results import bracket, claimed_paths, number, share, write_results
 from jointattn_mj.options import Whole
 from jointattn_mj.recordings.delays import check_delay, delay_in_steps
-from jointattn_mj.recordings.dyads import DyadResult, by_dyad, groups_by
+from jointattn_mj.recordings.dyads import DyadResult, by_dyad, groups_by, scan_over_dyads
 from jointattn_mj.recordings.lags import draw_lags, lag_rows, lag_words
 from jointattn_mj.recordings.methods import WORDS, method_notes
 from jointattn_mj.recordings.options import RecordingTestOptions
@@ -55,6 +56,8 @@ class MeasureOptions(RecordingTestOptions):
     """Column that may be influenced, the result."""
     condition: tuple[str, ...] = ()
     """Column that is known anyway, such as an action: gives T^C (eq. 4.3) and SAC (eq. 5.2) too."""
+    measures: tuple[Annotated[str, measure_choice(one.short for one in NAMES)], ...] = ()
+    """Which measures: te, mi, and with a condition sac, tc, cmi. None named: all of these, and linear Granger."""
     scan: str | None = None
     """Also measure at all lags from 1 to this one, in steps or as a time such as 3s, and correct p for their number."""
     by: str | None = None
@@ -72,6 +75,12 @@ class MeasureOptions(RecordingTestOptions):
         super().__post_init__()
         if self.scan is not None:
             check_delay("scan", self.scan)
+        without = [measure.name for measure in self._named if measure not in self._possible]
+        if without:
+            raise ConfigError(f"`measures` names {without[0]}, which needs a `condition`, such as an action; got none")
+        if (self.by or self.scan or self.over == "recordings") and not self.scanned:
+            names = ", ".join(sorted(full_name(one) for one in ("sac", "tc", "te")))
+            raise ConfigError(f"`scan`, `by` and `over='recordings'` need one of {names} among `measures`")
         if self.by is not None and self.recording is None:
             raise ConfigError(
                 f"`by={self.by!r}` compares recordings; name the column that tells them apart with `recording`"
@@ -84,7 +93,20 @@ class MeasureOptions(RecordingTestOptions):
     @property
     def tests(self) -> int:
         """Number of measures."""
-        return len(CONDITIONED if self.condition else ALONE)
+        return len(self.chosen)
+
+    @property
+    def chosen(self) -> tuple[Measure, ...]:
+        """The measures, in the order of the table that is printed."""
+        return tuple(measure for measure in self._possible if measure in self._named or not self.measures)
+
+    @property
+    def _possible(self) -> tuple[Measure, ...]:
+        return CONDITIONED if self.condition else ALONE
+
+    @property
+    def _named(self) -> list[Measure]:
+        return [MEASURES[full_name(measure)] for measure in self.measures]
 
     @property
     def draws(self) -> int:
@@ -94,10 +116,10 @@ class MeasureOptions(RecordingTestOptions):
     @property
     def scanned(self) -> tuple[Measure, ...]:
         """What is measured over lags."""
-        return (CONTINGENCY, COMBINED, TRANSFER) if self.condition else (TRANSFER,)
+        return tuple(measure for measure in self.chosen if measure in (CONTINGENCY, COMBINED, TRANSFER))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Measured:
     """One measure of the series; values in units of the base."""
 
@@ -110,15 +132,19 @@ class Measured:
     values: tuple[LocalContingency, ...] = ()
     """What each combination of values adds to the measure, most first; none where histories are longer than a step."""
 
+    def __repr__(self) -> str:
+        return f"Measured({self.name}: {self.significance!r})"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class MeasureResult:
     """All measures of the series."""
 
     title: str
     measured: tuple[Measured, ...]
     granger: float
-    """Linear Granger causality, given the condition if there is one; NaN where there are too many values for it."""
+    """Linear Granger causality, given the condition if there is one; NaN where there are too many values for it, or
+    where measures were named."""
     notes: tuple[str, ...]
     scans: tuple[tuple[str, LagScan], ...] = ()
     """The measures over lags, if asked for."""
@@ -131,26 +157,30 @@ class MeasureResult:
     labels: Mapping[str, Sequence[str]] = field(default_factory=dict)
     explain: int = 3
 
+    def __repr__(self) -> str:
+        values = ", ".join(f"{tested.name} {tested.significance.corrected:.3g}" for tested in self.measured)
+        return f"MeasureResult({self.title}; {values})"
+
     def rows(self) -> list[dict[str, Any]]:
         """A row a measure."""
         return [
             {
-                "measure": one.name,
-                "plug_in": one.significance.value,
-                "miller_madow": one.miller_madow,
-                "degrees_of_freedom": one.degrees_of_freedom,
-                "effective": one.significance.corrected,
-                "low": one.significance.interval[0],
-                "high": one.significance.interval[1],
-                "normalised": one.normalised,
-                "z": one.significance.z,
-                "p": one.significance.p,
-                "transitions": one.significance.transitions,
+                "measure": tested.name,
+                "plug_in": tested.significance.value,
+                "miller_madow": tested.miller_madow,
+                "degrees_of_freedom": tested.degrees_of_freedom,
+                "effective": tested.significance.corrected,
+                "low": tested.significance.interval[0],
+                "high": tested.significance.interval[1],
+                "normalised": tested.normalised,
+                "z": tested.significance.z,
+                "p": tested.significance.p,
+                "transitions": tested.significance.transitions,
                 "linear_granger": self.granger,
-                "method": one.significance.method,
-                "inflation": one.significance.inflation,
+                "method": tested.significance.method,
+                "inflation": tested.significance.inflation,
             }
-            for one in self.measured
+            for tested in self.measured
         ]
 
     def lag_rows(self) -> list[dict[str, Any]]:
@@ -159,15 +189,17 @@ class MeasureResult:
 
     def dyad_rows(self) -> list[dict[str, Any]]:
         """A row a measure and recording."""
-        return [row for one in self.dyads for row in one.rows()]
+        return [row for dyad in self.dyads for row in dyad.rows()]
 
     def value_rows(self) -> list[dict[str, Any]]:
         """A row a measure and combination of values, as labels."""
-        return [{"measure": one.name, **self._labelled(value)} for one in self.measured for value in one.values]
+        return [
+            {"measure": tested.name, **self._labelled(value)} for tested in self.measured for value in tested.values
+        ]
 
     def text(self) -> str:
         """A table to read."""
-        of_dyads = [line for one in self.dyads for line in one.lines()]
+        of_dyads = [line for dyad in self.dyads for line in dyad.lines()]
         lines = [
             self.title,
             "",
@@ -175,23 +207,27 @@ class MeasureResult:
             f"{'measure':14}{'plug-in':>10}{'Miller-M.':>11}{'df':>10}{'effective':>11}{'95% interval':>22}"
             f"{'share':>9}{'p':>9}",
         ]
-        for one in self.measured:
-            found = one.significance
+        for tested in self.measured:
+            significance = tested.significance
             lines.append(
-                f"{one.name:14}{number(found.value):>10}{number(one.miller_madow):>11}"
-                f"{number(one.degrees_of_freedom):>10}{number(found.corrected):>11}{bracket(found.interval):>22}"
-                f"{share(one.normalised):>9}{found.p:9.4f}"
+                f"{tested.name:14}{number(significance.value):>10}{number(tested.miller_madow):>11}"
+                f"{number(tested.degrees_of_freedom):>10}{number(significance.corrected):>11}{bracket(significance.interval):>22}"
+                f"{share(tested.normalised):>9}{significance.p:9.4f}"
             )
         lines += [
-            f"{'linear Granger':14}{number(self.granger):>10}",
+            *([] if np.isnan(self.granger) else [f"{'linear Granger':14}{number(self.granger):>10}"]),
             "",
             "effective: plug-in less the mean of surrogates of the source; share: of the most that is possible.",
             "Miller-M. and df: plug-in less analytic estimates of its bias.",
         ]
-        for one in self.measured:
-            carried = carriers(one.values, most=self.explain) if one.significance.p <= ALPHA else ()
+        for tested in self.measured:
+            carried = carriers(tested.values, most=self.explain) if tested.significance.p <= ALPHA else ()
             if carried:
-                lines += ["", f"{one.name} is carried by", *(f"  {v.words(self.names, self.labels)}" for v in carried)]
+                lines += [
+                    "",
+                    f"{tested.name} is carried by",
+                    *(f"  {v.words(self.names, self.labels)}" for v in carried),
+                ]
         if self.scans:
             lines += ["", *(lag_words(name, scan, self.step) for name, scan in self.scans)]
         return "\n".join([*lines, *(f"Note: {note}." for note in self.notes)])
@@ -256,16 +292,18 @@ def _run(
     if options.scan is not None:
         lags = range(1, delay_in_steps("scan", options.scan, data.step) + 1)
         unit, rng = check_base(options.base), np.random.default_rng(streams[len(CONDITIONED)])
-        for one in options.scanned:
-            scan = scan_steps(whole, one, lags, timing, options.test(), unit, rng, progress)
-            scans.append((one.name, scan))
-        notes.append(
-            f"p over lags comes from {scans[0][1].surrogates} surrogates, {WORDS[scans[0][1].method]}, and the highest "
-            f"of all {len(lags)} lags in each (max-T)"
-        )
+        each = _over_recordings(data, options)
+        for measure in options.scanned:
+            if each:
+                stream = streams[len(CONDITIONED)].spawn(1)[0]
+                scan = scan_over_dyads(whole, measure, lags, timing, _of_one(options), unit, stream, progress)
+            else:
+                scan = scan_steps(whole, measure, lags, timing, options.test(), unit, rng, progress)
+            scans.append((measure.name, scan))
+        notes.append(_scan_note(scans[0][1]))
     dyads = _by_recording(given, data, options, streams[-1])
     try:
-        granger = _granger(given, options.base)
+        granger = float("nan") if options.measures else _granger(given, options.base)
     except SeriesError as error:
         granger = float("nan")
         notes.append(str(error))
@@ -289,15 +327,15 @@ def _run(
         lags_and_values = {"lags": result.lag_rows()} if scans else {}
         if dyads:
             lags_and_values["recordings"] = result.dyad_rows()
-            lags_and_values["groups"] = [asdict(group) for one in dyads for group in one.groups]
-            lags_and_values["comparisons"] = [asdict(pair) for one in dyads for pair in one.comparisons]
+            lags_and_values["groups"] = [asdict(group) for dyad in dyads for group in dyad.groups]
+            lags_and_values["comparisons"] = [asdict(pair) for dyad in dyads for pair in dyad.comparisons]
         write_results(paths, result.rows(), options, notes=result.notes, **lags_and_values, values=result.value_rows())
     return result
 
 
-def exchange_notes(found: list[Significance]) -> list[str]:
+def exchange_notes(significances: list[Significance]) -> list[str]:
     """What to know where permutations can change little."""
-    least = min(one.exchangeable / one.transitions for one in found)
+    least = min(significance.exchangeable / significance.transitions for significance in significances)
     if least > 0.5:
         return []
     return [
@@ -314,39 +352,61 @@ def _measured(
 ) -> tuple[Measured, ...]:
     unit = check_base(options.base)
     entries = given.entries()
-    measures = CONDITIONED if options.condition else ALONE
-    rngs = [np.random.default_rng(stream) for stream in streams[: len(measures)]]
+    measures, possible = options.chosen, CONDITIONED if options.condition else ALONE
+    rngs = [np.random.default_rng(streams[possible.index(one)]) for one in measures]
     assessed = assess_measures(given, measures, options.test(), unit, rngs, progress)
     plain = options.source_history == options.target_history == 1 and len(entries.counts) <= MOST_COMBINATIONS
     measured = []
-    for measure, found in zip(measures, assessed, strict=True):
+    for measure, significance in zip(measures, assessed, strict=True):
         bound = measure.bound(entries, "smallest") / unit
         measured.append(
             Measured(
                 measure.name,
-                found,
-                found.value - measure.bias(entries, "miller_madow") / unit,
-                found.value - measure.bias(entries, "degrees_of_freedom") / unit,
-                found.corrected / bound if bound > 1e-12 else 0.0,
+                significance,
+                significance.value - measure.bias(entries, "miller_madow") / unit,
+                significance.value - measure.bias(entries, "degrees_of_freedom") / unit,
+                significance.corrected / bound if bound > 1e-12 else 0.0,
                 local_of_steps(given, measure, unit) if plain else (),
             )
         )
     return tuple(measured)
 
 
+def _over_recordings(data: Recordings, options: MeasureOptions) -> bool:
+    """Whether there are values for each recording."""
+    if options.over == "auto":
+        return options.by is not None or len(set(data.groups)) >= ENOUGH_RECORDINGS
+    return options.over == "recordings"
+
+
+def _of_one(options: MeasureOptions) -> TestOptions:
+    """How one recording is tested, which has no partners in others."""
+    return replace(options.test(), method="auto") if options.method == "partners" else options.test()
+
+
+def _scan_note(scan: LagScan) -> str:
+    """Where p over lags comes from."""
+    how = " or ".join(WORDS[method] for method in scan.method.split(" or "))
+    means = f"; values are means over {scan.recordings} recordings, and so are those of surrogates" * (
+        scan.recordings > 0
+    )
+    return (
+        f"p over lags comes from {scan.surrogates} surrogates, {how}, and the highest of all {len(scan.lags)} lags in "
+        f"each (max-T){means}"
+    )
+
+
 def _by_recording(
     given: Steps, data: Recordings, options: MeasureOptions, stream: np.random.SeedSequence
 ) -> tuple[DyadResult, ...]:
     """Values for each recording, where there are several."""
-    count = len(set(data.groups))
-    if options.over == "steps" or (options.over == "auto" and options.by is None and count < ENOUGH_RECORDINGS):
+    if not options.scanned or not _over_recordings(data, options):
         return ()
     names = {number: data.names[number] if data.names else str(number) for number in set(data.groups)}
     group_of = None if options.by is None else groups_by(data, options.by, names)
     unit, streams = check_base(options.base), stream.spawn(len(options.scanned))
-    test = replace(options.test(), method="auto") if options.method == "partners" else options.test()
     return tuple(
-        by_dyad(given, measure, names, test, unit, one, group_of, options.by or "")
+        by_dyad(given, measure, names, _of_one(options), unit, one, group_of, options.by or "")
         for measure, one in zip(options.scanned, streams, strict=True)
     )
 

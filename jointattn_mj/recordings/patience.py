@@ -17,7 +17,8 @@ def patient(
 ) -> Callable[[int], object]:
     """``progress`` that also sees how long all ``total`` draws will take; ``yes``: however long that is.
 
-    The first report says when drawing has begun: what was compiled before does not count.
+    The first report says when drawing has begun: what was compiled before does not count. A report of more than ever
+    before is of draws that were not needed, such as shifts beyond all that there are, and the pace is taken after it.
 
     Raises:
         ConfigError: From the progress call, where the rest would take longer than LONG_S.
@@ -25,15 +26,15 @@ def patient(
     if yes:
         return progress
     begun: float | None = None
-    first = done = 0
+    first = done = most = 0
     known = False
 
     def watch(more: int) -> None:
-        nonlocal begun, first, done, known
+        nonlocal begun, first, done, most, known
         progress(more)
         done += more
-        if begun is None:
-            begun, first = clock(), done
+        if begun is None or more > most:
+            begun, first, most = clock(), done, more
             return
         spent = clock() - begun
         if known or spent < KNOWN_AFTER_S:

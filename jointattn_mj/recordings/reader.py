@@ -17,9 +17,11 @@ from jointattn_mj.recordings.steps import Recordings
 from jointattn_mj.recordings.table_files import TableFile
 
 if TYPE_CHECKING:
+    from jointattn_mj.recordings.agreement import Agreement
     from jointattn_mj.recordings.discover import DiscoverResult
     from jointattn_mj.recordings.measure import MeasureResult
     from jointattn_mj.recordings.report import RecordingReport
+    from jointattn_mj.recordings.transitions import TransitionResult
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,11 +37,28 @@ class ReadOptions(SourceOptions, SampleOptions):
     ADVANCED: ClassVar[Sequence[str]] = ("fractions",)
 
     def read(self, path: Any, columns: str | Sequence[str]) -> Recordings:
-        """The columns or tiers as :func:`read_recordings` reads them with these options."""
-        names = [columns] if isinstance(columns, str) else list(dict.fromkeys(columns))
-        if not names or not all(isinstance(name, str) for name in names):
+        """Read columns or tiers as :func:`read_recordings` does, with these options.
+
+        Args:
+            path: A file, a folder of files, or a table of pandas, polars or pyarrow.
+            columns: Names of the variables to read, or one name.
+
+        Returns:
+            Codes by variable, recording by recording, and the label of each code.
+
+        Raises:
+            SeriesError: It cannot be read or sampled.
+
+        Examples:
+            >>> import pandas
+            >>> from jointattn_mj.recordings import ReadOptions
+            >>> ReadOptions().read(pandas.DataFrame({"gaze": ["toy", "away", "toy"]}), "gaze")
+            Recordings(3 rows, 1 recording, 1 column: gaze)
+        """
+        names = tuple(dict.fromkeys(_tuple(columns)))
+        if not names:
             raise SeriesError(f"expected the name of a column, or several; got {shown(columns)}")
-        return Coding(path, self, tuple(names)).steps(self.step)
+        return Coding(path, self, names).steps(self.step)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +69,13 @@ class Coding:
         source: A path, or a table of pandas, polars or pyarrow.
         options: How it is read.
         columns: Columns or tiers that are asked for; None: all.
+
+    Examples:
+        >>> import pandas
+        >>> from jointattn_mj import recordings
+        >>> coding = recordings.read(pandas.DataFrame({"mother": ["toy", "away"] * 50, "infant": ["toy", "toy"] * 50}))
+        >>> coding.steps().transitions
+        99
     """
 
     source: Any
@@ -98,9 +124,17 @@ class Coding:
         Raises:
             SeriesError: It cannot be read or sampled.
             ConfigError: An option that cannot work.
+
+        Examples:
+            >>> import pandas
+            >>> from jointattn_mj import recordings
+            >>> looks = ["toy", "away", "toy", "toy", "away"] * 40
+            >>> coding = recordings.read(pandas.DataFrame({"mother": looks[1:], "infant": looks[:-1]}))
+            >>> coding.steps()
+            Recordings(199 rows, 1 recording, 2 columns: mother, infant)
         """
         options = replace(self.options, step=step, **how)
-        names = self.columns if columns is None else tuple([columns] if isinstance(columns, str) else columns)
+        names = self.columns if columns is None else _tuple(columns)
         same = replace(self, options=options, columns=names)
         content, remarks = same._content
         if step is None and any(isinstance(one, Events) for one in content):
@@ -141,6 +175,14 @@ class Coding:
         Raises:
             SeriesError: It cannot be read, sampled or measured.
             ConfigError: An option that cannot work.
+
+        Examples:
+            >>> import pandas
+            >>> from jointattn_mj import recordings
+            >>> looks = ["toy", "away", "toy", "toy", "away"] * 40
+            >>> coding = recordings.read(pandas.DataFrame({"mother": looks[1:], "infant": looks[:-1]}))
+            >>> [one.name for one in coding.measure("mother", "infant", surrogates=99).measured]
+            ['TE(s -> r)', "I(s; r')"]
         """
         from jointattn_mj.recordings.measure import MeasureOptions, run_measure
 
@@ -171,12 +213,63 @@ class Coding:
         Raises:
             SeriesError: It cannot be read, sampled or measured.
             ConfigError: An option that cannot work.
+
+        Examples:
+            >>> import pandas
+            >>> from jointattn_mj import recordings
+            >>> looks = ["toy", "away", "toy", "toy", "away"] * 40
+            >>> coding = recordings.read(pandas.DataFrame({"mother": looks[1:], "infant": looks[:-1]}))
+            >>> events = coding.discover("mother", "infant", "infant", surrogates=99)
+            >>> len(events.rows())
+            1
         """
         from jointattn_mj.recordings.discover import DiscoverOptions, run_discover
 
         names = _tuple(sensors), _tuple(actions), _tuple(results)
         options = DiscoverOptions(**self._told(step, how), sensors=names[0], actions=names[1], results=names[2])
         return run_discover(options, data=Coding(self.source, options, (*names[0], *names[1], *names[2])).steps(step))
+
+    def transitions(
+        self, given: str, target: str | None = None, step: float | None = None, **how: Any
+    ) -> "TransitionResult":
+        """Count what follows what, as ``jointattn transitions`` does.
+
+        Args:
+            given: Tier or column of the earlier code.
+            target: That of the later code; None: the same.
+            step: Length of a step in seconds, for events; None where rows are steps.
+            how: Further fields of ``TransitionOptions``, such as ``lag`` or ``unit``.
+
+        Returns:
+            Frequencies and what follows from them; ``print(result.text())`` shows them.
+
+        Raises:
+            SeriesError: It cannot be read, sampled or counted.
+            ConfigError: An option that cannot work.
+        """
+        from jointattn_mj.recordings.transitions import TransitionOptions, run_transitions
+
+        options = TransitionOptions(**self._told(step, how), given=given, target=target)
+        return run_transitions(options, Coding(self.source, options, tuple(dict.fromkeys(options.both))).steps(step))
+
+    def agreement(self, second: "Coding", tiers: Sequence[str] | None = None, **how: Any) -> tuple["Agreement", ...]:
+        """Compare with a second coder, as ``jointattn agreement`` does.
+
+        Args:
+            second: Coding of the same recordings.
+            tiers: Tiers that are compared; None: all that both have.
+            how: Fields of ``AgreementOptions``, such as ``step`` or ``tolerance_s``.
+
+        Returns:
+            Kappa and more for each tier.
+
+        Raises:
+            SeriesError: They cannot be read, or have nothing in common.
+            ConfigError: An option that cannot work.
+        """
+        from jointattn_mj.recordings.agreement import AgreementOptions, agreement
+
+        return agreement(self.events, second.events, tiers, AgreementOptions(**how))
 
     def report(self, out: Path | str, **how: Any) -> "RecordingReport":
         """Make one page of the coding, as ``jointattn recordings`` does.
@@ -301,8 +394,11 @@ def read_recordings(
     return how.read(path, columns)
 
 
-def _tuple(names: str | Sequence[str]) -> tuple[str, ...]:
-    return (names,) if isinstance(names, str) else tuple(names)
+def _tuple(names: str | Iterable[str]) -> tuple[str, ...]:
+    several = (names,) if isinstance(names, str) else tuple(names) if isinstance(names, Iterable) else (names,)
+    if not all(isinstance(name, str) for name in several):
+        raise SeriesError(f"expected the name of a column, or several; got {shown(names)}")
+    return several
 
 
 def _names(options: type[SampleOptions]) -> list[str]:

@@ -22,10 +22,10 @@ from jointattn_mj.recordings.agreement import Agreement, AgreementOptions, agree
 from jointattn_mj.recordings.delays import check_delay, delay_in_steps
 from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.joint_attention import JointAttention, JointAttentionRules, joint_attention
-from jointattn_mj.recordings.measure import MeasureOptions, MeasureResult, run_measure
+from jointattn_mj.recordings.measure import ENOUGH_RECORDINGS, MeasureOptions, MeasureResult, run_measure
 from jointattn_mj.recordings.reader import ReadOptions, read
 from jointattn_mj.recordings.sampling import SampleOptions
-from jointattn_mj.recordings.sequential import LagTable, SequentialOptions, lag_table
+from jointattn_mj.recordings.sequential import LagTable, OverRecordings, SequentialOptions, lag_table, yules_q_over
 from jointattn_mj.recordings.steps import Recordings
 
 PAGE = "report.html"
@@ -92,7 +92,7 @@ class ReportOptions(ReadOptions, JointAttentionRules):
         return delay_in_steps("scan", self.scan, self.step)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class RecordingReport:
     """What the page shows."""
 
@@ -110,8 +110,14 @@ class RecordingReport:
     agreements: tuple[Agreement, ...]
     notes: tuple[str, ...]
     """What was left out, and why; where p-values come from."""
+    over_recordings: Mapping[tuple[str, str], OverRecordings] = field(default_factory=dict)
+    """Yule's Q recording by recording, where there are several."""
     out: Path | None = None
     """Where it was written."""
+
+    def __repr__(self) -> str:
+        where = "" if self.out is None else f", in {self.out}"
+        return f"RecordingReport({len(self.attention.seconds)} recordings, {len(self.pairs)} pairs of tiers{where})"
 
     def text(self) -> str:
         """The main values, to read on a terminal."""
@@ -124,9 +130,9 @@ class RecordingReport:
     def ranking(self) -> list[dict[str, Any]]:
         """A row a pair of tiers, the most contingent first."""
         rows = [
-            {"source": pair[0], "target": pair[1], **_value(found), "p_adjusted": self.p_adjusted[pair],
+            {"source": pair[0], "target": pair[1], **_value(result), "p_adjusted": self.p_adjusted[pair],
              "significant": bool(self.p_adjusted[pair] <= self.options.alpha)}
-            for pair, found in self.pairs.items()
+            for pair, result in self.pairs.items()
         ]  # fmt: skip
         return sorted(rows, key=lambda row: (-row["effective"], row["source"], row["target"]))
 
@@ -141,17 +147,25 @@ class RecordingReport:
         columns = ("recording", "tier", "code", "onset", "offset")
         return {
             "joint_attention": self.attention.rows(),
-            "following": [vars(one) for one in self.attention.opportunities],
+            "following": [vars(opportunity) for opportunity in self.attention.opportunities],
             "ranking": self.ranking(),
             "lags": [row for pair, one in pairs for row in named(pair, one.lag_rows())],
             "values": [row for pair, one in pairs for row in named(pair, _first_measure(one.value_rows()))],
             "dyads": [row for pair, one in pairs for row in named(pair, one.dyad_rows())],
-            "transitions": [row for pair, one in self.transitions.items() for row in named(pair, one.rows())],
-            "agreement": [one.row() for one in self.agreements],
+            "transitions": [row for pair in self.transitions for row in named(pair, self.transition_rows(pair))],
+            "agreement": [agreed.row() for agreed in self.agreements],
             "events": [
                 dict(zip(columns, row, strict=True)) for row in zip(*(events[name] for name in columns), strict=True)
             ],
         }
+
+    def transition_rows(self, pair: tuple[str, str]) -> list[dict[str, Any]]:
+        """A row a transition of a pair of tiers, with means over recordings where there are several."""
+        table = self.transitions[pair]
+        if pair not in self.over_recordings:
+            return table.rows()
+        more = self.over_recordings[pair].rows(table.possible)
+        return [{**row, **means} for row, means in zip(table.rows(), more, strict=True)]
 
     def methods(self) -> str:
         """A paragraph to paste: what was done, with every number and setting."""
@@ -163,8 +177,8 @@ class RecordingReport:
         """Who follows whom, how often and how soon."""
         lines = []
         for follower, leader in ((self.options.infant, self.options.partner), self.options.looks):
-            chances = [one for one in self.attention.opportunities if one.follower == follower]
-            latencies = [one.latency for one in chances if one.latency == one.latency]
+            chances = [opportunity for opportunity in self.attention.opportunities if opportunity.follower == follower]
+            latencies = [opportunity.latency for opportunity in chances if opportunity.latency == opportunity.latency]
             if chances:
                 median = f", median latency {np.median(latencies):.2f} s" if latencies else ""
                 lines.append(
@@ -179,12 +193,12 @@ class RecordingReport:
 
         lines = []
         for pair in (self.options.looks, self.options.looks[::-1]):
-            found = self.pairs[pair]
-            lines += [lag_words(f"{pair[0]} -> {pair[1]}", scan, found.step) for _, scan in found.scans]
+            result = self.pairs[pair]
+            lines += [lag_words(f"{pair[0]} -> {pair[1]}", scan, result.step) for _, scan in result.scans]
         return lines
 
     def _agreement(self) -> list[str]:
-        return [f"Two coders, {one.tier}: kappa {one.kappa:.2f}" for one in self.agreements]
+        return [f"Two coders, {agreed.tier}: kappa {agreed.kappa:.2f}" for agreed in self.agreements]
 
 
 def run_report(
@@ -245,31 +259,33 @@ def analyse(
                     surrogates=options.surrogates, resamples=options.resamples, seed=options.seed, yes=options.yes,
                 )  # fmt: skip
                 pairs[source, target] = run_measure(asked, progress, steps)
-    p = adjust([_value(one)["p"] for one in pairs.values()], "holm")
+    p = adjust([_value(result)["p"] for result in pairs.values()], "holm")
     lag = delay_in_steps("lag", options.lag, options.step)
     sequential = SequentialOptions(lag=lag, surrogates=options.surrogates, seed=options.seed)
     transitions = {pair: lag_table(steps, *pair, sequential) for pair in (options.looks, options.looks[::-1])}
+    several = len(set(steps.groups)) >= ENOUGH_RECORDINGS
+    over = {pair: yules_q_over(steps, *pair, sequential) for pair in transitions} if several else {}
     agreements: tuple[Agreement, ...] = ()
     if second is not None:
         same = AgreementOptions(
             step=options.step, tolerance_s=options.tolerance_s, resamples=options.resamples, seed=options.seed
         )
         agreements = agreement(events, second, None, same)
-    notes = dict.fromkeys([*steps.notes(), *(note for one in pairs.values() for note in one.notes)])
+    notes = dict.fromkeys([*steps.notes(), *(note for result in pairs.values() for note in result.notes)])
     return RecordingReport(
         options, events, attention, steps, pairs, dict(zip(pairs, map(float, p), strict=True)), transitions,
-        agreements, tuple(notes), options.out,
+        agreements, tuple(notes), over, options.out,
     )  # fmt: skip
 
 
-def _value(found: MeasureResult) -> dict[str, Any]:
+def _value(result: MeasureResult) -> dict[str, Any]:
     """Transfer entropy: of several recordings their mean, with an interval over recordings; else of all steps."""
-    row = found.rows()[0]
+    row = result.rows()[0]
     told = {name: row[name] for name in ("effective", "low", "high", "p")}
-    if found.dyads:
-        every = found.dyads[0].groups[0]
+    if result.dyads:
+        every = result.dyads[0].groups[0]
         told = {"effective": every.mean, "low": every.interval[0], "high": every.interval[1], "p": every.p}
-    unit = count(found.dyads[0].groups[0].dyads, "recording") if found.dyads else "all steps"
+    unit = count(result.dyads[0].groups[0].dyads, "recording") if result.dyads else "all steps"
     return {**told, "of": unit, "all_steps": row["effective"], "transitions": row["transitions"],
             "method": row["method"], "inflation": row["inflation"]}  # fmt: skip
 

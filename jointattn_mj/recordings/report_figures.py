@@ -37,7 +37,7 @@ def code_colours(events: Events) -> dict[str, str]:
     """A colour for each code, the same on all tiers and in all recordings."""
     codes, times = np.unique([str(code) for code in events.table["code"] if code is not None], return_counts=True)
     order = sorted(range(len(codes)), key=lambda i: (-times[i], codes[i]))
-    return {str(codes[i]): INKS[place] if place < len(INKS) else OTHER for place, i in enumerate(order)}
+    return {str(codes[i]): INKS[at] if at < len(INKS) else OTHER for at, i in enumerate(order)}
 
 
 def timeline(
@@ -110,10 +110,10 @@ def transition_figure(tables: Mapping[tuple[str, str], LagTable], lag_s: float) 
         tables: By source and target.
         lag_s: Seconds between the two.
     """
-    size = max(max(len(one.given), len(one.target)) for one in tables.values())
+    size = max(max(len(table.given), len(table.target)) for table in tables.values())
     side = min(max(0.72 * size, 2.2), 7.0)
     figure = Figure((2 * side + 2.6, side + 1.3), layout="constrained")
-    limit = max(float(np.nanmax(np.abs(one.adjusted_residuals), initial=1.0)) for one in tables.values())
+    limit = max(float(np.nanmax(np.abs(table.adjusted_residuals), initial=1.0)) for table in tables.values())
     image = None
     for axes, ((source, target), one) in zip(
         figure.subplots(1, len(tables), squeeze=False)[0], tables.items(), strict=True
@@ -147,10 +147,10 @@ def ranking_figure(rows: Sequence[Mapping[str, Any]], unit: str) -> Figure:
     """
     figure = Figure((7.5, 0.9 + 0.32 * len(rows)), layout="constrained")
     axes = figure.subplots()
-    for place, row in enumerate(rows):
+    for at, row in enumerate(rows):
         ink = "#c0392b" if row["significant"] else "#7f8c8d"
-        axes.plot([row["low"], row["high"]], [place, place], color=ink, lw=1.6)
-        axes.plot(row["effective"], place, "o", color=ink, ms=5)
+        axes.plot([row["low"], row["high"]], [at, at], color=ink, lw=1.6)
+        axes.plot(row["effective"], at, "o", color=ink, ms=5)
     axes.axvline(0, color="black", lw=0.6)
     axes.set_yticks(range(len(rows)), [f"{row['source']} → {row['target']}" for row in rows], fontsize=9)
     axes.set_ylim(len(rows) - 0.5, -0.5)
@@ -168,13 +168,13 @@ def dyad_figure(results: Mapping[tuple[str, str], DyadResult], unit: str) -> Fig
     """
     figure = Figure((7.5, 1.0 + 0.55 * len(results)), layout="constrained")
     axes = figure.subplots()
-    for place, one in enumerate(results.values()):
-        values = [found.corrected for found in one.values]
+    for at, one in enumerate(results.values()):
+        values = [value.corrected for value in one.values]
         spread = np.linspace(-0.16, 0.16, len(values)) if len(values) > 1 else np.zeros(1)
-        axes.plot(values, place + spread, "o", color="#4c78a8", ms=4, alpha=0.6)
+        axes.plot(values, at + spread, "o", color="#4c78a8", ms=4, alpha=0.6)
         mean, (low, high) = one.groups[0].mean, one.groups[0].interval
-        axes.plot([low, high], [place, place], color="#c0392b", lw=2)
-        axes.plot(mean, place, "D", color="#c0392b", ms=6)
+        axes.plot([low, high], [at, at], color="#c0392b", lw=2)
+        axes.plot(mean, at, "D", color="#c0392b", ms=6)
     axes.axvline(0, color="black", lw=0.6)
     axes.set_yticks(range(len(results)), [f"{a} → {b}" for a, b in results], fontsize=9)
     axes.set_ylim(len(results) - 0.5, -0.5)
@@ -194,7 +194,7 @@ def latency_figure(chances: Sequence[GazeFollowing], followers: Sequence[str], w
     figure = Figure((7.5, 2.8), layout="constrained")
     axes = figure.subplots()
     for ink, follower in zip(INKS, followers, strict=False):
-        own = np.array([one.latency for one in chances if one.follower == follower])
+        own = np.array([opportunity.latency for opportunity in chances if opportunity.follower == follower])
         if len(own):
             followed = np.sort(own[np.isfinite(own)])
             times = np.concatenate([[0.0], followed, [within_s]])

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
-from jointattn_mj.contingency.local import carriers
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.page import drawn, page
 from jointattn_mj.io.provenance import plain, versions
@@ -24,7 +23,7 @@ from jointattn_mj.recordings.report_figures import (
     timeline,
     transition_figure,
 )
-from jointattn_mj.recordings.report_words import p_words
+from jointattn_mj.recordings.report_words import p_words, wilson
 
 if TYPE_CHECKING:
     from jointattn_mj.recordings.measure import MeasureResult
@@ -65,7 +64,7 @@ def write_page(report: RecordingReport, folder: Path) -> None:
         "files": names,
         "ranking": report.ranking(),
         "transitions": _transitions(report),
-        "carried": _carried(report.pairs),
+        "answers": _answers(report),
         "dyads": _of_dyads(report.pairs),
         "by_recording": _by_recording(report),
         "hidden": len(report.events.recordings) - len(shown),
@@ -108,31 +107,37 @@ def _transitions(report: RecordingReport) -> list[dict[str, Any]]:
     """Those that stand out most, of both directions."""
     rows = [
         {"source": pair[0], "result": pair[1], "p_shift": None, **row}
-        for pair, table in report.transitions.items()
-        for row in table.rows()
+        for pair in report.transitions
+        for row in report.transition_rows(pair)
         if row["adjusted_residual"] == row["adjusted_residual"]
     ]
     return sorted(rows, key=lambda row: -abs(row["adjusted_residual"]))[:MOST_TRANSITIONS]
 
 
-def _carried(pairs: "Mapping[tuple[str, str], MeasureResult]") -> dict[str, list[str]]:
-    """Which looks carry the transfer entropy of each pair that is significant on its own."""
-    found = {}
-    for (source, target), result in pairs.items():
-        one = result.measured[0]
-        if one.significance.p <= 0.05 and result.scans:
-            lines = [value.words(result.names, result.labels) for value in carriers(one.values, most=result.explain)]
-            if lines:
-                found[f"{source} → {target}"] = lines
-    return found
+def _answers(report: RecordingReport) -> list[dict[str, Any]]:
+    """Which look answers which: changes of looks that come more often than usual, in both directions, most first."""
+    answers = []
+    for source, target in (report.options.looks, report.options.looks[::-1]):
+        result = report.pairs[source, target]
+        labels = result.labels
+        for one in result.measured[0].values:
+            if one.before != one.result and one.contribution > 0 and one.p_adjusted <= report.options.alpha:
+                low, high = wilson(one.count, one.occasions)
+                answers.append(
+                    {"source": source, "look": labels[source][one.sensor], "target": target,
+                     "before": labels[target][one.before], "after": labels[target][one.result], "count": one.count,
+                     "occasions": one.occasions, "rate": one.rate, "low": low, "high": high, "usual": one.usual,
+                     "contribution": one.contribution, "p_adjusted": one.p_adjusted}
+                )  # fmt: skip
+    return sorted(answers, key=lambda row: -row["contribution"])[:MOST_TRANSITIONS]
 
 
 def _by_recording(report: RecordingReport) -> list[dict[str, Any]]:
     """A row a recording: the transfer entropy of both directions of looks."""
     ways = [report.pairs[pair] for pair in (report.options.looks, report.options.looks[::-1])]
-    if not all(one.dyads for one in ways):
+    if not all(way.dyads for way in ways):
         return []
-    rows = [one.dyads[0].rows() for one in ways]
+    rows = [way.dyads[0].rows() for way in ways]
     return [{"name": a["recording"], "ways": [a, b]} for a, b in zip(*rows, strict=True)]
 
 
@@ -149,7 +154,9 @@ def _of_dyads(pairs: "Mapping[tuple[str, str], MeasureResult]") -> list[str]:
 def _settings(options: ReportOptions) -> list[tuple[str, str]]:
     """Every option and its value."""
     given = plain(options)
-    return [(one.name, "" if given[one.name] in (None, []) else str(given[one.name])) for one in fields(options)]
+    return [
+        (field.name, "" if given[field.name] in (None, []) else str(given[field.name])) for field in fields(options)
+    ]
 
 
 NOT = "no-"
@@ -159,11 +166,11 @@ NOT = "no-"
 def _command(options: ReportOptions) -> str:
     """The command line that makes this page again: options that are not the defaults."""
     words = ["jointattn", "recordings", str(options.file)]
-    for one in fields(options):
-        value = getattr(options, one.name)
-        if one.name == "file" or value == one.default:
+    for field in fields(options):
+        value = getattr(options, field.name)
+        if field.name == "file" or value == field.default:
             continue
-        name = one.name.replace("_", "-")
+        name = field.name.replace("_", "-")
         if isinstance(value, bool):
             words.append(f"--{name}" if value else f"--{NOT}{name}")
         else:

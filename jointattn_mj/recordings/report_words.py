@@ -19,6 +19,13 @@ def p_words(p: float) -> str:
     return "p < .001" if p < 0.001 else f"p = {p:.3f}".replace("0.", ".", 1)
 
 
+def wilson(count: int, of: int) -> tuple[float, float]:
+    """95% interval of a share (Wilson 1927)."""
+    z, share = 1.959964, count / of
+    middle, half = share + z * z / (2 * of), z * np.sqrt(share * (1 - share) / of + z * z / (4 * of * of))
+    return float((middle - half) / (1 + z * z / of)), float((middle + half) / (1 + z * z / of))
+
+
 def methods_paragraph(report: "RecordingReport") -> str:
     """The paragraph.
 
@@ -50,13 +57,16 @@ def methods_paragraph(report: "RecordingReport") -> str:
         + f"P-values of {len(report.pairs)} pairs of tiers were corrected by Holm's method; over lags of {o.step:g} to "
         f"{o.lags * o.step:g} s ({count(o.lags, 'lag')}) by the maximum over lags in each surrogate (Westfall and "
         f"Young, 1993). Transitions are adjusted residuals (Bakeman and Quera, 2011), tested by {o.surrogates:,} "
-        "circular shifts.",
+        "circular shifts"
+        + (", and means of the recordings' Yule's Q, with Student's t." if report.over_recordings else ".")
+        + " Which look answers which are shares of transfer entropy, tested exactly and corrected by Holm's method.",
         *_results(report),
     ]
     if report.agreements:
         first = report.agreements[0]
         kappas = "; ".join(
-            f"{one.tier}: {one.kappa:.2f} [{one.interval[0]:.2f}, {one.interval[1]:.2f}]" for one in report.agreements
+            f"{agreed.tier}: {agreed.kappa:.2f} [{agreed.interval[0]:.2f}, {agreed.interval[1]:.2f}]"
+            for agreed in report.agreements
         )
         parts.append(
             f"Agreement of two coders is Cohen's kappa by units of {first.step:g} s with a tolerance of "
@@ -76,13 +86,13 @@ def _results(report: "RecordingReport") -> list[str]:
         sentences.append(
             f"{source} to {target}: {number(row['effective'])} bits {bracket((row['low'], row['high']))}, {p_words(p)}"
         )
-    found = "; ".join([*sentences, *report.following(), *report.over_lags()])
-    return [f"Found: {found}.".replace("->", "to")]
+    results = "; ".join([*sentences, *report.following(), *report.over_lags()])
+    return [f"Found: {results}.".replace("->", "to")]
 
 
 def _surrogates(report: "RecordingReport") -> str:
-    methods = {row["method"] for one in report.pairs.values() for row in one.rows()[:1]}
-    inflation = [one.rows()[0]["inflation"] for one in report.pairs.values()]
+    methods = {row["method"] for result in report.pairs.values() for row in result.rows()[:1]}
+    inflation = [result.rows()[0]["inflation"] for result in report.pairs.values()]
     chosen = " or ".join(WORDS[method] for method in sorted(methods))
     why = (
         f", chosen by the measured autocorrelation (variance by chance {min(inflation):.2f} to {max(inflation):.2f} "
@@ -95,11 +105,12 @@ def _surrogates(report: "RecordingReport") -> str:
 
 def _unit_words(report: "RecordingReport") -> str:
     """Whether values are of recordings or of steps."""
-    dyads = next((one.dyads[0].groups[0].dyads for one in report.pairs.values() if one.dyads), None)
+    dyads = next((result.dyads[0].groups[0].dyads for result in report.pairs.values() if result.dyads), None)
     if dyads is not None:
         return (
-            f"Values are means over {dyads} recordings, with 95% intervals over recordings by Student's t; p is of "
-            "the recordings together (Stouffer). Curves over lags and transitions are of all recordings' steps. "
+            f"Values are means over {dyads} recordings, with 95% intervals over recordings and two-sided p, both from "
+            "the distribution of t in the recordings' surrogates; curves over lags are means over recordings, held "
+            "against means of their surrogates. "
         )
     resamples = report.options.resamples
     return f"Intervals (95%) come from {resamples:,} block bootstrap resamples. " if resamples else ""

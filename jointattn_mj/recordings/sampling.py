@@ -175,15 +175,15 @@ def _span(whole: tuple[int, int], lines: list[TierLine], step: float, span: Span
     """From when to when there are steps, in microseconds."""
     ends = [_ends(line) for line in lines]
     if span == "common":
-        if any(one is None for one in ends):
+        if any(end is None for end in ends):
             return whole[0], whole[0]
-        limits = [one for one in ends if one is not None]
+        limits = [end for end in ends if end is not None]
     elif span == "coded":
         least = (whole[1] - whole[0]) * GAPLESS_SHARE
         limits = [one for line, one in zip(lines, ends, strict=True) if one is not None and _gapless(line, step, least)]
     else:
         limits = []
-    return max([whole[0], *(one[0] for one in limits)]), min([whole[1], *(one[1] for one in limits)])
+    return max([whole[0], *(limit[0] for limit in limits)]), min([whole[1], *(limit[1] for limit in limits)])
 
 
 def _ends(line: TierLine) -> tuple[int, int] | None:
@@ -271,7 +271,7 @@ def _put_moments(
         if i and at[i - 1] == at[i]:
             together.add(int(taken[at[i]]))
         if len(together) > 1 and options.overlaps == "error":
-            names = " and ".join(sorted(repr(codes.name(one)) for one in together))
+            names = " and ".join(sorted(repr(codes.name(code)) for code in together))
             raise SeriesError(
                 f"events overlap on the tier {tier!r} of recording {recording!r}: {names} are both in the step at "
                 f"{edges[at[i]] / 1e6:g} s, as one is a point event. Take a shorter step, part them into tiers, or "
@@ -322,16 +322,18 @@ def _remarks(sampled: list[_Sampled], lacking: Collection[str], used: set[str], 
     remarks = []
     if lacking:
         remarks.append(f"{_some(lacking)} left out, for want of a tier")
-    short = [one.recording for one in sampled if one.recording not in used]
+    short = [recording.recording for recording in sampled if recording.recording not in used]
     if short:
         remarks.append(f"{_some(short)} left out, for want of two coded steps that follow each other")
-    outside = {one.recording: one.outside_s for one in sampled if one.outside_s >= step}
+    outside = {recording.recording: recording.outside_s for recording in sampled if recording.outside_s >= step}
     if outside:
         remarks.append(
             f"{_some(outside)} cut at the ends, by {sum(outside.values()):g} s in all, where a tier was not coded; "
             "the span 'all' keeps them"
         )
-    missed = {tier: sum(one.missed[tier] for one in sampled) for tier in (sampled[0].missed if sampled else ())}
+    missed = {
+        tier: sum(recording.missed[tier] for recording in sampled) for tier in (sampled[0].missed if sampled else ())
+    }
     for tier, number in missed.items():
         if number:
             are = "is" if number == 1 else "are"

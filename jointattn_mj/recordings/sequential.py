@@ -5,7 +5,8 @@ Analysis and Observational Methods for the Behavioral Sciences, chapters 9 to 11
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Any, Literal
 
@@ -44,7 +45,7 @@ class SequentialOptions(Checked):
     """Shortest shift in steps; by default until the given tier's autocorrelation is low."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LagTable:
     """A table of given and target codes, with the statistics of each combination; arrays are (given, target)."""
 
@@ -57,6 +58,9 @@ class LagTable:
     level: float = 0.95
     p_shift: np.ndarray | None = None
     """Two-sided p of the joint frequency from circular shifts, which holds for long looks, too; None: not drawn."""
+
+    def __repr__(self) -> str:
+        return f"LagTable({len(self.given)} given codes, {len(self.target)} target codes, {self.total} pairs)"
 
     @property
     def total(self) -> int:
@@ -106,16 +110,19 @@ class LagTable:
 
     @property
     def odds_ratio(self) -> np.ndarray:
-        """Odds of the target after the given code, to its odds after others. 0 and infinity where a count is 0."""
+        """Odds of the target after the given code, to its odds after others. 0 and infinity where a count is 0.
+
+        NaN in a table with structural zeros, whose two-by-two tables are not even where there is no association.
+        """
         a, b, c, d = self._fourfold()
         ratio = _ratio(a * d, b * c, np.inf)
-        return np.where(self.possible & (a * d + b * c > 0), ratio, np.nan)
+        return np.where(self._whole & (a * d + b * c > 0), ratio, np.nan)
 
     @property
     def yules_q(self) -> np.ndarray:
-        """Yule's Q, (ad - bc) / (ad + bc), from -1 to 1."""
+        """Yule's Q, (ad - bc) / (ad + bc), from -1 to 1; NaN as the odds ratio."""
         a, b, c, d = self._fourfold()
-        return np.where(self.possible, _ratio(a * d - b * c, a * d + b * c), np.nan)
+        return np.where(self._whole, _ratio(a * d - b * c, a * d + b * c), np.nan)
 
     @property
     def odds_ratio_interval(self) -> tuple[np.ndarray, np.ndarray]:
@@ -126,7 +133,7 @@ class LagTable:
         four += 0.5 * (four == 0).any(0)
         center = np.log(four[0] * four[3] / (four[1] * four[2]))
         half = norm.ppf((1 + self.level) / 2) * np.sqrt((1 / four).sum(0))
-        low, high = (np.where(self.possible, np.exp(center + sign * half), np.nan) for sign in (-1, 1))
+        low, high = (np.where(self._whole, np.exp(center + sign * half), np.nan) for sign in (-1, 1))
         return low, high
 
     @property
@@ -162,6 +169,11 @@ class LagTable:
             if self.possible[i, j]
         ]
 
+    @property
+    def _whole(self) -> bool:
+        """Whether every combination can occur."""
+        return bool(self.possible.all())
+
     def _fourfold(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """The 2 x 2 table of each combination: both, given alone, target alone, neither."""
         a = self.counts
@@ -182,6 +194,69 @@ class LagTable:
         leverages = np.zeros(kept.shape)
         leverages[kept] = np.einsum("ij,ji->i", weighted, np.linalg.pinv(weighted))
         return leverages
+
+
+@dataclass(frozen=True)
+class OverRecordings:
+    """Yule's Q of each combination, recording by recording; arrays are (recordings, given, target)."""
+
+    values: np.ndarray
+    """NaN where a recording lacks a code."""
+    level: float
+
+    def rows(self, possible: np.ndarray) -> list[dict[str, Any]]:
+        """A row a combination that can occur: mean, Student's interval and two-sided p, and how often Q is above 0."""
+        from scipy.stats import t
+
+        rows = []
+        for i, j in np.argwhere(possible):
+            known = self.values[np.isfinite(self.values[:, i, j]), i, j]
+            n = len(known)
+            mean, low, high, p = (float("nan"),) * 4
+            if n:
+                mean = float(known.mean())
+            if n > 1:
+                error = float(known.std(ddof=1)) / np.sqrt(n)
+                half = float(t.ppf((1 + self.level) / 2, n - 1)) * error
+                low, high = mean - half, mean + half
+                p = float(2 * t.sf(abs(mean) / error, n - 1)) if error else float(mean == 0)
+            rows.append(
+                {"recordings": n, "positive": int((known > 0).sum()), "q_mean": mean, "q_low": low, "q_high": high,
+                 "q_p": p}
+            )  # fmt: skip
+        return rows
+
+
+def yules_q_over(
+    recordings: Recordings,
+    given: str,
+    target: str,
+    options: SequentialOptions,
+    impossible: Sequence[tuple[str, str]] = (),
+) -> OverRecordings:
+    """Yule's Q recording by recording, so that no recording's steps are put together with another's.
+
+    Args:
+        recordings: Steps.
+        given: Name of the tier or column of the earlier code.
+        target: Name of that of the later code.
+        options: Lag and unit.
+        impossible: Pairs of labels that cannot occur, as for ``lag_table``.
+
+    Raises:
+        SeriesError: As ``lag_table``.
+    """
+    alone = replace(options, surrogates=0)
+    values = []
+    for number in dict.fromkeys(recordings.groups):
+        kept = [i for i, group in enumerate(recordings.groups) if group == number]
+        columns = {name: [parts[i] for i in kept] for name, parts in recordings.columns.items()}
+        one = replace(recordings, columns=columns, groups=[number] * len(kept))
+        if max(len(part) for part in columns[given]) > options.lag:
+            with suppress(SeriesError):  # nothing to count in this recording
+                values.append(lag_table(one, given, target, alone, impossible).yules_q)
+    size = len(recordings.labels[given]), len(recordings.labels[target])
+    return OverRecordings(np.array(values).reshape(-1, *size), options.level)
 
 
 def lag_table(
@@ -286,7 +361,7 @@ def _p_by_shifts(
     group = table.groups[table.names.index("n")]
     for pieces in moves(moved, "shift", least, 1).draw(options.surrogates, np.random.default_rng(options.seed)):
         of_result = np.zeros((len(afters), len(sources)), np.int64)
-        np.add.at(of_result, group, table.table(pieces))
+        np.add.at(of_result, group, table.counter.table(pieces))
         surrogate = np.zeros(counts.shape, np.int64)
         surrogate[place] = of_result.T
         tails += np.stack([surrogate >= own, surrogate <= own])

@@ -201,17 +201,17 @@ def _as_told(layout: EventLayout, table: TableFile, options: SourceOptions) -> E
     if not (options.tier_columns or options.code_columns):
         return layout
     tier, code = (tuple(table.locations(names)) for names in (options.tier_columns, options.code_columns))
-    if len({one.onset for one in layout.tracks}) > 1:
-        tracks = tuple(one for one in layout.tracks if set(one.code) <= set(code))
+    if len({track.onset for track in layout.tracks}) > 1:
+        tracks = tuple(track for track in layout.tracks if set(track.code) <= set(code))
         if tier or len(tracks) < len(code):
             raise SeriesError(
                 f"{table.path} has tiers side by side: leave `tier_columns` out, and choose `code_columns` among "
-                f"{', '.join(one.name for one in layout.tracks)}"
+                f"{', '.join(track.name for track in layout.tracks)}"
             )
         return replace(layout, tracks=tracks)
     first = layout.tracks[0]
     if not code:
-        others = [one for one in layout.tracks if not set(one.code) & set(tier)]
+        others = [track for track in layout.tracks if not set(track.code) & set(tier)]
         if len(others) > 1:
             raise SeriesError(f"{table.path} has several columns that may be the code; name one with `code_columns`")
         code = others[0].code if others else first.code

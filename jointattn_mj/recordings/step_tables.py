@@ -88,7 +88,7 @@ def _together(tables: Sequence[TableFile], wanted: Sequence[str]) -> tuple[Any, 
     """The columns of all tables below one another, and the first row of each."""
     import pyarrow as pa
 
-    parts = [one.columns(one.locations(wanted)) for one in tables]
+    parts = [table.columns(table.locations(wanted)) for table in tables]
     parts = [part.rename_columns([str(i) for i in range(len(wanted))]) for part in parts]
     first = np.cumsum([0, *(part.num_rows for part in parts[:-1])])
     return parts[0] if len(parts) == 1 else pa.concat_tables(parts), first

@@ -69,6 +69,17 @@ class Recordings:
 
         Returns:
             Codes of the combinations, recording by recording, and the labels of those that occur, by their code.
+
+        Raises:
+            KeyError: There is no such column.
+
+        Examples:
+            >>> import numpy as np
+            >>> from jointattn_mj.recordings import Recordings
+            >>> gaze = {"mother": [np.array([0, 1, 1])], "infant": [np.array([0, 0, 1])]}
+            >>> both = Recordings(gaze, dict.fromkeys(gaze, ("away", "toy")), groups=[0], rows=3)
+            >>> both.joined(["mother", "infant"])
+            ([array([0, 1, 2])], ('away & away', 'toy & away', 'toy & toy'))
         """
         if len(names) == 1:
             return self.columns[names[0]], self.labels[names[0]]
@@ -98,15 +109,35 @@ class Recordings:
         return Table(pa.table(list(columns.values()), names=list(columns)))
 
     def to_pandas(self) -> Any:
-        """The table as ``pandas.DataFrame``.
+        """Give the table as ``pandas.DataFrame``.
+
+        Returns:
+            The data frame, with the same columns.
 
         Raises:
             ExtraError: The package pandas is not installed.
+
+        Examples:
+            >>> import numpy as np
+            >>> from jointattn_mj.recordings import Recordings
+            >>> gaze = Recordings({"gaze": [np.array([0, 1])]}, {"gaze": ("away", "toy")}, groups=[0], rows=2)
+            >>> gaze.to_pandas()["gaze"].tolist()
+            ['away', 'toy']
         """
         return self.table.to_pandas()
 
     def notes(self) -> tuple[str, ...]:
-        """What a reader should know about rows that could not be used as they are."""
+        """Say what a reader should know about rows that could not be used as they are.
+
+        Returns:
+            A sentence each, without its full stop; empty where all rows were used.
+
+        Examples:
+            >>> import numpy as np
+            >>> from jointattn_mj.recordings import Recordings
+            >>> Recordings({"gaze": [np.array([0, 1])]}, {"gaze": ("away", "toy")}, groups=[0], rows=3, cut=1).notes()
+            ('1 of 3 rows have missing values; recordings were cut there',)
+        """
         notes = []
         rows = "rows" if self.step is None else "steps"
         if self.cut:

@@ -157,34 +157,34 @@ def _text(data: bytes, path: Path, options: TableOptions, heads: Callable[[Seque
     def known(names: Sequence[str]) -> bool:
         return bool(options.columns) or heads([single_blanks(name) for name in names])
 
-    found = layout(data, path, options.skip_rows, _delimiter(options), known)
+    outline = layout(data, path, options.skip_rows, _delimiter(options), known)
     lines = io.StringIO(data[: 1 << 20].decode(errors="ignore"), newline="")
-    lines.seek(found.header_at)
+    lines.seek(outline.header_at)
     try:
-        head = tuple(tuple(row) for row in islice(csv.reader(lines, delimiter=found.delimiter), SNIFFED_ROWS))
+        head = tuple(tuple(row) for row in islice(csv.reader(lines, delimiter=outline.delimiter), SNIFFED_ROWS))
     except csv.Error as error:
         raise SeriesError(f"{path} is no table that can be read: {error}") from error
-    start = found.start
+    start = outline.start
     if options.columns:
-        found = _named(found, path, options)
-        start = len(lines.getvalue()[: found.header_at].encode())
-    names = tuple(single_blanks(name) for name in found.header)
+        outline = _named(outline, path, options)
+        start = len(lines.getvalue()[: outline.header_at].encode())
+    names = tuple(single_blanks(name) for name in outline.header)
     return TableFile(
         path,
         names,
         head,
-        lambda locations: _read_text(data, start, found, path, locations),
-        found.named_in,
+        lambda locations: _read_text(data, start, outline, path, locations),
+        outline.named_in,
     )
 
 
-def _named(found: TextLayout, path: Path, options: TableOptions) -> TextLayout:
+def _named(outline: TextLayout, path: Path, options: TableOptions) -> TextLayout:
     """The layout of a table without a header, with the names that are told."""
-    if len(found.header) != len(options.columns):
+    if len(outline.header) != len(options.columns):
         raise SeriesError(
-            f"{path} has {len(found.header)} columns, and `columns` names {len(options.columns)} (- leaves one out)"
+            f"{path} has {len(outline.header)} columns, and `columns` names {len(options.columns)} (- leaves one out)"
         )
-    return TextLayout(found.delimiter, list(options.columns), found.start, found.header_at)
+    return TextLayout(outline.delimiter, list(options.columns), outline.start, outline.header_at)
 
 
 def _delimiter(options: TableOptions) -> str | None:
@@ -194,7 +194,7 @@ def _delimiter(options: TableOptions) -> str | None:
     return mark
 
 
-def _read_text(data: bytes, start: int, found: TextLayout, path: Path, locations: Sequence[int]) -> Any:
+def _read_text(data: bytes, start: int, outline: TextLayout, path: Path, locations: Sequence[int]) -> Any:
     import pyarrow as pa
     from pyarrow import csv
 
@@ -207,10 +207,12 @@ def _read_text(data: bytes, start: int, found: TextLayout, path: Path, locations
     text = pa.dictionary(pa.int32(), pa.string())
     body = pa.py_buffer(data).slice(start, end - start)
     options = {
-        "read_options": csv.ReadOptions(use_threads=False, column_names=[str(i) for i in range(len(found.header))]),
-        "parse_options": csv.ParseOptions(delimiter=found.delimiter, ignore_empty_lines=False, newlines_in_values=True),
+        "read_options": csv.ReadOptions(use_threads=False, column_names=[str(i) for i in range(len(outline.header))]),
+        "parse_options": csv.ParseOptions(
+            delimiter=outline.delimiter, ignore_empty_lines=False, newlines_in_values=True
+        ),
     }
-    every = [str(i) for i in range(len(found.header))]
+    every = [str(i) for i in range(len(outline.header))]
 
     def read(columns: list[str]) -> Any:
         convert = csv.ConvertOptions(
@@ -220,7 +222,7 @@ def _read_text(data: bytes, start: int, found: TextLayout, path: Path, locations
 
     columns = read(names)
     if data.find(b'"', start) >= 0 and columns.num_rows < _lines(data, start, end):
-        _refuse_open_quotes(read(every), found, path)
+        _refuse_open_quotes(read(every), outline, path)
     return columns
 
 
@@ -228,14 +230,15 @@ def _lines(data: bytes, start: int, end: int) -> int:
     return (data.count(b"\n", start, end) or data.count(b"\r", start, end)) + 1
 
 
-def _refuse_open_quotes(table: Any, found: TextLayout, path: Path) -> None:
+def _refuse_open_quotes(table: Any, outline: TextLayout, path: Path) -> None:
     """Refuse a table in which a value holds whole rows, as a quotation mark was opened and not closed."""
-    for name, column in zip(found.header, table.columns, strict=True):
+    for name, column in zip(outline.header, table.columns, strict=True):
         for value in column.unify_dictionaries().chunk(0).dictionary.to_pylist() if column.num_chunks else ():
             lines = re.split(r"\r\n|\n|\r", value)
-            whole = len(found.header) - 1
-            if any(line.count(found.delimiter) >= max(whole, 1) for line in lines[1:-1]) or (
-                len(lines) > 1 and lines[0].count(found.delimiter) + lines[-1].count(found.delimiter) >= max(whole, 1)
+            whole = len(outline.header) - 1
+            if any(line.count(outline.delimiter) >= max(whole, 1) for line in lines[1:-1]) or (
+                len(lines) > 1
+                and lines[0].count(outline.delimiter) + lines[-1].count(outline.delimiter) >= max(whole, 1)
             ):
                 raise SeriesError(
                     f"{path} has a quotation mark in column {name!r} that swallows rows, before "

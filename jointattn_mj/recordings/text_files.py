@@ -94,9 +94,9 @@ def _refuse_binary(data: bytes, path: Path) -> None:
     for start, kind in KINDS.items():
         if data.startswith(start):
             raise SeriesError(f"{path} is {kind}, not text; save the table as CSV")
-    found = _CONTROL.search(data)
-    if found is not None:
-        raise SeriesError(f"{path} is no text file (byte 0x{found.group()[0]:02X} at {found.start()})")
+    match = _CONTROL.search(data)
+    if match is not None:
+        raise SeriesError(f"{path} is no text file (byte 0x{match.group()[0]:02X} at {match.start()})")
 
 
 def layout(
@@ -140,10 +140,12 @@ def layout(
         if not line:
             break
         if above and line.strip():
-            found = _layout_at(text, at, path, told[1] if told else delimiter)
-            if heads(found.header):
-                rows = [_cells(one, found.delimiter) for one in above]
-                return found if are_above(rows, found.header) else replace(first, named_in=skip_rows + len(above))
+            candidate = _layout_at(text, at, path, told[1] if told else delimiter)
+            if heads(candidate.header):
+                rows = [_cells(one, candidate.delimiter) for one in above]
+                return (
+                    candidate if are_above(rows, candidate.header) else replace(first, named_in=skip_rows + len(above))
+                )
         above.append(line)
     return first
 

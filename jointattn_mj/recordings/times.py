@@ -88,12 +88,12 @@ def _plain(texts: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _clock(text: str, rate: float | None, where: str) -> float:
-    found = _CLOCK.fullmatch(text)
-    if found is None:
+    match = _CLOCK.fullmatch(text)
+    if match is None:
         raise SeriesError(
             f"{where} holds {shown(text)}, which is no time; expected a number, or a clock such as 00:01:02.500"
         )
-    sign, hours, minutes, whole, fraction, thousandths, frames = found.groups()
+    sign, hours, minutes, whole, fraction, thousandths, frames = match.groups()
     if int(whole) > 59 or (hours is not None and int(minutes) > 59):
         raise SeriesError(f"{where} holds {shown(text)}, which is no time: minutes and seconds go to 59")
     value = 3600.0 * int(hours or 0) + 60 * int(minutes) + int(whole)

@@ -5,12 +5,10 @@ imported, and ends in a traceback there where a library or a driver is missing; 
 image can be rendered all else works, and the first image that is asked for raises an error that says why.
 """
 
-import ctypes
 import os
 import sys
 import warnings
 from collections.abc import Sequence
-from importlib.abc import MetaPathFinder
 from types import ModuleType
 
 DISABLED = ("disable", "disabled", "off", "false", "0")
@@ -39,6 +37,8 @@ def why_not() -> str:
 
 
 def _loads(name: str) -> bool:
+    import ctypes
+
     try:
         ctypes.CDLL(name)
     except OSError:
@@ -48,6 +48,8 @@ def _loads(name: str) -> bool:
 
 def _egl_opens() -> bool:
     """Whether EGL opens a display, as dm_control will: the library does nothing without Mesa's or a GPU's driver."""
+    import ctypes
+
     egl = ctypes.CDLL(LIBRARIES["egl"][0])
     pointer, number = ctypes.c_void_p, ctypes.c_int
     egl.eglGetProcAddress.restype = pointer
@@ -84,7 +86,7 @@ def available(backend: str) -> bool:
     return any(_loads(name) for name in LIBRARIES["osmesa"])
 
 
-class _Chooser(MetaPathFinder):
+class _Chooser:
     """An import hook that finds no module, but chooses a backend before the first of ``READERS`` is imported."""
 
     chosen = False

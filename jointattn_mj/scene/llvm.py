@@ -6,13 +6,10 @@ in triton's initialisers (Mesa 22.3 with LLVM 15 and triton 3.7: 12,491 symbols 
 libLLVM-15.so.1). Loaded with RTLD_DEEPBIND, triton is bound to its own first.
 """
 
-import ctypes
 import os
 import sys
 from collections.abc import Sequence
-from importlib.abc import MetaPathFinder
 from importlib.machinery import ExtensionFileLoader, ModuleSpec, PathFinder
-from pathlib import Path
 from types import ModuleType
 
 COMPILED = "triton._C."
@@ -25,7 +22,7 @@ def keep_apart() -> None:
         sys.meta_path.insert(0, _TritonFinder())
 
 
-class _TritonFinder(MetaPathFinder):
+class _TritonFinder:
     """An import hook that gives triton's compiled modules another loader."""
 
     def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
@@ -52,7 +49,8 @@ class _BoundToItself(ExtensionFileLoader):
 
 def _llvm_is_loaded() -> bool:
     """Whether an LLVM that is not triton's is in this process."""
-    return "libLLVM" in Path("/proc/self/maps").read_text()
+    with open("/proc/self/maps", encoding="utf-8", errors="replace") as maps:
+        return "libLLVM" in maps.read()
 
 
 def _malloc_is_replaced() -> bool:
@@ -63,6 +61,8 @@ def _malloc_is_replaced() -> bool:
 
 def _malloc_of(library: str) -> int | None:
     """Address of the malloc that a library uses, or None where there is no such library."""
+    import ctypes
+
     try:
         return ctypes.cast(ctypes.CDLL(library).malloc, ctypes.c_void_p).value
     except OSError:

@@ -217,3 +217,10 @@ def build_model(config: SceneConfig | None = None, blank: bool = False) -> mujoc
     _add_objects(spec, config)
     _add_room(spec, high, blank)
     return spec.compile()
+
+
+def build_robot() -> mujoco.MjModel:
+    """Compile the robot's body alone: its head moves as in the scene."""
+    spec = _part("robot")
+    _options(spec)
+    return spec.compile()

@@ -321,7 +321,7 @@ def _page(chapters: Sequence[Chapter], images: Mapping[str, Mapping[str, str]], 
 def _seeds_in_words(seeds: Sequence[int]) -> str:
     """``0-19, 30``."""
     parts = _ranges(seeds)
-    return ", ".join(str(one[0]) if len(one) == 1 else f"{one[0]}-{one[-1]}" for one in parts) or "none"
+    return ", ".join(str(part[0]) if len(part) == 1 else f"{part[0]}-{part[-1]}" for part in parts) or "none"
 
 
 def _write(path: Path, content: bytes) -> None:

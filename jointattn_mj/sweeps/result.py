@@ -69,6 +69,12 @@ class ClaimResult:
         Raises:
             ConfigError: There is no such claim.
             OutputError: The folder holds no trials of it.
+
+        Examples:
+            >>> from jointattn_mj import ClaimResult, run_claim
+            >>> _ = run_claim("5.2", out="out/claims", runs=1)
+            >>> ClaimResult.open("out/claims", "5.2").entry.title
+            'Gaze following, looking back, gaze alternation'
         """
         path = path_of(folder, "folder")
         registry = experiments_registry() if registry is None else registry
@@ -89,7 +95,16 @@ class ClaimResult:
         )
 
     def table(self) -> Table:
-        """The findings, a row each: value, 95% interval, standard deviation, number of runs, verdict."""
+        """Give the findings as a table.
+
+        Returns:
+            A row a finding: value, 95% interval, standard deviation, number of runs, verdict.
+
+        Examples:
+            >>> from jointattn_mj import run_claim
+            >>> len(run_claim("5.2", out="out/claims", runs=1).table()) > 1
+            True
+        """
         rows = [finding_row(finding) for finding in self.findings]
         texts, whole = ("what", "dissertation", "verdict", "note"), ("n",)
         names = ("what", "dissertation", "value", "low", "high", "sd", "n", "verdict", "note")
@@ -112,8 +127,8 @@ class ClaimResult:
         amount = f"up to {count(runs, 'run')}" if runs > 1 else "1 run"
         head = f"ClaimResult {self.entry.id} ({self.entry.title}): {self.verdict}, {amount}, in {self.folder}"
         rows = [("what", "dissertation", "here", "verdict")]
-        for one in self.findings:
-            rows.append((one.what, one.dissertation, str(one.ours or "-"), str(one.verdict)))
+        for finding in self.findings:
+            rows.append((finding.what, finding.dissertation, str(finding.ours or "-"), str(finding.verdict)))
         room = (44, 22, 22, 16)
         lines = ["  ".join(_cut(text, width) for text, width in zip(row, room, strict=True)).rstrip() for row in rows]
         return "\n".join([head if len(head) <= WIDTH else _cut(head, WIDTH).rstrip(), *lines])

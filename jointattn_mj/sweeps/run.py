@@ -14,12 +14,12 @@ from jointattn_mj.options import Checked, Seed, Whole, warn_renamed
 from jointattn_mj.sweeps.backends import Backend, gone, lost_touch
 from jointattn_mj.sweeps.claim import Claim
 from jointattn_mj.sweeps.store import Keys, PlannedTrial, Store
-from jointattn_mj.sweeps.worker import Outcome, compute, pack
+from jointattn_mj.sweeps.worker import TrialOutcome, compute, pack
 
 GOLDEN = 0.618
 """Runs that share a folder begin this share of the queue apart, which spreads any number of them."""
-FORMER_STATE = "truth/"
-"""Beginning of settings that version 0.1 called so; they now begin with ``state/``."""
+FORMER_SETTINGS = {"truth/": "state/", "an image every turn": "an image every step", "exact_places": "exact_locations"}
+"""Beginnings of settings as version 0.1 called them, and as they are called now."""
 WAIT_S = 1.0
 """Seconds after which progress is reported though no trial has ended."""
 
@@ -89,8 +89,9 @@ class Selection(Checked):
         if self.setting in claim.settings:
             return [self.setting]
         chosen = [name for name in claim.settings if name.startswith(self.setting)]
-        if not chosen and self.setting.startswith(FORMER_STATE):
-            current = self.setting.replace(FORMER_STATE, "state/", 1)
+        former = next((name for name in FORMER_SETTINGS if self.setting.startswith(name)), None)
+        if not chosen and former is not None:
+            current = self.setting.replace(former, FORMER_SETTINGS[former], 1)
             chosen = replace(self, setting=current).names(claim)
             if chosen:
                 warn_renamed(f"setting {self.setting}", current)
@@ -174,7 +175,7 @@ class _Run:
         self, store: Store, backend: Backend, watcher: SweepWatcher, tally: Tally, always: Mapping[str, object]
     ):
         self.store, self.backend, self.watcher, self.tally, self.always = store, backend, watcher, tally, always
-        self.flying: dict[Future[Outcome], PlannedTrial] = {}
+        self.flying: dict[Future[TrialOutcome], PlannedTrial] = {}
         self.packed: dict[tuple[str, str], bytes] = {}
         self.deaths: Counter[str] = Counter()
         self.doubtful: deque[PlannedTrial] = deque()
@@ -212,7 +213,7 @@ class _Run:
             queue.appendleft(task)
             self.bury([])
 
-    def land(self, future: Future[Outcome]) -> PlannedTrial | None:
+    def land(self, future: Future[TrialOutcome]) -> PlannedTrial | None:
         """Store the result of a future that has ended; returns its trial if the worker died."""
         task = self.flying.pop(future)
         kind = task.claim.id, task.name
@@ -223,7 +224,7 @@ class _Run:
         except Exception as error:
             if lost_touch(error):
                 raise gone(error) from error
-            outcome = Outcome(0.0, error=f"{type(error).__name__}: {error}", traceback=traceback.format_exc())
+            outcome = TrialOutcome(0.0, error=f"{type(error).__name__}: {error}", traceback=traceback.format_exc())
         self.tally.left[kind] -= 1
         if outcome.error:
             self.fail(task, outcome.error, outcome.traceback)

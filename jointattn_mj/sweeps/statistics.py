@@ -1,10 +1,12 @@
-"""Estimates with 95% intervals, paired differences, and the number of runs that a comparison needs."""
+"""Estimates with 95% intervals, paired differences, and the number of runs that a comparison needs.
+
+scipy is imported where it is used, for half a second is long for a command that ends in its help.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import optimize, stats
 
 RESAMPLES = 9999
 CONFIDENCE = 0.95
@@ -63,6 +65,8 @@ def mean_interval(values: Sequence[float] | np.ndarray) -> Estimate:
     mean = float(values.mean())
     if len(values) < 2 or np.ptp(values) == 0:
         return Estimate(mean, mean, mean, 0.0, len(values))
+    from scipy import stats
+
     interval = stats.bootstrap(
         (values,), np.mean, n_resamples=RESAMPLES, method="BCa", rng=np.random.default_rng(0)
     ).confidence_interval
@@ -79,6 +83,8 @@ def proportion(successes: int, n: int) -> Estimate:
         raise ValueError(f"proportion needs 0 <= successes <= n; got {successes} of {n}")
     if n == 0:
         return NOTHING
+    from scipy import stats
+
     share = successes / n
     interval = stats.binomtest(int(successes), int(n)).proportion_ci(CONFIDENCE, method="wilson")
     sd = float(np.sqrt(share * (1 - share) * n / (n - 1))) if n > 1 else 0.0
@@ -96,6 +102,8 @@ def median_interval(values: Sequence[float] | np.ndarray) -> Estimate:
     n = len(values)
     if n == 0:
         return NOTHING
+    from scipy import stats
+
     middle = values[(n - 1) // 2], values[n // 2]
     median = float(middle[0]) if middle[0] == middle[1] else float(middle[0] + middle[1]) / 2
     sd = float(values.std(ddof=1)) if n > 1 and np.isfinite(values).all() else np.nan
@@ -134,6 +142,8 @@ def runs_needed(one: float, other: float, sd: float | None = None, power: float 
     """
     if one == other:
         return np.inf
+    from scipy import optimize, stats
+
     if sd is None:
         pooled = (one + other) / 2
         wide = stats.norm.ppf((1 + CONFIDENCE) / 2) * np.sqrt(2 * pooled * (1 - pooled))

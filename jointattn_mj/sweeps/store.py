@@ -35,7 +35,7 @@ TRIALS, FORMER_TRIALS = "trials", "cells"
 NAMES_IN_KEYS = {
     "agent": "mind", "holding_location": "holding_place", "rest_location": "rest_place", "location_gain": "place_gain",
     "agent_steps": "mind_turns", "images": "pictures", "image_height": "picture_height", "calibration": "greeting",
-    "exploration": "watching", "modelled": "claimed", "stop_rule": "rule", "stability_of": "of",
+    "exploration": "watching", "n_steps": "turns", "modelled": "claimed", "stop_rule": "rule", "stability_of": "of",
 }  # fmt: skip
 """Renamed fields of configs: name now, name when trials were first stored. Keys and stored configs keep the first name,
 so that trials stored before are found. A new row here belongs to every renaming of such a field."""
@@ -49,20 +49,23 @@ CHOICES_IN_KEYS = {
 }
 """Choices of fields that have been renamed, by field and choice as they are called now; likewise."""
 
-ADDED = {
+ADDED: dict[str, dict[str, Any]] = {
+    "": {"patch_side": None},
     "learner": {"pairs": "reached", "base": "none", "competition": 0.0, "compete_after": 10, "forgetting": 0.0,
                 "smoothing": 0.05},
-    "world": {"wrong": 0.0, "profile_shows": "gaze"},
+    "world": {"wrong": 0.0, "profile_shows": "gaze", "draws": "all", "least_turned": 0},
     "table": {"wrong": 0.0, "profile_shows": "gaze"},
+    "rendered": {"least_turned": 0},
     "gaze": {"gate_sharpness": 3.0, "commands": "direction", "wait_for_still_face": False, "read_again": False},
 }  # fmt: skip
 """Fields that configs have got since trials were first stored, by the field that holds the config, with the values at
-which trials are what they were; keys and stored configs leave them out then. A new field of a config belongs here."""
+which trials are what they were; keys and stored configs leave them out then. The setting's own config is held by "".
+A new field of a config belongs here."""
 
 
 def config_text(config: Any) -> str:
     """The config of a setting as JSON text, with the names of fields that keys are made of."""
-    return text_of(_with_first_names(plain(config)))
+    return text_of(_with_first_names(_without_added("", plain(config))))
 
 
 def _with_first_names(value: Any) -> Any:
@@ -324,8 +327,8 @@ class Store:
 
 def _failure(path: Path) -> dict[str, Any]:
     try:
-        noted = json.loads(path.read_bytes())
-        return {**noted, "setting": str(noted["setting"]), "seed": int(noted["seed"])}
+        note = json.loads(path.read_bytes())
+        return {**note, "setting": str(note["setting"]), "seed": int(note["seed"])}
     except UNREADABLE:
         return {"setting": "unknown", "seed": -1, "error": f"its note {path.name} cannot be read", "damaged": path}
 

@@ -30,7 +30,7 @@ SINGLE_THREADED = {
 
 
 @dataclass(frozen=True)
-class Outcome:
+class TrialOutcome:
     """How a trial ended."""
 
     seconds: float
@@ -49,7 +49,7 @@ def pack(trial: Any, config: Any) -> bytes:
     return pickle.dumps((trial, config))
 
 
-def compute(packed: bytes, seed: int) -> Outcome:
+def compute(packed: bytes, seed: int) -> TrialOutcome:
     """Compute one trial; an error becomes part of the outcome.
 
     Args:
@@ -64,8 +64,8 @@ def compute(packed: bytes, seed: int) -> Outcome:
         result = text_of(trial(config, seed))
     except BaseException as error:  # SystemExit is a failure too
         said = f"{type(error).__name__}: {error}".strip().rstrip(":")
-        return Outcome(time.perf_counter() - started, error=said, traceback=traceback.format_exc())
-    return Outcome(time.perf_counter() - started, result, _made_with())
+        return TrialOutcome(time.perf_counter() - started, error=said, traceback=traceback.format_exc())
+    return TrialOutcome(time.perf_counter() - started, result, _made_with())
 
 
 def start() -> None:

@@ -3,8 +3,9 @@
 from abc import abstractmethod
 from collections import OrderedDict
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from dm_control.mujoco.wrapper import MjModel
@@ -14,14 +15,15 @@ from dm_env import specs
 from jointattn_mj.errors import ConfigError, ObservationError, StateError
 from jointattn_mj.guards.closing import Closable
 from jointattn_mj.scene import snapshot
-from jointattn_mj.scene.caregiver import FRAME_S
+from jointattn_mj.scene.caregiver import FRAME_S, TransferScript
 from jointattn_mj.scene.dressing import Conditions
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH, build_model
 from jointattn_mj.scene.people import FaceConfig
 from jointattn_mj.scene.variation import VariationConfig, drawn, variation_of
-from jointattn_mj.scene.world import World, WorldConfig
+from jointattn_mj.scene.world import AS_USUAL, World, WorldConfig
 from jointattn_mj.tasks.actions import checked
 from jointattn_mj.tasks.arguments import require, unknown
+from jointattn_mj.tasks.face_patch import SPEC, FacePatch
 from jointattn_mj.tasks.physics import Physics
 from jointattn_mj.tasks.state import EnvironmentState
 
@@ -83,7 +85,7 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
 
     def __init__(
         self, config: WorldConfig, random: SeedLike = None, camera: bool = True, truth: bool = False,
-        people: Sequence[str] = (), variation: VariationConfig | str = "none",
+        people: Sequence[str] = (), variation: VariationConfig | str = "none", face_patch: bool = False,
     ):  # fmt: skip
         """Make a task.
 
@@ -94,6 +96,7 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
             truth: Whether observations hold the ground truth.
             people: Names of caregivers, one of whom is drawn for each episode; empty: the caregiver of ``config``.
             variation: How far the world of each episode may differ from ``config``: ranges, or names of presets.
+            face_patch: Whether observations hold the caregiver's face, as the robot's own detector finds it.
 
         Raises:
             ConfigError: An argument is of the wrong kind, or a name is unknown.
@@ -101,13 +104,16 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
         require("world", config, WorldConfig)
         require("camera", camera, bool)
         require("truth", truth, bool)
+        require("face_patch", face_patch, bool)
         require("people", people, tuple, list)
         require("variation", variation, VariationConfig, str)
         self._configs = [replace(config, scene=replace(config.scene, caregiver=name, face=None)) for name in people]
         self._configs = self._configs or [config]
         self._variation = variation_of(variation)
         self._worlds: dict[tuple[str, FaceConfig | None], World] = {}
-        self._camera, self._truth = camera, truth
+        self._camera, self._truth, self._face_patch = camera, truth, face_patch
+        self._face: FacePatch | None = None  # once an episode needs it
+        self._seen: dict[str, np.ndarray] | None = None  # of the face in this step, once it was observed
         self.visualize_reward = False
         self._action_spec = self.actions()
         self.seed(random)
@@ -139,6 +145,31 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
         self.world = self._world_of(*self._drawn)
         return self.world
 
+    def cast_script(self) -> tuple[World, TransferScript]:
+        """Begin the next episode outside of its world, which several tasks may then share: the world and the script."""
+        world = self.cast()
+        (seed,) = self._seeds.spawn(1)
+        self._begin_to_see()
+        return world, world.script(seed)
+
+    def twin(self) -> Self:
+        """Another task with episodes of its own, in the same worlds."""
+        other = object.__new__(type(self))  # a copy would have worlds of its own
+        other.__dict__.update(vars(self))
+        if self._face_patch:
+            other._face = copy(self._known_face())
+        return other
+
+    def observe_anew(self) -> TaskObservation:
+        """Observe the world as it is, after bodies were moved outside of a step."""
+        self._seen = None
+        return self.get_observation(self.world.physics)
+
+    @property
+    def varies(self) -> bool:
+        """Whether worlds differ from episode to episode by more than the caregiver."""
+        return self._variation.on
+
     def _world_of(self, config: WorldConfig, conditions: Conditions) -> World:
         """The world with that caregiver; compiled when it is first needed."""
         who = config.scene.caregiver, config.scene.face
@@ -156,10 +187,16 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
     def initialize_episode(self, physics: Physics) -> None:
         """Start the next episode: everything that its seed decides."""
         (seed,) = self._seeds.spawn(1)
+        self._begin_to_see()
         self.world.vary(*self._drawn)
         self.world.reset(seed)
         self.begin(seed)
         self.after_step(physics)
+
+    def _begin_to_see(self) -> None:
+        self._seen = None
+        if self._face_patch:
+            self._known_face().begin()
 
     def begin(self, seed: np.random.SeedSequence) -> None:
         """What a task adds to the start of an episode; ``seed`` is the episode's."""
@@ -170,7 +207,9 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
         Raises:
             ActionError: The action is not finite, has another shape, or is no numbers; nothing has changed then.
         """
-        self.act(checked(action, self._action_spec))
+        action = checked(action, self._action_spec)
+        self._seen = None
+        self.act(action)
 
     def act(self, action: np.ndarray) -> None:
         """Advance the caregiver's script, and set the head's servos to ``action`` (2,), pan and tilt, rad."""
@@ -197,17 +236,30 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
         if self._camera:
             spec["camera"] = specs.BoundedArray((IMAGE_HEIGHT, IMAGE_WIDTH, 3), np.uint8, 0, 255, name="camera")
         spec["head_angles"] = specs.BoundedArray((2,), float, -np.pi, np.pi, name="head_angles")
+        if self._face_patch:
+            spec |= SPEC
         return spec | (self.truth_spec() if self._truth else {})
 
     def get_observation(self, physics: Physics) -> TaskObservation:
-        """The image, the head's pan and tilt (rad), and the ground truth, as asked for; new arrays at each call."""
+        """Image, the head's pan and tilt (rad), face, and ground truth, as asked for; new arrays at each call."""
         observation = TaskObservation()
         if self._camera:
             observation["camera"] = self.world.image().copy()
         observation["head_angles"] = self.world.head_angles()
+        if self._face_patch:
+            if self._seen is None:
+                self._seen = self._known_face().observe(self.world.image(), observation["head_angles"])
+            observation.update({name: part.copy() for name, part in self._seen.items()})
         if self._truth:
             observation.update(self.truth())
         return observation
+
+    def _known_face(self) -> FacePatch:
+        """The robot that knows all caregivers' faces; made in worlds that are reset before they are used."""
+        if self._face is None:
+            worlds = ((self._world_of(config, AS_USUAL), config.behaviour.head_share) for config in self._configs)
+            self._face = FacePatch(worlds)
+        return self._face
 
     def truth_spec(self) -> dict[str, specs.Array]:
         """Shapes and bounds of what ``truth`` returns."""
@@ -229,12 +281,16 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
     def get_state(self) -> dict[str, Any]:
         """Bodies, the caregiver's script and random streams, as plain data."""
         seeds, random = self._seeds.state, snapshot.take(self.random)
-        return {"seeds": seeds, "random": random, "world": self.world.get_state()}
+        face = None if self._face is None else self._face.get_state()
+        return {"seeds": seeds, "random": random, "world": self.world.get_state(), "face": face, "seen": self._seen}
 
     def set_state(self, state: dict[str, Any]) -> None:
         """Go back to a state of this task, or of one with equal ``built``."""
         self._seeds = np.random.SeedSequence(**state["seeds"])
         snapshot.put(self.random, state["random"])
+        if self._face_patch:
+            self._known_face().set_state(state["face"])
+            self._seen = state["seen"]
         self._take_up(state["world"])
 
     def _take_up(self, state: dict[str, Any]) -> None:
@@ -304,6 +360,11 @@ class Environment(Closable, control.Environment):  # type: ignore[misc]
             key = control.FLAT_OBSERVATION_KEY
             return OrderedDict({key: specs.Array((size,), float, name=key)})
         return spec
+
+    @property
+    def step_limit(self) -> int:
+        """Steps in an episode."""
+        return int(self._step_limit)
 
     @property
     def over(self) -> bool:

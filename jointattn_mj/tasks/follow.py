@@ -28,10 +28,14 @@ class Follow(JointAttentionTask):
     def get_reward(self, physics: Physics) -> float:
         """1 within ROBOT_RADIUS of the caregiver's object, falling to 0 over ``MARGIN``."""
         target = self.world.caregiver.target
-        if target is None:
-            return 0.0
-        angle = physics.robot_to_targets()[target]
-        return float(rewards.tolerance(angle, (0, ROBOT_RADIUS), MARGIN, sigmoid="linear", value_at_margin=0))
+        return 0.0 if target is None else float(self.rewards(physics.robot_to_targets(), target))
+
+    @staticmethod
+    def rewards(angles: np.ndarray, targets: int | np.ndarray) -> np.ndarray:
+        """Rewards (...) for angles (..., n + 1), rad, to all targets; ``targets`` (...) are the caregiver's."""
+        angle = np.take_along_axis(angles, np.asarray(targets)[..., None], -1)[..., 0]
+        near: np.ndarray = rewards.tolerance(angle, (0, ROBOT_RADIUS), MARGIN, sigmoid="linear", value_at_margin=0)
+        return near
 
     def best_action(self, physics: Physics) -> np.ndarray:
         """Direction (2,), rad, of what the caregiver looks at or turns to; of the face while that is the robot."""
@@ -46,7 +50,8 @@ class FollowSparse(Follow):
 
     kind = WanderingWorld
 
-    def get_reward(self, physics: Physics) -> float:
-        """1 while the robot fixates what the caregiver looks at or turns to, and no other target is nearer; else 0."""
-        target = self.world.caregiver.target
-        return float(target is not None and physics.robot_fixates() == target)
+    @staticmethod
+    def rewards(angles: np.ndarray, targets: int | np.ndarray) -> np.ndarray:
+        """1 where the robot fixates what the caregiver looks at or turns to, and no other target is nearer; else 0."""
+        nearest = (angles.argmin(-1) == targets) & (angles.min(-1) <= ROBOT_RADIUS)
+        return nearest.astype(float)

@@ -9,6 +9,9 @@ Arguments that all tasks have:
     random: Seed, or a numpy ``RandomState`` to draw one from; None draws one.
     camera: Whether observations hold the image. Without it nothing is rendered, and no OpenGL is needed.
     truth: Whether observations hold the ground truth, which is what perfect perception would make of the image.
+    face_patch: Whether observations hold the caregiver's face as the robot's own detector finds it in the image: grey
+        values, and whether there was one. Before the first episode the detector sees the face of each of ``people`` in
+        250 images, of which ``variation`` changes nothing.
     world: A ``scene.world.WorldConfig``: what things look like, how the caregiver moves, where objects lie.
     people: Names of caregivers, one of whom is drawn for each episode; empty: the caregiver of ``world``.
     variation: Domain randomisation, drawn for each episode: a ``scene.variation.VariationConfig``, or names of its
@@ -81,6 +84,7 @@ def object_transfer(
     people: Sequence[str] = (),
     variation: VariationConfig | str = "none",
     environment_kwargs: dict[str, Any] | None = None,
+    face_patch: bool = False,
 ) -> Environment:
     """Look at the object that the caregiver takes up, observes, and puts elsewhere (section 6.4.2).
 
@@ -90,14 +94,16 @@ def object_transfer(
     |---|---|---|---|
     | `observation["camera"]` | (240, 320, 3) | uint8, RGB | the robot's image, 30 a second; with `camera=True` |
     | `observation["head_angles"]` | (2,) | float, rad | pan and tilt of the robot's head |
+    | `observation["face_patch"]` | (32, 32) | uint8 | the face, grey (`face_patch=True`); 0 where none was found |
+    | `observation["face_visible"]` | () | bool | whether a face was found; with `face_patch=True` |
     | `observation["truth"]` | (2,) | float, rad | ground truth (`truth=True`): yaw and pitch of the caregiver's head |
     | `observation["head_moves"]` | () | bool | whether the robot's head turns |
     | action | (2,) | float, rad | desired pan, -45 to 45 degrees, and tilt, -35 to 15 degrees |
     | reward | () | 0 or 1 | 1 while robot and caregiver look at the same object |
     | step, episode | | s | 1/30; 60 |
     """
-    settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people}
-    settings["variation"] = variation
+    settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "face_patch": face_patch}
+    settings |= {"people": people, "variation": variation}
     return _environment(transfer.ObjectTransfer, world, time_limit, environment_kwargs, **settings)
 
 
@@ -122,6 +128,7 @@ def follow(
     people: Sequence[str] = (),
     variation: VariationConfig | str = "none",
     environment_kwargs: dict[str, Any] | None = None,
+    face_patch: bool = False,
 ) -> Environment:
     """Fixate the object that the caregiver looks at: one of four, the same for the whole episode.
 
@@ -131,13 +138,15 @@ def follow(
     |---|---|---|---|
     | `observation["camera"]` | (240, 320, 3) | uint8, RGB | the robot's image; with `camera=True` |
     | `observation["head_angles"]` | (2,) | float, rad | pan and tilt of the robot's head |
+    | `observation["face_patch"]` | (32, 32) | uint8 | the face, grey (`face_patch=True`); 0 where none was found |
+    | `observation["face_visible"]` | () | bool | whether a face was found; with `face_patch=True` |
     | `observation["truth"]` | (2,) | float, rad | ground truth (`truth=True`): yaw and pitch of the caregiver's head |
     | action | (2,) | float, rad | desired pan, -45 to 45 degrees, and tilt, -35 to 15 degrees |
     | reward | () | 0 to 1 | 1 within 3.5 degrees of the object, falling to 0 in a straight line 20 degrees further |
     | step, episode | | s | 0.1; 3 |
     """
-    settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people}
-    settings["variation"] = variation
+    settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "face_patch": face_patch}
+    settings |= {"people": people, "variation": variation}
     return _environment(following.Follow, world, time_limit, environment_kwargs, **settings)
 
 
@@ -151,6 +160,7 @@ def follow_hard(
     people: Sequence[str] = EVERYBODY,
     variation: VariationConfig | str = "none",
     environment_kwargs: dict[str, Any] | None = None,
+    face_patch: bool = False,
 ) -> Environment:
     """``follow`` with eight objects and one of six caregivers, who looks at the robot, then at object after object.
 
@@ -162,8 +172,8 @@ def follow_hard(
     | step, episode | | s | 0.1; 6 |
     """
     world = replace(CROWDED, behaviour=WANDERING) if world is None else world
-    settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people}
-    settings["variation"] = variation
+    settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "face_patch": face_patch}
+    settings |= {"people": people, "variation": variation}
     return _environment(following.FollowSparse, world, time_limit, environment_kwargs, **settings)
 
 
@@ -178,6 +188,7 @@ def turn_taking(
     table: TableConfig = CHAPTER_5,
     variation: VariationConfig | str = "none",
     environment_kwargs: dict[str, Any] | None = None,
+    face_patch: bool = False,
 ) -> Environment:
     """Turn-taking at the table of chapter 5: three spots, two objects, both shift their gaze once a step (5.3.1).
 
@@ -188,14 +199,16 @@ def turn_taking(
     |---|---|---|---|
     | `observation["camera"]` | (240, 320, 3) | uint8, RGB | image at the end of the step, with `camera=True` |
     | `observation["head_angles"]` | (2,) | float, rad | pan and tilt of the robot's head |
+    | `observation["face_patch"]` | (32, 32) | uint8 | the face, grey (`face_patch=True`); 0 where none was found |
+    | `observation["face_visible"]` | () | bool | whether a face was found; with `face_patch=True` |
     | `observation["sensors"]` | (2,) | int | ground truth (`truth=True`): values of the sensory variables (Table 5.1) |
     | `observation["results"]` | (2,) or (3,) | int | ground truth (`truth=True`): values of the resultant variables |
     | action | (2,) | int | spot to look at, or the number of spots for the caregiver's face; gesture |
     | reward | () | 0 or 1 | 1 where robot or caregiver looks at the object that the other looked at |
     | step, episode | | s | 1; 1000 |
     """
-    settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "people": people, "table": table}
-    settings["variation"] = variation
+    settings: dict[str, Any] = {"random": random, "camera": camera, "truth": truth, "face_patch": face_patch}
+    settings |= {"people": people, "table": table, "variation": variation}
     return _environment(turns.TurnTaking, world, time_limit, environment_kwargs, **settings)
 
 

@@ -69,6 +69,7 @@ class TurnTaking(JointAttentionTask):
     def __init__(
         self, config: WorldConfig, random: SeedLike = None, camera: bool = True, truth: bool = False,
         people: tuple[str, ...] = (), table: TableConfig = CHAPTER_5, variation: VariationConfig | str = "none",
+        face_patch: bool = False,
     ):  # fmt: skip
         """Make a task.
 
@@ -80,12 +81,13 @@ class TurnTaking(JointAttentionTask):
             people: See there.
             table: Spots, objects and the caregiver's rules.
             variation: See there.
+            face_patch: See there.
         """
         require("world", config, WorldConfig)
         require("table", table, TableConfig)
         self.table_config, self.variables = table, table_variables(table)
         scene = replace(config.scene, objects=objects_for(table))
-        super().__init__(replace(config, scene=scene), random, camera, truth, people, variation)
+        super().__init__(replace(config, scene=scene), random, camera, truth, people, variation, face_patch)
         self.table = new_table(table, np.random.SeedSequence(0))
         self._sensors = np.zeros(len(self.variables.sensors), np.int64)
         self._results = np.zeros(len(self.variables.results), np.int64)

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 import cv2
-import matplotlib
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
@@ -62,6 +61,8 @@ def paler(colour: Colour) -> Colour:
 
 @lru_cache
 def _font(size: int, bold: bool) -> ImageFont.FreeTypeFont:
+    import matplotlib  # only its folder of fonts is needed, and only where words are drawn
+
     name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
     return ImageFont.truetype(str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / name), size)
 

@@ -1,4 +1,7 @@
-"""A video file written image by image: H.264 in a fragmented mp4, which plays even when it was cut short."""
+"""A video file written image by image: H.264 in a fragmented mp4, which plays even when it was cut short.
+
+mediapy is imported where a file is begun: it brings matplotlib's windows and, where it is installed, IPython.
+"""
 
 import os
 import signal
@@ -8,7 +11,6 @@ from pathlib import Path
 from types import TracebackType
 
 import imageio_ffmpeg
-import mediapy
 import numpy as np
 
 from jointattn_mj.errors import VideoError
@@ -35,6 +37,8 @@ class Reel:
             width: Of the images, pixels.
             rate: Images a second.
         """
+        import mediapy
+
         arguments = f"-preset veryfast -g {max(1, round(rate))} {' '.join(FRAGMENTED)} -flush_packets 1"
         path = path.absolute()  # ffmpeg takes what stands before a colon in a bare name as a protocol
         self._writer = mediapy.VideoWriter(path, (height, width), fps=rate, crf=QUALITY, ffmpeg_args=arguments)
@@ -103,6 +107,8 @@ def find_ffmpeg() -> None:
     Raises:
         VideoError: There is neither.
     """
+    import mediapy
+
     if mediapy.video_is_available():
         return
     with suppress(RuntimeError):

@@ -55,7 +55,7 @@ def play_episodes(
 
 def mean_return(episodes: list[Episode]) -> Estimate:
     """The mean return of episodes, with its interval."""
-    return mean_interval([one.reward_sum for one in episodes])
+    return mean_interval([episode.reward_sum for episode in episodes])
 
 
 def _film(environment: Environment, path: Path) -> Any:

@@ -9,7 +9,7 @@ from clips import Clip, encode
 import jointattn_mj
 from jointattn_mj.footage.frames import PerceivedFrame
 from jointattn_mj.gaze_following.summary import SessionSummary
-from jointattn_mj.recordings import Recordings
+from jointattn_mj.recordings import Coding, Events, ReadOptions, Recordings
 from jointattn_mj.scene import gl
 
 pytestmark = pytest.mark.integration
@@ -47,7 +47,7 @@ def test_an_example(name):
 
 
 @pytest.mark.parametrize(
-    "kind", [Recordings, PerceivedFrame, SessionSummary], ids=["Recordings", "PerceivedFrame", "SessionSummary"]
+    "kind", [Recordings, PerceivedFrame, SessionSummary, Events, Coding, ReadOptions], ids=lambda kind: kind.__name__
 )
 def test_an_example_of_what_is_returned(kind):
     """Classes that nobody makes, but everybody gets."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from jointattn_mj.baselines.turn_taking.agent import TurnTaker, TurnTakerConfig
-from jointattn_mj.baselines.turn_taking.attempts import Situations, run_attempts
+from jointattn_mj.baselines.turn_taking.attempts import AttemptSituations, run_attempts
 from jointattn_mj.baselines.turn_taking.faces import (
     FACE_DIRECTION,
     FaceBank,
@@ -37,9 +37,9 @@ def code_faces(seed: int = 0, count: int = 400) -> FaceInputs:
     return FaceInputs(patterns.astype(np.float32), gaze, np.zeros(20), 1.0)
 
 
-def situations(faces: FaceInputs, table: ObjectTableConfig, seed: int = 1, count: int = 800) -> Situations:
+def situations(faces: FaceInputs, table: ObjectTableConfig, seed: int = 1, count: int = 800) -> AttemptSituations:
     rng = np.random.default_rng(seed)
-    return Situations.of_locations(draw_tables(table, count, rng), faces, 0.0, rng)
+    return AttemptSituations.of_locations(draw_tables(table, count, rng), faces, 0.0, rng)
 
 
 def taker(config: TurnTakerConfig, faces: FaceInputs, seed: int = 2) -> TurnTaker:

@@ -2,13 +2,15 @@
 
 import json
 import math
+import subprocess
 
 import pytest
 
 from jointattn_mj.benchmarks import loop as benchmark
 from jointattn_mj.benchmarks import steps as steps_benchmark
-from jointattn_mj.benchmarks.loop import BenchmarkOptions, run_benchmark
-from jointattn_mj.benchmarks.steps import StepsBenchmark
+from jointattn_mj.benchmarks.figures import Figures, committed
+from jointattn_mj.benchmarks.options import BenchmarkOptions
+from jointattn_mj.cli.costs import measured
 from jointattn_mj.cli.main import main
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
@@ -20,6 +22,17 @@ pytestmark = pytest.mark.integration
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
 
 
+SCENE = (
+    "renderer", "render_ms", "loop_ms_per_image", "loop_to_render", "loop_times_real_time", "session_26_min_s",
+    "familiarise_s", "state_times_real_time", "cartpole_ms", "loop_to_cartpole",
+)  # fmt: skip
+
+
+def shown(said):
+    """Names and medians of a printed table."""
+    return dict(line.split()[:2] for line in said.splitlines()[1:])
+
+
 @needs_gl
 def test_figures(tmp_path, capsys, monkeypatch):
     robot = RobotConfig(familiarise=FamiliariseConfig(minutes=0.05))
@@ -27,8 +40,8 @@ def test_figures(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(benchmark, "CARTPOLE_STEPS", 5)
     main(["benchmark", "--blocks", "1", "--seconds", "2", "--out", str(tmp_path / "figures.json")])
     figures = json.loads((tmp_path / "figures.json").read_text())
-    shown = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
-    assert figures.keys() == shown.keys() == run_benchmark.__annotations__["return"].__annotations__.keys()
+    assert figures.pop("quartiles") == {}
+    assert tuple(figures) == tuple(shown(capsys.readouterr().out)) == SCENE
     assert figures.pop("renderer")
     for name, value in figures.items():
         assert math.isfinite(value), name
@@ -43,10 +56,40 @@ def test_figures(tmp_path, capsys, monkeypatch):
 def test_steps(capsys, monkeypatch):
     monkeypatch.setattr(steps_benchmark, "STEPS", 30)
     main(["benchmark", "--what", "steps", "--blocks", "1"])
-    figures = {name: float(value) for name, value in map(str.split, capsys.readouterr().out.splitlines())}
-    assert figures.keys() == StepsBenchmark.__annotations__.keys()
+    figures = {name: float(value) for name, value in shown(capsys.readouterr().out).items()}
+    assert figures.keys() == {"step_image_ms", "step_ms", "step_to_image", "table_step_us"}
     assert all(math.isfinite(value) and value > 0 for value in figures.values())
     assert figures["step_to_image"] == pytest.approx(figures["step_ms"] / figures["step_image_ms"], rel=0.02)
+
+
+def test_figures_stand_beside_their_quartiles_and_those_before(tmp_path):
+    figures = Figures()
+    figures.add("taken_s", [1.0, 4.0, 2.0, 3.0])
+    figures.add("renderer", "llvmpipe (LLVM 15)")
+    figures.add("pyinform_ms", None)
+    assert figures.text({"taken_s": 5.0, "gone_s": 1.0}).splitlines() == [
+        "             now            quartiles     committed",
+        "taken_s      2.5            1.75 to 3.25  5",
+        "renderer     llvmpipe                     -",
+        "pyinform_ms  not installed                -",
+    ]
+    figures.write(tmp_path / "figures.json")
+    assert json.loads((tmp_path / "figures.json").read_text()) == {
+        "taken_s": 2.5, "renderer": "llvmpipe (LLVM 15)", "pyinform_ms": None, "quartiles": {"taken_s": [1.75, 3.25]},
+    }  # fmt: skip
+
+
+def test_the_committed_figures_have_todays_names():
+    names = {*SCENE, "step_to_image", "thesis_100k_s", "transfer_entropy_to_pyinform"} - {"familiarise_s"}
+    assert names <= committed().keys()
+
+
+def test_what_a_command_takes_is_measured():
+    cost = measured("--version")
+    assert 0 < cost.seconds < 60
+    assert cost.mebibytes > 5
+    with pytest.raises(subprocess.CalledProcessError):
+        measured("no-such-command")
 
 
 @pytest.mark.parametrize("options", [{"blocks": 0}, {"seconds": 0.0}, {"seconds": math.nan}])

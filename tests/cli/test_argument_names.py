@@ -13,6 +13,7 @@ from jointattn_mj.cli.commands import COMMANDS
 from jointattn_mj.cli.develop import command_for
 from jointattn_mj.cli.old_names import typed_names
 from jointattn_mj.cli.parsing import module_of
+from jointattn_mj.cli.session import in_world
 
 PACKAGE = Path(jointattn_mj.__file__).parent
 OF_PROGRAMS = ("apt-get install", "ffmpeg ", "dask worker")
@@ -40,6 +41,8 @@ def test_every_message_outside_the_command_line():
     }
     for world in ("table", "rendered", "realtime"):
         options |= typed_names(command_for([world], None)[0])
+    for world in ("video", "camera"):
+        options |= typed_names(in_world([f"--world={world}"])[0])
     named = set()
     for path in PACKAGE.rglob("*.py"):
         if path.parent.name != "cli":

@@ -28,9 +28,9 @@ from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.contingency.table import steps
 
 
-def measured(counts, field="sum"):
+def measured(counts, field="sums"):
     """T^C and SAC of all events, times n: of sums, or of occupied cells."""
-    parts = counts.contexts[field][counts.of_event].astype(float)
+    parts = getattr(counts, field)[counts.of_event].astype(float)
     combined = parts[:, OWN] - parts[:, OF_ACTION]
     return combined, combined - (parts[:, OF_SENSOR] - parts[:, ALONE])
 
@@ -38,9 +38,10 @@ def measured(counts, field="sum"):
 def same_counts(one, other):
     """Equal to the last count; sums up to rounding."""
     assert np.array_equal(one.entries, other.entries)
-    for field in module.CONTEXT.names:
-        assert one.contexts[field] == pytest.approx(other.contexts[field], rel=1e-12, abs=1e-11), field
+    for field in ("sums", "n", "occupied"):
+        assert getattr(one, field) == pytest.approx(getattr(other, field), rel=1e-12, abs=1e-11), field
     assert np.array_equal(one.of_event, other.of_event)
+    assert np.array_equal(one.layout, other.layout)
 
 
 sizes = st.tuples(
@@ -103,7 +104,7 @@ def test_what_is_taken_out_again_was_never_there(sizes, length, data):
 def test_contexts_are_shared_among_events():
     world = variables([3, 2], [2, 4], [2, 2, 3])
     counts = empty_counts(world, list(world.events()))
-    assert len(counts.contexts) == (2 * 2 + 2 + 2 + 1) * 3
+    assert len(counts.layout) == (2 * 2 + 2 + 2 + 1) * 3
     assert len(np.unique(counts.of_event[:, OWN])) == 12
     assert len(np.unique(counts.of_event[:, ALONE])) == 3
 
@@ -124,7 +125,7 @@ def test_events_that_join_later_start_empty_and_do_not_disturb_the_old_ones():
         assert measured(wider)[1][number] == pytest.approx(
             contingency(joint_counts(since, both, event))[1] * (len(since[0]) - 1), abs=1e-10
         )
-    assert counts.entries.sum() == pytest.approx(30 * 2 * len(counts.contexts))  # its own tables, not the wider ones'
+    assert counts.entries.sum() == pytest.approx(30 * 2 * len(counts.layout))  # its own tables, not the wider ones'
 
 
 def test_fewer_contexts_take_part():
@@ -134,7 +135,7 @@ def test_fewer_contexts_take_part():
     counts = joined(empty_counts(first, old), empty_counts(both, new))
     s, a, r = series(both, 20, np.random.default_rng(1))
     module.add(counts, s[0], a[0], r[0], r[1], 1, 4)
-    assert counts.contexts["n"].tolist() == [1] * 4 + [0] * (len(counts.contexts) - 4)
+    assert counts.n.tolist() == [1] * 4 + [0] * (len(counts.layout) - 4)
 
 
 @settings(max_examples=25, deadline=None)
@@ -168,7 +169,7 @@ def test_weights_that_fade(seed):
     for number, event in enumerate(world.events()):
         expected = joint_counts(lived, world, event, np.exp(-ages / 25))
         assert joint_table(counts, number) / weight == pytest.approx(expected, abs=1e-12)
-        n = counts.contexts["n"][counts.of_event[number, OWN]]
+        n = counts.n[counts.of_event[number, OWN]]
         assert [values[number] / n for values in measured(counts)] == pytest.approx(contingency(expected), abs=1e-12)
 
 

@@ -19,7 +19,7 @@ XOR = variables([2, 2], [2], [2])
 def watch_all(watch, counts, s, a, r, values, found):
     """Measures (T - 1, E) and what was found (T - 1,) after each transition."""
     for t in range(len(found)):
-        add(counts, s[t], a[t], r[t], r[t + 1], 1, len(counts.contexts))
+        add(counts, s[t], a[t], r[t], r[t + 1], 1, len(counts.layout))
         found[t] = update(watch, counts)
         values[t] = watch.values
 
@@ -187,7 +187,7 @@ def test_grown(anew):
     assert not watch.modelled.any()
     assert wider.first.tolist() == [watch.first[0], 0]
     assert wider.time.tolist() == ([0, 100] if anew else watch.time.tolist())
-    assert counts.contexts["n"].max() == 499
+    assert counts.n.max() == 499
 
 
 BAD = [

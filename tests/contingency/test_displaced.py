@@ -7,7 +7,7 @@ import pytest
 from codings import looks
 
 import jointattn_mj.contingency as c
-from jointattn_mj.contingency import bootstrap
+from jointattn_mj.contingency import bootstrap, counting
 from jointattn_mj.contingency.displaced import Moves, displaced, moves
 from jointattn_mj.contingency.information import COMBINED, CONDITIONAL_MUTUAL, CONTINGENCY, MUTUAL, TRANSFER
 from jointattn_mj.contingency.memory import memory
@@ -48,6 +48,23 @@ def test_values_are_those_of_the_moved_series(sizes):
         results = [np.array([before[0], after[0]]) for before, after in zip(parts[0], parts[3], strict=True)]
         moved = steps(parts[2], results, parts[1])
         assert np.allclose(table.values(pieces), [one.value(moved.entries()) for one in ALL])
+
+
+@pytest.mark.parametrize("how", ["shift", "bootstrap", "partners"])
+@pytest.mark.parametrize("values", [1, 2, 5])
+def test_both_ways_of_counting_are_one(how, values):
+    rng = np.random.default_rng(values)
+    rest, source = (np.repeat(rng.integers(0, values, 900), rng.integers(1, 60, 900)).astype(np.int32) for _ in "rs")
+    n = min(len(rest), len(source))
+    rest = np.where(rng.random(n) < 0.01, values + 1, rest[:n]).astype(np.int32)  # a rare value
+    source = source[:n]
+    words = counting.counter(rest, source, values + 2, values)
+    assert isinstance(words, counting.Words)
+    runs = counting.Runs(counting._runs(rest), counting._runs(source), (values + 2, values))
+    spans = np.array([0, n // 3, n // 3 + 70, n // 2, n])
+    for pieces in Moves(how, spans, 5, 90).draw(20, rng):
+        assert np.array_equal(words.table(pieces), runs.table(pieces))
+    assert not isinstance(counting.counter(rest[:999], source[:999], values + 2, values), counting.Words)
 
 
 def test_shifts_stay_within_their_recording_and_away_from_the_truth():

@@ -8,7 +8,7 @@ import pytest
 
 from jointattn_mj import contingency
 
-MODULES = ("measures", "significance", "discovery", "local", "granger", "series", "situations")
+MODULES = ("measures", "significance", "discovery", "local", "scan", "granger", "series", "situations")
 
 
 @pytest.mark.parametrize("name", MODULES)

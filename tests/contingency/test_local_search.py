@@ -7,22 +7,32 @@ import pytest
 
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event, Variable, Variables
-from jointattn_mj.contingency.online.experience import Experience, Steps, beyond_last, joint_code
+from jointattn_mj.contingency.online.experience import (
+    Experience,
+    PastSteps,
+    beyond_last,
+    empty_experience,
+    joint_code,
+    keep,
+)
 from jointattn_mj.contingency.online.followed_maps import followed_map, gains
 from jointattn_mj.contingency.online.local import LocalConfig, search
 from jointattn_mj.contingency.online.local_values import (
+    QUANTILES,
     STRENGTHS,
-    Draws,
+    Weighing,
     count,
-    event_values,
+    evidences,
+    exceeding,
     log_evidence,
     predictive_evidence,
+    value_of,
 )
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.contingency.online.reactive import CuriousModule
 from jointattn_mj.contingency.situations import PosteriorOptions, situation_contingency
 
-ALL = Draws(2000, 2.0, 1.0, 3.0, True, False, 0.0)
+ALL = Weighing(concentration=2.0, smallest_share=1.0, deviations=3.0, actual=True, reference=True)
 YES = ("no", "yes")
 
 
@@ -34,9 +44,9 @@ def variables(sensors=(3,), actions=(3,), results=2) -> Variables:
     )
 
 
-def steps_of(world: Variables, s, a, r) -> Steps:
+def steps_of(world: Variables, s, a, r) -> PastSteps:
     columns = (np.atleast_2d(np.asarray(part).T).T.astype(np.int8) for part in (s, a, r))
-    return Steps(Experience(*columns), len(s), world)
+    return PastSteps(Experience(*columns), len(s), world)
 
 
 def looking_pays(seed: int, n: int = 3000, sensors: int = 3):
@@ -50,18 +60,30 @@ def looking_pays(seed: int, n: int = 3000, sensors: int = 3):
 
 
 @pytest.mark.parametrize("policy", ["actual", "reference"])
-def test_value_of_all_situations_is_that_of_the_measure(policy):
+@pytest.mark.parametrize("strength", [0.0, 0.6])
+def test_moments_are_those_of_posterior_draws(policy, strength):
     rng = np.random.default_rng(3)
-    s, a, r = (rng.integers(0, size, 150) for size in (3, 3, 2))
-    draws = ALL._replace(actual=policy == "actual", reference=policy == "reference")
-    lead, hoped = np.zeros((2, draws.number))
-    event_values(s, a, r, r, 0, 0, np.array([2, 3, 3, 2]), draws, np.random.default_rng(0), lead, hoped)
+    s, a = rng.integers(0, 3, (2, 600))
+    r = np.r_[0, rng.random(599) < 0.2 + strength * (s == a)[:-1]].astype(int)
+    lead, hoped = np.zeros((2, 2))
+    table = np.zeros((2, 3, 3, 2))
+    count(s, a, r, r, (0, len(s)), table)
+    value_of(table, policy == "reference", ALL, lead, hoped)
     found = situation_contingency(
-        s, a, r, policy, base=np.e, posterior=PosteriorOptions(draws=2000, concentration=2.0), seed=1
+        s, a, r, policy, base=np.e, posterior=PosteriorOptions(draws=4000, concentration=2.0), seed=1
     )
-    expected = found.draws @ found.share
-    assert lead.mean() == pytest.approx(expected.mean(), abs=4 * expected.std() / np.sqrt(1000))
-    assert lead.std() == pytest.approx(expected.std(), rel=0.1)
+    drawn = found.draws @ found.share
+    assert lead == pytest.approx([drawn.mean(), drawn.std()], rel=0.06)
+    assert hoped == pytest.approx(lead), "with all situations there is one set"
+
+
+def test_a_rival_exceeds_as_often_as_draws_say():
+    first, rivals = np.array([0.1, 0.02]), np.array([[0.12, 0.03], [0.02, 0.0], [0.5, 0.0]])
+    higher = np.zeros((3, len(QUANTILES)))
+    exceeding(first, rivals, 0.25, higher)
+    rng = np.random.default_rng(0)
+    drawn = (rng.normal(*rivals[0], 200_000) > 1.25 * rng.normal(*first, 200_000)).mean()
+    assert higher.mean(axis=1) == pytest.approx([drawn, 0, 1], abs=0.01)
 
 
 def slow_evidence(table: np.ndarray) -> float:
@@ -92,6 +114,15 @@ def test_evidence_is_the_slow_sum(seed):
     assert log_evidence(table) == pytest.approx(slow_evidence(table), abs=1e-10)
 
 
+def test_evidence_of_an_event_is_that_of_its_table():
+    world, s, a, r = looking_pays(1)
+    columns = steps_of(world, s, a, r).columns(list(world.events()), joint=True, given={})
+    tables = [np.zeros(size) for size in columns.sizes]
+    for number, table in enumerate(tables):
+        count(*columns.of(number).columns, (0, len(s)), table)
+    assert evidences(columns, np.arange(len(tables))) == pytest.approx([log_evidence(table) for table in tables])
+
+
 def test_predictive_evidence_is_for_what_is_there_and_against_chance():
     world, s, a, r = looking_pays(1)
     steps = steps_of(world, s, a, r)
@@ -104,13 +135,13 @@ def test_predictive_evidence_is_for_what_is_there_and_against_chance():
 DEFAULT = LocalConfig()
 
 
-def found_in(world, s, a, r, config=DEFAULT, served=(), seed=0):
+def found_in(world, s, a, r, config=DEFAULT, served=()):
     steps, events = steps_of(world, s, a, r), list(world.events(of_joints=True))
 
     def offers(event):
         return bool((followed_map(event, steps.of(event), 0, config).command != OFFERS_NOTHING).any())
 
-    number, values = search(steps, events, served, 0, config, np.random.default_rng(seed), offers)
+    number, values = search(steps, events, served, 0, config, offers)
     return (None if number == NOTHING else events[number]), dict(zip(events, values, strict=True))
 
 
@@ -193,6 +224,17 @@ def test_hindsight_says_where_the_map_would_have_been_followed():
     shape = np.array([[0, 1], [OFFERS_NOTHING, OFFERS_NOTHING]])
     steps.see_in_hindsight(0, Module(Event(0, 0, 0), shape, shape * 1.0, shape, np.zeros((2, 2, 2, 2))))
     assert steps.of(Event(1, 0, 0)).columns[0].tolist() == [0, 1, 0, 0]
+
+
+def test_of_too_many_steps_the_last_are_kept():
+    world = variables((3,), (2,), 1)
+    kept = empty_experience(4, 1, 1, 1)
+    for t in range(6):
+        keep(kept, t, np.array([t % 3]), np.array([t % 2]), np.array([0]))
+    steps = PastSteps(kept, 6, world)
+    assert (steps.n_steps, steps.forgotten) == (4, 2)
+    s, a, _, _ = steps.of(Event(0, 0, 0)).columns
+    assert (s.tolist(), a.tolist()) == ([2, 0, 1, 2], [0, 1, 0, 1])
 
 
 def test_joint_code_is_a_number_for_each_combination():

@@ -294,3 +294,20 @@ def test_imports_nothing_heavy():
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("kind", [np.int8, np.uint8, np.uint16, np.int32, np.uint32, np.int64, np.uint64])
+def test_transitions_counted_in_pairs_are_those_counted_one_by_one(kind):
+    """Long series with few codes are counted two transitions at a time, of whatever type they are."""
+    source, target, condition = (np.random.default_rng(k).integers(0, k, 5001).astype(kind) for k in (4, 2, 3))
+    for known, sizes in ((None, (2, 1, 4, 2)), (condition, (2, 3, 4, 2))):
+        expected = np.zeros(sizes, int)
+        zero = np.zeros(len(source), int) if known is None else known
+        np.add.at(expected, (target[:-1], zero[:-1], source[:-1], target[1:]), 1)
+        counted = table.steps(source, target, known).dense()
+        assert np.array_equal(counted, expected)
+        parts = [[part[:2], part[2:2000], part[2000:]] for part in (source, target)]
+        cut = table.steps(*parts, None if known is None else [known[:2], known[2:2000], known[2000:]]).dense()
+        crossing = [1, 1999]
+        np.subtract.at(expected, (target[crossing], zero[crossing], source[crossing], target[[2, 2000]]), 1)
+        assert np.array_equal(cut, expected)

@@ -63,12 +63,12 @@ class Diary:
         """Every table, and every measure, against the diary with weights ``weigh(transitions, born)``."""
         counts, transitions = self.agent.state.counts, np.arange(self.n_steps - 1)
         unit = self.agent.state.past.weight[0]
-        parts = counts.contexts["sum"][counts.of_event]
+        parts = counts.sums[counts.of_event]
         for number, event in enumerate(self.agent.events):
             weights = weigh(transitions, self.born[event])
             expected = joint_counts(self.series, self.agent.variables, event, weights)
             assert joint_table(counts, number) / unit == pytest.approx(expected, abs=1e-9), event
-            n = counts.contexts["n"][counts.of_event[number, OWN]]
+            n = counts.n[counts.of_event[number, OWN]]
             if n > 0:
                 combined = parts[number, OWN] - parts[number, OF_ACTION]
                 single = combined - parts[number, OF_SENSOR] + parts[number, ALONE]

@@ -120,7 +120,7 @@ class TestBehaviour:
 
     @pytest.mark.parametrize("n_steps", [1, 3, 999])
     def test_short_runs(self, tmp_path, n_steps):
-        self.draw(tmp_path / "behaviour.png", self.found[:n_steps], [])
+        self.draw(tmp_path / "behaviour.png", self.detections[:n_steps], [])
         assert cv2.imread(str(tmp_path / "behaviour.png")) is not None
 
 

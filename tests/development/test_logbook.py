@@ -51,7 +51,7 @@ def test_drivers(run, tmp_path):
     drivers = pq.read_table(tmp_path / "steps.parquet").column("driver of shift gaze").to_pylist()
     numbers = run.log("driver of shift gaze").tolist()
     for step, (name, number) in enumerate(zip(drivers, numbers, strict=True)):
-        made = sum(one.step <= step for one in run.found)
+        made = sum(one.step <= step for one in run.detections)
         assert name == (f"module {number + 1}" if number < made else "RandomModule"), step
     assert {"module 1", "module 2", "module 3", "RandomModule"} <= set(drivers)
 
@@ -84,7 +84,7 @@ def test_contingency(run, tmp_path, monkeypatch):
     assert pq.read_metadata(tmp_path / "parts.parquet").num_row_groups > 2
     assert pq.read_table(tmp_path / "parts.parquet").equals(table)
     late = table.column("module 1 before, shift gaze -> profile")
-    assert late.null_count == np.count_nonzero(n_steps <= run.found[0].step)
+    assert late.null_count == np.count_nonzero(n_steps <= run.detections[0].step)
     first = table.column("caregiver's face, shift gaze -> object")
     assert np.array_equal(first.to_numpy(), values[:, 2])
 

@@ -28,7 +28,7 @@ def same(one: RealtimeRun, other: RealtimeRun) -> None:
         np.testing.assert_array_equal(one.log(column), other.log(column), err_msg=column)
     np.testing.assert_array_equal(one.ended, other.ended)
     np.testing.assert_array_equal(one.contingency()[1], other.contingency()[1])
-    assert [found.step for found in one.found] == [found.step for found in other.found]
+    assert [detection.step for detection in one.detections] == [detection.step for detection in other.detections]
 
 
 @pytest.fixture(scope="module")

@@ -18,7 +18,7 @@ from jointattn_mj.development.run import run_development
 from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.development.table.world import TableConfig, table_variables
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.io import rows
 from jointattn_mj.perception.percept import Percept
 
@@ -47,7 +47,9 @@ def assert_same(one, other):
     assert one.steps_done == other.steps_done
     for column in one.columns:
         np.testing.assert_array_equal(one.log(column), other.log(column), err_msg=column)
-    assert [(found.step, found.event) for found in one.found] == [(found.step, found.event) for found in other.found]
+    assert [(detection.step, detection.event) for detection in one.detections] == [
+        (detection.step, detection.event) for detection in other.detections
+    ]
 
 
 def test_with_the_truth_it_is_the_life_at_the_symbolic_table():
@@ -55,10 +57,12 @@ def test_with_the_truth_it_is_the_life_at_the_symbolic_table():
     n_steps = 1500
     visible, symbolic = steps_done(TRUE, n_steps), TableRun(TABLE, HASTY, 2, n_steps)
     symbolic.advance(n_steps)
-    assert symbolic.found
+    assert symbolic.detections
     for column in symbolic.columns:
         np.testing.assert_array_equal(visible.log(column), symbolic.log(column), err_msg=column)
-    assert [(one.step, one.event) for one in visible.found] == [(one.step, one.event) for one in symbolic.found]
+    assert [(one.step, one.event) for one in visible.detections] == [
+        (one.step, one.event) for one in symbolic.detections
+    ]
     np.testing.assert_array_equal(visible.faces(), symbolic.faces())
     assert visible.stage.world.rendered_frames < n_steps  # nobody looked
 
@@ -177,3 +181,20 @@ def test_killed_between_film_and_results(tmp_path, monkeypatch):
 def test_a_run_at_the_symbolic_table_is_not_filmed(tmp_path):
     with pytest.raises(ConfigError, match="world rendered"):
         run_development(TableDevelopmentConfig(steps=10), DevelopmentOptions(tmp_path, video=True))
+
+
+def test_a_table_with_a_spot_that_is_not_there_is_no_run(run):
+    made_up = pickle.loads(pickle.dumps(run))
+    made_up.stage.table.order[0] = 10**6
+    with pytest.raises(ValueError, match="must each occur once"):
+        pickle.loads(pickle.dumps(made_up))
+    made_up.close()
+
+
+def test_what_is_no_value_of_a_sensor_does_not_reach_the_agent(run):
+    made_up = pickle.loads(pickle.dumps(run))
+    made_up.n_steps += 1
+    made_up.sense = lambda number: made_up._s.fill(10**6)
+    with pytest.raises(ObservationError, match="values of sensors"):
+        made_up.advance(1)
+    made_up.close()

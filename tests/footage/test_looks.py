@@ -9,10 +9,10 @@ import pytest
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.looks.check import Codings
-from jointattn_mj.footage.looks.coding import AWAY, PARTNER, UNSEEN, UNSURE, LooksSeen, code_looks
+from jointattn_mj.footage.looks.coding import AWAY, PARTNER, UNSEEN, UNSURE, ObservedLooks, code_looks
 from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.footage.looks.learning import NEVER, learn_evidence, posterior, smoothed
-from jointattn_mj.footage.looks.places import known_places, last_places, placements
+from jointattn_mj.footage.looks.locations import known_locations, last_locations, placements
 from jointattn_mj.footage.looks.tables import looks_spans, looks_table
 from jointattn_mj.footage.run import run_perceive
 from jointattn_mj.recordings.agreement import kappa
@@ -22,7 +22,9 @@ SPOTS = np.array([[x, y] for x in (-2.0, -1.0, 0.0, 1.0, 2.0) for y in (1.0, 2.0
 """Where objects may lie, from the face, in its heights; a face is turned to one of them."""
 
 
-def session(looks: int = 2400, moved: bool = True, away: float = 0.0, seed: int = 0) -> tuple[LooksSeen, np.ndarray]:
+def session(
+    looks: int = 2400, moved: bool = True, away: float = 0.0, seed: int = 0
+) -> tuple[ObservedLooks, np.ndarray]:
     """A person who looks at an object for 15 looks, and may then put it to another spot; and the targets."""
     rng = np.random.default_rng(seed)
     lies = rng.permutation(len(SPOTS))[: len(NAMES)]
@@ -42,7 +44,7 @@ def session(looks: int = 2400, moved: bool = True, away: float = 0.0, seed: int 
     faced, placed = np.array(faces), np.array(px) * 40 + 100
     face = np.full((len(placed), 2), 100.0)
     yaw = faced @ SPOTS[:, 0] + rng.normal(0, 0.3, len(faced))
-    return LooksSeen(NAMES, faced, face, placed, yaw, np.zeros(len(placed), bool), 40.0, 0.2), np.array(targets)
+    return ObservedLooks(NAMES, faced, face, placed, yaw, np.zeros(len(placed), bool), 40.0, 0.2), np.array(targets)
 
 
 def agreed(codes: np.ndarray, targets: np.ndarray) -> float:
@@ -50,8 +52,8 @@ def agreed(codes: np.ndarray, targets: np.ndarray) -> float:
     return kappa(np.bincount(codes * size + targets, minlength=size * size).reshape(size, size))
 
 
-def changed(looks: LooksSeen, **fields) -> LooksSeen:
-    return LooksSeen(**{**vars(looks), **fields})
+def changed(looks: ObservedLooks, **fields) -> ObservedLooks:
+    return ObservedLooks(**{**vars(looks), **fields})
 
 
 def test_objects_that_are_moved_are_told_apart():
@@ -102,11 +104,11 @@ def test_moved_while_hidden_is_where_nobody_knows():
     px[2:4] = np.nan
     px[4:, 1] = 9.0
     cut = np.zeros(7, bool)
-    filled = known_places(px, cut, 1.0)
+    filled = known_locations(px, cut, 1.0)
     assert np.array_equal(filled[:, 0], px[[0, 1, 0, 0, 4, 5, 6], 0])
     assert np.isnan(filled[2:4, 1]).all()
     cut[4] = True
-    assert (known_places(px, cut, 1.0)[2:4] == 5).all()  # what comes after a cut says nothing
+    assert (known_locations(px, cut, 1.0)[2:4] == 5).all()  # what comes after a cut says nothing
 
 
 def test_partner_who_sits_still_is_an_answer():
@@ -166,17 +168,17 @@ def test_places_are_forgotten_after_a_cut():
     px = np.full((6, 1, 2), np.nan)
     px[1], px[4] = 3.0, 7.0
     cut = np.array([False, False, False, True, False, False])
-    filled = last_places(px, cut)[:, 0, 0]
+    filled = last_locations(px, cut)[:, 0, 0]
     assert np.array_equal(filled, [np.nan, 3, 3, np.nan, 7, 7], equal_nan=True)
 
 
 def test_placements_count_rests_in_different_places():
     path = [0.0] * 8 + [0.2, 0.5, 0.8] + [1.0] * 8 + [np.nan] * 5 + [1.0] * 8 + [0.5] * 2 + [0.0] * 6
-    places = np.stack([path, path], axis=1)[:, None]
-    assert placements(places).tolist() == [3]
+    locations = np.stack([path, path], axis=1)[:, None]
+    assert placements(locations).tolist() == [3]
 
 
-def test_unknown_places_are_never_chosen():
+def test_unknown_locations_are_never_chosen():
     looks, _ = session(300)
     px = looks.px / 40
     px[:, 1] = np.nan

@@ -198,7 +198,7 @@ class TestClips:
     def test_clothes_and_skin_are_no_objects(self, tmp_path):
         """A woman in an orange jumper, which is yellow in part; skin is red, and hers and his are learned."""
         for objects in (("yellow", "blue", "green"), ("red", "orange")):
-            found = watched("asl_walk.mkv", tmp_path / objects[0], objects=objects)[0]["found"]
+            found = watched("asl_walk.mkv", tmp_path / objects[0], objects=objects)[0]["detected"]
             assert max(found[one] for one in objects) < 0.05
 
     def test_blurred_overlay(self, jointattn, tmp_path):

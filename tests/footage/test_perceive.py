@@ -92,8 +92,8 @@ def test_found_where_it_is(clip, tmp_path, case):
     summary, found = perceive(encode(tmp_path / name, images, *arguments), tmp_path / "out")
     assert summary["frames"] == FRAMES
     assert summary["notes"] == []
-    assert summary["found"]["face"] >= 0.97
-    assert min(summary["found"].values()) >= 0.97
+    assert summary["detected"]["face"] >= 0.97
+    assert min(summary["detected"].values()) >= 0.97
     assert np.sqrt(np.nanmean(off(found, "face", clip.locations[:, 4]) ** 2)) < face_px
     for number, label in enumerate(NAMES[:-1]):
         wrong = np.linalg.norm(off(found, label, clip.locations[:, number]), axis=1)
@@ -113,7 +113,7 @@ def test_a_face_too_large_makes_the_image_smaller(clip, tmp_path):
     summary, found = perceive(video, tmp_path / "out", detector="templates")
     assert 0.2 < summary["mapping"]["scale_x"] < 0.33  # rather than a half
     assert 110 < summary["mapping"]["cascade_face_side_in_video_px"] < 170
-    assert summary["found"]["face"] > 0.95
+    assert summary["detected"]["face"] > 0.95
     mapping = summary["mapping"]
     truth = (clip.locations[:90, 4] - (80, 30) + 0.5) * 4 - 0.5
     truth = (truth + 0.5) * (mapping["scale_x"], mapping["scale_y"]) - 0.5 + (mapping["left"], mapping["top"])
@@ -155,8 +155,8 @@ def test_grey(clip, tmp_path):
     """No colour, no objects, and it says why; the face is there."""
     video = encode(tmp_path / "a.mp4", clip.images, "-pix_fmt", "gray", "-c:v", "libx264")
     summary, _ = perceive(video, tmp_path / "out")
-    assert [summary["found"][name] for name in NAMES[:-1]] == [0] * 4
-    assert summary["found"]["face"] > 0.95
+    assert [summary["detected"][name] for name in NAMES[:-1]] == [0] * 4
+    assert summary["detected"]["face"] > 0.95
     assert len(summary["notes"]) == 1 and "grey" in summary["notes"][0]
     assert summary["by_candidate"]["face"]["fixations"] == summary["fixations"] == 1
 
@@ -235,7 +235,7 @@ def test_what_cannot_be_perceived(jointattn, tmp_path):
 def test_nothing_to_see(tmp_path):
     """No face, no known colour: all the files but those of faces, and notes that say so."""
     summary, _ = perceive(encode(tmp_path / "a.mp4", counted(45), "-c:v", "libx264"), tmp_path / "out")
-    assert summary["found"] == dict.fromkeys(NAMES, 0)
+    assert summary["detected"] == dict.fromkeys(NAMES, 0)
     assert summary["fixations"] == 0
     percepts = pq.read_table(tmp_path / "out" / "percepts.parquet")
     assert percepts["attended"].to_pylist() == [None] * 45
@@ -380,7 +380,7 @@ def test_interlaced(clip, tmp_path):
     summary, found = perceive(interlaced(tmp_path / "a.mp4", clip.images), tmp_path / "out")
     assert summary["frames"] == FRAMES
     assert len(summary["notes"]) == 1 and "interlaced" in summary["notes"][0]
-    assert min(summary["found"].values()) >= 0.97
+    assert min(summary["detected"].values()) >= 0.97
     assert np.sqrt(np.nanmean(off(found, "face", clip.locations[:, 4]) ** 2)) < 1.5
     for number, label in enumerate(NAMES[:-1]):
         wrong = np.linalg.norm(off(found, label, clip.locations[:, number]), axis=1)

@@ -10,7 +10,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, RobotConfig
 from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.gaze_following.gate import GazeConfig
-from jointattn_mj.gaze_following.learners import LearnerConfig, Places
+from jointattn_mj.gaze_following.learners import LearnerConfig, Locations
 from jointattn_mj.perception.percept import Percept, StillObservation
 from jointattn_mj.scene.camera import in_image, pixel_of
 
@@ -94,9 +94,9 @@ def pairs_of(robot: GazeFollower) -> list[tuple[np.ndarray, np.ndarray]]:
     """The pairs that the learner will be given from now on."""
     pairs, learn = [], robot.learner.learn
 
-    def keep(face, places):
-        pairs.append((face.copy(), places.reached.copy()))
-        learn(face, places)
+    def keep(face, locations):
+        pairs.append((face.copy(), locations.reached.copy()))
+        learn(face, locations)
 
     robot.learner.learn = keep
     return pairs
@@ -267,7 +267,7 @@ def test_the_gate_lets_the_learner_command():
     advance(robot, scene, 1)
     activations = robot.som.activations(scene.face)
     for _ in range(300):
-        robot.learner.learn(activations, Places.only(np.subtract(LOCATIONS[BLUE], LOCATIONS[FACE])))
+        robot.learner.learn(activations, Locations.only(np.subtract(LOCATIONS[BLUE], LOCATIONS[FACE])))
     shift = advance(robot, scene, 1)[0]
     assert (shift.by_learner, shift.chosen, shift.reached) == (True, RED, BLUE)
     np.testing.assert_array_equal(shift.command, shift.suggestion)
@@ -284,7 +284,7 @@ def test_landing_on_nothing(attends, attended):
     advance(robot, scene, 1)
     activations = robot.som.activations(scene.face)
     for _ in range(300):
-        robot.learner.learn(activations, Places.only([15.0, -13.0]))  # 7 degrees beside red
+        robot.learner.learn(activations, Locations.only([15.0, -13.0]))  # 7 degrees beside red
     shift = advance(robot, scene, 1)[0]
     assert shift.reached is None
     assert not shift.learned
@@ -394,13 +394,13 @@ CROSS = {"code": "cross_situational", "pairs": "in_view", "base": "in_view"}
 class TestObjects:
     """The learner commands objects in view rather than bare directions."""
 
-    def knows(self, robot: GazeFollower, face: np.ndarray, place: int, other: int) -> None:
-        """Teach the learner that this face goes with one place, and faces unlike it with another."""
+    def knows(self, robot: GazeFollower, face: np.ndarray, location: int, other: int) -> None:
+        """Teach the learner that this face goes with one location, and faces unlike it with another."""
         far = np.array([-25.0, 25.0])
-        for seen, there in ((face, place), (far, other)):
+        for seen, there in ((face, location), (far, other)):
             activations = robot.som.activations(seen)
             for _ in range(20):
-                robot.learner.learn(activations, Places.only(np.subtract(LOCATIONS[there], LOCATIONS[FACE])))
+                robot.learner.learn(activations, Locations.only(np.subtract(LOCATIONS[there], LOCATIONS[FACE])))
 
     def make(self, scene: Scene, *wanted: int, **gaze) -> GazeFollower:
         return make(scene, *wanted, gaze={"gate": "open", "commands": "object", **gaze}, learner=CROSS)

@@ -5,29 +5,29 @@ import pytest
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.cross_situational import CrossSituationalLearner
-from jointattn_mj.gaze_following.learners import LearnerConfig, Places
+from jointattn_mj.gaze_following.learners import LearnerConfig, Locations
 from jointattn_mj.gaze_following.presets import LEARNER
 from jointattn_mj.io.checkpoint import load, save
 from jointattn_mj.scene.camera import off_centre
 
 FACES, TABLE = 4, np.array([[-18.0, -12.0], [-6.0, -18.0], [6.0, -12.0], [18.0, -18.0]])
-"""Face i looks at the i-th place."""
+"""Face i looks at the i-th location."""
 
 
 def learner(**options) -> CrossSituationalLearner:
     return CrossSituationalLearner(LearnerConfig(code="cross_situational", **options), FACES)
 
 
-def look(rng: np.random.Generator, others: int = 2) -> tuple[int, Places]:
-    """A face, and the places in view: the one that it looks at, and some of the rest; none was reached."""
+def look(rng: np.random.Generator, others: int = 2) -> tuple[int, Locations]:
+    """A face, and the locations in view: the one that it looks at, and some of the rest; none was reached."""
     face = int(rng.integers(FACES))
     rest = rng.permutation(np.delete(np.arange(FACES), face))[:others]
-    return face, Places(TABLE[rng.permutation([face, *rest])])
+    return face, Locations(TABLE[rng.permutation([face, *rest])])
 
 
 def right(one: CrossSituationalLearner) -> float:
-    """Share of faces whose own place scores highest when all places are in view."""
-    scores = [one.score(face, Places(TABLE)) for face in np.eye(FACES)]
+    """Share of faces whose own location scores highest when all locations are in view."""
+    scores = [one.score(face, Locations(TABLE)) for face in np.eye(FACES)]
     return float(np.mean(np.argmax(scores, axis=1) == np.arange(FACES)))
 
 
@@ -35,11 +35,11 @@ def test_it_learns_from_looks_alone():
     """No object is ever reached; every look shows the right object among others."""
     one, rng = CrossSituationalLearner(LEARNER, FACES), np.random.default_rng(0)
     for _ in range(200):
-        face, places = look(rng)
-        one.learn(np.eye(FACES)[face], places)
+        face, locations = look(rng)
+        one.learn(np.eye(FACES)[face], locations)
     assert right(one) == 1
-    for face, place in zip(np.eye(FACES), TABLE, strict=True):
-        assert off_centre(one.predict(face), place) < 1.5
+    for face, location in zip(np.eye(FACES), TABLE, strict=True):
+        assert off_centre(one.predict(face), location) < 1.5
     assert "looks at the face" in repr(one)
 
 
@@ -49,8 +49,8 @@ def bystander(one: CrossSituationalLearner) -> float:
     for _ in range(300):
         face = int(rng.integers(FACES))
         own = TABLE[face : face + 1] if rng.random() < 0.7 else TABLE[rng.integers(FACES, size=1)]
-        one.learn(np.eye(FACES)[face], Places(np.vstack([still, own])))
-    scores = [one.score(face, Places(np.vstack([TABLE, still]))) for face in np.eye(FACES)]
+        one.learn(np.eye(FACES)[face], Locations(np.vstack([still, own])))
+    scores = [one.score(face, Locations(np.vstack([TABLE, still]))) for face in np.eye(FACES)]
     return float(np.mean(np.argmax(scores, axis=1) == np.arange(FACES)))
 
 
@@ -60,18 +60,18 @@ def test_the_base_rate_takes_what_comes_with_every_face():
 
 
 def test_evidence_is_the_pointwise_mutual_information():
-    """Counted by hand: in three looks of four with face 0 something lay at place 0, in four of eight altogether."""
+    """Counted by hand: in three looks of four with face 0 something lay at location 0, in four of eight altogether."""
     one = learner(pairs="in_view", base="in_view", smoothing=1e-6, tuning_deg=0.1, units=(9, 5))
     pans, tilts = np.linspace(-25, 25, 9), np.linspace(-30, 0, 5)
     here, there = [pans[2], tilts[1]], [pans[6], tilts[3]]
-    for face, place in [(0, here)] * 3 + [(0, there)] + [(1, here)] + [(1, there)] * 3:
-        one.learn(np.eye(FACES)[face], Places(np.array([place])))
-    evidence = one.score(np.eye(FACES)[0], Places(np.array([here, there])))
+    for face, location in [(0, here)] * 3 + [(0, there)] + [(1, here)] + [(1, there)] * 3:
+        one.learn(np.eye(FACES)[face], Locations(np.array([location])))
+    evidence = one.score(np.eye(FACES)[0], Locations(np.array([here, there])))
     np.testing.assert_allclose(evidence, np.log([(3 / 4) / (4 / 8), (1 / 4) / (4 / 8)]), atol=1e-5)
     without = learner(pairs="in_view", smoothing=1e-6, tuning_deg=0.1, units=(9, 5))
     without.load(one.weights())
     np.testing.assert_allclose(
-        without.score(np.eye(FACES)[0], Places(np.array([here, there]))), np.log([3 / 4, 1 / 4]), atol=1e-5
+        without.score(np.eye(FACES)[0], Locations(np.array([here, there]))), np.log([3 / 4, 1 / 4]), atol=1e-5
     )
 
 
@@ -80,10 +80,10 @@ def test_in_competition_the_better_object_counts_for_more():
         """What two objects in view add to the counts of a face of whom one of them is known."""
         one = learner(pairs="in_view", base="in_view", tuning_deg=0.1, **options)
         for _ in range(12):
-            one.learn(np.eye(FACES)[0], Places(TABLE[:1]))
-            one.learn(np.eye(FACES)[1], Places(TABLE[1:2]))
+            one.learn(np.eye(FACES)[0], Locations(TABLE[:1]))
+            one.learn(np.eye(FACES)[1], Locations(TABLE[1:2]))
         before = one.weights()
-        one.learn(np.eye(FACES)[0], Places(TABLE[:2]))
+        one.learn(np.eye(FACES)[0], Locations(TABLE[:2]))
         added = (one.weights() - before)[0, :-1].reshape(21, 11)
         left = added[:6].sum()
         return np.array([left, added.sum() - left])
@@ -97,38 +97,38 @@ def test_in_competition_the_better_object_counts_for_more():
 def test_forgetting():
     one = learner(pairs="in_view", base="in_view", forgetting=0.5)
     for _ in range(30):
-        one.learn(np.eye(FACES)[0], Places(TABLE[:1]))
+        one.learn(np.eye(FACES)[0], Locations(TABLE[:1]))
     assert one.weights()[-1, -1] == pytest.approx(2)  # 1 + 1/2 + 1/4 and so on
 
 
 def test_pairs_reached_counts_the_object_reached():
     """Others in view count for the base rate, and compete for the weight of the pair."""
     one = learner(base="in_view")
-    one.learn(np.eye(FACES)[0], Places(TABLE, TABLE[2]))
-    one.learn(np.eye(FACES)[0], Places(TABLE))  # nothing reached
+    one.learn(np.eye(FACES)[0], Locations(TABLE, TABLE[2]))
+    one.learn(np.eye(FACES)[0], Locations(TABLE))  # nothing reached
     counts = one.weights()
     assert counts[0, :-1].sum() == pytest.approx(1) and counts[0, -1] == 1
     assert counts[-1, -1] == 2
-    assert np.argmax(one.score(np.eye(FACES)[0], Places(TABLE))) == 2
+    assert np.argmax(one.score(np.eye(FACES)[0], Locations(TABLE))) == 2
     rival = learner(base="in_view", competition=1.0, compete_after=0)
     rival.load(counts)
-    rival.learn(np.eye(FACES)[0], Places(TABLE, TABLE[1]))
+    rival.learn(np.eye(FACES)[0], Locations(TABLE, TABLE[1]))
     assert 0 < rival.weights()[0, -1] - 1 < 0.1
 
 
 @pytest.mark.parametrize("config", [LEARNER, LearnerConfig(code="cross_situational", forgetting=0.1)])
 def test_without_objects_nothing_is_learned_and_nothing_forgotten(config):
     one = CrossSituationalLearner(config, FACES)
-    one.learn(np.eye(FACES)[0], Places(TABLE[:1], TABLE[0]))
+    one.learn(np.eye(FACES)[0], Locations(TABLE[:1], TABLE[0]))
     before = one.weights()
-    one.learn(np.eye(FACES)[0], Places(np.zeros((0, 2))))
+    one.learn(np.eye(FACES)[0], Locations(np.zeros((0, 2))))
     np.testing.assert_array_equal(one.weights(), before)
 
 
 def test_what_lies_beyond_the_units_counts_for_the_nearest():
     """However far, and however narrow the bumps."""
     one = learner(pairs="in_view", tuning_deg=0.01)
-    one.learn(np.eye(FACES)[0], Places(np.array([[170.0, 80.0]])))
+    one.learn(np.eye(FACES)[0], Locations(np.array([[170.0, 80.0]])))
     assert np.isfinite(one.weights()).all()
     np.testing.assert_allclose(one.predict(np.eye(FACES)[0]), [25, 0], atol=1.5)
 
@@ -141,9 +141,9 @@ def test_counts_of_another_kind():
 
 def test_through_a_checkpoint(tmp_path):
     one = CrossSituationalLearner(LEARNER, FACES)
-    one.learn(np.eye(FACES)[0], Places(TABLE))
+    one.learn(np.eye(FACES)[0], Locations(TABLE))
     save(tmp_path / "c", one, {})
     again = load(tmp_path / "c", {})
     for each in (one, again):
-        each.learn(np.eye(FACES)[1], Places(TABLE))
+        each.learn(np.eye(FACES)[1], Locations(TABLE))
     np.testing.assert_array_equal(again.weights(), one.weights())

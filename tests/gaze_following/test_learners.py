@@ -5,7 +5,7 @@ import pytest
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.cross_situational import CrossSituationalLearner
-from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, LinearLearner, Places, PopulationLearner
+from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, LinearLearner, Locations, PopulationLearner
 from jointattn_mj.gaze_following.learners import make_learner as make
 from jointattn_mj.scene.camera import off_centre
 
@@ -38,7 +38,7 @@ def test_learns_a_map(code, rate, limit):
     activations, commands = faces(1200, rng)
     naive = np.median(errors(learner, activations[-200:], commands[-200:]))
     for face, command in zip(activations[:1000], commands[:1000], strict=True):
-        learner.learn(face, Places.only(command))
+        learner.learn(face, Locations.only(command))
     assert np.median(errors(learner, activations[1000:], commands[1000:])) < limit < naive
 
 
@@ -47,7 +47,7 @@ def compete(code: str) -> np.ndarray:
     learner = make_learner(LearnerConfig(code=code), 4)
     face = np.array([0.7, 0.1, 0.1, 0.1])
     for step in range(1000):
-        learner.learn(face, Places.only([12.0, -15.0] if step % 5 in (0, 2, 4) else [-12.0, -15.0]))
+        learner.learn(face, Locations.only([12.0, -15.0] if step % 5 in (0, 2, 4) else [-12.0, -15.0]))
     return learner.predict(face)
 
 
@@ -61,7 +61,7 @@ def test_one_step_of_the_delta_rule(code):
     """With rate 1 the normalised delta rule makes the output for this input equal to the reference at once."""
     learner = make_learner(LearnerConfig(code=code, rate=1.0, context=0.0), 5)
     face, command = np.array([0.4, 0.3, 0.2, 0.1, 0.0]), np.array([10.0, -12.0])
-    learner.learn(face, Places.only(command))
+    learner.learn(face, Locations.only(command))
     np.testing.assert_allclose(learner.predict(face), command, atol=0.35 if code == "population" else 1e-9)
     output = np.tensordot(face, learner.weights()[:5], 1)
     if code == "population":
@@ -77,7 +77,7 @@ def told_apart(context: float) -> np.ndarray:
     always, own = np.array([15.0, -15.0]), np.array([-15.0, -15.0])
     for step in range(3000):
         face = np.eye(2)[step % 2]
-        learner.learn(face, Places.only(own if step % 2 and step % 5 < 2 else always))
+        learner.learn(face, Locations.only(own if step % 2 and step % 5 < 2 else always))
     return learner.predict(np.array([0.0, 1.0]))
 
 
@@ -89,7 +89,7 @@ def test_context_takes_what_comes_whatever_the_face():
 def test_predictions_stay_in_range():
     learner = make_learner(LearnerConfig(rate=1.0), 3)
     for command in ((90.0, 40.0), (-90.0, -80.0)):
-        learner.learn(np.array([1.0, 0.0, 0.0]), Places.only(command))
+        learner.learn(np.array([1.0, 0.0, 0.0]), Locations.only(command))
         pan, tilt = learner.predict(np.array([1.0, 0.0, 0.0]))
         assert -25 <= pan <= 25
         assert -30 <= tilt <= 0
@@ -97,21 +97,21 @@ def test_predictions_stay_in_range():
 
 @pytest.mark.parametrize("code", CODES)
 def test_the_object_in_view_that_was_reached_scores_highest(code):
-    """Whatever the code: two faces, each with a place of its own, and a third place that neither leads to."""
+    """Whatever the code: two faces, each with a place of its own, and a third location that neither leads to."""
     learner = make_learner(LearnerConfig(code=code), 2)
     left, right, middle = [15.0, -12.0], [-15.0, -12.0], [0.0, -25.0]
     for step in range(400):
-        learner.learn(np.eye(2)[step % 2], Places.only(right if step % 2 else left))
-    places = Places(np.array([middle, left, right]))
-    assert [int(np.argmax(learner.score(face, places))) for face in np.eye(2)] == [1, 2]
-    assert learner.score(np.eye(2)[0], Places(np.zeros((0, 2)))).shape == (0,)
+        learner.learn(np.eye(2)[step % 2], Locations.only(right if step % 2 else left))
+    locations = Locations(np.array([middle, left, right]))
+    assert [int(np.argmax(learner.score(face, locations))) for face in np.eye(2)] == [1, 2]
+    assert learner.score(np.eye(2)[0], Locations(np.zeros((0, 2)))).shape == (0,)
 
 
 @pytest.mark.parametrize("code", ["population", "linear", "network"])
 def test_the_dissertation_learns_from_the_object_reached_alone(code):
     learner = make_learner(LearnerConfig(code=code), 3)
     before = learner.weights()
-    learner.learn(np.ones(3), Places(np.array([[3.0, -10.0], [-3.0, -10.0]])))
+    learner.learn(np.ones(3), Locations(np.array([[3.0, -10.0], [-3.0, -10.0]])))
     np.testing.assert_array_equal(learner.weights(), before)
 
 
@@ -121,12 +121,12 @@ def test_weights_round_trip(code):
     first, second = make_learner(config, 81), make_learner(config, 81)
     activations, commands = faces(30, np.random.default_rng(1))
     for face, command in zip(activations, commands, strict=True):
-        first.learn(face, Places.only(command))
+        first.learn(face, Locations.only(command))
     kept = first.weights()
     second.load(kept)
-    first.learn(activations[0], Places.only(commands[0]))  # leaves neither the copy nor the other learner untouched
+    first.learn(activations[0], Locations.only(commands[0]))  # leaves neither the copy nor the other learner untouched
     np.testing.assert_array_equal(second.weights(), kept)
-    second.learn(activations[0], Places.only(commands[0]))
+    second.learn(activations[0], Locations.only(commands[0]))
     np.testing.assert_array_equal(second.weights(), first.weights())
     for activation in activations:
         np.testing.assert_array_equal(second.predict(activation), first.predict(activation))

@@ -9,7 +9,7 @@ import torch
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
-from jointattn_mj.gaze_following.learners import LearnerConfig, Places, make_learner
+from jointattn_mj.gaze_following.learners import LearnerConfig, Locations, make_learner
 from jointattn_mj.gaze_following.network_learner import NetworkLearner
 from jointattn_mj.gaze_following.run import SessionOptions, run_session
 from jointattn_mj.gaze_following.session import SessionConfig
@@ -25,7 +25,7 @@ def learn_exclusive_or(learner, steps: int) -> list[np.ndarray]:
     """Left where one of two inputs is on, right where both or none are; predictions in that order."""
     faces = np.array([[1.0, 0, 1], [0, 1, 1], [1, 1, 1], [0, 0, 1]])
     for step in range(steps):
-        learner.learn(faces[step % 4], Places.only(LEFT if step % 4 < 2 else RIGHT))
+        learner.learn(faces[step % 4], Locations.only(LEFT if step % 4 < 2 else RIGHT))
     return [learner.predict(face) for face in faces]
 
 
@@ -50,11 +50,11 @@ def test_divergence_is_a_named_error():
 def test_through_a_checkpoint(tmp_path):
     learner = make_learner(CONFIG, 3, np.random.default_rng(0))
     face = np.array([0.2, 0.5, 0.3])
-    learner.learn(face, Places.only(LEFT))
+    learner.learn(face, Locations.only(LEFT))
     save(tmp_path / "c", learner, {})
     again = load(tmp_path / "c", {})
     for each in (learner, again):
-        each.learn(face, Places.only(RIGHT))
+        each.learn(face, Locations.only(RIGHT))
     np.testing.assert_array_equal(again.weights(), learner.weights())
     np.testing.assert_array_equal(again.predict(face), learner.predict(face))
 
@@ -65,7 +65,7 @@ def test_a_network_of_ones_own(tmp_path):
     network = torch.nn.Sequential(torch.nn.Linear(3, 60), torch.nn.ReLU(), torch.nn.Linear(60, outputs))
     learner = NetworkLearner(CONFIG, network)
     for _ in range(300):
-        learner.learn(np.ones(3), Places.only(LEFT))
+        learner.learn(np.ones(3), Locations.only(LEFT))
     np.testing.assert_allclose(learner.predict(np.ones(3)), LEFT, atol=0.8)
     with pytest.raises(ConfigError, match="of your own"):
         save(tmp_path / "c", learner, {})

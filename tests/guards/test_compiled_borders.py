@@ -81,10 +81,10 @@ def agents() -> Iterator[Case]:
     events = list(world.events())
     counts = empty_counts(world, events)
     fine = {"s": np.array([2, 1]), "a": np.array([3]), "r": np.array([1, 2]), "r_next": np.array([0, 0])}
-    add(counts, *fine.values(), 1, len(counts.contexts))
+    add(counts, *fine.values(), 1, len(counts.layout))
 
     def transition(weight=1, contexts=None, **changed):
-        every = len(counts.contexts) if contexts is None else contexts
+        every = len(counts.layout) if contexts is None else contexts
         return lambda: add(counts, *(fine | changed).values(), weight, every)
 
     for part in fine:
@@ -147,7 +147,7 @@ class Born:
 def tables_and_turns() -> Iterator[Case]:
     """The symbolic table, its caregiver, and the robot of the earlier work."""
     from jointattn_mj.baselines.turn_taking.agent import TurnTaker, TurnTakerConfig, feedback_target
-    from jointattn_mj.baselines.turn_taking.attempts import Situations, run_attempts
+    from jointattn_mj.baselines.turn_taking.attempts import AttemptSituations, run_attempts
     from jointattn_mj.baselines.turn_taking.faces import FaceInputs
     from jointattn_mj.development.table.caregiver import rules, shift_gaze
     from jointattn_mj.development.table.world import CHAPTER_4, CHAPTER_5, new_table, step
@@ -187,12 +187,12 @@ def tables_and_turns() -> Iterator[Case]:
     yield "target among few", lambda: feedback_target(0, np.ones(9, bool), np.ones(3), np.ones(3), 0, True)
     bank = FaceInputs(np.ones((3, 6), np.float32), np.zeros((3, 2)), np.zeros(6), 1.0)
     for index in (-1, 3, HUGE):
-        locations = Situations(np.zeros((2, 2, 2)), np.full((2, 2), index))
+        locations = AttemptSituations(np.zeros((2, 2, 2)), np.full((2, 2), index))
         yield (
             f"attempts with face {index}",
             lambda p=locations: run_attempts(robot, p, bank, 3, np.random.default_rng(0)),
         )
-    nowhere = Situations(np.full((2, 2, 2), NAN), np.zeros((2, 2), int))
+    nowhere = AttemptSituations(np.full((2, 2, 2), NAN), np.zeros((2, 2), int))
     yield "attempts nowhere", lambda: run_attempts(robot, nowhere, bank, 3, np.random.default_rng(0))
     empty = FaceInputs(np.ones((0, 6), np.float32), np.zeros((0, 2)), np.zeros(6), 1.0)
     yield "faces of an empty bank", lambda: empty.of_locations(np.zeros((2, 2)), 0.0, np.random.default_rng(0))
@@ -206,7 +206,7 @@ def tables_and_turns() -> Iterator[Case]:
 def images() -> Iterator[Case]:
     """Whatever perceives images or learns from patterns."""
     from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
-    from jointattn_mj.gaze_following.learners import LearnerConfig, Places, make_learner
+    from jointattn_mj.gaze_following.learners import LearnerConfig, Locations, make_learner
     from jointattn_mj.perception.faces import FaceDetector
     from jointattn_mj.perception.gray import fill_gray
     from jointattn_mj.perception.motion import MotionDetector
@@ -269,12 +269,12 @@ def images() -> Iterator[Case]:
             "text": "a",
             "None": None,
         }.items():
-            yield f"{code} learns {name}", lambda n=learner, w=wrong: n.learn(w, Places.only(head))
+            yield f"{code} learns {name}", lambda n=learner, w=wrong: n.learn(w, Locations.only(head))
             yield f"{code} predicts {name}", lambda n=learner, w=wrong: n.predict(w)
         for name, wrong in {"NaN": head * NAN, "one": head[:1], "None": None}.items():
-            yield f"{code} learns command {name}", lambda n=learner, w=wrong, a=active: n.learn(a, Places.only(w))
+            yield f"{code} learns command {name}", lambda n=learner, w=wrong, a=active: n.learn(a, Locations.only(w))
         for name, wrong in {"NaN": NAN * np.zeros((3, 2)), "flat": head, "None": None, "text": "a"}.items():
-            yield f"{code} scores {name}", lambda n=learner, w=wrong, a=active: n.score(a, Places(w))
+            yield f"{code} scores {name}", lambda n=learner, w=wrong, a=active: n.score(a, Locations(w))
     selector = AttentionSelector(AttentionConfig(), 4, np.random.default_rng(0))
     for name, moves in {
         "few": np.zeros(2, bool),

@@ -20,7 +20,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from jointattn_mj.contingency.online.counts import CONTEXT
 from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.errors import CheckpointError
@@ -109,7 +108,7 @@ class TestRoundTrip:
             np.array([np.nan, -np.inf, -0.0]),
             np.array(["é", "xyz"]),
             np.array([True, False]),
-            np.zeros(3, CONTEXT),
+            np.zeros(3, np.dtype([("number", np.int32), ("sum", float)], align=True)),
             np.arange(3, dtype=">i2"),
             np.broadcast_to(np.arange(2.0), (4, 2)),
         ],

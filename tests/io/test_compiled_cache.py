@@ -1,6 +1,7 @@
 """Compiled functions are stored where numba stores them, and are current as long as all that they consist of is."""
 
 import os
+import pickle
 import shutil
 import subprocess
 import sys
@@ -55,6 +56,11 @@ def test_what_was_inlined_from_a_changed_file_is_compiled_again(toy):
     (toy / "words.py").write_text("'No compiled code.'\n")
     assert said(toy) == "1 1"
     (toy / "inner.py").write_text(INNER.format(2))
+    for index in (toy / "__pycache__").glob("*.nbi"):
+        with index.open("r+b") as file:
+            pickle.load(file)  # the version
+            file.write(b"ctoy.outer\nGone\n.")  # a class that is not there any more
+            file.truncate()
     assert [said(toy), said(toy)] == ["2 0", "2 1"]
 
 

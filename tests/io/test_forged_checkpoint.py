@@ -8,12 +8,11 @@ from typing import Any
 
 import pytest
 
-from jointattn_mj.cli.running import of_a_checkpoint
 from jointattn_mj.errors import CheckpointError, ConfigError, JointAttnError
 from jointattn_mj.gaze_following.run import SessionOptions, run_session
 from jointattn_mj.gaze_following.session import SessionRun
 from jointattn_mj.guards.fitting import check_fits
-from jointattn_mj.io.checkpoint import save
+from jointattn_mj.io.checkpoint import gone_on_with, save
 from tests.io.test_checkpoint import CONFIG, members_of, sealed
 
 PLACES = ("visible", "x_px", "iterations")
@@ -80,12 +79,22 @@ def test_weights_of_another_robot(members, tmp_path):
 
 def test_what_no_check_has_foreseen_is_laid_to_the_checkpoint(tmp_path):
     with pytest.raises(CheckpointError, match=r"checkpoint\.bin does not fit.*IndexError: 7"):  # noqa: SIM117
-        with of_a_checkpoint(tmp_path, resumed=True):
+        with gone_on_with(tmp_path / "checkpoint.bin", True):
             raise IndexError(7)
-    with pytest.raises(IndexError), of_a_checkpoint(tmp_path, resumed=False):
+    with pytest.raises(IndexError), gone_on_with(tmp_path, False):
         raise IndexError(7)
-    with pytest.raises(ConfigError), of_a_checkpoint(tmp_path, resumed=True):
+    with pytest.raises(ConfigError), gone_on_with(tmp_path, True):
         raise ConfigError("no")
+
+
+def test_errors_of_the_caller_are_the_callers(tmp_path):
+    def progress() -> None:
+        raise IndexError(7)
+
+    with pytest.raises(IndexError), gone_on_with(tmp_path, True, progress):
+        progress()
+    with pytest.raises(CheckpointError), gone_on_with(tmp_path, True, json.loads):
+        progress()
 
 
 @pytest.mark.slow
@@ -98,8 +107,7 @@ def test_changed_anywhere(members, tmp_path):
         entry[draw.randrange(len(entry))] = draw.choice([None, True, -1, 0, 300, 2**63, 1e308, -1.5, "", "x", [0], [9]])
         out = tmp_path / str(number)
         try:
-            with of_a_checkpoint(out, resumed=True):
-                resumed(out, members, state)
+            resumed(out, members, state)
         except JointAttnError as error:
             assert "\n" not in str(error)
 

@@ -90,5 +90,6 @@ def test_meanings_come_with_the_columns():
     assert (described.describe("n"), table().describe("n")) == ("how many", "")
 
 
-def test_the_example_in_the_docstring():
+def test_the_examples_in_docstrings(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     assert doctest.testmod(jointattn_mj.io.table).failed == 0

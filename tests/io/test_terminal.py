@@ -4,6 +4,7 @@ import io
 import os
 import signal
 import sys
+import time
 
 import pytest
 
@@ -81,3 +82,17 @@ class TestStops:
         with stopped_like_ctrl_c():
             assert signal.getsignal(signal.SIGTERM) is not before
         assert signal.getsignal(signal.SIGTERM) is before
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_that_python_discards_comes_again(number):
+    class Finalised:
+        def __del__(self):
+            os.kill(os.getpid(), number)
+            time.sleep(1)
+
+    hook = sys.unraisablehook
+    with pytest.raises(KeyboardInterrupt), stopped_like_ctrl_c():
+        Finalised()
+        time.sleep(30)
+    assert sys.unraisablehook is hook

@@ -53,7 +53,7 @@ def test_a_turning_face_is_followed(name):
         if new:
             jump = rng.normal(0, 0.8, 2)  # the robot knows its head's angles to a pixel or so
         fix = detector.detect(gray, None if offset is None else tuple(true + offset + jump))
-        assert fix.found
+        assert fix.detected
         error = np.array([fix.x, fix.y]) - true
         if offset is None:
             offset = error  # what the cascade calls the centre of a face is the robot's own
@@ -86,11 +86,11 @@ def test_no_face_in_an_empty_room(stage, frontal):
     empty = FaceDetector()
     stage.look_from(60, 10)
     room = stage.gray().copy()
-    assert not any(empty.detect(room).found for _ in range(3)) and empty.bank.n == 0
+    assert not any(empty.detect(room).detected for _ in range(3)) and empty.bank.n == 0
     fix = detector.detect(frontal)
     for expected in [(fix.x, fix.y), (40.0, 30.0), None]:
         lost = detector.detect(room, expected)
-        assert not lost.found and np.isnan(lost.x)
+        assert not lost.detected and np.isnan(lost.x)
     assert detector.bank.n == 1, "something else was kept as a view of the face"
 
 
@@ -101,7 +101,7 @@ def test_a_face_elsewhere_is_found_again(stage, frontal):
     gray, true = stage.gray().copy(), stage.face_px()
     for expected in [(60.0, 60.0), (290.0, 200.0), None]:
         fix = detector.detect(gray, expected)
-        assert fix.found and np.hypot(fix.x - true[0], fix.y - true[1]) < 8
+        assert fix.detected and np.hypot(fix.x - true[0], fix.y - true[1]) < 8
 
 
 def test_a_covered_face_is_not_reported(stage, frontal):
@@ -111,15 +111,15 @@ def test_a_covered_face_is_not_reported(stage, frontal):
     rng = np.random.default_rng(0)
     x, y = round(fix.x), round(fix.y)
     covered[y - 30 : y + 30, x - 30 : x + 30] = rng.integers(0, 256, (60, 60))
-    assert not detector.detect(covered, (fix.x, fix.y)).found
-    assert detector.detect(frontal, (fix.x, fix.y)).found
+    assert not detector.detect(covered, (fix.x, fix.y)).detected
+    assert detector.detect(frontal, (fix.x, fix.y)).detected
 
 
 def test_off_the_image_is_not_found(stage, frontal):
     detector = FaceDetector()
     detector.detect(frontal)
     stage.look_from(0, -35)
-    assert not detector.detect(stage.gray(), (160.0, -60.0)).found
+    assert not detector.detect(stage.gray(), (160.0, -60.0)).detected
 
 
 def test_the_patch_hardly_changes_with_the_fraction_of_a_pixel(stage, frontal):

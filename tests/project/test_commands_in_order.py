@@ -24,7 +24,10 @@ pytestmark = pytest.mark.integration
 NOT_RUN = {
     "installs, builds or tests": lambda words: words[0] in ("apt-get", "pip", "make", "pytest"),
     "shows something until it is closed": lambda words: words[0] == "rerun" or words[:2] == ("jointattn", "view"),
+    "needs a camera": lambda words: words[:4] == ("jointattn", "session", "--world", "camera"),
+    "takes half an hour": lambda words: words[:3] == ("python", "-m", "experiments.recorded.compare"),
     "writes into the checkout": lambda words: words[:3] == ("python", "-m", "experiments.pages"),
+    "measures for minutes": lambda words: words[:2] == ("jointattn", "benchmark"),
     "tries for hours what can go wrong": lambda words: words[:3] == ("python", "-m", "tools.reliability"),
 }
 SHORT_CLAIM = "5.2"
@@ -47,18 +50,20 @@ def shortened(command: Command) -> list[str]:
 
     match words[0]:
         case "session":
-            at_most("--minutes", 0.02 if "--video" in words else 0.1)
+            at_most("--minutes", 0.01 if "--video" in words else 0.1)
             words += [] if "state" in words else ["--robot.familiarise.minutes", "0.03"]
         case "develop" if "realtime" in words:
             at_most("--minutes", 0.05)
             words += ["--realtime.familiarise-minutes", "0.1"]
         case "develop" if "rendered" in words:
-            at_most("--steps", 20)
-            words += ["--rendered.exploration", "100"]
+            at_most("--steps", 10 if "--video" in words else 20)
+            words += ["--rendered.exploration", "50"]
             words += ["--babbling.steps", "300"] if "growing" in words else []
         case "develop":
             at_most("--steps", 40_000)
             at_most("--checkpoint-every", 5_000, always=False)
+        case "perceive":
+            at_most("--max-minutes", 0.05)
         case "play":
             at_most("--episodes", 2)
             at_most("--time-limit", 0.5)

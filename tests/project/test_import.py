@@ -35,6 +35,40 @@ def test_importing_the_package_is_light():
     assert done.stdout == "\n\n"
 
 
+def test_little_comes_before_the_command_line_minds_stop_signals():
+    """What is imported until then leaves a traceback when it is interrupted."""
+    slow = {"typing", "tempfile", "pathlib", "ctypes", "random", "shutil", "importlib.util", "argparse", "re"}
+    code = "import sys, threading; known = {*sys.modules}; import jointattn_mj.cli.main; print(*{*sys.modules} - known)"
+    new = set(python(code).stdout.split())
+    assert "jointattn_mj.io.terminal" in new and not new & slow
+
+
+COMMAND_LINE = """
+import sys
+from importlib import import_module
+from jointattn_mj.cli.commands import COMMANDS
+from jointattn_mj.cli.main import main
+{code}
+print(*sorted(name for name in {modules} if name in sys.modules))
+"""
+DRAWN_OR_TESTED = ("matplotlib", "scipy.stats", "scipy.cluster", "scipy.optimize", "scipy.fft", "mediapy", "jinja2")
+"""What only figures, tests and films need."""
+
+
+def test_the_list_of_commands_imports_nothing_heavy():
+    done = python(COMMAND_LINE.format(code="main(['--help'])", modules=(*HEAVY, "yaml", "tqdm")))
+    assert done.returncode == 0, done.stderr
+    assert "session" in done.stdout
+    assert done.stdout.splitlines()[-1] == ""
+
+
+def test_no_command_imports_what_draws_or_tests_before_it_is_asked_for_that():
+    code = "for name in COMMANDS: import_module(f'jointattn_mj.cli.{name}')"
+    done = python(COMMAND_LINE.format(code=code + "\nprint('numpy' in sys.modules)", modules=DRAWN_OR_TESTED))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines() == ["True", ""]
+
+
 @pytest.mark.parametrize("reader", ["mujoco", "dm_control.mujoco"])
 def test_a_backend_is_chosen_before_mujoco_reads_it(reader):
     code = f"import os, jointattn_mj; before = 'MUJOCO_GL' in os.environ\nimport {reader}\n"
@@ -66,6 +100,7 @@ print("extras:", *(name for name in {EXTRAS} if name in sys.modules))
 
 
 NEED_EXTRAS = {
+    "python_calamine": ("excel", "measure book.xlsx --source a --target b"),
     "rerun": ("rerun", "session --perception state --minutes 0.02 --out out --rerun log.rrd"),
     "distributed": ("cluster", "experiment run 4.4 --backend dask --address tcp://127.0.0.1:9 --out out"),
 }
@@ -78,6 +113,7 @@ def test_an_extra_that_is_missing_asks_for_itself_by_name(package, tmp_path, mon
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, package, None)  # as if it were not installed
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "book.xlsx").write_bytes(b"PK\x03\x04")  # as every workbook begins
     with pytest.raises(SystemExit):
         main(command.split())
     said = capsys.readouterr().err

@@ -56,7 +56,7 @@ def toy(tmp_path):
     return lambda name: Subject(name, name, program=(sys.executable, str(script)))
 
 
-def trials(subject: Subject, folder: Path, number: int = 6) -> list[kills.Trial]:
+def trials(subject: Subject, folder: Path, number: int = 6) -> list[kills.KillTrial]:
     peace = kills.reference(subject, folder / "peace", {})
     return [kills.kill_until_done(subject, seed, peace, folder / str(seed), {}) for seed in range(number)]
 

@@ -13,7 +13,7 @@ from jointattn_mj.contingency.information import TRANSFER
 from jointattn_mj.contingency.table import steps
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.recordings.delays import check_delay, delay_in_steps
-from jointattn_mj.recordings.dyads import by_dyad, compare, split
+from jointattn_mj.recordings.dyads import by_dyad, compare, over_dyads, scan_over_dyads, split
 
 FEW = c.TestOptions(99, resamples=0)
 
@@ -61,6 +61,42 @@ def test_values_of_dyads_are_their_own():
         by_dyad(steps(mothers, infants), TRANSFER, names, FEW, 1.0, np.random.SeedSequence(0), {"d0": "6"}, "age")
 
 
+def test_interval_and_p_of_dyads_agree():
+    """Where 0 lies outside the interval p is at most .05, also at the border; and chance gets as much as it should."""
+    rng = np.random.default_rng(0)
+    agreed = []
+    for _ in range(150):
+        n = int(rng.integers(2, 12))
+        nulls = [rng.chisquare(4, 400) - 4 for _ in range(n)]
+        values = rng.chisquare(4, n) - 4 + rng.choice([0, 0, 3]) * rng.random(n)
+        (low, high), p = over_dyads(values, nulls, rng)
+        assert low <= values.mean() <= high or n == 2
+        assert (p <= 0.05) == (low > 0 or high < 0)
+        agreed.append(p <= 0.05)
+    assert 5 < sum(agreed) < 80
+    p = [over_dyads(rng.chisquare(4, 5) - 4, [rng.chisquare(4, 400) - 4] * 5, rng)[1] for _ in range(150)]
+    assert np.mean(np.array(p) <= 0.05) <= 0.11
+    interval, p = over_dyads(np.zeros(3), nulls[:1] * 3, rng)
+    assert interval == (0, 0)
+    assert p > 0.5
+    assert over_dyads(np.ones(3), [np.zeros(9)] * 3, rng)[1] < 0.001
+
+
+def test_lags_over_dyads():
+    """Means of the dyads' own curves, and of their surrogates'."""
+    pairs = [dyad(np.random.default_rng(i), 1, 0.9) for i in range(4)]
+    mothers, infants = ([one[:1500] for one in side] for side in zip(*pairs, strict=True))
+    scan = scan_over_dyads(
+        steps(mothers, infants), TRANSFER, range(1, 13), c.Timing(), FEW, np.log(2), np.random.SeedSequence(0)
+    )
+    alone = [c.scan_lags("te", *pair, lags=range(1, 13), options=FEW) for pair in zip(mothers, infants, strict=True)]
+    assert np.allclose(scan.value, np.mean([one.value for one in alone], 0))
+    assert scan.recordings == 4
+    assert (scan.p_adjusted >= scan.p).all()
+    assert 4 <= scan.lags[scan.best] <= 12
+    assert scan.p_adjusted.min() <= 0.05
+
+
 def test_groups_are_compared_by_permuting_dyads():
     labels = np.array(["6"] * 4 + ["12"] * 4)
     values = np.array([1.0, 2, 3, 4, 5, 6, 7, 8])
@@ -83,6 +119,7 @@ class TestCommand:
         assert "TE(s -> r), age 12: mean effective value" in outcome.out
         assert "TE(s -> r), 6 against 12: difference -" in outcome.out
         assert "significant at" in outcome.out
+        assert "values are means over 6 recordings" in outcome.out
         assert "circular shifts of the source within its recording" in outcome.out
         document = json.loads((tmp_path / "m.json").read_text())
         assert [row["lag"] for row in document["lags"]] == list(range(1, 13))
@@ -92,6 +129,8 @@ class TestCommand:
             row["contribution"] for row in document["values"] if row["measure"] == "TE(s -> r)"
         ) == pytest.approx(document["rows"][0]["plug_in"])
         assert (tmp_path / "m_lags.png").read_bytes()[:4] == b"\x89PNG"
+        outcome = jointattn("measure", coding, *options, "--recording", "dyad", "--scan", "12", "--over", "steps")
+        assert "(max-T)." in outcome.out
 
     def test_refuses(self, jointattn, coding):
         options = ("--source", "mother", "--target", "infant")

@@ -80,7 +80,8 @@ class TestJointAttention:
 
 class TestAgreement:
     def test_of_published_tables(self):
-        """Cohen (1960), A coefficient of agreement for nominal scales, table 1."""
+        """By hand: .70 of units alike, .41 by chance; and an example of the R package Delta (GetKappa)."""
+        assert kappa(np.array([[50, 10], [10, 20]])) == pytest.approx(0.5)
         assert kappa(np.array([[0.44, 0.07, 0.09], [0.05, 0.20, 0.05], [0.01, 0.03, 0.06]])) == pytest.approx(
             0.492, abs=5e-4
         )

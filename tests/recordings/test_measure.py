@@ -52,6 +52,27 @@ def coding(tmp_path_factory):
 
 
 class TestMeasure:
+    def test_measures_are_chosen(self, coding):
+        few = {"source": ("gaze",), "target": ("object",), "surrogates": 199, "resamples": 30}
+        every = run_measure(MeasureOptions(coding, condition=("turn",), **few))
+        some = run_measure(MeasureOptions(coding, condition=("turn",), measures=("transfer_entropy", "SAC"), **few))
+        assert [one.name for one in every.measured] == ["SAC", "T^C", "TE(s -> r)", "I(s; r')", "I(s; r' | a)"]
+        assert some.measured == (every.measured[0], every.measured[2])  # chance of their own, whatever else is measured
+        assert math.isnan(some.granger) and "Granger" not in some.text()
+        assert repr(some).startswith("MeasureResult(gaze -> object | turn: 1999 steps in 1 recording, bits; SAC 0.19")
+        assert max(len(repr(one)) for one in (some, *some.measured, *some.measured[0].values)) <= 120
+        with pytest.raises(ConfigError, match=r"`measures` names T\^C, which needs a `condition`"):
+            MeasureOptions(coding, measures=("tc",), **few)
+        with pytest.raises(ConfigError, match=r"need one of .*transfer_entropy among `measures`"):
+            MeasureOptions(coding, measures=("mi",), scan="4", **few)
+        with pytest.raises(ConfigError, match="expected a tuple, each one of sac, tc, te, mi, cmi"):
+            MeasureOptions(coding, measures=("entropy",), **few)
+
+    def test_measures_are_chosen_on_the_command_line(self, jointattn, coding):
+        outcome = jointattn("measure", coding, "--source", "gaze", "--target", "object", "--measures", "te", *FEW)
+        assert (outcome.code, outcome.err) == (0, "")
+        assert "TE(s -> r)" in outcome.out and "I(s; r')" not in outcome.out
+
     def test_what_it_prints_and_writes(self, jointattn, coding, tmp_path):
         options = ("--source", "gaze", "--target", "object", "--condition", "turn", *FEW)
         outcome = jointattn("measure", coding, *options, "--out", tmp_path / "new" / "gaze.csv")

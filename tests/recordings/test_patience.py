@@ -24,6 +24,15 @@ def test_what_takes_less_goes_on():
     assert watched(10_000, 1.0) == [50] * 3
 
 
+def test_draws_that_were_not_needed_say_nothing_of_the_pace():
+    times = iter(range(100))
+    watch = patient(lambda done: None, 2_000_000_000, False, clock=lambda: next(times))
+    watch(100)
+    watch(10**9 - 100)
+    with pytest.raises(ConfigError, match="days"):
+        watch(50)
+
+
 def test_yes_is_yes():
     assert watched(1_000_000_000, 1.0, yes=True) == [50] * 3
 

@@ -1,4 +1,4 @@
-"""Places on the table: apart, within bounds, even, and repeatable."""
+"""Locations on the table: apart, within bounds, even, and repeatable."""
 
 import numpy as np
 import pytest

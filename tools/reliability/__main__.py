@@ -31,9 +31,9 @@ def run_kills(*, number: int = 100, only: str = "", seed: int = 0, jobs: int = 2
     """
 
     def harness(folder: Path, subjects: tuple[Subject, ...], at: dict[str, str], pool: ThreadPoolExecutor) -> dict:
-        def killed(subject: Subject) -> list[kills.Trial]:
+        def killed(subject: Subject) -> list[kills.KillTrial]:
             peace = kills.reference(subject, folder / f"{subject.name} in peace", at)
-            trials: list[kills.Trial] = []
+            trials: list[kills.KillTrial] = []
             while sum(len(trial.kills) for trial in trials) < number / len(subjects):
                 trial_seed = 1000 * seed + len(trials)
                 out_of_it = folder / f"{subject.name} {trial_seed}"
@@ -59,17 +59,19 @@ def run_pairs(*, number: int = 24, only: str = "", seed: int = 0, jobs: int = 2,
     """
 
     def harness(folder: Path, subjects: tuple[Subject, ...], at: dict[str, str], pool: ThreadPoolExecutor) -> dict:
-        def started(subject: Subject) -> list[together.Pair]:
+        def started(subject: Subject) -> list[together.RunPair]:
             alone = (
                 kills.reference(subject, folder / f"{subject.name} first alone", at),
                 kills.reference(subject, folder / f"{subject.name} second alone", at, together.other_seed(subject)),
             )
             seeds = range(1000 * seed, 1000 * seed + max(1, number // len(subjects)))
-            found = []
+            attempts = []
             for pair_seed in seeds:
-                found.append(together.start_two(subject, pair_seed, alone, folder / f"{subject.name} {pair_seed}", at))
-                print(found[-1], file=sys.stderr)
-            return found
+                attempts.append(
+                    together.start_two(subject, pair_seed, alone, folder / f"{subject.name} {pair_seed}", at)
+                )
+                print(attempts[-1], file=sys.stderr)
+            return attempts
 
         return together.summary([pair for of in pool.map(started, subjects) for pair in of])
 
@@ -95,9 +97,9 @@ def run_malformed(
         folder, here = Path(name), Path(name) / "here" / "it" / "is"
         here.mkdir(parents=True)
         shells = [stack.enter_context(closing(Shell(here))) for _ in range(jobs)]
-        given = [one for one in all_kinds(shells[0], seed, number, folder) if only in f"{one.kind} {one.what}"]
-        found = summary(given, try_all(given, shells, limit))
-    return _leave("malformed", found, time.monotonic() - began, out)
+        given = [kind for kind in all_kinds(shells[0], seed, number, folder) if only in f"{kind.kind} {kind.what}"]
+        tried = summary(given, try_all(given, shells, limit))
+    return _leave("malformed", tried, time.monotonic() - began, out)
 
 
 def run_hours(*, share: float = 1.0, only: str = "", out: Path = FOLDER) -> bool:
@@ -136,16 +138,16 @@ def _with_runs(name: str, harness: Callable[..., dict], subjects: list[Subject],
         places(Path(folder), tuple(subjects)) as at,
         ThreadPoolExecutor(jobs) as pool,
     ):
-        found = harness(Path(folder), tuple(subjects), at, pool)
-    return _leave(name, found, time.monotonic() - began, out)
+        result = harness(Path(folder), tuple(subjects), at, pool)
+    return _leave(name, result, time.monotonic() - began, out)
 
 
-def _leave(name: str, found: dict, seconds: float, out: Path) -> bool:
+def _leave(name: str, result: dict, seconds: float, out: Path) -> bool:
     """Print and store it; whether anything is wrong."""
-    path = save(name, found, seconds, out)
-    print(table(found["rows"]))
+    path = save(name, result, seconds, out)
+    print(table(result["rows"]))
     print(path)
-    return bool(found["wrong"])
+    return bool(result["wrong"])
 
 
 COMMANDS = {

@@ -15,11 +15,11 @@ NOT_RESULTS = {
 
 def contents(folder: Path) -> dict[str, bytes]:
     """Files by their path in the folder; of JSON files all but the time."""
-    found = {}
+    digests = {}
     for path in sorted(folder.rglob("*")):
         if path.is_file() and not any(re.fullmatch(name, path.name) for name in NOT_RESULTS):
-            found[str(path.relative_to(folder))] = _timeless(path)
-    return found
+            digests[str(path.relative_to(folder))] = _timeless(path)
+    return digests
 
 
 def _timeless(path: Path) -> bytes:
@@ -37,10 +37,10 @@ def _without_time(value: object) -> object:
 
 def differences(one: dict[str, bytes], other: dict[str, bytes]) -> dict[str, int]:
     """Bytes that differ, by file; a file that is missing differs in all of its own, in one at least."""
-    found = {}
+    differing = {}
     for name in sorted(one.keys() | other.keys()):
         first, second = one.get(name, b""), other.get(name, b"")
         count = sum(a != b for a, b in zip(first, second, strict=False)) + abs(len(first) - len(second))
         if count or (name in one) != (name in other):
-            found[name] = max(count, 1)
-    return found
+            differing[name] = max(count, 1)
+    return differing

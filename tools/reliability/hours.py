@@ -120,7 +120,7 @@ def spend(day: Day, share: float, out: Path) -> dict[str, object]:
 def summary(spent: list[dict]) -> dict[str, object]:
     """Of all days."""
     return {
-        "rows": [one["row"] for one in spent],
-        "wrong": [{"run": one["row"]["run"], "trouble": one["trouble"]} for one in spent if one["trouble"]],
-        "memory (s, MB)": {one["row"]["run"]: one["curve"] for one in spent},
+        "rows": [run["row"] for run in spent],
+        "wrong": [{"run": run["row"]["run"], "trouble": run["trouble"]} for run in spent if run["trouble"]],
+        "memory (s, MB)": {run["row"]["run"]: run["curve"] for run in spent},
     }

@@ -29,7 +29,7 @@ class Reference:
 
 
 @dataclass
-class Trial:
+class KillTrial:
     """A run that was killed until it was done."""
 
     subject: str
@@ -64,9 +64,9 @@ def reference(subject: Subject, out: Path, places: dict[str, str], more: tuple[s
     return Reference(seconds, contents(out))
 
 
-def kill_until_done(subject: Subject, seed: int, peace: Reference, out: Path, places: dict[str, str]) -> Trial:
+def kill_until_done(subject: Subject, seed: int, peace: Reference, out: Path, places: dict[str, str]) -> KillTrial:
     """One trial, whose moments come from ``seed``; its folder is deleted if nothing was lost."""
-    chance, trial = random.Random(f"{subject.name} {seed}"), Trial(subject.name, seed)
+    chance, trial = random.Random(f"{subject.name} {seed}"), KillTrial(subject.name, seed)
     more: tuple[str, ...] = ()
     refused, runs = "", []
     while True:
@@ -134,21 +134,21 @@ def _kill(run: Run, subject: Subject, chance: random.Random, peace: Reference, o
 
 def _entries(folder: str | Path) -> list[tuple[str, int, int]]:
     """Files in a folder and below, their sizes and when they were changed."""
-    found = []
+    listed = []
     try:
         with os.scandir(folder) as entries:
             for entry in entries:
                 if entry.is_dir(follow_symlinks=False):
-                    found += _entries(entry.path)
+                    listed += _entries(entry.path)
                 else:
                     status = entry.stat(follow_symlinks=False)
-                    found.append((entry.path, status.st_size, status.st_mtime_ns))
+                    listed.append((entry.path, status.st_size, status.st_mtime_ns))
     except OSError:  # what has just been renamed
         pass
-    return sorted(found)
+    return sorted(listed)
 
 
-def summary(trials: list[Trial]) -> dict[str, object]:
+def summary(trials: list[KillTrial]) -> dict[str, object]:
     """Counts by subject, and what was lost."""
     rows = []
     for name in dict.fromkeys(trial.subject for trial in trials):

@@ -26,8 +26,8 @@ def anything(outcome: Outcome) -> str:
 
 def numbers(outcome: Outcome) -> str:
     """A result will do if its numbers are some."""
-    found = NOT_A_NUMBER.search(outcome.out)
-    return f"printed {found[0]}" if found else ""
+    match = NOT_A_NUMBER.search(outcome.out)
+    return f"printed {match[0]}" if match else ""
 
 
 def refused(outcome: Outcome) -> str:

@@ -35,13 +35,13 @@ def figures(folder: Path = FOLDER) -> str:
     """All that is stored, as Markdown."""
     parts = []
     for name, (title, about) in TITLES.items():
-        found = load(name, folder)
-        if found is None:
+        result = load(name, folder)
+        if result is None:
             continue
-        versions = ", ".join(f"{package} {version}" for package, version in found["versions"].items())
-        with_what = f"{found['date']}, {found['seconds']:,} s on {found['machine']}; {versions}."
-        parts += [f"### {title}", about, f"`python -m tools.reliability {name}`, {with_what}", table(found["rows"])]
-        if found["wrong"]:
+        versions = ", ".join(f"{package} {version}" for package, version in result["versions"].items())
+        with_what = f"{result['date']}, {result['seconds']:,} s on {result['machine']}; {versions}."
+        parts += [f"### {title}", about, f"`python -m tools.reliability {name}`, {with_what}", table(result["rows"])]
+        if result["wrong"]:
             parts.append(f"What went wrong stands in `experiments/reliability/{name}.json`.")
     return "\n\n".join(parts)
 

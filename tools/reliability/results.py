@@ -14,7 +14,7 @@ MOST_KEPT = 40
 """Failures that are written down; their number is in any case."""
 
 
-def save(name: str, found: dict[str, object], seconds: float, folder: Path = FOLDER) -> Path:
+def save(name: str, result: dict[str, object], seconds: float, folder: Path = FOLDER) -> Path:
     """Write ``found`` to ``name``.json."""
     beside = {
         "date": datetime.date.today().isoformat(),
@@ -24,7 +24,7 @@ def save(name: str, found: dict[str, object], seconds: float, folder: Path = FOL
     }
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}.json"
-    path.write_text(json.dumps(beside | found, indent=1) + "\n")
+    path.write_text(json.dumps(beside | result, indent=1) + "\n")
     return path
 
 

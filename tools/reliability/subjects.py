@@ -18,7 +18,7 @@ ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT), "LP_NUM_THREADS": "0"}
 SCHEDULER, VIDEO = "{scheduler}", "{video}"
 """Stand in a command for the address of a dask scheduler, and for a file to watch."""
 JOINTATTN = (sys.executable, "-m", "jointattn_mj.cli.main")
-LIMIT_S = 600.0
+LIMIT_S = 1800.0
 """A run that takes longer hangs."""
 
 
@@ -50,12 +50,18 @@ class Subject:
 ORDER = "experiment run 5.2 --setting 'caregiver first' --runs 12"
 SUBJECTS = (
     Subject("session, state", "session --perception state --minutes 8 --checkpoint-minutes 0.25"),
+    Subject(
+        "session, cross-situational",
+        "session --preset cross_situational --perception state --minutes 8 --checkpoint-minutes 0.25",
+    ),
     Subject("session, images", "session --minutes 0.8 --robot.familiarise.minutes 0.3 --checkpoint-minutes 0.1"),
     Subject("develop, table", "develop table --preset fast --steps 300000 --checkpoint-every 20000"),
+    Subject("develop, local", "develop table --preset local --steps 8000 --checkpoint-every 500"),
     Subject(
         "develop, rendered",
         "develop rendered --steps 800 --rendered.exploration 240 --checkpoint-every 100",
     ),
+    Subject("develop, growing", "develop rendered --resolution growing --steps 400 --checkpoint-every 50"),
     Subject(
         "develop, realtime",
         "develop realtime --minutes 0.5 --realtime.familiarise-minutes 0.4 --checkpoint-every 10",
@@ -67,7 +73,8 @@ SUBJECTS = (
         resume=(),
         report=("experiment", "report"),
     ),
-    Subject("perceive", f"perceive {VIDEO} --no-overlay"),
+    Subject("perceive", f"perceive {VIDEO} --no-overlay --checkpoint-minutes 0.05"),
+    Subject("perceive, looks and overlay", f"perceive {VIDEO} --looks --checkpoint-minutes 0.05"),
 )
 
 
@@ -92,13 +99,13 @@ class Run:
 
     def workers(self) -> list[int]:
         """Processes of loky that compute for it."""
-        found = []
+        children = []
         with suppress(OSError):
             for task in Path(f"/proc/{self.process.pid}/task").iterdir():
                 for child in (task / "children").read_text().split():
                     if b"popen_loky" in Path(f"/proc/{child}/cmdline").read_bytes():
-                        found.append(int(child))
-        return found
+                        children.append(int(child))
+        return children
 
     def end(self, limit_s: float = LIMIT_S) -> tuple[int, str]:
         """Its code and what it said, when it has ended; 124 where it hangs."""
@@ -120,11 +127,11 @@ class Run:
 @contextmanager
 def places(folder: Path, subjects: tuple[Subject, ...]) -> Iterator[dict[str, str]]:
     """What commands need that is not theirs: a video, and a scheduler with two workers."""
-    needed, found = " ".join(subject.command for subject in subjects), {}
+    needed, values = " ".join(subject.command for subject in subjects), {}
     if VIDEO in needed:
-        found[VIDEO] = str(film(folder / "table.mp4", 450))
+        values[VIDEO] = str(film(folder / "table.mp4", 450))
     if SCHEDULER not in needed:
-        yield found
+        yield values
         return
     program = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
     at = folder / "scheduler.json"
@@ -137,7 +144,7 @@ def places(folder: Path, subjects: tuple[Subject, ...]) -> Iterator[dict[str, st
         ),
     ]  # fmt: skip
     try:
-        yield found | {SCHEDULER: wait_for(lambda: _address(at))}
+        yield values | {SCHEDULER: wait_for(lambda: _address(at))}
     finally:
         for process in reversed(started):
             process.terminate()
@@ -159,8 +166,8 @@ def wait_for(condition: Callable[[], str | None], seconds: float = 120) -> str:
     """
     until = time.monotonic() + seconds
     while time.monotonic() < until:
-        if (found := condition()) is not None:
-            return found
+        if (result := condition()) is not None:
+            return result
         time.sleep(0.05)
     raise TimeoutError(f"waited {seconds} s for {condition}")
 

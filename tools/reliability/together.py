@@ -16,7 +16,7 @@ APART_S = 0.6
 
 
 @dataclass(frozen=True)
-class Pair:
+class RunPair:
     """How two commands in one folder ended."""
 
     subject: str
@@ -28,7 +28,7 @@ class Pair:
 
 def start_two(
     subject: Subject, seed: int, alone: tuple[Reference, Reference], out: Path, places: dict[str, str]
-) -> Pair:
+) -> RunPair:
     """``alone``: either in a folder of its own; the second command differs in its seed, but for experiments."""
     chance = random.Random(f"{subject.name} {seed}")
     apart = 0.0 if chance.random() < 0.2 else chance.uniform(0, APART_S)
@@ -42,7 +42,7 @@ def start_two(
     trouble = _trouble(subject, ends, alone, out)
     if not trouble:
         shutil.rmtree(out)
-    return Pair(subject.name, round(apart, 3), codes, trouble)
+    return RunPair(subject.name, round(apart, 3), codes, trouble)
 
 
 def other_seed(subject: Subject) -> tuple[str, ...]:
@@ -50,7 +50,7 @@ def other_seed(subject: Subject) -> tuple[str, ...]:
     return ("--seed", "1") if subject.resume else ()
 
 
-def summary(pairs: list[Pair]) -> dict[str, object]:
+def summary(pairs: list[RunPair]) -> dict[str, object]:
     """Counts by subject, and what went wrong."""
     rows = []
     for name in dict.fromkeys(pair.subject for pair in pairs):

@@ -97,7 +97,7 @@ class Network(NamedTuple):
     out_threshold: np.ndarray  # (2,)
 
 
-class Options(NamedTuple):
+class AttemptOptions(NamedTuple):
     """A ``TurnTakerConfig`` as numbers, for compiled code."""
 
     gain: float
@@ -145,10 +145,10 @@ class TurnTaker:
             np.zeros(2, np.float32),
         )
 
-    def options(self) -> Options:
+    def options(self) -> AttemptOptions:
         """The config as numbers."""
         config = self.config
-        return Options(
+        return AttemptOptions(
             config.gain, config.steps, config.centre_radius_deg, config.ends == "first",
             FEEDBACK.index(config.feedback), config.reference == "object", config.learns_from == "every_step",
             config.without_target == "network", config.gate_draws == "step", config.angle_scale_deg, config.rate,

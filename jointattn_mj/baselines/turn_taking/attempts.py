@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointattn_mj.baselines.turn_taking.agent import (
+    AttemptOptions,
     Network,
-    Options,
     TurnTaker,
     backpropagate,
     face_drive,
@@ -38,7 +38,7 @@ BESIDE_DEG = 80.0
 
 
 @dataclass(frozen=True)
-class Situations:
+class AttemptSituations:
     """T layouts of n objects each."""
 
     directions: np.ndarray  # (T, n, 2) of the objects from the robot, deg
@@ -47,7 +47,7 @@ class Situations:
     @classmethod
     def of_locations(
         cls, locations: np.ndarray, faces: FaceInputs, jitter_deg: float, rng: np.random.Generator
-    ) -> "Situations":
+    ) -> "AttemptSituations":
         """Situations with the caregiver looking at each object in turn.
 
         Args:
@@ -74,7 +74,7 @@ class Outcomes:
 
 def run_attempts(
     robot: TurnTaker,
-    situations: Situations,
+    situations: AttemptSituations,
     faces: FaceInputs,
     attempts: int,
     rng: np.random.Generator,
@@ -114,7 +114,7 @@ def run_attempts(
 
 @njit
 def _run_attempts(
-    network: Network, options: Options, gate: np.ndarray, directions: np.ndarray, face_index: np.ndarray,
+    network: Network, options: AttemptOptions, gate: np.ndarray, directions: np.ndarray, face_index: np.ndarray,
     patterns: np.ndarray, start: np.ndarray, noise: float, miss: float, learning: bool, rng: np.random.Generator,
     results: np.ndarray,
 ) -> None:  # fmt: skip
@@ -130,7 +130,7 @@ def _run_attempts(
 @njit
 def _attempt(
     network: Network,
-    options: Options,
+    options: AttemptOptions,
     gate: float,
     directions: np.ndarray,
     target: int,

@@ -1,7 +1,7 @@
 """Faces for turn taking: rendered once, detected by the robot's own detector, used many times.
 
 A run of 300,000 attempts cannot render an image for each. A bank of face patterns is made first: the caregiver looks at
-thousands of places on the table, the camera renders the face, and ``PixelPerception`` detects it and cuts out the
+thousands of locations on the table, the camera renders the face, and ``PixelPerception`` detects it and cuts out the
 32 x 32 grey patch f_v, as in a session. An attempt takes the pattern whose gaze direction is nearest to that of the
 attempt's object, after a small jitter. How well this carries over to new faces is tested on a second bank.
 """
@@ -9,7 +9,6 @@ attempt's object, after a small jitter. How well this carries over to new faces 
 from dataclasses import dataclass
 from typing import Annotated
 
-import mujoco
 import numpy as np
 
 from jointattn_mj.baselines.turn_taking.layouts import TABLE, draw_locations
@@ -17,13 +16,13 @@ from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import numbers
 from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Spread, Whole
-from jointattn_mj.perception.percept import StillObservation
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
+from jointattn_mj.perception.sitter import Sitter
 from jointattn_mj.perception.som import standardised
 from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.model import HEAD_POSITION, rest_height
 from jointattn_mj.scene.movement import gaze_angles
-from jointattn_mj.scene.world import HEAD_JOINTS, SCRIPTED_JOINTS, World, WorldConfig
+from jointattn_mj.scene.world import World, WorldConfig
 
 FACE_DIRECTION = directions_to(np.array([HEAD_POSITION]))[0]
 """Direction (2,) of the face from the robot, deg: where its head stands when an attempt begins."""
@@ -76,10 +75,10 @@ class FaceInputs:
     scale: float
 
     def of_locations(self, locations: np.ndarray, jitter_deg: float, rng: np.random.Generator) -> np.ndarray:
-        """Indices of patterns that look at places on the table.
+        """Indices of patterns that look at locations on the table.
 
         Args:
-            locations: (..., 2) places, m.
+            locations: (..., 2) locations, m.
             jitter_deg: Standard deviation of the jitter of gaze, degrees.
             rng: For the jitter.
 
@@ -116,11 +115,11 @@ def _nearest(points: np.ndarray, bank: np.ndarray) -> np.ndarray:
 
 
 def render_faces(config: FaceBankConfig, rng: np.random.Generator, world: WorldConfig | None = None) -> FaceBank:
-    """Let the caregiver look at random places of the table, and collect the face.
+    """Let the caregiver look at random locations of the table, and collect the face.
 
     Args:
         config: Size and noise of the bank.
-        rng: For places and noise.
+        rng: For locations and noise.
         world: Scene; default as in a session.
 
     Raises:
@@ -132,7 +131,8 @@ def render_faces(config: FaceBankConfig, rng: np.random.Generator, world: WorldC
     config_of_world = world or WorldConfig()
     stage = World.build(config_of_world, np.random.SeedSequence(0))
     try:
-        sitter = _Sitter(stage, config_of_world)
+        colours = np.array([item.rgb for item in config_of_world.scene.objects])
+        sitter = Sitter(stage, config_of_world.behaviour.head_share, PixelPerception(PixelConfig(), colours))
         middle = len(gaze) // 2
         sitter.pattern(np.zeros(2), FACE_DIRECTION)  # a frontal face, which the detector needs to begin with
         for i in range(config.familiar):
@@ -144,24 +144,3 @@ def render_faces(config: FaceBankConfig, rng: np.random.Generator, world: WorldC
         stage.close()
     detected = np.array([patch is not None for patch in patches])
     return FaceBank(np.array([patch for patch in patches if patch is not None], np.float32), gaze[detected])
-
-
-class _Sitter:
-    """The caregiver with head and eyes turned as in ``scene.caregiver``, and all else at rest."""
-
-    def __init__(self, stage: World, config: WorldConfig):
-        self._stage, self._head_share = stage, config.behaviour.head_share
-        self._gaze = [stage.model.joint(name).qposadr[0] for name in SCRIPTED_JOINTS[:6]]
-        self._robot = [stage.model.joint(name).qposadr[0] for name in HEAD_JOINTS]
-        self._perception = PixelPerception(PixelConfig(), np.array([item.rgb for item in config.scene.objects]))
-
-    def pattern(self, gaze: np.ndarray, head: np.ndarray) -> np.ndarray | None:
-        """Face pattern (1024,) for a ``gaze`` (2,) and the robot's ``head`` (2,), deg; None if no face was detected."""
-        data = self._stage.data
-        neck = self._head_share * gaze
-        data.qpos[self._gaze] = np.radians(np.concatenate([neck, gaze - neck, gaze - neck]))
-        data.qpos[self._robot] = np.radians(head)
-        mujoco.mj_forward(self._stage.model, data)
-        observation = StillObservation(self._stage.eye.render(), np.radians(head))
-        percept = self._perception.perceive(observation, landed=True)
-        return self._perception.face_pattern() if percept.visible[-1] else None

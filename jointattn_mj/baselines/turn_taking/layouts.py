@@ -30,17 +30,17 @@ class ObjectTableConfig(Checked):
     objects: Annotated[int, Whole("[1, 1000]")] = 5
     """Number of objects."""
     region: Literal["table", "in_view", "outside"] = "table"
-    """Region of objects; ``table`` mixes places in view and outside."""
+    """Region of objects; ``table`` mixes locations in view and outside."""
     spacing: Annotated[float, Real("[0, 10]")] = 0.13
     """Least distance between two objects, metres, as in ``scene.layout``."""
 
 
 def draw_locations(region: tuple[Rectangle, ...], count: int, rng: np.random.Generator) -> np.ndarray:
-    """Random places, uniform over all rectangles together.
+    """Random locations, uniform over all rectangles together.
 
     Args:
         region: Rectangles.
-        count: How many places.
+        count: How many locations.
         rng: For the draws.
 
     Returns:
@@ -62,7 +62,7 @@ def draw_tables(config: ObjectTableConfig, count: int, rng: np.random.Generator)
         rng: For the draws.
 
     Returns:
-        (count, objects, 2) places, world frame, m.
+        (count, objects, 2) locations, world frame, m.
 
     Raises:
         ConfigError: So many objects do not fit.

@@ -162,7 +162,7 @@ def grown(watch: Watch, events: int, event: int, anew: bool) -> Watch:
 @njit(cache=True)
 def _squared_error(counts: Counts, event: int, single: int) -> float:
     """Squared standard error of the estimate of ``event``, nats squared; 0 without a transition."""
-    n = counts.contexts[counts.of_event[event, OWN]].n
+    n = counts.n[counts.of_event[event, OWN]]
     square: float = local_variance(counts, event, single) / n if n > 0.0 else 0.0
     return square
 
@@ -203,19 +203,19 @@ def update(watch: Watch, counts: Counts) -> int:
         Number of the event that has just been found, or NOTHING.
     """
     rule, values = watch.rule, watch.values
-    of_event, contexts = counts.of_event, counts.contexts
+    of_event, sums, occupied = counts.of_event, counts.sums, counts.occupied
     single, half, per_nat = rule.single, 0.5 * rule.corrected, rule.per_nat
     first, highest, second, change = NOTHING, -np.inf, -np.inf, 0.0
-    for e in range(len(values)):
-        own, of_action = contexts[of_event[e, OWN]], contexts[of_event[e, OF_ACTION]]
-        of_sensor, alone = contexts[of_event[e, OF_SENSOR]], contexts[of_event[e, ALONE]]
-        value = 0.0
-        if own.n > 0.0:
-            total = own.sum - of_action.sum - single * (of_sensor.sum - alone.sum)
+    for e in range(np.uint64(len(values))):
+        own, of_action = of_event[e, OWN], of_event[e, OF_ACTION]
+        of_sensor, alone = of_event[e, OF_SENSOR], of_event[e, ALONE]
+        value, n = 0.0, counts.n[own]
+        if n > 0.0:
+            total = sums[own] - sums[of_action] - single * (sums[of_sensor] - sums[alone])
             if half > 0.0:
-                entries = own.occupied - of_action.occupied - single * (of_sensor.occupied - alone.occupied)
+                entries = occupied[own] - occupied[of_action] - single * (occupied[of_sensor] - occupied[alone])
                 total -= half * entries
-            value = total / own.n * per_nat
+            value = total / n * per_nat
         moved = abs(value - values[e])
         if moved > change:
             change = moved
@@ -223,7 +223,7 @@ def update(watch: Watch, counts: Counts) -> int:
         if rule.drops and watch.modelled[e]:
             continue
         if value > highest:
-            first, highest, second = e, value, highest
+            first, highest, second = np.int64(e), value, highest  # type: ignore[assignment]  # signed again
         elif value > second:
             second = value
     gap = highest - second if len(values) > 1 else highest

@@ -4,8 +4,7 @@ Counts of transitions that are taken as they come (``counts``) cannot follow whe
 module's variable S_Pi says whether the module was used; with hindsight it is read anew whenever a map changes.
 """
 
-import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,9 +13,13 @@ from jointattn_mj.contingency.online.events import Event, Variables
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.io.compiled import njit
 
+MANY = 1000
+"""Number of combinations of sensations above which those that occurred are numbered anew."""
+
 
 class Experience(NamedTuple):
-    """The first ``n_steps`` rows of three tables; those after them are free."""
+    """The first ``n_steps`` rows of three tables; those after them are free. With fewer rows than steps the last steps
+    are kept, each in the row of its number modulo the number of rows."""
 
     s: np.ndarray
     """(rows, sensors) int8 values in each step, those of modules included."""
@@ -70,6 +73,7 @@ def keep(experience: Experience, row: int, s: np.ndarray, a: np.ndarray, r: np.n
         a: (actions,) values.
         r: (results,) values.
     """
+    row %= len(experience.s)
     for i in range(len(s)):
         experience.s[row, i] = s[i]
     for i in range(len(a)):
@@ -87,11 +91,36 @@ class EventSeries(NamedTuple):
     """(4,) number of values of: what the result is conditioned on, sensor, action, result."""
 
 
-class Steps:
-    """All steps of an agent, as its events count them.
+class Columns(NamedTuple):
+    """All steps, and which of their columns are those of each of E events; for compiled code."""
+
+    s: np.ndarray
+    """(n, sensors) values."""
+    a: np.ndarray
+    """(n, actions) values."""
+    before: np.ndarray
+    """(n, results) what each result is conditioned on."""
+    r: np.ndarray
+    """(n, results) values."""
+    events: np.ndarray
+    """(E, 4) sensor, action, result, and the first step in which the event could occur."""
+    sizes: np.ndarray
+    """(E, 4) number of values of: what the result is conditioned on, sensor, action, result."""
+
+    def of(self, number: int) -> EventSeries:
+        """The columns of the event of that number."""
+        sensor, action, result, _ = self.events[number]
+        return EventSeries(
+            (self.s[:, sensor], self.a[:, action], self.before[:, result], self.r[:, result]), self.sizes[number]
+        )
+
+
+class PastSteps:
+    """All steps of an agent that are kept, as its events count them.
 
     Attributes:
         n_steps: Number of steps.
+        forgotten: Number of steps before them.
     """
 
     def __init__(self, experience: Experience, n_steps: int, variables: Variables):
@@ -99,61 +128,79 @@ class Steps:
 
         Args:
             experience: What was kept.
-            n_steps: How many steps of it.
+            n_steps: How many steps there were.
             variables: Of the agent.
         """
-        self.n_steps, self._variables = n_steps, variables
-        self._s, self._a, self._r = (np.asfortranarray(part[:n_steps], np.int64) for part in experience)
+        self.n_steps, self._variables = min(n_steps, len(experience.s)), variables
+        self.forgotten = n_steps - self.n_steps
+        rows = np.arange(self.forgotten, n_steps) % len(experience.s) if self.forgotten else slice(n_steps)
+        self._s, self._a, self._r = (np.array(part[rows], order="F") for part in experience)
         self._begin = np.zeros(len(variables.sensors), np.int64)
-        self._together = joint_code(self._r, self.result_sizes)
+        self._values = [
+            np.array([len(one.values) for one in group])
+            for group in (variables.sensors, variables.actions, variables.results)
+        ]
+        self._together = joint_code(self._r, self._values[2])
 
     @property
     def of_world(self) -> int:
         """Number of sensors of the world; those of modules come after them."""
         return len(self._variables.sensors) - self._variables.modules
 
-    @property
-    def result_sizes(self) -> list[int]:
-        """Number of values of each result."""
-        return [len(result.values) for result in self._variables.results]
+    def of(self, event: Event) -> EventSeries:
+        """The series of an event, with its result conditioned on itself."""
+        sizes = [values[number] for values, number in zip(self._values, event, strict=True)]
+        result = self._r[:, event.result]
+        columns = self._s[:, event.sensor], self._a[:, event.action], result.astype(np.int64), result
+        return EventSeries(columns, np.array([sizes[-1], *sizes]))
 
-    def of(self, event: Event, joint: bool = False, given: Sequence[int] = ()) -> EventSeries:
-        """The series of an event.
+    def columns(self, events: Sequence[Event], joint: bool, given: Mapping[int, Sequence[int]]) -> Columns:
+        """The columns of some events.
 
         Args:
-            event: The event.
-            joint: Whether its result is conditioned on all results together, or on itself.
-            given: Sensors of modules on whose values its result is conditioned as well.
+            events: The events.
+            joint: Whether each result is conditioned on all results together, or on itself.
+            given: Sensors of modules on whose values a result is conditioned as well, by result.
         """
-        sensor, action = self._variables.sensors[event.sensor], self._variables.actions[event.action]
-        before = self._together if joint else self._r[:, event.result]
-        values = math.prod(self.result_sizes) if joint else self.result_sizes[event.result]
-        for other in given:
-            before, values = 2 * before + self._s[:, other], 2 * values
-        sizes = np.array([values, len(sensor.values), len(action.values), self.result_sizes[event.result]])
-        return EventSeries(
-            (self._s[:, event.sensor], self._a[:, event.action], before, self._r[:, event.result]), sizes
-        )
+        before = np.zeros(self._r.shape, np.int64, order="F")
+        values = np.zeros(before.shape[1], np.int64)
+        for result in range(len(values)):
+            codes = self._together if joint else self._r[:, result].astype(np.int64)
+            for other in given.get(result, ()):
+                codes = 2 * codes + self._s[:, other]
+            occurs = np.bincount(codes) > 0
+            before[:, result] = (np.cumsum(occurs) - 1)[codes]
+            values[result] = occurs.sum()
+        numbers = np.array(events, np.int64).reshape(-1, 3)
+        sizes = [counts[numbers[:, part]] for part, counts in enumerate(self._values)]
+        return Columns(
+            self._s, self._a, before, self._r,
+            np.column_stack([numbers, self._begin[numbers[:, 0]]]),
+            np.column_stack([values[numbers[:, 2]], *sizes]),
+        )  # fmt: skip
 
-    def sensed(self, joint: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, int]]:
+    def sensed(self, joint: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, int, int]]:
         """What the world lets the agent sense after each command of a joint.
 
         Returns:
             (n - 1,) values of the first sensor, commands, and what all sensors of the world together have in the next
-            step, numbered; and the number of values of the first two.
+            step, numbered; and the number of values of each of the three.
         """
-        sensors = self._variables.sensors[: self.of_world]
-        after = joint_code(self._s[1:, : self.of_world], [len(sensor.values) for sensor in sensors])
-        sizes = len(self._variables.sensors[0].values), len(self._variables.actions[joint].values)
-        return self._s[:-1, 0], self._a[:-1, joint], np.unique(after, return_inverse=True)[1], sizes
+        values = self._values[0][: self.of_world]
+        after = joint_code(self._s[1:, : self.of_world], values)
+        sizes = int(values[0]), int(self._values[1][joint]), int(after.max(initial=-1)) + 1
+        if sizes[2] > MANY:
+            after = np.unique(after, return_inverse=True)[1]
+            sizes = (*sizes[:2], int(after.max()) + 1)
+        return self._s[:-1, 0], self._a[:-1, joint], after, sizes
 
     def begin(self, event: Event) -> int:
         """First step in which the event could occur."""
         return int(self._begin[event.sensor])
 
     def begins_at(self, number: int, step: int) -> None:
-        """Leave out the steps before module ``number`` was made, where its sensor is concerned."""
-        self._begin[self.of_world + number] = step
+        """Leave out the steps before module ``number`` was made, at ``step``, where its sensor is concerned."""
+        self._begin[self.of_world + number] = max(0, step - self.forgotten)
 
     def see_in_hindsight(self, number: int, module: Module) -> None:
         """Say in which steps a module was used, by its present map: where the robot did what the module offers.
@@ -163,10 +210,30 @@ class Steps:
             module: The module. Its map may look at an earlier module's S_Pi, so earlier ones come first.
         """
         event = module.event
-        offered = module.command[self._r[:, event.result], self._s[:, event.sensor]]
-        used = (offered != OFFERS_NOTHING) & (offered == self._a[:, event.action])
-        self._s[0, self.of_world + number] = 0
-        self._s[1:, self.of_world + number] = used[:-1]
+        _use(
+            module.command,
+            self._r[:, event.result],
+            self._s[:, event.sensor],
+            self._a[:, event.action],
+            self._s[:, self.of_world + number],
+        )
+
+
+@njit(cache=True)
+def _use(command: np.ndarray, r: np.ndarray, s: np.ndarray, a: np.ndarray, used: np.ndarray) -> None:
+    """Write whether a module was used in the step before: whether what was done is what it offers.
+
+    Args:
+        command: (R, S) command that it offers.
+        r: (n,) values of its result.
+        s: (n,) values of its sensor.
+        a: (n,) values of its action.
+        used: (n,) is written.
+    """
+    used[:1] = 0
+    for t in range(len(used) - 1):
+        offered = command[r[t], s[t]]
+        used[t + 1] = offered != OFFERS_NOTHING and offered == a[t]
 
 
 def beyond_last(series: EventSeries) -> EventSeries:
@@ -187,7 +254,7 @@ def _last_outcomes(action: np.ndarray, after: np.ndarray, actions: int) -> np.nd
     return outcomes
 
 
-def joint_code(values: np.ndarray, sizes: Sequence[int]) -> np.ndarray:
+def joint_code(values: np.ndarray, sizes: Sequence[int] | np.ndarray) -> np.ndarray:
     """Several variables as one: their values as a number in mixed radix, the last changing fastest.
 
     Args:

@@ -11,6 +11,8 @@ action is done. What lasts for some steps, such as an object that stays, makes a
 again; gains are therefore taken within what came of the same action the last time that it was done.
 """
 
+import math
+
 import numpy as np
 
 from jointattn_mj.contingency.online.events import Event
@@ -34,62 +36,113 @@ def followed_map(event: Event, series: EventSeries, first: int, config: LocalCon
         config: Thresholds, and strength of the prior.
     """
     results, sensors, actions, outcomes = (int(size) for size in series.sizes)
+    command, expected = np.full((2, results, sensors), OFFERS_NOTHING)
+    reliability = np.zeros((results, sensors))
+    saliency = np.zeros((results, sensors, outcomes, actions))
+    _read(
+        *series.columns, first, (config.concentration, config.offer_deviations, config.offer_gain),
+        command, expected, reliability, saliency,
+    )  # fmt: skip
+    return Module(event=event, command=command, reliability=reliability, expected=expected, saliency=saliency)
+
+
+@njit(cache=True)
+def _read(
+    s: np.ndarray, a: np.ndarray, before: np.ndarray, after: np.ndarray, first: int,
+    limits: tuple[float, float, float], command: np.ndarray, expected: np.ndarray, reliability: np.ndarray,
+    saliency: np.ndarray,
+) -> None:  # fmt: skip
+    """See ``followed_map``.
+
+    Args:
+        s: (n,) values of a sensor.
+        a: (n,) values of an action.
+        before: (n,) what the result is conditioned on.
+        after: (n,) values of a result.
+        first: First step that counts.
+        limits: ``concentration``, ``offer_deviations`` and ``offer_gain``.
+        command: (R, S) is written where something is offered.
+        expected: (R, S) likewise.
+        reliability: (R, S) likewise.
+        saliency: (R, S, R', A) is written: gain within what came of the same action last time; NaN where a situation
+            was not seen.
+    """
+    results, sensors, outcomes, actions = saliency.shape
+    concentration, deviations, least = limits
     strata = np.zeros((outcomes, results, sensors, actions, outcomes))
     table = np.zeros((results, sensors, actions, outcomes))
-    count_by_last(*series.columns, first, strata, table)
-    gain, spread = gains(table, config.concentration)
-    within, within_spread = _over_strata(strata, config.concentration)
-    surest = (within - config.offer_deviations * within_spread).reshape(results, sensors, -1)
-    surest[(gain <= config.offer_deviations * spread).reshape(surest.shape)] = -np.inf
-    surest[..., :actions] = -np.inf
-    flat = within.reshape(surest.shape)
-    best = surest.argmax(axis=-1)
-    gained = np.take_along_axis(flat, best[..., None], -1)[..., 0]
-    sure = np.take_along_axis(surest, best[..., None], -1)[..., 0] > 0
-    offered = sure & (gained > config.offer_gain * gained[sure].max(initial=0.0))
-    z = np.divide(gained - flat.mean(axis=-1), flat.std(axis=-1), out=np.zeros_like(gained), where=offered)
-    return Module(
-        event=event,
-        command=np.where(offered, best % actions, OFFERS_NOTHING),
-        reliability=z,
-        expected=np.where(offered, best // actions, OFFERS_NOTHING),
-        saliency=np.where(table.sum(axis=(2, 3))[..., None, None] > 0, within, np.nan),
-    )
+    count_by_last(s, a, before, after, first, strata, table)
+    gain, spread = gains(table, concentration)
+    within, variance, known = np.zeros(gain.shape), np.zeros(gain.shape), np.zeros(gain.shape)
+    for stratum in range(outcomes):
+        one, its_spread = gains(strata[stratum], concentration)
+        within += one
+        variance += its_spread**2
+        known += its_spread > 0.0
+    known = np.maximum(known, 1.0)
+    within /= known
+    surest = within - deviations * np.sqrt(variance) / known
+    largest = 0.0
+    for r in range(results):
+        for s_value in range(sensors):
+            best = 0.0
+            for k in range(1, outcomes):  # the first value stands for the absence of a result, and is not offered
+                for action in range(actions):
+                    here = (r, s_value, k, action)
+                    if gain[here] > deviations * spread[here] and surest[here] > best:
+                        best = surest[here]
+                        command[r, s_value], expected[r, s_value] = action, k
+            if best > 0.0:
+                largest = max(largest, within[r, s_value, expected[r, s_value], command[r, s_value]])
+    for r in range(results):
+        for s_value in range(sensors):
+            if command[r, s_value] != OFFERS_NOTHING:
+                gained = within[r, s_value, expected[r, s_value], command[r, s_value]]
+                if gained > least * largest:
+                    z = gained - within[r, s_value].mean()
+                    reliability[r, s_value] = z / within[r, s_value].std()
+                else:
+                    command[r, s_value] = expected[r, s_value] = OFFERS_NOTHING
+            saliency[r, s_value] = within[r, s_value]
+            if table[r, s_value].sum() == 0.0:
+                saliency[r, s_value] = np.nan
 
 
+@njit(cache=True)
 def gains(table: np.ndarray, concentration: float) -> tuple[np.ndarray, np.ndarray]:
     """By how much more probable each result is after each action in a situation than under other values of s.
 
     Args:
-        table: (..., R, S, A, R') counts.
+        table: (R, S, A, R') counts.
         concentration: Transitions that the prior "s says nothing" is worth, for either side.
 
     Returns:
-        (..., R, S, R', A) differences of probability, and their standard deviations; both are 0 where the action was
-        not done on one of the two sides.
+        (R, S, R', A) differences of probability, and their standard deviations; both are 0 where the action was not
+        done on one of the two sides.
     """
-    together = table.sum(axis=-3, keepdims=True)
-    whole = together.sum(axis=-1, keepdims=True)
-    q = np.divide(together, whole, out=np.zeros_like(together), where=whole > 0)
-    here, elsewhere = _beta(table, q, concentration), _beta(together - table, q, concentration)
-    compared = (table.sum(axis=-1, keepdims=True) > 0) & ((together - table).sum(axis=-1, keepdims=True) > 0)
-    gain = np.where(compared, here[0] - elsewhere[0], 0.0)
-    spread = np.where(compared, np.sqrt(here[1] + elsewhere[1]), 0.0)
-    return gain.swapaxes(-1, -2), spread.swapaxes(-1, -2)
-
-
-def _beta(counts: np.ndarray, q: np.ndarray, concentration: float) -> tuple[np.ndarray, np.ndarray]:
-    """Posterior mean and variance of each probability, with a prior around q."""
-    n = counts.sum(axis=-1, keepdims=True) + concentration
-    p = (counts + concentration * q) / n
-    return p, p * (1 - p) / (n + 1)
-
-
-def _over_strata(strata: np.ndarray, concentration: float) -> tuple[np.ndarray, np.ndarray]:
-    """Mean over the strata in which a gain is known, and its standard deviation; each stratum weighs the same."""
-    gain, spread = gains(strata, concentration)
-    known = np.maximum((spread > 0).sum(axis=0), 1)
-    return gain.sum(axis=0) / known, np.sqrt((spread**2).sum(axis=0)) / known
+    results, sensors, actions, outcomes = table.shape
+    gain = np.zeros((results, sensors, outcomes, actions))
+    spread = np.zeros(gain.shape)
+    together = np.zeros(outcomes)
+    for r in range(results):
+        for a in range(actions):
+            together[:] = 0.0
+            for s in range(sensors):
+                together += table[r, s, a]
+            whole = together.sum()
+            for s in range(sensors):
+                here = table[r, s, a].sum()
+                if here == 0.0 or here == whole:
+                    continue
+                n, m = here + concentration, whole - here + concentration
+                for k in range(outcomes):
+                    prior = concentration * together[k] / whole
+                    p = (table[r, s, a, k] + prior) / n
+                    q = (together[k] - table[r, s, a, k] + prior) / m
+                    gain[r, s, k, a] = p - q
+                    variance = p * (1.0 - p) / (n + 1.0) + q * (1.0 - q) / (m + 1.0)
+                    spread[r, s, k, a] = math.sqrt(max(variance, 0.0))
+    return gain, spread
 
 
 @njit(cache=True)

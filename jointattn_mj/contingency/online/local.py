@@ -17,7 +17,7 @@ result say of it already does not count again: the result is conditioned on thei
 each other, because what brings one result about takes another away, the one that brings about comes first.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
@@ -25,9 +25,21 @@ import numpy as np
 
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event
-from jointattn_mj.contingency.online.experience import EventSeries, Steps, beyond_last
-from jointattn_mj.contingency.online.local_values import Draws, count, event_values, log_evidence, predictive_evidence
-from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Share, Whole
+from jointattn_mj.contingency.online.experience import Columns, PastSteps, beyond_last
+from jointattn_mj.contingency.online.local_values import (
+    QUANTILES,
+    Weighing,
+    count,
+    event_values,
+    evidences,
+    exceeding,
+    log_evidence,
+    predictive_evidence,
+)
+from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Share
+
+NEGLIGIBLE = 1e-5
+"""Probability of being higher below which a rival needs no doubt."""
 
 
 @dataclass(frozen=True)
@@ -42,18 +54,16 @@ class LocalConfig(Checked):
     module. ``reference``: each equally, in the whole run. ``both``: what is surer to be contingent."""
     smallest_share: Annotated[float, Real("(0, 1]")] = 0.05
     """Share of steps that an event's situations must fill together. 1 ranks by SAC of the whole."""
-    draws: Annotated[int, Whole("[2, 10000]")] = 30
-    """Posterior draws of every value at each look."""
     concentration: Positive = 2.0
     """Transitions that the prior "s says nothing" is worth."""
     deviations: NotNegative = 3.0
     """Standard deviations of the posterior by which the first value must be above 0."""
     best: Share = 0.97
-    """Share of draws in which no rival may be higher by more than ``tolerance``; with 30 draws, all of them."""
+    """Least probability that no rival is higher by more than ``tolerance``."""
     tolerance: NotNegative = 0.25
     """Share of the first value by which a rival may be higher. Telling nearly equal events apart takes for ever."""
     doubt: NotNegative = 0.1
-    """Odds, before anything is known, that a rival is not contingent at all. Its draws count only as often as the
+    """Odds, before anything is known, that a rival is not contingent at all. Its value counts only as far as the
     evidence says that it is. 0: a rival is always believed; events of rare situations then hold others up."""
     false_alarm: Annotated[float, Real("(0, 1]")] = 0.005
     """Accepted chance that an event is ever found in which there is nothing. The evidence, a Bayes factor, must reach
@@ -96,12 +106,11 @@ class LocalConfig(Checked):
 
 
 def search(
-    steps: Steps,
+    steps: PastSteps,
     events: Sequence[Event],
     served: Sequence[Event],
     since: int,
     config: LocalConfig,
-    random: np.random.Generator,
     offers: Callable[[Event], bool],
 ) -> tuple[int, np.ndarray]:
     """Look for the most contingent event.
@@ -112,14 +121,16 @@ def search(
         served: Events that have a module, in the order of these.
         since: Step at which the last module was made.
         config: Settings.
-        random: Of the draws.
         offers: Whether the module of an event would offer anything.
 
     Returns:
         Number of the event that is found, or NOTHING; and every event's value (E,), nats.
     """
-    lead, hoped, rises = _drawn(steps, events, served, since, config, random)
-    values = lead.mean(axis=1)
+    columns = steps.columns(events, config.condition == "joint", _alike(steps, served, config))
+    lead, hoped = np.zeros((2, len(events), 2))
+    rises = np.zeros(len(events), np.bool_)
+    event_values(columns, since, _weighing(config), lead, hoped, rises)
+    values = lead[:, 0].copy()
     ranked = _candidates(events, served, rises, config)
     ranked = ranked[np.argsort(-values[ranked], kind="stable")]
     if config.needs_offers:
@@ -128,55 +139,72 @@ def search(
     if not len(ranked):
         return NOTHING, values
     first, rivals = int(ranked[0]), ranked[1:]
-    is_first = (hoped[rivals] <= (1 + config.tolerance) * lead[first]).all(axis=0).mean() >= config.best
-    if not is_first or values[first] <= config.deviations * lead[first].std():
-        return NOTHING, values
-    series = _series(steps, events[first], served, config)
-    begin, enough = steps.begin(events[first]), np.log(len(events) / config.false_alarm)
-    least = np.log(config.evidence_overall)
-    overall = series
-    if config.again == "beyond_last" and events[first].result in {event.result for event in served}:
-        least, overall = enough, beyond_last(series)
-    table = np.zeros(overall.sizes)
-    count(*overall.columns, (begin, steps.n_steps), table)
-    if log_evidence(table) < least:
-        return NOTHING, values
-    since_module = predictive_evidence(*series.columns, max(since, begin), series.sizes)
-    return first if since_module >= enough else NOTHING, values
+    is_found = (
+        values[first] > config.deviations * lead[first, 1]
+        and _is_first(columns, lead[first], rivals, hoped, config)
+        and _is_evident(steps, columns, first, events, served, since, config)
+    )
+    return first if is_found else NOTHING, values
 
 
-def _drawn(
-    steps: Steps,
-    events: Sequence[Event],
-    served: Sequence[Event],
-    since: int,
-    config: LocalConfig,
-    random: np.random.Generator,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Draws (E, draws) of each event as the first and as a rival, and whether its result rises (E,); see ``search``."""
-    draws = Draws(
-        number=int(config.draws),
+def _weighing(config: LocalConfig) -> Weighing:
+    """The settings of values, for compiled code."""
+    return Weighing(
         concentration=float(config.concentration),
         smallest_share=float(config.smallest_share),
         deviations=float(config.deviations),
         actual=config.policy != "reference",
         reference=config.policy != "actual",
-        doubt=float(config.doubt),
     )
-    lead, hoped = np.zeros((2, len(events), config.draws))
-    rises = np.zeros(len(events), np.bool_)
-    for number, event in enumerate(events):
-        series, first = _series(steps, event, served, config), steps.begin(event)
-        rises[number] = event_values(
-            *series.columns, first, since, series.sizes, draws, random, lead[number], hoped[number]
-        )
-    return lead, hoped, rises
 
 
-def _series(steps: Steps, event: Event, served: Sequence[Event], config: LocalConfig) -> EventSeries:
-    """The series of an event, conditioned as configured."""
-    alike = [steps.of_world + number for number, one in enumerate(served) if one.result == event.result]
-    return steps.of(event, config.condition == "joint", alike if config.given_modules else ())
+def _alike(steps: PastSteps, served: Sequence[Event], config: LocalConfig) -> Mapping[int, Sequence[int]]:
+    """Sensors of the modules that bring about each result, on whose use it is conditioned."""
+    alike: dict[int, list[int]] = {}
+    for number, event in enumerate(served if config.given_modules else ()):
+        alike.setdefault(event.result, []).append(steps.of_world + number)
+    return alike
+
+
+def _is_first(columns: Columns, first: np.ndarray, rivals: np.ndarray, hoped: np.ndarray, config: LocalConfig) -> bool:
+    """Whether no rival is higher, surely enough.
+
+    Args:
+        columns: Of all events.
+        first: (2,) value of the first event.
+        rivals: Numbers of its rivals.
+        hoped: (E, 2) values of all events as rivals.
+        config: Settings.
+    """
+    higher = np.zeros((len(rivals), len(QUANTILES)))
+    exceeding(first, hoped[rivals], config.tolerance, higher)
+    if config.doubt:
+        doubted = np.flatnonzero(higher.mean(axis=1) > NEGLIGIBLE)
+        evidence = np.clip(evidences(columns, rivals[doubted]), -500, 500)
+        higher[doubted] /= 1 + config.doubt * np.exp(-evidence)[:, None]
+    return bool((1 - higher).prod(axis=0).mean() >= config.best)
+
+
+def _is_evident(
+    steps: PastSteps,
+    columns: Columns,
+    number: int,
+    events: Sequence[Event],
+    served: Sequence[Event],
+    since: int,
+    config: LocalConfig,
+) -> bool:
+    """Whether the evidence says that an event (its number) is contingent, over all steps and since the last module."""
+    event, series = events[number], columns.of(number)
+    begin, enough = steps.begin(event), np.log(len(events) / config.false_alarm)
+    least, overall = np.log(config.evidence_overall), series
+    if config.again == "beyond_last" and event.result in {one.result for one in served}:
+        least, overall = enough, beyond_last(series)
+    table = np.zeros(overall.sizes)
+    count(*overall.columns, (begin, steps.n_steps), table)
+    if log_evidence(table) < least:
+        return False
+    return bool(predictive_evidence(*series.columns, max(since, begin), series.sizes) >= enough)
 
 
 def _candidates(events: Sequence[Event], served: Sequence[Event], rises: np.ndarray, config: LocalConfig) -> np.ndarray:

@@ -1,29 +1,33 @@
-"""Values of events for stop rule ``local``: posterior draws of local contingency, and evidence that there is any.
+"""Values of events for stop rule ``local``: the posterior of local contingency, and evidence that there is any.
 
-Compiled, on tables (R, S, A, R') that count r, s, a and the r' that followed.
+The values D(r, s) of ``contingency.situations`` have a posterior. Here its mean and variance come from a series of
+second order in p(r' | r, s, a) around their means, so that nothing is drawn; a sum over situations is taken as normal.
+Compiled: all events of a look in one call.
 """
 
 import math
+from statistics import NormalDist
 from typing import NamedTuple
 
 import numpy as np
 
+from jointattn_mj.contingency.online.experience import Columns
 from jointattn_mj.io.compiled import njit
 
 STRENGTHS = (1.0, 4.0, 16.0)
 """Concentrations of the priors that evidence is averaged over: how many transitions each is worth."""
+QUANTILES = tuple(NormalDist().inv_cdf((i + 0.5) / 64) for i in range(64))
+"""Of the standard normal distribution, for means over it."""
 
 
-class Draws(NamedTuple):
-    """How values are drawn; see ``LocalConfig``."""
+class Weighing(NamedTuple):
+    """How situations are weighed; see ``LocalConfig``."""
 
-    number: int
     concentration: float
     smallest_share: float
     deviations: float
     actual: bool
     reference: bool
-    doubt: float
 
 
 @njit(cache=True)
@@ -46,157 +50,236 @@ def count(
 
 @njit(cache=True)
 def event_values(
-    s: np.ndarray, a: np.ndarray, before: np.ndarray, after: np.ndarray, first: int, since: int, sizes: np.ndarray,
-    draws: Draws, random: np.random.Generator, lead: np.ndarray, hoped: np.ndarray,
-) -> bool:  # fmt: skip
-    """Draw the value of an event: as the first, and as a rival of the first.
+    columns: Columns, since: int, how: Weighing, lead: np.ndarray, hoped: np.ndarray, rises: np.ndarray
+) -> None:
+    """The value of each event: as the first, and as a rival of the first.
 
     Args:
-        s: (n,) values of its sensor.
-        a: (n,) values of its action.
-        before: (n,) what its result is conditioned on.
-        after: (n,) values of its result.
-        first: First step in which it could occur.
+        columns: Of the E events.
         since: Step at which the last module was made.
-        sizes: (4,) number of values of before, s, a and after.
-        draws: How to draw.
-        random: Generator.
-        lead: (draws,) is written: mean D of the situations that are surest to be contingent, nats.
-        hoped: (draws,) is written: that of the situations that are best if luck will have it; 0 where there is no
-            contingency at all.
-
-    Returns:
-        Whether the result becomes more frequent where the event is most contingent.
+        how: How situations are weighed.
+        lead: (E, 2) is written: mean and standard deviation of D, over the situations that are surest to be
+            contingent, nats.
+        hoped: (E, 2) is written: those over the situations that are best if luck will have it.
+        rises: (E,) is written: whether the result becomes more frequent where the event is most contingent.
     """
-    table = np.zeros((sizes[0], sizes[1], sizes[2], sizes[3]))
-    surest, best, rises = -np.inf, -np.inf, True
-    one, other = np.zeros(draws.number), np.zeros(draws.number)
-    new = max(first, since)
-    for by_reference in (False, True):
-        count(s, a, before, after, (first, new) if by_reference else (new, len(s)), table)
-        if not (draws.reference if by_reference else draws.actual):
-            continue
-        lower, upper, up = _draw(table, by_reference, draws, random, one, other)
-        if lower > surest:
-            surest, rises = lower, up
-            lead[:] = one
-        if upper > best:
-            best = upper
-            hoped[:] = other
-    if draws.doubt > 0.0:
-        chance = 1.0 / (1.0 + draws.doubt * math.exp(-min(max(log_evidence(table), -500.0), 500.0)))
-        for d in range(draws.number):
-            hoped[d] *= random.random() < chance
-    return rises
+    for e in range(len(columns.events)):
+        sensor, action, result, first = columns.events[e]
+        sizes, new = columns.sizes[e], max(first, since)
+        table = np.zeros((sizes[0], sizes[1], sizes[2], sizes[3]))
+        one, other = np.zeros(2), np.zeros(2)
+        surest, best = -np.inf, -np.inf
+        for by_reference in (False, True):
+            count(
+                columns.s[:, sensor], columns.a[:, action], columns.before[:, result], columns.r[:, result],
+                (first, new) if by_reference else (new, len(columns.s)), table,
+            )  # fmt: skip
+            if not (how.reference if by_reference else how.actual):
+                continue
+            up = value_of(table, by_reference, how, one, other)
+            lower, upper = one[0] - how.deviations * one[1], other[0] + other[1]
+            if lower > surest:
+                surest, rises[e] = lower, up
+                lead[e] = one
+            if upper > best:
+                best = upper
+                hoped[e] = other
 
 
 @njit(cache=True)
-def _draw(
-    table: np.ndarray, by_reference: bool, draws: Draws, random: np.random.Generator, lead: np.ndarray,
-    hoped: np.ndarray,
-) -> tuple[float, float, bool]:  # fmt: skip
-    """Draw the value of an event under one policy.
+def value_of(table: np.ndarray, by_reference: bool, how: Weighing, lead: np.ndarray, hoped: np.ndarray) -> bool:
+    """The value of an event under one policy.
 
     Args:
-        table: Counts.
+        table: (R, S, A, R') counts.
         by_reference: Whether each action weighs the same, or as often as it was done.
-        draws: How to draw.
-        random: Generator.
-        lead: (draws,) is written, see ``event_values``.
-        hoped: (draws,) is written, likewise.
+        how: How situations are weighed.
+        lead: (2,) is written, see ``event_values``.
+        hoped: (2,) is written, likewise.
 
     Returns:
-        Mean less ``deviations`` of ``lead``; mean and one deviation of ``hoped``; whether the result becomes more
-        frequent in the situations of ``lead``.
+        Whether the result becomes more frequent in the situations of ``lead``.
     """
-    results, sensors, _, _ = table.shape
-    q = _pooled(table)
-    value = np.zeros((results * sensors, draws.number))
-    share, rise = np.zeros(len(value)), np.zeros(len(value))
-    m = 0
+    results, sensors, actions, outcomes = table.shape
+    value = np.zeros((results * sensors, 4))  # share, mean, variance, and by how much the result rises
+    q, base, times = np.zeros((actions, outcomes)), np.zeros(outcomes), np.zeros((sensors, actions))
+    p, mixed, center = np.zeros((actions, outcomes)), np.zeros(outcomes), np.zeros(outcomes)
+    m, total = 0, 0.0
     for r in range(results):
-        base = _shares(table[r].sum(axis=0).sum(axis=0))
-        for s in range(sensors):
-            n = table[r, s].sum()
-            if n > 0.0:
-                share[m] = n
-                rise[m] = _draw_situation(table[r, s], q[r], base, by_reference, draws, random, value[m])
-                m += 1
-    value, share = value[:m], share[:m] / share[:m].sum()
-    order = np.argsort(-_means(value))
-    lower, upper, rises, risen = -np.inf, -np.inf, True, 0.0
-    filled, summed, now = 0.0, np.zeros(draws.number), np.zeros(draws.number)
-    for i in order:
-        filled += share[i]
-        for d in range(draws.number):
-            summed[d] += share[i] * value[i, d]
-            now[d] = summed[d] / filled
-        risen += share[i] * rise[i]
-        if filled < draws.smallest_share - 1e-12:
+        if _pool(table[r], q, base, times) == 0.0:
             continue
-        mean, spread = now.mean(), now.std()
-        if mean - draws.deviations * spread > lower:
-            lower, rises = mean - draws.deviations * spread, risen > 0.0
-            lead[:] = now
-        if mean + spread > upper:
-            upper = mean + spread
-            hoped[:] = now
-    return lower, upper, rises
+        for s in range(sensors):
+            n = times[s].sum()
+            if n > 0.0:
+                _situation(table[r, s], times[s], q, base, by_reference, how.concentration, p, mixed, center, value[m])
+                value[m, 0] = n
+                total += n
+                m += 1
+    order = np.argsort(-value[:m, 1])
+    lower, upper, up = -np.inf, -np.inf, True
+    lead[:], hoped[:] = 0.0, 0.0
+    filled = mean = variance = risen = 0.0
+    for i in order:
+        share = value[i, 0] / total
+        filled += share
+        mean += share * value[i, 1]
+        variance += share * share * value[i, 2]
+        risen += share * value[i, 3]
+        if filled < how.smallest_share - 1e-12:
+            continue
+        now, spread = mean / filled, math.sqrt(variance) / filled
+        if now - how.deviations * spread > lower:
+            lower, up = now - how.deviations * spread, risen > 0.0
+            lead[0], lead[1] = now, spread
+        if now + spread > upper:
+            upper = now + spread
+            hoped[0], hoped[1] = now, spread
+    return up
 
 
 @njit(cache=True)
-def _draw_situation(
-    counts: np.ndarray, q: np.ndarray, base: np.ndarray, by_reference: bool, draws: Draws,
-    random: np.random.Generator, value: np.ndarray,
-) -> float:  # fmt: skip
-    """Draw D(r, s) of one situation.
+def _pool(table: np.ndarray, q: np.ndarray, base: np.ndarray, times: np.ndarray) -> float:
+    """Shares of results over all values of s, under one r.
+
+    Args:
+        table: (S, A, R') counts.
+        q: (A, R') is written: p(r' | r, a).
+        base: (R',) is written: p(r' | r).
+        times: (S, A) is written: how often each action was done.
+
+    Returns:
+        Number of transitions.
+    """
+    sensors, actions, outcomes = table.shape
+    whole = 0.0
+    base[:] = 0.0
+    for a in range(actions):
+        n = 0.0
+        q[a] = 0.0
+        for s in range(sensors):
+            here = 0.0
+            for k in range(outcomes):
+                c = table[s, a, k]
+                here += c
+                q[a, k] += c
+            times[s, a] = here
+            n += here
+        for k in range(outcomes):
+            base[k] += q[a, k]
+            if n > 0.0:
+                q[a, k] /= n
+        whole += n
+    if whole > 0.0:
+        base /= whole
+    return whole
+
+
+@njit(cache=True)
+def _situation(
+    counts: np.ndarray, times: np.ndarray, q: np.ndarray, base: np.ndarray, by_reference: bool, concentration: float,
+    p: np.ndarray, mixed: np.ndarray, center: np.ndarray, value: np.ndarray,
+) -> None:  # fmt: skip
+    """Posterior of D(r, s) of one situation.
 
     Args:
         counts: (A, R') of the situation.
+        times: (A,) how often each action was done in it.
         q: (A, R') p(r' | r, a).
         base: (R',) p(r' | r).
         by_reference: Whether each action weighs the same.
-        draws: How to draw.
-        random: Generator.
-        value: (draws,) is written.
-
-    Returns:
-        What the actions contribute to D by making a result more frequent, less what they contribute by making it rarer,
-        nats. The first value of a result stands for its absence.
+        concentration: Transitions that the prior is worth.
+        p: (A, R') working space.
+        mixed: (R',) working space.
+        center: (R',) working space.
+        value: (4,) its second is the mean of D, nats, its third the variance, its fourth what the actions contribute
+            to D by making a result more frequent, less what they contribute by making it rarer. The first value of a
+            result stands for its absence.
     """
     actions, outcomes = counts.shape
-    number, k0 = len(value), draws.concentration
-    times = np.zeros(actions)
+    n, seen = 0.0, 0
     for a in range(actions):
-        times[a] = counts[a].sum()
-    seen, n = (times > 0.0).sum(), times.sum()
-    mixed, p = np.zeros((number, outcomes)), np.zeros(outcomes)
-    center = np.zeros(outcomes)
-    rise = 0.0
+        n += times[a]
+        seen += times[a] > 0.0
+    mean, rise, variance = 0.0, 0.0, 0.0
+    mixed[:] = 0.0
+    if by_reference:
+        center[:] = 0.0
+    else:
+        center[:] = base
     for a in range(actions):
         if times[a] == 0.0:
             continue
         weight = 1.0 / seen if by_reference else times[a] / n
-        center += weight * q[a]
-        if (q[a] > 0.0).sum() == 1:  # the action has always had this result, whatever was sensed
-            for d in range(number):
-                mixed[d] += weight * q[a]
-            continue
+        divergence, possible = 0.0, 0
         for k in range(outcomes):
-            p[k] = (counts[a, k] + k0 * q[a, k]) / (times[a] + k0)
-        rise += weight * _divergence(p, q[a]) * (1.0 if p[0] < q[a, 0] else -1.0)
-        for d in range(number):
-            whole = 0.0
-            for k in range(outcomes):
-                p[k] = random.standard_gamma(counts[a, k] + k0 * q[a, k]) if q[a, k] > 0.0 else 0.0
-                whole += p[k]
-            for k in range(outcomes):
-                p[k] = p[k] / whole if whole > 0.0 else q[a, k]
-                mixed[d, k] += weight * p[k]
-            value[d] += weight * _divergence(p, q[a])
-    for d in range(number):
-        value[d] -= _divergence(mixed[d], center if by_reference else base)
-    return rise
+            p[a, k] = (counts[a, k] + concentration * q[a, k]) / (times[a] + concentration)
+            mixed[k] += weight * p[a, k]
+            if by_reference:
+                center[k] += weight * q[a, k]
+            if q[a, k] > 0.0:
+                possible += 1
+                if q[a, k] < 1.0:
+                    divergence += p[a, k] * math.log(p[a, k] / q[a, k])
+        spread = 1.0 / (times[a] + concentration + 1.0)
+        mean += weight * (divergence + 0.5 * (possible - 1) * spread)
+        variance += 0.5 * (possible - 1) * (weight * (1.0 - weight) * spread) ** 2
+        rise += weight * divergence * (1.0 if p[a, 0] < q[a, 0] else -1.0)
+    for k in range(outcomes):
+        if mixed[k] > 0.0:
+            ratio = math.log(mixed[k] / center[k])
+            mean -= mixed[k] * ratio
+            mixed[k], center[k] = 1.0 / mixed[k], ratio
+    for a in range(actions):
+        if times[a] == 0.0:
+            continue
+        weight = 1.0 / seen if by_reference else times[a] / n
+        spread = 1.0 / (times[a] + concentration + 1.0)
+        first = second = 0.0
+        for k in range(outcomes):
+            x = p[a, k]
+            if 0.0 < x < 1.0:
+                slope = math.log(x / q[a, k]) - center[k]
+                first += x * slope
+                second += x * slope * slope
+                mean -= 0.5 * weight * weight * x * (1.0 - x) * spread * mixed[k]
+        variance += weight * weight * (second - first * first) * spread
+    value[1], value[2], value[3] = mean, variance, rise
+
+
+@njit(cache=True)
+def exceeding(first: np.ndarray, hoped: np.ndarray, tolerance: float, higher: np.ndarray) -> None:
+    """How probable it is that rivals are higher than the first, for each of some values that the first may have.
+
+    Args:
+        first: (2,) mean and standard deviation of the first.
+        hoped: (rivals, 2) those of its rivals.
+        tolerance: Share of the first's value by which a rival may be higher.
+        higher: (rivals, quantiles) is written.
+    """
+    for j, quantile in enumerate(QUANTILES):
+        bound = (1.0 + tolerance) * (first[0] + quantile * first[1])
+        for i in range(len(hoped)):
+            above, spread = hoped[i, 0] - bound, hoped[i, 1]
+            if spread > 0.0:
+                higher[i, j] = 0.5 * math.erfc(-above / spread * math.sqrt(0.5))
+            else:
+                higher[i, j] = above > 0.0
+
+
+@njit(cache=True)
+def evidences(columns: Columns, chosen: np.ndarray) -> np.ndarray:
+    """Log evidence of the chosen events (their numbers), from all steps; see ``log_evidence``."""
+    found = np.zeros(len(chosen))
+    for i, e in enumerate(chosen):
+        sensor, action, result, first = columns.events[e]
+        sizes = columns.sizes[e]
+        table = np.zeros((sizes[0], sizes[1], sizes[2], sizes[3]))
+        count(
+            columns.s[:, sensor], columns.a[:, action], columns.before[:, result], columns.r[:, result],
+            (first, len(columns.s)), table,
+        )  # fmt: skip
+        found[i] = log_evidence(table)
+    return found
 
 
 @njit(cache=True)
@@ -292,21 +375,3 @@ def _shares(counts: np.ndarray) -> np.ndarray:
     """Counts divided by their sum; 0 where there are none."""
     whole = counts.sum()
     return counts / whole if whole > 0.0 else np.zeros(len(counts))
-
-
-@njit(cache=True)
-def _means(rows: np.ndarray) -> np.ndarray:
-    means = np.zeros(len(rows))
-    for i in range(len(rows)):
-        means[i] = rows[i].mean()
-    return means
-
-
-@njit(cache=True, forceinline=True)
-def _divergence(p: np.ndarray, q: np.ndarray) -> float:
-    """KL(p || q), nats."""
-    total = 0.0
-    for k in range(len(p)):
-        if p[k] > 0.0 and q[k] > 0.0:
-            total += p[k] * math.log(p[k] / q[k])
-    return total

@@ -3,13 +3,14 @@
 Your own is a class with a method ``table``, as in ``ReactiveModule``.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from jointattn_mj.contingency.online.events import Variable, Variables
-from jointattn_mj.contingency.online.experience import Steps
+from jointattn_mj.contingency.online.experience import PastSteps
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Positive, Share
 
@@ -44,7 +45,7 @@ class ReactiveModule(Protocol):
 class LearningModule(ReactiveModule, Protocol):
     """What a reactive module that learns must have in addition."""
 
-    def learned(self, variables: Variables, steps: Steps) -> ReactiveTable:
+    def learned(self, variables: Variables, steps: PastSteps) -> ReactiveTable:
         """Its table after so many steps.
 
         Args:
@@ -89,12 +90,12 @@ class CuriousModule(Checked):
         """See ``ReactiveModule``; before anything is known each command has the same probability."""
         return RandomModule(self.joint, self.trust).table(variables)
 
-    def learned(self, variables: Variables, steps: Steps) -> ReactiveTable:
+    def learned(self, variables: Variables, steps: PastSteps) -> ReactiveTable:
         """See ``LearningModule``."""
         joint = variables.joints.index(_named(variables.joints, self.joint))
         sensed, done, following, sizes = steps.sensed(joint)
-        counts = np.zeros((sizes[0], sizes[1], following.max(initial=-1) + 1))
-        np.add.at(counts, (sensed, done, following), 1.0)
+        code = (sensed.astype(np.int64) * sizes[1] + done) * sizes[2] + following
+        counts = np.bincount(code, minlength=math.prod(sizes)).reshape(sizes).astype(float)
         anyway = counts.sum(axis=0)
         total = anyway.sum(axis=1, keepdims=True)
         anyway = np.divide(anyway, total, out=np.zeros_like(anyway), where=total > 0)

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from scipy.cluster.hierarchy import linkage
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import Checked, Count, NotNegative, Positive, Whole
@@ -152,6 +151,8 @@ def branches(points: np.ndarray, method: str) -> list[frozenset[int]]:
     """All branches of the tree of ``points`` (k, d), single points included; ``method`` as in scipy's ``linkage``."""
     groups = [frozenset([number]) for number in range(len(points))]
     if len(points) > 1:
+        from scipy.cluster.hierarchy import linkage  # takes .1 s to import
+
         for left, right in linkage(points, method)[:-1, :2].astype(int):
             groups.append(groups[left] | groups[right])
     return groups

@@ -122,7 +122,7 @@ def _fitting(table: ReactiveTable, variables: Variables) -> ReactiveTable:
     """The table, checked against the variables."""
     shape = []
     for kind, name, group in (("sensor", table.sensor, variables.sensors), ("joint", table.joint, variables.joints)):
-        sizes = {one.name: len(one.values) for one in group}
+        sizes = {variable.name: len(variable.values) for variable in group}
         if name not in sizes:
             raise ConfigError(f"a reactive module names the {kind} {name!r}; there are {list(sizes)}")
         shape.append(sizes[name])

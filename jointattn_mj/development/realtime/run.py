@@ -175,7 +175,7 @@ class RealtimeRun(ObservedRun):
         return {
             "caregiver": self.world.config.scene.caregiver,
             "minutes": self.minutes,
-            "minutes_when_found": [self.minutes_at(one.step) for one in self.found],
+            "minutes_when_found": [self.minutes_at(detection.step) for detection in self.detections],
             **super().more(),
         }
 

@@ -19,6 +19,8 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Choice, Real, Whole
 
 GROWING = GrowingConfig()
+LEAST_TURNED = 60
+"""Preset local: ``least_turned``. A robot that had seen 15 turned faces in place of 96 or more took all for alike."""
 
 
 @dataclass(frozen=True)
@@ -73,11 +75,15 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
     def defaults(cls, given: Mapping[str, Any]) -> Self:
         """See ``DevelopmentConfig``; those of --rendered.* also follow from --maps and --resolution."""
         start = super().defaults(given)
+        if start.preset == "local":
+            start = replace(start, rendered=replace(start.rendered, least_turned=LEAST_TURNED))
         if given.get("resolution") == "growing":
             senses, calibration, exploration = GROWING.senses, GROWING.calibration, GROWING.exploration
             rendered = replace(start.rendered, senses=senses, calibration=calibration, exploration=exploration)
             return replace(start, rendered=rendered)
-        return replace(start, rendered=SCATTERED) if given.get("maps") == "continuous" else start
+        if given.get("maps") == "continuous":
+            return replace(start, rendered=replace(SCATTERED, least_turned=start.rendered.least_turned))
+        return start
 
     @property
     def films(self) -> bool:
@@ -145,7 +151,7 @@ class RenderedDevelopmentOptions(DevelopmentOptions):
 
 def _driven(run: GrowingRun) -> list[str]:
     """What the film of growing resolution says beside the images: what moved the gaze, and the modules by name."""
-    made = [one.label for one in meanings(run.named_variables(), run.agent.modules)]
+    made = [meaning.label for meaning in meanings(run.named_variables(), run.agent.modules)]
     driver = int(run.agent.state.driver[0])
     mover = made[driver] if 0 <= driver < len(made) else "at random"
     return [f"Moves the gaze: {mover}", f"Modules: {', '.join(made) or 'none yet'}"]

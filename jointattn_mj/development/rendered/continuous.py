@@ -22,7 +22,7 @@ from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
 from jointattn_mj.development.rendered.senses import ABRUPT, CentralView, SensesConfig
 from jointattn_mj.development.rendered.stage import StageConfig
 from jointattn_mj.development.table.world import CAREGIVER, TableConfig
-from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, Places, make_learner
+from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, Locations, make_learner
 from jointattn_mj.io.rows import RowStore
 from jointattn_mj.options import Checked, Count
 from jointattn_mj.scene.camera import directions_to, off_centre
@@ -116,7 +116,7 @@ class ContinuousModule:
 
     def learn(self, pair: Pair) -> None:
         """Learn from an informative pair."""
-        self.learner.learn(pair.activations, Places.only(pair.direction))
+        self.learner.learn(pair.activations, Locations.only(pair.direction))
         self.pairs += 1
 
 
@@ -179,16 +179,16 @@ class ContinuousRun(RenderedRun):
 
     def more(self) -> dict[str, Any]:
         """See ``ObservedRun``; and how near the module's gaze shifts came, by its table and by its map."""
-        landings = {"table": [one for one in self.landings if not one.by_map]}
-        landings["map"] = [one for one in self.landings if one.by_map]
+        landings = {"table": [landing for landing in self.landings if not landing.by_map]}
+        landings["map"] = [landing for landing in self.landings if landing.by_map]
         return {
             **super().more(),
             "pairs_learned_from": 0 if self.following is None else self.following.pairs,
             "landings": {
                 name: {
                     "gaze_shifts": len(rows),
-                    "median_off_deg": float(np.median([one.off_deg for one in rows])) if rows else None,
-                    "nearest_to_the_right_object": float(np.mean([one.nearest for one in rows])) if rows else None,
+                    "median_off_deg": float(np.median([row.off_deg for row in rows])) if rows else None,
+                    "nearest_to_the_right_object": float(np.mean([row.nearest for row in rows])) if rows else None,
                 }
                 for name, rows in landings.items()
             },

@@ -12,6 +12,7 @@ from typing import Self
 import cv2
 import numpy as np
 
+from jointattn_mj.contingency.online.reactive import CuriousModule
 from jointattn_mj.development.behaviour import BEHAVIOURS, SHORT, BehaviourLog
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.meaning import FACE, OBJECT, meanings
@@ -230,9 +231,10 @@ def _draw_drivers(canvas: np.ndarray, run: DevelopmentRun, driver: int) -> None:
     area = _DRIVERS.of(canvas)
     area[:] = PANEL
     write(area, 14, 8, "What moves its gaze", WHITE, TITLE, True)
-    made = [one for one in run.found if one.module is not None]
+    made = [detection for detection in run.detections if detection.module is not None]
     known = meanings(run.named_variables(), run.agent.modules)
-    rows = [("at random, as at first", "", GREY, driver >= len(made))]
+    curious = any(isinstance(module, CuriousModule) for module in run.agent.reactive)
+    rows = [("curiosity, as at first" if curious else "at random, as at first", "", GREY, driver >= len(made))]
     for number, (one, meaning) in enumerate(zip(made, known, strict=True)):
         ink = INKS[number % len(INKS)]
         rows.append((f"{number + 1}  {meaning.label}", f"step {one.step:,}", ink, driver == number))

@@ -33,7 +33,7 @@ from jointattn_mj.development.rendered.senses import (
     write_values,
 )
 from jointattn_mj.development.rendered.stage import StageConfig
-from jointattn_mj.development.table.world import CAREGIVER, TableConfig, table_variables
+from jointattn_mj.development.table.world import CAREGIVER, TableConfig, check_table, table_variables
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.som import SOM
 from jointattn_mj.scene.camera import directions_to, off_centre
@@ -334,6 +334,11 @@ class GrowingRun(ObservedRun):
         """See ``DevelopmentRun``."""
         super().check()
         self.body.stage.world.check()
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """See ``DevelopmentRun``."""
+        super().__setstate__(state)
+        check_table(self.body.stage.table, self.table)
 
     def sense(self, number: int) -> Witnessed:
         """See ``ObservedRun``."""

@@ -18,6 +18,7 @@ from jointattn_mj.development.meaning import FACE, GAZE, LOOKED_AT
 from jointattn_mj.development.rendered.body import Witnessed
 from jointattn_mj.development.rendered.senses import named_by_majority
 from jointattn_mj.development.table.world import LOOKS_AT, TableConfig, table_variables, table_witnessed
+from jointattn_mj.guards.border import require_array
 from jointattn_mj.io.rows import spans
 
 OBJECT_THERE = "object at the centre"
@@ -59,9 +60,12 @@ class ObservedRun(DevelopmentRun):
 
     def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
         """See ``DevelopmentRun``."""
-        first = self.steps_done
+        first, base = self.steps_done, self.agent.variables.without_modules()
+        most_s, most_r = (np.array([len(one.values) - 1 for one in group]) for group in (base.sensors, base.results))
         for t in range(first, last):
             witnessed = self.sense(t)
+            require_array("values of sensors", self._s, most_s.shape, "i", 0, most_s)
+            require_array("values of results", self._r, most_r.shape, "i", 0, most_r)
             event, column = think_and_note(
                 self.agent.state, self._s, self._r, t, first, log, samples, self.sample_every
             )

@@ -1,6 +1,6 @@
 """The agent of chapter 5 at the rendered table: in every step an image comes in, a gaze shift and a gesture go out."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any, ClassVar
 
@@ -12,9 +12,12 @@ from jointattn_mj.development.rendered.body import Body, Witnessed
 from jointattn_mj.development.rendered.observer import ObservedRun
 from jointattn_mj.development.rendered.senses import CentralView, Senses, SensesConfig
 from jointattn_mj.development.rendered.stage import Stage, StageConfig
-from jointattn_mj.development.table.world import TableConfig
+from jointattn_mj.development.table.world import TableConfig, check_table
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Whole
+
+MOST_TIMES = 4
+"""Length of the longest exploration, in lengths of the shortest."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,9 @@ class RenderedConfig(Checked):
     exploration: Annotated[int, Whole("[1, 1e6]")] = 1000
     """Steps of random movement, then the robot makes categories of the faces it has seen and starts to count. A quarter
     of these steps show the face: with 250 patterns, none of twelve seeds lacked a category."""
+    least_turned: Annotated[int, Whole("[0, 1e6]")] = 0
+    """Faces that are not frontal which the robot must have seen before exploration ends; as long as they are fewer, it
+    goes on, up to four times its length. Under some lights the detector learns late what a turned face looks like."""
 
     RENAMED: ClassVar[Mapping[str, str]] = {"greeting": "calibration", "watching": "exploration"}
 
@@ -41,6 +47,7 @@ class RenderedRun(ObservedRun):
         body: Head, camera, and the table before them.
         senses: From images to values of sensors.
         heads: (spots + 1, 2) gaze commands: head angles for each spot and for the caregiver's face, rad.
+        explored_steps: Steps of exploration before the run.
     """
 
     def __init__(
@@ -70,13 +77,17 @@ class RenderedRun(ObservedRun):
         if seed < 0:
             raise ConfigError(f"seed must be 0 or more; got {seed}")
         of_table, of_agent, of_bodies, of_exploration, of_senses = np.random.SeedSequence(seed).spawn(5)
-        self.config = config
+        self.config, self.explored_steps = config, 0
         self.body = Body(table, config.stage, config.senses, of_bodies)
         patterns = self.body.calibrate(config.calibration)
         self.heads = np.vstack([self.stage.locations, self.body.face])
-        patterns += self._explored(table, of_exploration)
-        rng = np.random.default_rng(of_senses)
-        self.senses = Senses(config.senses, table, np.array(patterns), config.calibration, rng)
+        needed = 0 if "category" in config.senses.state else config.least_turned
+        for explored in self._explored(table, of_exploration):
+            patterns += explored
+            rng = np.random.default_rng(of_senses)
+            self.senses = Senses(config.senses, table, np.array(patterns), config.calibration, rng)
+            if not needed or self.senses.turned(patterns) >= needed:
+                break
         self.stage.begin(of_table)
         developer = Developer(self.senses.variables, agent, of_agent, reactive)
         super().__init__(developer, table, n_steps, sample_every)
@@ -92,9 +103,14 @@ class RenderedRun(ObservedRun):
         self.senses.check()
         self.stage.world.check()
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """See ``DevelopmentRun``."""
+        super().__setstate__(state)
+        check_table(self.stage.table, self.table)
+
     def more(self) -> dict[str, Any]:
         """See ``ObservedRun``; and which caregiver it was."""
-        who = {"caregiver": self.stage.world.config.scene.caregiver, "exploration_steps": self.config.exploration}
+        who = {"caregiver": self.stage.world.config.scene.caregiver, "exploration_steps": self.explored_steps}
         return {**who, **super().more()}
 
     def sense(self, number: int) -> Witnessed:
@@ -111,15 +127,18 @@ class RenderedRun(ObservedRun):
         """Free the world's model, data and rendering context."""
         self.body.close()
 
-    def _explored(self, table: TableConfig, seed: np.random.SeedSequence) -> list[np.ndarray]:
-        """Move at random; returns the patterns (d,) of the faces that were at the centre of view."""
+    def _explored(self, table: TableConfig, seed: np.random.SeedSequence) -> Iterator[list[np.ndarray]]:
+        """Move at random, as often as asked; yields the patterns (d,) of the faces that were at the centre of view."""
         of_table, of_moves = seed.spawn(2)
-        rng, patterns = np.random.default_rng(of_moves), list[np.ndarray]()
+        rng = np.random.default_rng(of_moves)
         self.stage.begin(of_table)
-        for _ in range(self.config.exploration):
-            action = rng.integers((table.spots + 1, table.gestures))
-            self.body.act(action)
-            view = self.body.observe(int(action[1]), self.heads)
-            if view.pattern is not None:
-                patterns.append(view.pattern)
-        return patterns
+        for _ in range(MOST_TIMES):
+            patterns = list[np.ndarray]()
+            for _ in range(self.config.exploration):
+                action = rng.integers((table.spots + 1, table.gestures))
+                self.body.act(action)
+                view = self.body.observe(int(action[1]), self.heads)
+                if view.pattern is not None:
+                    patterns.append(view.pattern)
+            self.explored_steps += self.config.exploration
+            yield patterns

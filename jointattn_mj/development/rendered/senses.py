@@ -144,6 +144,10 @@ class Senses:
         self.frontal = frontal_categories(shown, self._no_face, config.frontal_share)
         self._likeliest = int(np.bincount(shown).argmax())
 
+    def turned(self, patterns: Sequence[np.ndarray]) -> int:
+        """How many of these faces (d,) are not frontal, by their categories."""
+        return sum(not self.frontal[self.categories.of(pattern)] for pattern in patterns)
+
     def check(self) -> None:
         """Go on only with finite numbers.
 

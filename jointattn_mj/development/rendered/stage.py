@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from jointattn_mj.development.table.world import CAREGIVER, ROBOT, Table, TableConfig, new_table
+from jointattn_mj.development.table.world import CAREGIVER, ROBOT, TableConfig, TableState, new_table
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Real
 from jointattn_mj.scene.camera import directions_to
@@ -51,7 +51,7 @@ class Stage:
         results: (results,) true values of the results, likewise.
     """
 
-    table: Table
+    table: TableState
 
     def __init__(self, table: TableConfig, config: StageConfig, seed: np.random.SeedSequence):
         """Build the scene.

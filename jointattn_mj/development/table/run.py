@@ -14,8 +14,8 @@ from jointattn_mj.development.meaning import FACE
 from jointattn_mj.development.table.world import (
     CAREGIVER,
     OPTION,
-    Table,
     TableConfig,
+    TableState,
     check_table,
     new_table,
     step,
@@ -88,7 +88,7 @@ class TableRun(DevelopmentRun):
 
 @njit(cache=True)
 def _advance(
-    table: Table, agent: AgentState, first: int, last: int, s: np.ndarray, r: np.ndarray, log: np.ndarray,
+    table: TableState, agent: AgentState, first: int, last: int, s: np.ndarray, r: np.ndarray, log: np.ndarray,
     samples: np.ndarray, every: int,
 ) -> tuple[int, int]:  # fmt: skip
     """See ``DevelopmentRun._advance``; 2 microseconds a step, where a call from Python for each would take 70."""

@@ -15,11 +15,11 @@ from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Share, Whole
 
 ROBOT, CAREGIVER, RETURNS_TO, OPTION, STEP = range(5)
-"""Positions in ``Table.state``."""
+"""Positions in ``TableState.state``."""
 OBJECTS, KINDS, REPLACED_EVERY, PROFILE, ROBOT_FIRST = range(5)
-"""Positions in ``Table.layout``."""
+"""Positions in ``TableState.layout``."""
 LOOKS_AT, OPTION_TAKEN = "caregiver looks at", "caregiver's option"
-"""Columns of the log that the robot does not know: CAREGIVER and OPTION of ``Table.state``."""
+"""Columns of the log that the robot does not know: CAREGIVER and OPTION of ``TableState.state``."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def table_variables(config: TableConfig) -> Variables:
 
 
 @one_type
-class Table(NamedTuple):
+class TableState(NamedTuple):
     """State of the table, for compiled code. Spots are 0 to N - 1; as a gaze target, N is the other's face."""
 
     full: np.ndarray
@@ -125,7 +125,7 @@ def table_witnessed(config: TableConfig) -> dict[str, tuple[str, ...]]:
     return {LOOKS_AT: (*spots, "robot"), OPTION_TAKEN: OPTIONS}
 
 
-def new_table(config: TableConfig, seed: np.random.SeedSequence) -> Table:
+def new_table(config: TableConfig, seed: np.random.SeedSequence) -> TableState:
     """A table before the first step; robot and caregiver look at each other.
 
     Args:
@@ -134,7 +134,7 @@ def new_table(config: TableConfig, seed: np.random.SeedSequence) -> Table:
     """
     world, caregiver, observation = (np.random.default_rng(child) for child in seed.spawn(3))
     layout = (config.objects, config.kinds, config.replaced_every, config.profile, config.order == "robot_first")
-    return Table(
+    return TableState(
         full=np.zeros(config.spots, np.bool_),
         kind=np.zeros(config.spots, np.int64),
         state=np.array([config.spots, config.spots, NOWHERE, 0, 0], np.int64),
@@ -151,7 +151,7 @@ def new_table(config: TableConfig, seed: np.random.SeedSequence) -> Table:
     )
 
 
-def check_table(table: Table, config: TableConfig) -> None:
+def check_table(table: TableState, config: TableConfig) -> None:
     """Refuse a table from a checkpoint that compiled code cannot use.
 
     Args:
@@ -183,7 +183,7 @@ def _shuffle_first(items: np.ndarray, count: int, random: np.random.Generator) -
 
 
 @njit(cache=True, forceinline=True)
-def place_objects(table: Table) -> None:
+def place_objects(table: TableState) -> None:
     """Put the objects on random spots."""
     objects, kinds = table.layout[OBJECTS], table.layout[KINDS]
     _shuffle_first(table.order, objects, table.world_random)
@@ -197,7 +197,7 @@ def place_objects(table: Table) -> None:
 
 
 @njit(cache=True, forceinline=True)
-def _write_results(table: Table, r: np.ndarray) -> None:
+def _write_results(table: TableState, r: np.ndarray) -> None:
     state, face = table.state, len(table.full)
     at_face = state[ROBOT] == face
     frontal = at_face and state[CAREGIVER] == face
@@ -208,7 +208,7 @@ def _write_results(table: Table, r: np.ndarray) -> None:
 
 
 @njit(cache=True, forceinline=True)
-def _mistake(table: Table, s: np.ndarray, r: np.ndarray) -> None:
+def _mistake(table: TableState, s: np.ndarray, r: np.ndarray) -> None:
     """Let the robot see something else than what is there, as often as configured."""
     face, random = len(table.full), table.observation_random
     if table.state[ROBOT] == face:
@@ -228,8 +228,8 @@ def _mistake(table: Table, s: np.ndarray, r: np.ndarray) -> None:
 
 
 def _check_step(table: Any, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
-    if not isinstance(table, Table):
-        raise ObservationError(f"expected a Table, as new_table makes it; got {type(table).__name__}")
+    if not isinstance(table, TableState):
+        raise ObservationError(f"expected a TableState, as new_table makes it; got {type(table).__name__}")
     require_array("where the robot looks, and its gesture", a, (2,), "iu")
     require_array("where the robot looks", a[:1], (1,), "iu", 0, len(table.full))
     require_array("sensors to be written", s, (2,), "i")
@@ -238,7 +238,7 @@ def _check_step(table: Any, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None
 
 @checked_by(_check_step)
 @njit(cache=True, forceinline=True)
-def step(table: Table, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
+def step(table: TableState, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
     """Let the robot act and the caregiver answer, in the configured order.
 
     Args:

@@ -54,7 +54,7 @@ class Codings:
             for onset, offset, code in zip(table["onset"], table["offset"], table["code"], strict=True)
             if code is not None and offset > onset
         ]
-        answers = tuple(one for one in looks if one[2] not in LEFT_OUT)
+        answers = tuple(look for look in looks if look[2] not in LEFT_OUT)
         return cls(path, answers, sum(offset - onset for onset, offset, _ in looks))
 
     def at(self, times: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
@@ -111,14 +111,14 @@ class Codings:
         tier = [TIER] * len(pairs)
         own = Events.of(tier, [mine for _, _, mine, _ in pairs], onsets, offsets)
         others = Events.of(tier, [theirs for _, _, _, theirs in pairs], onsets, offsets)
-        found = agreement(own, others, options=AgreementOptions(step=min(1.0, at)))[0]
-        low, high = found.interval
+        agreed = agreement(own, others, options=AgreementOptions(step=min(1.0, at)))[0]
+        low, high = agreed.interval
         return {
-            "kappa": found.kappa,
+            "kappa": agreed.kappa,
             "low": low,
             "high": high,
-            "observed": found.observed,
+            "observed": agreed.observed,
             "seconds": round(at, 1),
             "left_out": round(max(0.0, 1 - at / self.seconds), 4),
-            "kappa_by_code": found.by_code(),
+            "kappa_by_code": agreed.by_code(),
         }

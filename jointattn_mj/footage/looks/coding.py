@@ -7,7 +7,7 @@ import numpy as np
 
 from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.footage.looks.learning import aside, learn_evidence, posterior, smoothed
-from jointattn_mj.footage.looks.places import MOVED_HEIGHTS, known_places, last_places, placements
+from jointattn_mj.footage.looks.locations import MOVED_HEIGHTS, known_locations, last_locations, placements
 
 AWAY, UNSURE, UNSEEN = "away", "unsure", "cannot be seen"
 """Codes beside the candidates' names."""
@@ -22,7 +22,7 @@ LEVELS = (0.0, 0.2, 0.4, 0.6, 0.9, 1.2, 1.6)
 
 
 @dataclass(frozen=True, eq=False)
-class LooksSeen:
+class ObservedLooks:
     """What is seen of a person and of candidates, look by look.
 
     Attributes:
@@ -57,7 +57,7 @@ class LooksCoded:
         posterior: (n, k + 1) of each target, the last being away, given all looks; NaN where the face is not seen, and
             where nothing was coded.
         alone: (n,) posterior of the best object among the objects, by this look alone; NaN where the face is not seen.
-        placements: (k,) places at which each candidate has rested.
+        placements: (k,) locations at which each candidate has rested.
         doubt: Why nothing was coded; empty where something was.
     """
 
@@ -87,7 +87,7 @@ class LooksCoded:
         }
 
 
-def code_looks(looks: LooksSeen, config: LooksConfig, labels: np.ndarray | None = None) -> LooksCoded:
+def code_looks(looks: ObservedLooks, config: LooksConfig, labels: np.ndarray | None = None) -> LooksCoded:
     """Code every look of a video, learned from all of them.
 
     Args:
@@ -98,21 +98,21 @@ def code_looks(looks: LooksSeen, config: LooksConfig, labels: np.ndarray | None 
     """
     n, k = looks.px.shape[:2]
     seen = np.isfinite(looks.face_px).all(-1)
-    face = last_places(looks.face_px[:, None], looks.cut)
-    places = (known_places(looks.px, looks.cut, MOVED_HEIGHTS * looks.height_px) - face) / looks.height_px
+    face = last_locations(looks.face_px[:, None], looks.cut)
+    locations = (known_locations(looks.px, looks.cut, MOVED_HEIGHTS * looks.height_px) - face) / looks.height_px
     given = labels is not None and bool((labels[seen] >= 0).any())
     evidence = np.zeros((n, k + 1))
     if seen.any():
-        first = aside(looks.yaw_deg[seen], places[seen]) if config.start == "yaw" else None
+        first = aside(looks.yaw_deg[seen], locations[seen]) if config.start == "yaw" else None
         coded = labels[seen] if labels is not None and given else None
-        evidence[seen, :k] = learn_evidence(looks.faces[seen], places[seen], config, first, coded)
+        evidence[seen, :k] = learn_evidence(looks.faces[seen], locations[seen], config, first, coded)
     alone = posterior(evidence[:, :k]).max(axis=1, initial=0)
-    hidden = seen[:, None] & ~np.isfinite(places).all(-1) & np.isfinite(looks.px).all(-1).any(axis=0)
+    hidden = seen[:, None] & ~np.isfinite(locations).all(-1) & np.isfinite(looks.px).all(-1).any(axis=0)
     stay = max(1 - looks.step_s / config.dwell_s, 1 / (k + 1))
     likely = _likely(evidence, seen, hidden, stay, config, labels if given else None)
     best = likely.argmax(axis=1)
     lost = _long_runs(~seen, max(1, round(config.lost_s / looks.step_s)))
-    # places of the image, not from the face: a person who moves puts nothing down
+    # locations of the image, not from the face: a person who moves puts nothing down
     counts = placements(looks.px / looks.height_px)
     moved = int(counts[: k - (PARTNER in looks.names)].sum())
     if moved and not given:
@@ -170,7 +170,7 @@ def _doubt(moved: int, alone: np.ndarray, config: LooksConfig, labelled: bool) -
     """Why the looks of a video should not be coded; empty if they may be.
 
     Args:
-        moved: Places at which objects have rested in all.
+        moved: Locations at which objects have rested in all.
         alone: Posterior of the best object by each look alone.
         config: What is asked for.
         labelled: Whether a person has coded some looks, so that objects need not be moved.
@@ -179,7 +179,7 @@ def _doubt(moved: int, alone: np.ndarray, config: LooksConfig, labelled: bool) -
         return "the face was not seen"
     if moved < config.placements and not labelled:
         return (
-            f"objects rested at {moved} places in all, and {config.placements} are asked for: where little is "
+            f"objects rested at {moved} locations in all, and {config.placements} are asked for: where little is "
             "moved, nothing tells at what somebody looks"
         )
     share = float((alone > config.sure).mean())

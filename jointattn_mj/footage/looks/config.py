@@ -13,7 +13,7 @@ class LooksConfig(Checked):
     every: Annotated[int, Whole("[1, 300]")] = 6
     """Take a look at every N-th frame: five a second. One a second codes as well; more date changes better."""
     tuning: Annotated[float, Real("[0.01, 10]")] = 0.1
-    """Standard deviation of the bump that stands for a place, in heights of the face's square: how far apart two places
+    """Standard deviation of the bump that stands for a place, in heights of the face's square: how far apart two locations
     must be to differ."""
     rounds: Annotated[int, Whole("[1, 1000]")] = 10
     """Rounds of expectation and maximisation over all looks."""
@@ -25,7 +25,7 @@ class LooksConfig(Checked):
     certain."""
     start: Literal["yaw", "alike"] = "yaw"
     """Where learning starts: from the side to which the head is turned, or with all candidates alike. In videos in
-    which little is moved, learning that starts with all alike may end with places mixed up."""
+    which little is moved, learning that starts with all alike may end with locations mixed up."""
     away: Annotated[float, Real("[-10, 10]")] | None = 0.4
     """Evidence (log ratio) that an object must have not to lose to "away", a target that is no object. Higher finds
     more looks away, and loses more looks at objects. With labels it is chosen by them. None leaves that answer out."""
@@ -43,8 +43,8 @@ class LooksConfig(Checked):
     least: Share = 0.5
     """Posterior below which a look is "unsure"."""
     placements: Annotated[int, Whole("[0, 1e6]")] = 12
-    """Places at which objects must have rested in all. With fewer, nothing is coded but "unsure": where nothing moves,
-    nothing tells at what somebody looks."""
+    """Locations at which objects must have rested in all. With fewer, nothing is coded but "unsure": where nothing
+    moves, nothing tells at what somebody looks."""
     half_sure: Annotated[float, Real("[0, 1e6]")] = 12.0
     """Placements with which a posterior counts by half, the rest being spread over all targets: with few, what was
     learned may be wrong as a whole. 0 believes it at once. Labels are believed."""

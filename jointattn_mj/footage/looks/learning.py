@@ -11,7 +11,7 @@ from scipy import sparse
 from jointattn_mj.footage.looks.config import LooksConfig
 
 MOST_UNITS = 64
-"""Most units along one axis of the grid of places."""
+"""Most units along one axis of the grid of locations."""
 SPACING = 1.25
 """Distance of these units, in standard deviations of a bump."""
 LEAST_SHARE = 1e-4
@@ -19,36 +19,36 @@ LEAST_SHARE = 1e-4
 NEVER = -30.0
 """Evidence for a candidate of which no place is known."""
 ASIDE = 0.7
-"""Standard deviation of where one looks by the yaw alone, in those of the candidates' places."""
+"""Standard deviation of where one looks by the yaw alone, in those of the candidates' locations."""
 
 
-class PlaceCode:
-    """Code of places by bumps of activity on a grid of units that covers those of a video."""
+class LocationCode:
+    """Code of locations by bumps of activity on a grid of units that covers those of a video."""
 
-    def __init__(self, places: np.ndarray, tuning: float):
+    def __init__(self, locations: np.ndarray, tuning: float):
         """Lay out the grid.
 
         Args:
-            places: (n, k, 2), NaN where not known; at least one is.
+            locations: (n, k, 2), NaN where not known; at least one is.
             tuning: Standard deviation of a bump.
         """
-        known = places[np.isfinite(places).all(-1)]
+        known = locations[np.isfinite(locations).all(-1)]
         self._tuning, self._axes = tuning, []
         for low, high in np.quantile(known, (0.005, 0.995), axis=0).T:
             count = int(np.clip(np.ceil((high - low) / (SPACING * tuning)) + 1, 2, MOST_UNITS))
             self._axes.append(np.linspace(low, high, count))
         self.units = len(self._axes[0]) * len(self._axes[1])
 
-    def shares(self, places: np.ndarray) -> sparse.csr_matrix:
-        """Share of each unit in the bumps of ``places`` (n, 2): (n, units) float32, no row where a place is NaN."""
-        known = np.isfinite(places).all(-1)
+    def shares(self, locations: np.ndarray) -> sparse.csr_matrix:
+        """Share of each unit in the bumps of ``locations`` (n, 2): (n, units) float32, no row where a place is NaN."""
+        known = np.isfinite(locations).all(-1)
         bumps = []
         for axis, units in enumerate(self._axes):
-            given = np.clip(np.where(known, places[:, axis], units[0]), units[0], units[-1])
+            given = np.clip(np.where(known, locations[:, axis], units[0]), units[0], units[-1])
             exponent = -0.5 * ((units - given[:, None]) / self._tuning) ** 2
             bump = np.exp(exponent - exponent.max(axis=1, keepdims=True))
             bumps.append((bump / bump.sum(axis=1, keepdims=True)).astype(np.float32))
-        shares: np.ndarray = (bumps[0][:, :, None] * bumps[1][:, None, :]).reshape(len(places), -1)
+        shares: np.ndarray = (bumps[0][:, :, None] * bumps[1][:, None, :]).reshape(len(locations), -1)
         shares[~known] = 0
         shares[shares < LEAST_SHARE] = 0
         return sparse.csr_matrix(shares)
@@ -56,7 +56,7 @@ class PlaceCode:
 
 def learn_evidence(
     faces: np.ndarray,
-    places: np.ndarray,
+    locations: np.ndarray,
     config: LooksConfig,
     first: np.ndarray | None = None,
     labels: np.ndarray | None = None,
@@ -65,7 +65,7 @@ def learn_evidence(
 
     Args:
         faces: (n, u) activations of a map of faces, each row summing to 1.
-        places: (n, k, 2) of candidates, from the face, in heights of the face's square; NaN where not known.
+        locations: (n, k, 2) of candidates, from the face, in heights of the face's square; NaN where not known.
         config: ``tuning``, ``rounds`` and ``smoothing``.
         first: (n, k) how probable each target is before anything is learned; None for alike.
         labels: (n,) the target of looks that a person has coded, k for none of the candidates; -1 for all others.
@@ -73,12 +73,12 @@ def learn_evidence(
     Returns:
         (n, k) log P(place | face) / P(place), smoothed; ``NEVER`` where a place is not known.
     """
-    known = np.isfinite(places).all(-1)
+    known = np.isfinite(locations).all(-1)
     if not known.any():
         return np.full(known.shape, NEVER)
-    faces, count = faces.astype(np.float32), places.shape[1]
-    code = PlaceCode(places, config.tuning)
-    shares = [code.shares(places[:, k]) for k in range(count)]
+    faces, count = faces.astype(np.float32), locations.shape[1]
+    code = LocationCode(locations, config.tuning)
+    shares = [code.shares(locations[:, k]) for k in range(count)]
     smoothing = config.smoothing / code.units
     with_any = sum(np.asarray(one.sum(axis=0)).ravel().astype(float) for one in shares) / known.sum() + smoothing
     base = np.stack([np.log(np.maximum(one @ with_any, 1e-12)) for one in shares], axis=1)
@@ -99,19 +99,19 @@ def learn_evidence(
     return evidence
 
 
-def aside(yaw_deg: np.ndarray, places: np.ndarray) -> np.ndarray | None:
+def aside(yaw_deg: np.ndarray, locations: np.ndarray) -> np.ndarray | None:
     """How probable each candidate is as the target, (n, k), by the side to which the head is turned.
 
     It is where learning starts, and keeps it from taking left for right in videos in which little is moved.
 
     Args:
         yaw_deg: (n,) yaw of the head, positive to the right of the image; NaN where not known.
-        places: (n, k, 2) of candidates, from the face; NaN where not known.
+        locations: (n, k, 2) of candidates, from the face; NaN where not known.
 
     Returns:
         The probabilities, alike where the yaw is not known; None where it is known of too few looks.
     """
-    known, across = np.isfinite(yaw_deg), places[..., 0]
+    known, across = np.isfinite(yaw_deg), locations[..., 0]
     if known.mean() < 0.5 or not np.isfinite(across).any() or np.std(yaw_deg[known]) < 1e-6:
         return None
     spread = float(np.nanstd(across))

@@ -1,11 +1,11 @@
-"""What is kept of a video to code where a person looks: face pattern and places, look by look."""
+"""What is kept of a video to code where a person looks: face pattern and locations, look by look."""
 
 from pathlib import Path
 
 import numpy as np
 
 from jointattn_mj.footage.frame_map import IMAGE_HEIGHT, IMAGE_WIDTH
-from jointattn_mj.footage.looks.coding import PARTNER, LooksSeen
+from jointattn_mj.footage.looks.coding import PARTNER, ObservedLooks
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.io.rows import RowStore, log_folder, spans
 from jointattn_mj.perception.som import SOM
@@ -13,7 +13,7 @@ from jointattn_mj.perception.som import SOM
 BLOCK = 1000
 """Rows that are read at a time."""
 _HEAD = 6
-"""Numbers before the places: frame, height of the face's square, whether the face is seen, yaw, and the place of the
+"""Numbers before the locations: frame, height of the face's square, whether the face is seen, yaw, and the place of the
 largest other face."""
 PARTNER_LOOKS = 5
 """Looks in which another face must be seen to be a candidate."""
@@ -58,7 +58,7 @@ class LooksLog:
             _, top, _, bottom = perceiver.faces.box(perceiver.fix, (IMAGE_HEIGHT, IMAGE_WIDTH))
             height_px, pattern = bottom - top, perceiver.face_pattern()
         px = np.where(percept.visible[:, None], percept.px, np.nan)
-        chosen, others = viewing.chosen, [one for one in viewing.seen if one is not viewing.chosen]
+        chosen, others = viewing.chosen, [one for one in viewing.visible_faces if one is not viewing.chosen]
         yaw_deg = np.nan if chosen is None else chosen.yaw_deg
         partner = np.full(2, np.nan)
         if chosen is not None and others and viewing.mapped is not None:
@@ -70,7 +70,7 @@ class LooksLog:
         """Numbers of the frames (n,) of the looks."""
         return self.rows.column(0).astype(int)
 
-    def looks(self, som: SOM | None, cuts: np.ndarray, step_s: float, partner: bool) -> LooksSeen:
+    def looks(self, som: SOM | None, cuts: np.ndarray, step_s: float, partner: bool) -> ObservedLooks:
         """All looks, with faces as activations of a map.
 
         Args:
@@ -99,4 +99,4 @@ class LooksLog:
         names, candidates = self.names[:-1], px[:, :-1]
         if partner and np.isfinite(other[:, 0]).sum() >= PARTNER_LOOKS:
             names, candidates = (*names, PARTNER), np.concatenate([candidates, other[:, None]], axis=1)
-        return LooksSeen(names, faces, px[:, -1], candidates, yaw_deg, cut, height, step_s)
+        return ObservedLooks(names, faces, px[:, -1], candidates, yaw_deg, cut, height, step_s)

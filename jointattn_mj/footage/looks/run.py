@@ -7,7 +7,7 @@ import numpy as np
 
 from jointattn_mj.footage.checks import CAMERA
 from jointattn_mj.footage.looks.check import Codings
-from jointattn_mj.footage.looks.coding import AWAY, LooksSeen, code_looks
+from jointattn_mj.footage.looks.coding import AWAY, ObservedLooks, code_looks
 from jointattn_mj.footage.looks.log import LooksLog
 from jointattn_mj.footage.looks.tables import looks_spans, looks_table
 from jointattn_mj.footage.reader import RATE
@@ -45,7 +45,7 @@ def leave_looks(
     return coded.summary(config), looks_spans(coded, frames, viewing.frames)
 
 
-def looks_seen(log: LooksLog, viewing: Viewing, som: SOM | None) -> LooksSeen:
+def looks_seen(log: LooksLog, viewing: Viewing, som: SOM | None) -> ObservedLooks:
     """What was seen so far.
 
     Args:

@@ -21,5 +21,5 @@ LAYOUTS: dict[str, Callable[[Sequence[str]], EventLayout | None]] = {
 def event_layout(names: Sequence[str], chosen: Format = "auto") -> EventLayout | None:
     """Which columns say what in an event table; None where the names are those of no event table."""
     name = {"datavyu": "events", "elan": "events"}.get(chosen, chosen)
-    found = (find(names) for known, find in LAYOUTS.items() if name in ("auto", known))
-    return next((layout for layout in found if layout is not None), None)
+    layouts = (find(names) for known, find in LAYOUTS.items() if name in ("auto", known))
+    return next((layout for layout in layouts if layout is not None), None)

@@ -5,7 +5,7 @@ Behaviours of one category are values of one tier, such as ``infant.gaze``; with
 
 from collections.abc import Sequence
 
-from jointattn_mj.recordings.event_layout import EventLayout, Track
+from jointattn_mj.recordings.event_layout import EventLayout, EventTrack
 
 
 def layout(names: Sequence[str]) -> EventLayout | None:
@@ -18,11 +18,11 @@ def layout(names: Sequence[str]) -> EventLayout | None:
     code = (at["behavior"], *_modifiers(names, at))
     recording = tuple(at[name] for name in ("observation id",) if name in at)
     if "start (s)" in at and "stop (s)" in at:
-        track = Track(
+        track = EventTrack(
             at["start (s)"], at["stop (s)"], at.get("duration (s)"), code, tier, moment=at.get("behavior type")
         )
     elif "time" in at and ("behavior type" in at or "status" in at):
-        track = Track(at["time"], None, None, code, tier, kind=at.get("behavior type", at.get("status")))
+        track = EventTrack(at["time"], None, None, code, tier, kind=at.get("behavior type", at.get("status")))
     else:
         return None
     return EventLayout((track,), recording, "s")

@@ -39,8 +39,8 @@ def read_elan(data: bytes, path: Path, missing: Collection[str] = ()) -> Events:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of versions that pympi does not know
             book = Elan.Eaf(path.resolve())
-        found = _Annotations(book)
-        rows = [row for tier in book.tiers for row in found.of(tier)]
+        annotations = _Annotations(book)
+        rows = [row for tier in book.tiers for row in annotations.of(tier)]
     except (SeriesError, ImportError, MemoryError):
         raise
     except Exception as error:  # pympi says what is wrong with a damaged file by any of Python's errors

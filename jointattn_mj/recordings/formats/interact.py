@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from jointattn_mj.recordings.event_layout import EventLayout, Track
+from jointattn_mj.recordings.event_layout import EventLayout, EventTrack
 
 _GROUP, _SET = ("datagroup", "group"), ("dataset", "set")
 _ONSET, _OFFSET = ("onset", "start time", "starttime", "start"), ("offset", "end time", "endtime", "end")
@@ -20,6 +20,6 @@ def layout(names: Sequence[str]) -> EventLayout | None:
         return None
     used = {group, set_, onset, offset, level}
     classes = [i for i, name in enumerate(names) if i not in used and name and name.casefold() not in _OTHER]
-    tracks = tuple(Track(onset, offset, None, (i,), name=names[i], alone=len(classes) == 1) for i in classes)
+    tracks = tuple(EventTrack(onset, offset, None, (i,), name=names[i], alone=len(classes) == 1) for i in classes)
     recording = tuple(i for i in (group, set_) if i is not None)
     return EventLayout(tracks, recording, level=level) if tracks else None

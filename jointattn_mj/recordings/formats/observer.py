@@ -5,7 +5,7 @@ Behaviours of one subject are values of one tier.
 
 from collections.abc import Sequence
 
-from jointattn_mj.recordings.event_layout import EventLayout, Track
+from jointattn_mj.recordings.event_layout import EventLayout, EventTrack
 
 TIMES = ("time_relative_sf", "time_relative_hms", "time_relative_hmsf", "time_relative_s", "time_relative_f")
 """Columns of times, the more exact first."""
@@ -20,5 +20,5 @@ def layout(names: Sequence[str]) -> EventLayout | None:
     modifiers = [i for name, i in sorted(at.items(), key=lambda item: item[1]) if name.startswith("modifier")]
     tier = tuple(at[name] for name in ("subject",) if name in at)
     recording = tuple(at[name] for name in ("observation",) if name in at)
-    track = Track(time, None, at.get("duration_sf"), (at["behavior"], *modifiers), tier, kind=at["event_type"])
+    track = EventTrack(time, None, at.get("duration_sf"), (at["behavior"], *modifiers), tier, kind=at["event_type"])
     return EventLayout((track,), recording, "s")

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from jointattn_mj.recordings.event_layout import EventLayout, Track
+from jointattn_mj.recordings.event_layout import EventLayout, EventTrack
 from jointattn_mj.recordings.times import is_time, seconds, unit_of
 
 ONSET, OFFSET, DURATION = {"onset", "begin", "start"}, {"offset", "end", "stop"}, {"duration", "dur"}
@@ -50,7 +50,9 @@ def layout(names: Sequence[str]) -> EventLayout | None:
     for i, one in sorted(roles.items(), key=lambda item: (_UNIT_RANK[unit_of(names[item[0]])], item[0])):
         blocks.setdefault(one.block, {}).setdefault(one.role, i)
     blocks = {
-        block: found for block, found in blocks.items() if "onset" in found and {"offset", "duration"} & set(found)
+        block: columns
+        for block, columns in blocks.items()
+        if "onset" in columns and {"offset", "duration"} & set(columns)
     }
     if not blocks:
         return None
@@ -100,7 +102,9 @@ def _role(name: str) -> _Role | None:
     return None
 
 
-def _one_block(names: Sequence[str], spelt: dict[str, int], labels: list[int], times: dict[str, int]) -> list[Track]:
+def _one_block(
+    names: Sequence[str], spelt: dict[str, int], labels: list[int], times: dict[str, int]
+) -> list[EventTrack]:
     """Tiers below one another, or one column for each."""
     when = times["onset"], times.get("offset"), times.get("duration")
     tier = next((spelt[name] for name in TIER if name in spelt and spelt[name] not in times.values()), None)
@@ -109,12 +113,12 @@ def _one_block(names: Sequence[str], spelt: dict[str, int], labels: list[int], t
         named = [spelt[name] for name in CODE if spelt.get(name) in labels]
         codes = named[:1] or labels
         if len(codes) == 1:
-            return [Track(*when, (codes[0],), (tier,))]
-        return [Track(*when, (i,), (tier,), f".{names[i]}", alone=False) for i in codes]
-    return [Track(*when, (i,), name=names[i], alone=len(labels) == 1) for i in labels]
+            return [EventTrack(*when, (codes[0],), (tier,))]
+        return [EventTrack(*when, (i,), (tier,), f".{names[i]}", alone=False) for i in codes]
+    return [EventTrack(*when, (i,), name=names[i], alone=len(labels) == 1) for i in labels]
 
 
-def _side_by_side(names: Sequence[str], labels: list[int], blocks: dict[str, dict[str, int]]) -> list[Track]:
+def _side_by_side(names: Sequence[str], labels: list[int], blocks: dict[str, dict[str, int]]) -> list[EventTrack]:
     """Tiers side by side, each with its own times."""
     first = {block: min(times.values()) for block, times in blocks.items()}
     own: dict[str, list[int]] = {block: [] for block in blocks}
@@ -124,7 +128,7 @@ def _side_by_side(names: Sequence[str], labels: list[int], blocks: dict[str, dic
         before = [block for block in blocks if first[block] <= i] or [min(first, key=first.__getitem__)]
         own[max(by_name, key=len) if by_name else max(before, key=first.__getitem__)].append(i)
     return [
-        Track(
+        EventTrack(
             times["onset"], times.get("offset"), times.get("duration"), (i,), name=names[i], alone=len(own[block]) == 1
         )
         for block, times in blocks.items()

@@ -30,7 +30,7 @@ MAYBE = {"x + 1j", "np.array(x, dtype=object)", "np.full(200, 2 ** 63 - 1)", "np
 SCALARS = ("nan", "inf", "-inf", "1e308", "-1", "2 ** 63", "None", "'word'", "[]", "10 ** 400", "1j")
 MEASURES = ("transfer_entropy", "mutual_information", "linear_granger")
 CONDITIONAL = ("state_action_contingency", "combined_transfer_entropy", "conditional_mutual_information",
-               "contingent_saliency", "local_contingency")  # fmt: skip
+               "contingent_saliency", "local_contingency", "situation_contingency")  # fmt: skip
 TASKS = ("object_transfer", "object_transfer_hard", "follow", "follow_hard", "turn_taking", "turn_taking_hard")
 ACTIONS = (
     "[nan, 0]", "[inf, 0]", "[0, -inf]", "[1e308, 0]", "[0]", "[0, 0, 0]", "[]", "None", "'ab'", "[None, None]",
@@ -39,6 +39,29 @@ ACTIONS = (
 )  # fmt: skip
 TAKEN = {"[1e308, 0]", "[2 ** 63, 0]", "np.array([0, 0], dtype=object)"}
 """Which may be clipped, or be right."""
+STATE = "minutes=0.01, perception='state'"
+CALLS = (
+    "Session(minutes={})", "Session(seed={})", "Session(robot={})", "Development('fast', steps={})",
+    "Development('local', world='realtime', minutes={})", "Development('local', world='rendered', seed={})",
+    "Development({})", "Development('fast', world={})", f"Session({STATE}).run(out={{}})",
+    f"Session({STATE}).run(progress={{}})", f"Session({STATE}, start_from={{}}).run()",
+    f"Session({STATE}).run(resume={{}}, out='x')", "Development('local', steps=100).run(out={})",
+    "Development('local', steps=100).run(checkpoint_every={}, out='y')", "perceive({})",
+    "perceive('no.mp4', objects={})", "perceive('no.mp4', out={})", "perceive('no.mp4', looks={})",
+    "run_claim({}, out='z')", "run_claim('5.2', out={}, runs=1)", "run_claim('5.2', out='z', runs=1, setting={})",
+    "read_recordings('no.csv', {})", "read_recordings('no.csv', ['x'], step={})",
+)  # fmt: skip
+TAKEN_BY_CALLS = {
+    "Development({})": {"None"},
+    f"Session({STATE}).run(out={{}})": {"None", "'word'"},
+    f"Session({STATE}, start_from={{}}).run()": {"None"},
+    "Development('local', steps=100).run(out={})": {"None", "'word'"},
+    "Development('local', steps=100).run(checkpoint_every={}, out='y')": {"None"},
+    "run_claim('5.2', out={}, runs=1)": {"'word'"},
+    "run_claim('5.2', out='z', runs=1, setting={})": {"None"},
+}
+"""Values with which they do something."""
+QUICK = "jointattn_mj.contingency.TestOptions(surrogates=5, resamples=0)"
 NAMES = {"object_transfer": "ObjectTransfer", "follow": "Follow", "turn_taking": "TurnTaking"}
 TASK_KWARGS = (
     "{'random': nan}", "{'random': -1}", "{'random': 'x'}", "{'time_limit': nan}", "{'time_limit': -1}",
@@ -74,6 +97,18 @@ CONFIGS = {
     "jointattn_mj.scene.variation.VariationConfig": ("light_strength", "people", "object_size", "camera_noise"),
     "jointattn_mj.development.agent.DeveloperConfig": ("history", "memory", "horizon", "most_modules"),
     "jointattn_mj.development.table.world.TableConfig": ("spots", "objects", "kinds", "gestures", "order"),
+    "jointattn_mj.contingency.online.local.LocalConfig": (
+        "draws",
+        "best",
+        "maps",
+        "first_look",
+        "look_again",
+        "policy",
+    ),
+    "jointattn_mj.gaze_following.learners.LearnerConfig": ("code", "pairs", "smoothing", "forgetting", "units"),
+    "jointattn_mj.footage.looks.config.LooksConfig": ("every", "tuning", "rounds", "away", "placements"),
+    "jointattn_mj.contingency.PosteriorOptions": ("draws", "concentration"),
+    "jointattn_mj.contingency.Timing": ("lag", "source_history", "target_history"),
     "jointattn_mj.contingency.TestOptions": ("surrogates", "resamples", "block", "level", "permute"),
 }
 
@@ -87,12 +122,24 @@ def measures() -> Iterator[tuple[str, str, bool]]:
         for name in CONDITIONAL:
             yield _measure(name, "x", series, "z"), f"{name}(x, {series}, z)", series not in MAYBE
         yield _measure("assess", "'transfer_entropy'", "x", series), f"assess(.., x, {series})", series not in MAYBE
+        scan = _measure("scan_lags", "'transfer_entropy'", "x", series, "lags=(1, 2)", "options=" + QUICK)
+        yield scan, f"scan_lags(.., x, {series})", series not in MAYBE
+        data = f"{{'x': x, 'y': y, 'z': {series}}}"
+        ranking = _measure("discover", data, "['x']", "['y']", "['z']", "options=" + QUICK)
+        yield ranking, f"discover({{.., 'z': {series}}})", series not in MAYBE
     for value in SCALARS:
         yield _measure("transfer_entropy", "x", "y", f"base={value}"), f"transfer_entropy(base={value})", True
         yield _measure("assess", value, "x", "y"), f"assess({value}, x, y)", True
     for path in ("None", "5", "''", "'no.csv'", "'/'", "'/dev/null'", r"'a\0b'", "'x' * 5000"):
         read = f"from jointattn_mj import read_recordings; read_recordings({path}, ['x'])"
         yield read, f"read_recordings({path})", True
+
+
+def jobs() -> Iterator[tuple[str, str, bool]]:
+    """The same for what has a command of its own."""
+    for call, value in itertools.product(CALLS, SCALARS):
+        made = call.format(value)
+        yield f"jointattn_mj.{made}", made, value not in TAKEN_BY_CALLS.get(call, ())
 
 
 def configs() -> Iterator[tuple[str, str, bool]]:
@@ -124,7 +171,7 @@ def environments() -> Iterator[tuple[str, str, bool]]:
         yield f"jointattn_mj.load('joint_attention', {name})", f"load('joint_attention', {name})", True
 
 
-KINDS = {"measures": measures, "configs": configs, "environments": environments}
+KINDS = {"measures": measures, "jobs": jobs, "configs": configs, "environments": environments}
 
 
 def _measure(name: str, *arguments: str) -> str:
@@ -134,8 +181,8 @@ def _measure(name: str, *arguments: str) -> str:
 def inputs(chance: random.Random, many: int) -> Iterator[Input]:
     """``many`` of them, as many of each kind."""
     for kind, listed in KINDS.items():
-        found = list(listed())
-        chance.shuffle(found)
-        for call, what, must in found[: -(-many // len(KINDS))]:
+        calls = list(listed())
+        chance.shuffle(calls)
+        for call, what, must in calls[: -(-many // len(KINDS))]:
             result = refused if must else anything
             yield Input(f"Python, {kind}", what, source=WORLD.format(call=call), result=result)

@@ -19,20 +19,45 @@ from tools.reliability.folders import contents, differences
 from tools.reliability.inputs.damage import damaged
 from tools.reliability.inputs.weights import finite
 from tools.reliability.malformed import Input, anything, refused
-from tools.reliability.subjects import Run
+from tools.reliability.subjects import LIMIT_S, Run
 from tools.shell import Outcome, Shell
 
-RUNS = (
-    ("session", "--perception", "state", "--minutes", "10", "--checkpoint-minutes", "0.5", "--seed", "1"),
-    ("develop", "--preset", "fast", "--steps", "200000", "--checkpoint-every", "10000"),
+STATE = "session --perception state --minutes 4 --checkpoint-minutes 0.5"
+RENDERED = "develop rendered --steps 300 --rendered.exploration 120 --checkpoint-every 50"
+REALTIME = "develop realtime --realtime.perception state --realtime.familiarise-minutes 0.4 --checkpoint-every 20"
+RUNS = tuple(
+    tuple(command.split())
+    for command in (
+        f"{STATE} --seed 1",
+        "develop table --preset fast --steps 100000 --checkpoint-every 10000",
+        f"{RENDERED} --seed 1",
+        f"{REALTIME} --minutes 3 --seed 1",
+        f"{STATE} --preset cross_situational",
+        "develop table --preset local --steps 4000 --checkpoint-every 500",
+        f"{RENDERED} --resolution growing",
+        f"{RENDERED} --maps continuous",
+        f"{REALTIME} --minutes 3 --preset local",
+        "session --minutes 0.4 --robot.familiarise.minutes 0.2 --checkpoint-minutes 0.05",
+    )
 )
+FROM_PYTHON = """
+import sys
+from jointattn_mj.cli.parsing import parsed
+from jointattn_mj.errors import JointAttnError
+try:
+    parsed({command!r}, {arguments!r})()
+except JointAttnError as error:
+    print(f"{{type(error).__name__}}: {{error}}", file=sys.stderr)
+    sys.exit(2)
+"""
+"""What a command calls, without what makes a line of whatever that raises."""
 
 
 def stopped(arguments: tuple[str, ...], out: Path) -> None:
     """Start a run and kill it when it has gone some way."""
     run = Run([*arguments, "--out", str(out)])
     checkpoint = out / "checkpoint.bin"
-    until = time.monotonic() + 120
+    until = time.monotonic() + LIMIT_S
     first = None
     while run.running() and time.monotonic() < until:
         if checkpoint.exists():
@@ -59,23 +84,20 @@ def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iter
         out = folder / f"resumed{number}"
         shutil.copytree(left[which], out)
         names = sorted(path.name for path in out.iterdir() if path.is_file() and path.stat().st_size)
-        name = "checkpoint.bin" if number % 3 else chance.choice(names)
+        name = "checkpoint.bin" if chance.random() < 0.75 else chance.choice(names)
         raw = (out / name).read_bytes()
-        what, result = _change(out / name, raw, left[1 - which], chance, number)
+        what, result = _change(out / name, raw, left[which - 1], chance)
         if result is None:
             result = _as_in_peace(peace[which], out, but=name)
-        yield Input(
-            "checkpoints", f"{RUNS[which][0]} {name}: {what}", (*RUNS[which], "--out", str(out), "--resume"),
-            result=result,
-        )  # fmt: skip
+        words = (*RUNS[which], "--out", str(out), "--resume")
+        source = "" if number // len(RUNS) % 2 else FROM_PYTHON.format(command=words[0], arguments=words[1:])
+        what = f"{' '.join(RUNS[which])}, {name}: {what}{' (Python)' if source else ''}"
+        yield Input("checkpoints", what, words, source=source, result=result)
 
 
-def _change(
-    path: Path, raw: bytes, others: Path, chance: random.Random, number: int
-) -> tuple[str, Callable[[Outcome], str] | None]:
+def _change(path: Path, raw: bytes, others: Path, chance: random.Random) -> tuple[str, Callable[[Outcome], str] | None]:
     """Make a file another one; what was done, and which result will do (None: the one in peace)."""
-    ways = ("damaged", "made up", "made up", "made up", "damaged", "another run's", "a folder", "a pickle")
-    way = ways[number % len(ways)]
+    way = chance.choice((*["made up"] * 7, "damaged", "damaged", "another run's", "a folder", "a pickle"))
     if way == "another run's" and (others / path.name).exists():
         shutil.copy(others / path.name, path)
         return way, refused if path.name == "checkpoint.bin" else None
@@ -109,7 +131,7 @@ def made_up(raw: bytes, chance: random.Random) -> tuple[str, bytes] | None:
         what, value = twisted(json.loads(members[name]), chance)
         members[name] = json.dumps(value).encode()
     elif chance.random() < 0.5:
-        what, members[name] = other_numbers(members[name], chance)
+        what, members[name] = other_array(members[name], chance)
     else:
         what, members[name] = damaged(members[name], chance)
     sink = io.BytesIO()
@@ -121,17 +143,40 @@ def made_up(raw: bytes, chance: random.Random) -> tuple[str, bytes] | None:
     return f"{name}: {what}", content[:-64] + hashlib.sha256(content[:-64]).hexdigest().encode()
 
 
-def other_numbers(raw: bytes, chance: random.Random) -> tuple[str, bytes]:
-    """An array of the same shape and kind with one number in it exchanged."""
+def other_array(raw: bytes, chance: random.Random) -> tuple[str, bytes]:
+    """An array in which one number is exchanged, or of another shape or kind."""
     array = np.lib.format.read_array(io.BytesIO(raw), allow_pickle=False)
-    kind, place = array.dtype.kind, chance.randrange(max(1, array.size))
-    number = chance.choice([np.nan, np.inf, 1e308, -1e308] if kind == "f" else [1, 0, 100])
-    if array.size and kind in "fiub":
+    way = chance.choice(("a number", "a number", "all numbers", "longer", "shorter", "another dtype", "an axis more"))
+    what = way
+    if way in ("a number", "all numbers") and array.size and array.dtype.kind in "fiub":
+        place = chance.randrange(array.size)
+        number = chance.choice(EXTREMES[array.dtype.kind])
         with np.errstate(all="ignore"):
-            array.reshape(-1)[place] = number
+            number = np.array(number).astype(array.dtype)
+            array.reshape(-1)[place if way == "a number" else slice(None)] = number
+        what = f"{way} ({place}) becomes {number}"
+    elif way == "longer":
+        array = np.concatenate([np.atleast_1d(array)] * 2)
+    elif way == "shorter":
+        array = np.atleast_1d(array)[:-1]
+    elif way == "another dtype" and array.dtype.kind in "fiub":
+        with np.errstate(all="ignore"):
+            array = array.astype(chance.choice([np.float32, np.int8, np.int64, np.uint64, complex, ">f8", "U3"]))
+        what = f"{way}, {array.dtype}"
+    elif way == "an axis more":
+        array = array[None]
     sink = io.BytesIO()
     np.lib.format.write_array(sink, array)
-    return f"number {place} becomes {number}", sink.getvalue()
+    return what, sink.getvalue()
+
+
+EXTREMES: dict[str, list] = {
+    "f": [np.nan, np.inf, 1e308, -1e308, -1.0, 0.0],
+    "i": [0, 1, -1, 100, -(2**62), 2**62, 127, -128],
+    "u": [0, 1, 200, 2**62],
+    "b": [True, False],
+}
+"""Numbers by the kind of dtype that are seldom right: none, far too large, or places beyond every end."""
 
 
 def twisted(value: object, chance: random.Random) -> tuple[str, object]:
@@ -169,8 +214,8 @@ def _pickle(canary: Path) -> bytes:
 
 def _as_in_peace(peace: dict[str, bytes], out: Path, but: str) -> Callable[[Outcome], str]:
     def check(outcome: Outcome) -> str:
-        found = differences(peace, contents(out))
-        found.pop("config.yaml", None)  # says what was asked for; nothing reads it
-        return f"results differ: {found}" if found else ""
+        differing = differences(peace, contents(out))
+        differing.pop("config.yaml", None)  # says what was asked for; nothing reads it
+        return f"results differ: {differing}" if differing else ""
 
     return check

@@ -35,10 +35,17 @@ class Base:
 BASES = (
     Base("session --perception state --minutes 0.02"),
     Base("session --minutes 0.02 --robot.familiarise.minutes 0.02", asked="--pixels"),
+    Base("session --preset cross_situational --perception state --minutes 0.02", asked="--robot.learner"),
     Base("develop table --preset fast --steps 2000"),
+    Base("develop table --preset local --steps 300", asked="--agent.local"),
+    Base("develop rendered --resolution growing --steps 20 --rendered.exploration 60", asked="--babbling"),
+    Base("develop rendered --maps continuous --steps 20 --rendered.exploration 60", asked="--continuous"),
     Base("develop rendered --steps 20 --rendered.exploration 60 --rendered.calibration 5"),
     Base("develop realtime --minutes 0.02 --realtime.perception state --realtime.familiarise-minutes 0.1"),
     Base("perceive {video} --no-overlay --max-minutes 0.02"),
+    Base("perceive {video} --no-overlay --max-minutes 0.02 --looks", asked="--coding"),
+    Base("recordings {events} --infant robot --partner caregiver --surrogates 20 --resamples 5"),
+    Base("looks {session} --form table"),
     Base("measure {table} --source her_gaze --condition my_gaze --target toy_seen", out=False),
     Base("discover {table} --sensors her_gaze --actions my_gaze --results toy_seen", out=False),
     Base("play follow --agent zero --episodes 1 --time-limit 0.2", out=False),
@@ -64,14 +71,14 @@ def options_of(shell: Shell, base: Base, places: dict[str, str]) -> list[Option]
     """Those that a command has."""
     arguments = [places.get(word, word) for word in shlex.split(base.command)]
     said = shell(*arguments, "--help-all", env={"COLUMNS": COLUMNS}).out
-    found = []
+    options = []
     lines = said.splitlines()
     for place, line in enumerate(lines):
         if match := LINE.match(line):
             rest = " ".join(part.strip(" │|") for part in lines[place : place + 12])
             default = re.search(r"\(default: ([^)]*)\)", rest)
-            found.append(Option(match[1], match[3] or "", default[1].strip() if default else ""))
-    return [option for option in found if option.name.startswith(base.asked) and option.name != "--help"]
+            options.append(Option(match[1], match[3] or "", default[1].strip() if default else ""))
+    return [option for option in options if option.name.startswith(base.asked) and option.name != "--help"]
 
 
 def values_for(option: Option, chance: random.Random) -> list[tuple[tuple[str, ...], bool]]:
@@ -88,27 +95,27 @@ def values_for(option: Option, chance: random.Random) -> list[tuple[tuple[str, .
     if kind == "STR":
         return [((text,) * count, False) for text in TEXTS]
     bad = [number for number in NUMBERS if number not in (option.default, option.default.split(" ")[0])]
-    found = []
+    values = []
     for word in (*bad, *NOT_ONE, *(WHOLE if kind == "INT" else ())):
         words = ["1"] * count
         words[chance.randrange(count)] = word
-        found.append((tuple(words), word != "None" or option.default != "None"))
-    return [*found, (("1",) * (count + 1), True)]
+        values.append((tuple(words), word != "None" or option.default != "None"))
+    return [*values, (("1",) * (count + 1), True)]
 
 
 def inputs(shell: Shell, chance: random.Random, many: int, folder: Path, places: dict[str, str]) -> list[Input]:
     """``many`` of all that there are, drawn by ``chance``; every command has some."""
-    found: dict[Base, list[Input]] = {}
+    tried: dict[Base, list[Input]] = {}
     for base in BASES:
-        found[base] = []
+        tried[base] = []
         for option in options_of(shell, base, places):
             for words, wrong in values_for(option, chance):
                 if wrong or not base.serves:
-                    number = len(found[base])
+                    number = len(tried[base])
                     out = folder / f"{BASES.index(base)}_{number}"
-                    found[base].append(_input(base, option, words, wrong, out, places))
-        chance.shuffle(found[base])
-    share = [found[base][: max(5, many * len(found[base]) // sum(map(len, found.values())))] for base in BASES]
+                    tried[base].append(_input(base, option, words, wrong, out, places))
+        chance.shuffle(tried[base])
+    share = [tried[base][: max(5, many * len(tried[base]) // sum(map(len, tried.values())))] for base in BASES]
     return [one for part in share for one in part]
 
 

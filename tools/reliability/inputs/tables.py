@@ -22,9 +22,9 @@ ALONE = 6
 def codings() -> dict[str, list[str]]:
     """Columns of a recording: the toy is seen after both have looked at the same place."""
     chance = random.Random(0)
-    hers, mine = ([chance.choice(["left", "right", "door"]) for _ in range(300)] for _ in range(2))
-    seen = ["no", *("yes" if a == b else "no" for a, b in zip(hers[:-1], mine[:-1], strict=True))]
-    return {"her_gaze": hers, "my_gaze": mine, "toy_seen": seen}
+    mothers, mine = ([chance.choice(["left", "right", "door"]) for _ in range(300)] for _ in range(2))
+    seen = ["no", *("yes" if a == b else "no" for a, b in zip(mothers[:-1], mine[:-1], strict=True))]
+    return {"her_gaze": mothers, "my_gaze": mine, "toy_seen": seen}
 
 
 def as_csv(columns: dict[str, list], delimiter: str = ",") -> str:

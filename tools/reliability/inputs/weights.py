@@ -12,26 +12,31 @@ from tools.reliability.malformed import Input, anything, refused
 from tools.shell import Outcome, Shell
 
 SESSION = ("session", "--perception", "state", "--minutes", "0.05", "--seed", "1")
+ROBOTS = ((), ("--preset", "cross_situational"), ("--robot.learner.code", "linear"))
 
 
 def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iterator[Input]:
     """Weights for ``--start-from``."""
-    shell(*SESSION, "--out", folder / "good")
-    raw = (folder / "good" / "weights.npz").read_bytes()
-    with np.load(io.BytesIO(raw)) as archive:
-        arrays = dict(archive)
-    crafted = list(odd_weights(arrays))
+    thought_of, raws = [], []
+    for robot in ROBOTS:
+        good = folder / f"good{len(raws)}"
+        shell(*SESSION, *robot, "--out", good)
+        raws.append((good / "weights.npz").read_bytes())
+        crafted = odd_weights(_arrays(raws[-1]))
+        thought_of += [(robot, *one) for one in crafted]
+        thought_of += [(robot, "of another robot", raw, refused) for raw in raws[:-1]]
+    chance.shuffle(thought_of)
     for number in range(many):
-        if number < len(crafted):
-            what, made, result = crafted[number]
+        if number < min(len(thought_of), many * 4 // 5):
+            robot, what, made, result = thought_of[number]
         else:
+            robot, raw = chance.choice(list(zip(ROBOTS, raws, strict=True)))
             what, made = damaged(raw, chance)
-            result = anything if _same_arrays(made, arrays) else refused
+            result = anything if _same_arrays(made, _arrays(raw)) else refused
         path = write(folder / f"weights{number}" / "weights.npz", made)
         out = folder / f"weights{number}" / "out"
-        yield Input(
-            "weights", what, (*SESSION, "--start-from", str(path), "--out", str(out)), result=finite(out, result)
-        )
+        words = (*SESSION, *robot, "--start-from", str(path), "--out", str(out))
+        yield Input("weights", f"{' '.join(robot)} {what}".strip(), words, result=finite(out, result))
 
 
 def odd_weights(arrays: dict[str, np.ndarray]) -> Iterator[tuple[str, bytes, Callable[[Outcome], str]]]:
@@ -56,13 +61,18 @@ def odd_weights(arrays: dict[str, np.ndarray]) -> Iterator[tuple[str, bytes, Cal
     yield "no arrays", packed({}), refused
 
 
+def _arrays(raw: bytes) -> dict[str, np.ndarray]:
+    with np.load(io.BytesIO(raw)) as archive:
+        return dict(archive)
+
+
 def _same_arrays(raw: bytes, arrays: dict[str, np.ndarray]) -> bool:
     try:
         with np.load(io.BytesIO(raw), allow_pickle=False) as archive:
-            found = dict(archive)
+            stored = dict(archive)
     except Exception:  # whatever numpy, zipfile and zlib have to say
         return False
-    return found.keys() == arrays.keys() and all(np.array_equal(found[name], arrays[name]) for name in arrays)
+    return stored.keys() == arrays.keys() and all(np.array_equal(stored[name], arrays[name]) for name in arrays)
 
 
 def finite(out: Path, result: Callable[[Outcome], str]) -> Callable[[Outcome], str]:

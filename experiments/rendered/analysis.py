@@ -72,7 +72,7 @@ def analyse(trials: Trials) -> list[Comparison]:
 def _time(setting: str, results: list[dict[str, Any]], stage: int, name: str) -> Comparison:
     """When a module was made, if all up to it came in order, and how much later than at the symbolic table."""
     first = [*STAGES[: stage + 1]]
-    times = [time_of(one, stage) if one["modules"][: stage + 1] == first else np.inf for one in results]
+    times = [time_of(result, stage) if result["modules"][: stage + 1] == first else np.inf for result in results]
     ratios = [at / time_of(one["symbolic"], stage) for at, one in zip(times, results, strict=True)]
     published = {0: "5,748 in the example", 2: "47,686 in the example"}[stage]
     return Comparison(
@@ -91,7 +91,9 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     for number, setting in enumerate(one for one in ("fast", "thesis") if one in shown):
         results = _results(trials, setting)
         for stage, name in enumerate(NAMES):
-            made = [(time_of(one["symbolic"], stage), time_of(one, stage)) for one in results if in_order(one)]
+            made = [
+                (time_of(result["symbolic"], stage), time_of(result, stage)) for result in results if in_order(result)
+            ]
             if made:
                 times.plot(
                     *zip(*made, strict=True), "os^"[stage], ms=4, color=f"C{stage}",

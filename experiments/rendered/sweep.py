@@ -20,7 +20,7 @@ class Visible(Checked):
     """An agent of a preset at the table of chapter 5."""
 
     preset: Annotated[str, Choice(PRESETS)]
-    turns: Annotated[int, Whole("[1, 1e10]")]
+    n_steps: Annotated[int, Whole("[1, 1e10]")]
     """Most steps until three modules are made."""
     rendered: RenderedConfig = field(default_factory=RenderedConfig)
 
@@ -52,9 +52,9 @@ FILM = Path(__file__).with_name("gaze_alternation.mp4")
 def trial(config: Visible, seed: int) -> dict[str, Any]:
     """Modules and their steps, from images and at the symbolic table; what was detected under each state."""
     preset = PRESETS[config.preset]
-    run = RenderedRun(preset.world, config.rendered, preset.agent, seed, config.turns, sample_every=config.turns)
+    run = RenderedRun(preset.world, config.rendered, preset.agent, seed, config.n_steps, sample_every=config.n_steps)
     try:
-        symbolic = TableRun(preset.world, preset.agent, seed, config.turns, sample_every=config.turns)
+        symbolic = TableRun(preset.world, preset.agent, seed, config.n_steps, sample_every=config.n_steps)
         return {
             **_until_three_modules(run),
             "directions": _directions(run),
@@ -68,17 +68,17 @@ def trial(config: Visible, seed: int) -> dict[str, Any]:
 
 
 def _until_three_modules(run: DevelopmentRun) -> dict[str, Any]:
-    while run.steps_done < run.n_steps and len(run.found) < 3:
+    while run.steps_done < run.n_steps and len(run.detections) < 3:
         run.advance(500)
-    found = [one for one in run.found if one.module is not None]
-    symbols = [run.agent.variables.symbol(one.event) for one in found]
-    return {"modules": symbols, "turns": [one.step for one in found], "lived": run.steps_done}
+    made = [detection for detection in run.detections if detection.module is not None]
+    symbols = [run.agent.variables.symbol(detection.event) for detection in made]
+    return {"modules": symbols, "turns": [detection.step for detection in made], "lived": run.steps_done}
 
 
 def _directions(run: RenderedRun) -> list[int] | None:
     """Commands of gaze following's map, if it was found first: how many, and how many lead to where the caregiver then
     mostly looks."""
-    first = next((one.module for one in run.found if one.module is not None), None)
+    first = next((detection.module for detection in run.detections if detection.module is not None), None)
     if first is None or run.agent.variables.symbol(first.event) != "(S1, A1, R3)":
         return None
     mostly, commands = run.confusion()[:-1].argmax(axis=1), first.command[0, :-1]

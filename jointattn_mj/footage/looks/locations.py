@@ -1,4 +1,4 @@
-"""Places of objects in a video: where each was last, and at how many places it has rested."""
+"""Locations of objects in a video: where each was last, and at how many locations it has rested."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ MOVED_HEIGHTS = 0.25
 """Distance between two placements, heights of the face's square."""
 
 
-def last_places(px: np.ndarray, cut: np.ndarray) -> np.ndarray:
+def last_locations(px: np.ndarray, cut: np.ndarray) -> np.ndarray:
     """Fill in where each candidate was seen last.
 
     Args:
@@ -28,7 +28,7 @@ def last_places(px: np.ndarray, cut: np.ndarray) -> np.ndarray:
     return filled
 
 
-def known_places(px: np.ndarray, cut: np.ndarray, moved_px: float) -> np.ndarray:
+def known_locations(px: np.ndarray, cut: np.ndarray, moved_px: float) -> np.ndarray:
     """Fill in where candidates were while they were hidden.
 
     One that is seen again where it was before has stayed there. One that is seen again elsewhere was moved meanwhile,
@@ -42,26 +42,26 @@ def known_places(px: np.ndarray, cut: np.ndarray, moved_px: float) -> np.ndarray
     Returns:
         (n, k, 2) pixels; NaN where a place is not known.
     """
-    before = last_places(px, cut)
-    after = last_places(px[::-1], np.append(False, cut[:0:-1]))[::-1]
+    before = last_locations(px, cut)
+    after = last_locations(px[::-1], np.append(False, cut[:0:-1]))[::-1]
     seen = np.isfinite(px).all(-1)
     moved = np.linalg.norm(after - before, axis=-1) > moved_px
     before[moved & ~seen] = np.nan
     return before
 
 
-def placements(places: np.ndarray) -> np.ndarray:
-    """At how many places each candidate has rested.
+def placements(locations: np.ndarray) -> np.ndarray:
+    """At how many locations each candidate has rested.
 
     Args:
-        places: (n, k, 2) in heights of the face's square; NaN where a candidate is not seen.
+        locations: (n, k, 2) in heights of the face's square; NaN where a candidate is not seen.
 
     Returns:
         (k,) whole numbers.
     """
-    counts = np.zeros(places.shape[1], int)
-    for k in range(places.shape[1]):
-        seen = places[np.isfinite(places[:, k]).all(-1), k]
+    counts = np.zeros(locations.shape[1], int)
+    for k in range(locations.shape[1]):
+        seen = locations[np.isfinite(locations[:, k]).all(-1), k]
         if len(seen) < REST_LOOKS:
             continue
         windows = np.lib.stride_tricks.sliding_window_view(seen, REST_LOOKS, axis=0)  # (m, 2, looks)

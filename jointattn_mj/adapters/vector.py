@@ -1,0 +1,216 @@
+"""Many worlds of ``follow`` in one process: ``gymnasium.make_vec("jointattn_mj:Follow-v0", num_envs=16)``.
+
+All that moves there are the caregiver, by a script, and the robot's head, by servos; neither needs a simulator. Scripts
+advance one by one, heads and rewards are worked out for all worlds at once. One renderer for each caregiver draws the
+images, in the pose of one world after another. Observations and rewards are those of single environments with the same
+seeds, to rounding.
+"""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+from dm_env import specs
+
+from jointattn_mj.adapters.gymnasium import JointAttentionEnv, whole_seed
+from jointattn_mj.errors import ConfigError, EpisodeError
+from jointattn_mj.scene.camera import PIVOT
+from jointattn_mj.scene.caregiver import TransferScript
+from jointattn_mj.scene.world import HEAD_JOINTS, World, steps_per_frame
+from jointattn_mj.tasks.actions import checked
+from jointattn_mj.tasks.follow import Follow
+
+from gymnasium.vector import AutoresetMode, VectorEnv  # isort: skip  # Gymnasium is known to be there by now
+from gymnasium.vector.utils import batch_space  # isort: skip
+
+
+class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
+    """Worlds of ``follow`` or ``follow_hard`` with Gymnasium's interface for vectors.
+
+    Spaces, arguments and episodes are those of the single environment; arrays have the worlds as their first axis. A
+    world whose episode has ended begins the next one at the next step, which ignores its action.
+    """
+
+    metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP, "render_modes": []}  # noqa: RUF012
+
+    def __init__(self, task: str, num_envs: int = 1, **task_kwargs: Any):
+        """Make the worlds.
+
+        Args:
+            task: "follow" or "follow_hard".
+            num_envs: Number of worlds.
+            task_kwargs: Arguments of the task, such as ``camera``, ``truth``, ``face_patch``, ``people``.
+
+        Raises:
+            ConfigError: There is no such argument, or ``variation`` is asked for, which takes a renderer a world.
+        """
+        self._single = JointAttentionEnv(task, **task_kwargs)
+        environment = self._single.environment
+        if environment.task.varies:
+            self._single.close()
+            raise ConfigError(
+                "`variation` needs a renderer for each world: make them with vectorization_mode='sync' or 'async'"
+            )
+        self.num_envs = num_envs
+        self.single_observation_space = self._single.observation_space
+        self.single_action_space = self._single.action_space
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._episodes = [_Episodes(environment.task.twin()) for _ in range(num_envs)]
+        self._rewards, self._limit = environment.task.rewards, environment.step_limit
+        self._bounds = environment.action_spec()
+        self._scaled = specs.BoundedArray((num_envs, 2), np.float32, -1, 1, f"{self._bounds.name}, of each world")
+        self._servo = _Servo(environment.task.world)
+        self._angles, self._speeds = np.zeros((2, num_envs, 2))  # of the heads, rad and rad/s
+        self._points = np.zeros(
+            (num_envs, len(environment.task.world.candidate_points()), 3)
+        )  # that stay in an episode
+        self._steps = np.full(num_envs, -1)  # in this episode; -1: there is none
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+        """Start an episode in each world.
+
+        Args:
+            seed: Of the first world, the others have the next ones; or one for each; None: everybody's next episode.
+            options: None, since there are none.
+
+        Returns:
+            Observations, and an empty dictionary.
+
+        Raises:
+            ConfigError: ``seed`` is no whole number of 0 or more, nor one for each world, or there are ``options``.
+        """
+        if options:
+            raise ConfigError(f"reset takes no options; got {options!r}")
+        alike = seed is None or not isinstance(seed, (list, tuple, np.ndarray))
+        seeds = [seed if seed is None else whole_seed(seed) + i for i in range(self.num_envs)] if alike else list(seed)
+        if len(seeds) != self.num_envs:
+            raise ConfigError(f"`seed` must be one number or {self.num_envs}, one for each world; got {len(seeds)}")
+        for episodes, own in zip(self._episodes, seeds, strict=True):
+            if own is not None:
+                episodes.task.seed(whole_seed(own))
+        self._begin(np.arange(self.num_envs))
+        return self._observe(), {}
+
+    def step(
+        self, actions: np.ndarray
+    ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Take a step in each world.
+
+        Args:
+            actions: (num_envs, 2), scaled: -1 and 1 stand for the bounds, to which what is beyond is clipped.
+
+        Returns:
+            Observations; rewards (num_envs,); terminated (never) and truncated (when time is up), (num_envs,) bool; an
+            empty dictionary.
+
+        Raises:
+            ActionError: Actions are not finite, have another shape, or are no numbers; nothing has changed then.
+            EpisodeError: Before ``reset``.
+        """
+        low, high = self._bounds.minimum, self._bounds.maximum
+        commands = low + (high - low) * (checked(actions, self._scaled) + 1) / 2
+        if (self._steps < 0).any():
+            raise EpisodeError("no episode is going on: call reset()")
+        over = self._steps == self._limit
+        going = ~over
+        self._servo.turn(self._angles, self._speeds, commands)
+        for world in np.flatnonzero(going):
+            self._episodes[world].advance()
+        self._steps += going
+        self._begin(np.flatnonzero(over))
+        rewards = np.where(going, self._earned(), 0.0)
+        return self._observe(), rewards, np.zeros(self.num_envs, bool), self._steps == self._limit, {}
+
+    def close_extras(self, **settings: Any) -> None:
+        """Free models, data and rendering contexts."""
+        self._single.close()
+
+    def _begin(self, worlds: np.ndarray) -> None:
+        """Begin the next episode in some worlds, with the head straight ahead."""
+        for world in worlds:
+            self._episodes[world].begin()
+            self._points[world] = self._episodes[world].points() - PIVOT
+        self._angles[worlds] = self._speeds[worlds] = self._steps[worlds] = 0
+
+    def _earned(self) -> np.ndarray:
+        """Rewards (num_envs,) now."""
+        targets = [-1 if one.script.target is None else one.script.target for one in self._episodes]
+        pan, tilt = self._angles.T
+        ahead = np.stack([np.cos(tilt) * np.cos(pan), np.cos(tilt) * np.sin(pan), np.sin(tilt)], axis=1)
+        across = np.linalg.norm(np.cross(self._points, ahead[:, None]), axis=2)
+        angles = np.arctan2(across, np.einsum("ijk,ik->ij", self._points, ahead))
+        return np.where(np.array(targets) >= 0, self._rewards(angles, np.array(targets)), 0.0)
+
+    def _observe(self) -> dict[str, np.ndarray]:
+        """Observations of all worlds: new arrays."""
+        names = self.single_observation_space.spaces
+        if not {"camera", "face_patch"} & names.keys():
+            observed = {"head_angles": self._angles.copy(), "truth": self._gazes()}
+        else:
+            parts = [one.observe(head) for one, head in zip(self._episodes, self._angles, strict=True)]
+            observed = {name: np.stack([part[name] for part in parts]) for name in names}
+        if "face_visible" in names:
+            observed["face_visible"] = observed["face_visible"][:, None].astype(np.int8)
+        return {name: observed[name] for name in names}
+
+    def _gazes(self) -> np.ndarray:
+        """Yaw and pitch of the caregivers' heads, (num_envs, 2), rad."""
+        return np.stack([one.script.joints[:2] for one in self._episodes])
+
+
+class _Episodes:
+    """The episodes of one world: a task with seeds of its own, in bodies that it shares with others."""
+
+    script: TransferScript
+
+    def __init__(self, task: Follow):
+        self.task = task
+
+    def begin(self) -> None:
+        """Begin the next one."""
+        self._world, self.script = self.task.cast_script()
+
+    def advance(self) -> None:
+        """Advance the caregiver by a step."""
+        for _ in range(self._world.frames):
+            self.script.advance()
+
+    def points(self) -> np.ndarray:
+        """Centres of the n objects, which stay, and of the caregiver's head, (n + 1, 3), world frame, metres."""
+        return np.vstack([self.script.objects, self._world.candidate_points()[-1:]])
+
+    def observe(self, head: np.ndarray) -> dict[str, np.ndarray]:
+        """What the robot observes with its head at (2,), rad."""
+        self._world.show(head, self.script)
+        return self.task.observe_anew()
+
+
+class _Servo:
+    """The head's servos, as MuJoCo's implicit integrator steps them: two lines, since nothing else moves the head."""
+
+    def __init__(self, world: World):
+        model = world.model
+        joints = [model.joint(name) for name in HEAD_JOINTS]
+        inertia = [np.zeros((model.nv, 1)) for _ in joints]
+        for joint, column in zip(joints, inertia, strict=True):
+            mujoco.mj_mulM(model, world.data, column, np.eye(model.nv)[:, joint.dofadr])
+        motors = [int(np.flatnonzero(model.actuator_trnid[:, 0] == joint.id)[0]) for joint in joints]
+        self._stiffness, self._damping = model.actuator_gainprm[motors, 0], -model.actuator_biasprm[motors, 2]
+        self._inertia = np.array([column[joint.dofadr[0], 0] for joint, column in zip(joints, inertia, strict=True)])
+        self._seconds, self._steps = model.opt.timestep, world.frames * steps_per_frame(model)
+
+    def turn(self, angles: np.ndarray, speeds: np.ndarray, commands: np.ndarray) -> None:
+        """Turn heads for a step of the task, in place.
+
+        Args:
+            angles: (n, 2) pan and tilt, rad.
+            speeds: (n, 2), rad/s.
+            commands: (n, 2) desired angles, rad.
+        """
+        for _ in range(self._steps):
+            force = self._stiffness * (commands - angles) - self._damping * speeds
+            speeds += self._seconds * force / (self._inertia + self._seconds * self._damping)
+            angles += self._seconds * speeds

@@ -1,0 +1,107 @@
+"""What whole commands cost: seconds of the processor and memory, as the system counts them for a process."""
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from jointattn_mj.benchmarks.figures import Figures
+
+STATE_MINUTES = 26.0
+"""Simulated minutes of the session from the state."""
+FILMED_MINUTES = 0.2
+"""Simulated minutes of the session that is filmed, and of the same one without a film."""
+FRAMES_PER_MINUTE = 1800
+BRIEF = "--robot.familiarise.minutes 0.05"
+CODE = "import sys; from jointattn_mj.cli.main import main; sys.exit(main())"
+MOST_BLOCKS = 5
+"""A command takes seconds, and differs little from time to time."""
+
+
+class Cost(NamedTuple):
+    """What a command took."""
+
+    seconds: float
+    """Of the processor, all threads together."""
+    mebibytes: float
+    """Most memory that it held at one time."""
+
+
+def run_commands_benchmark(blocks: int) -> Figures:
+    """Run commands, one after the other in each block.
+
+    Args:
+        blocks: Their number, of which ``MOST_BLOCKS`` are used; before them all is run once, which compiles.
+
+    Raises:
+        subprocess.CalledProcessError: A command has failed.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        first = {
+            "first_session_s": _fresh(f"session --perception state --minutes 0.05 {BRIEF} --out {folder}/fresh"),
+            "first_develop_s": _fresh(f"develop table --steps 1000 --out {folder}/fresh_table"),
+        }
+        filmed = f"session --minutes {FILMED_MINUTES} {BRIEF}"
+        works = {
+            "help": "--help",
+            "session help": "session --help",
+            "measure help": "measure --help",
+            "state": f"session --perception state --minutes {STATE_MINUTES}",
+            "images": filmed,
+            "film": f"{filmed} --video",
+        }
+        costs: dict[str, list[Cost]] = {name: [] for name in works}
+        for block in range(min(blocks, MOST_BLOCKS) + 1):
+            for name, words in works.items():
+                out = "" if "help" in name else f" --out {folder}/{name}_{block}"
+                cost = measured(words + out)
+                if block:  # the first compiles
+                    costs[name].append(cost)
+    seconds = {name: [cost.seconds for cost in of] for name, of in costs.items()}
+    figures = Figures()
+    for name in ("help", "session help", "measure help"):
+        figures.add(f"{name.replace(' ', '_')}_s", seconds[name])
+    figures.add("state_command_s", seconds["state"])
+    figures.add("state_command_times_real_time", [60 * STATE_MINUTES / taken for taken in seconds["state"]])
+    more = [film - plain for film, plain in zip(seconds["film"], seconds["images"], strict=True)]
+    figures.add("video_frame_ms", [1000 * taken / (FILMED_MINUTES * FRAMES_PER_MINUTE) for taken in more])
+    figures.add("session_mib", [cost.mebibytes for cost in costs["images"]])
+    figures.add("state_session_mib", [cost.mebibytes for cost in costs["state"]])
+    for name, cost in first.items():
+        figures.add(name, cost.seconds)
+    return figures
+
+
+def measured(words: str, environment: Mapping[str, str] | None = None) -> Cost:
+    """What the command ``jointattn`` takes with these words, in a process of its own.
+
+    Args:
+        words: Of the command line.
+        environment: Variables that differ from those of this process.
+
+    Raises:
+        subprocess.CalledProcessError: It has failed.
+    """
+    command = [sys.executable, "-c", CODE, *words.split()]
+    package = str(Path(__file__).parents[2])
+    paths = os.pathsep.join([package, *filter(None, [os.environ.get("PYTHONPATH")])])
+    process = subprocess.Popen(
+        command,
+        env={**os.environ, "PYTHONPATH": paths, **(environment or {})},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise subprocess.CalledProcessError(process.returncode, command)
+    return Cost(used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
+
+
+def _fresh(words: str) -> Cost:
+    """What a command takes where nothing was compiled before."""
+    with tempfile.TemporaryDirectory() as cache:
+        return measured(words, {"NUMBA_CACHE_DIR": cache})

@@ -1,0 +1,85 @@
+"""Many worlds of ``follow`` in one process are as many single ones."""
+
+import numpy as np
+import pytest
+
+from jointattn_mj.errors import ActionError, ConfigError, EpisodeError
+
+pytestmark = pytest.mark.integration
+
+gymnasium = pytest.importorskip("gymnasium")
+
+
+def pair(name, number, **settings):
+    """The same worlds together, and one by one."""
+    return [
+        gymnasium.make_vec(f"jointattn_mj:{name}", num_envs=number, vectorization_mode=mode, **settings)
+        for mode in ("vector_entry_point", "sync")
+    ]
+
+
+def compare(together, alone, steps, seed):
+    """Over as many steps of random actions, now and then beyond the bounds."""
+    seen = [vector.reset(seed=seed) for vector in (together, alone)]
+    assert seen[0][1] == {}
+    rng = np.random.default_rng(0)
+    for _ in range(steps):
+        actions = rng.uniform(-1.2, 1.2, (together.num_envs, 2)).astype(np.float32)
+        stepped = [vector.step(actions) for vector in (together, alone)]
+        for ours, theirs in zip(stepped[0][1:4], stepped[1][1:4], strict=True):
+            np.testing.assert_allclose(ours, theirs, atol=1e-7)
+            assert ours.dtype == theirs.dtype
+        seen += [step[:1] for step in stepped]
+    for (ours, *_), (theirs, *_) in zip(seen[::2], seen[1::2], strict=True):
+        assert list(ours) == list(theirs)
+        for name, part in ours.items():
+            assert part.dtype == theirs[name].dtype
+            if name == "camera":
+                assert (np.abs(part.astype(int) - theirs[name]) > 2).mean() < 1e-4
+            elif name == "face_patch":
+                assert np.abs(part.astype(int) - theirs[name]).max() <= 2
+            else:
+                np.testing.assert_allclose(part, theirs[name], atol=1e-7)
+        assert ours in together.observation_space
+    together.close(), alone.close()
+
+
+@pytest.mark.parametrize(("name", "steps"), [("Follow-v0", 70), ("FollowHard-v0", 130)])
+def test_states_and_rewards_are_those_of_single_worlds(name, steps):
+    """Over the end of two episodes."""
+    compare(*pair(name, 3, truth=True, camera=False), steps, seed=7)
+
+
+def test_images_and_faces_are_those_of_single_worlds():
+    compare(*pair("Follow-v0", 2, face_patch=True, time_limit=1.0), 14, seed=[5, 3])
+
+
+def test_worlds_without_a_seed_go_on_with_their_episodes():
+    together, alone = pair("Follow-v0", 2, truth=True, camera=False)
+    first = [vector.reset(seed=1)[0]["truth"] for vector in (together, alone)]
+    second = [vector.reset()[0]["truth"] for vector in (together, alone)]
+    np.testing.assert_allclose(second[0], second[1], atol=1e-7)
+    assert not np.array_equal(first[0], second[0])
+    together.close(), alone.close()
+
+
+def test_it_is_what_gymnasium_makes_unless_asked_otherwise():
+    made = gymnasium.make_vec("jointattn_mj:Follow-v0", num_envs=2, camera=False)
+    assert type(made.unwrapped).__name__ == "FollowVector"
+    made.close()
+
+
+def test_bad_input():
+    made = gymnasium.make_vec("jointattn_mj:Follow-v0", num_envs=2, camera=False)
+    with pytest.raises(EpisodeError, match="reset"):
+        made.step(np.zeros((2, 2)))
+    made.reset(seed=0)
+    for wrong in (np.full((2, 2), np.nan), np.zeros(2), np.zeros((3, 2)), [["left", "right"]] * 2):
+        with pytest.raises(ActionError):
+            made.step(wrong)
+    for wrong in (-1, 0.5, [1], [1, -1]):
+        with pytest.raises(ConfigError):
+            made.reset(seed=wrong)
+    made.close()
+    with pytest.raises(ConfigError, match="sync"):
+        gymnasium.make_vec("jointattn_mj:Follow-v0", num_envs=2, camera=False, variation="pace")
