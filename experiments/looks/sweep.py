@@ -261,9 +261,9 @@ def compared(seen: ObservedLooks, session: FilmedSession, config: LooksConfig) -
     coded, count = code_looks(seen, config), seen.px.shape[1]
     settled = np.flatnonzero(session.settled)
     seconds = settled[settled % round(1 / seen.step_s) == 0]
-    right = np.array([coded.best == session.target]).ravel()
-    sure = np.asarray(coded.posterior > config.sure).any(axis=1)
-    away = np.array([session.target == count]).ravel()
+    right = coded.best == session.target
+    sure = np.asarray((coded.posterior > config.sure).any(axis=1))
+    away = session.target == count
     others = {
         "last_moved": last_moved(session.moves),
         "nearest": nearest(session.px),

@@ -13,8 +13,8 @@ class LooksConfig(Checked):
     every: Annotated[int, Whole("[1, 300]")] = 6
     """Take a look at every N-th frame: five a second. One a second codes as well; more date changes better."""
     tuning: Annotated[float, Real("[0.01, 10]")] = 0.1
-    """Standard deviation of the bump that stands for a place, in heights of the face's square: how far apart two locations
-    must be to differ."""
+    """Standard deviation of the bump that stands for a location, in heights of the face's square: how far apart two
+    locations must be to differ."""
     rounds: Annotated[int, Whole("[1, 1000]")] = 10
     """Rounds of expectation and maximisation over all looks."""
     sharpness: Annotated[float, Real("[0.1, 10]")] = 1.5
