@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
 
-from .sweep import MINUTES, SETTINGS
+from .sweep import LABELLED, MINUTES, SETTINGS
 
 CODERS = {"kappa": "without labels", "last_moved": "last object moved", "yaw": "yaw, fitted", "nearest": "nearest"}
 COLOURS = {"kappa": "#c0392b", "last_moved": "#2471a3", "yaw": "#7d6608", "nearest": "#7f8c8d"}
@@ -42,6 +42,12 @@ def analyse(trials: Trials) -> list[Comparison]:
             if right:
                 sure = f"of {np.mean(values(part, minutes, 'sure')):.0%} of the seconds"
                 findings.append(_row(f"right where sure, {words}, {minutes:g} minutes", right, sure))
+        helped = values(part, MINUTES[-1], "kappa_after_labels")
+        if helped:
+            without = np.mean(values(part, MINUTES[-1], "kappa_without_labels"))
+            findings.append(
+                _row(f"kappa after {LABELLED:g} minutes of labels, {words}", helped, f"without labels {without:.2f}")
+            )
         hits = values(part, MINUTES[-1], "away_hits")
         if hits:
             false = np.mean(values(part, MINUTES[-1], "away_false"))
@@ -74,10 +80,10 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     left.grid(alpha=0.3)
     names = [name for name in SETTINGS if trials.get(name)]
     for name in CODERS:
-        means = [float(np.mean(values(trials[one], MINUTES[-1], name))) for one in names]
-        right.plot(means, range(len(names)), "o", ms=5, color=COLOURS[name])
+        middles = [float(np.mean(values(trials[one], MINUTES[-1], name))) for one in names]
+        right.plot(middles, range(len(names)), "o", ms=5, color=COLOURS[name])
     right.set_yticks(range(len(names)), [name.replace("_", " ") for name in names], fontsize=8)
     right.set(xlabel=f"kappa, {MINUTES[-1]:g} minutes", ylim=(len(names) - 0.5, -0.5))
     right.grid(alpha=0.3)
-    figure.suptitle(f"Coding where a person looks, from the state ({len(part)} sessions each; bars: mean, 95%)")
+    figure.suptitle(f"Coding where a person looks, from the state (n = {len(part)}; bars: mean, 95%)")
     return {"looks": figure}

@@ -1,22 +1,28 @@
 """A caregiver before a camera that never turns, and what the coder of looks, and simpler ones, make of that."""
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
 import numpy as np
 
-from jointattn_mj.footage.looks.coding import ObservedLooks, code_looks
+from jointattn_mj.footage.config import PerceiveConfig
+from jointattn_mj.footage.looks.coding import PARTNER, ObservedLooks, code_looks
 from jointattn_mj.footage.looks.config import LooksConfig
-from jointattn_mj.options import Checked, Real, Share
+from jointattn_mj.options import Checked, Real, Share, Whole
 from jointattn_mj.perception.som import SOM, SOMConfig
 from jointattn_mj.perception.state import StateConfig, StatePerception
 from jointattn_mj.recordings.agreement import kappa
+from jointattn_mj.scene.camera import pixels_of_points
 from jointattn_mj.scene.caregiver import FRAME_S, Phase, TransferScript
 from jointattn_mj.scene.objects import OBJECTS
+from jointattn_mj.scene.people import IDENTITIES
 from jointattn_mj.scene.world import World, WorldConfig, WorldObservation
 from jointattn_mj.sweeps.claim import Setting
 
 from ..cross_situational.caregivers import CarelessScript, CarelessWorld
+from .rendered import film, perceived
 
 CAMERA = np.array([0.0, -0.16])
 """Pan and tilt of the camera, rad: face and table are in view."""
@@ -29,8 +35,15 @@ LEAN_LOOKS = 50
 HIDDEN_LOOKS = 15
 """Looks for which an object is hidden."""
 MINUTES = (3.0, 6.0, 13.0, 26.0)
-FIRST_SEED = 300_000
-"""Held-out seeds; numbers of ``LooksConfig`` were chosen on 100 to 103."""
+LABELLED = 5.0
+"""Minutes that somebody codes, from the beginning."""
+PARTNER_AT = np.array([1.0, 0.5, 1.0])
+"""Where another person's face is, world frame, m: beside the table, in view of the camera."""
+PARTNER_SWAY_PX = 3.0
+"""Standard deviation of its location, which changes every ten seconds."""
+FIRST_SEED = 320_000
+"""Held-out seeds; numbers of ``LooksConfig`` were chosen on 100 and 101."""
+VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -40,6 +53,8 @@ class FilmedTable(Checked):
     world: WorldConfig = field(default_factory=WorldConfig)
     looks_away: Share = 0.0
     """Probability, in each phase after turning to an object, of looking at an empty position instead."""
+    at_partner: bool = False
+    """Whether it is another person's face instead of an empty position."""
     handles: Share = 1.0
     """Share of looks at an object after which it is handled."""
     hidden: Annotated[float, Real("[0, 0.9]")] = 0.0
@@ -48,6 +63,20 @@ class FilmedTable(Checked):
     """Standard deviation of the head's location, which changes every ten seconds."""
     state: StateConfig = field(default_factory=StateConfig)
     """Errors of perception."""
+    looks: LooksConfig = field(default_factory=LooksConfig)
+
+
+@dataclass(frozen=True)
+class Webcam(Checked):
+    """A caregiver who is filmed as by a webcam: one of the six people, by the seed."""
+
+    world: WorldConfig = field(default_factory=WorldConfig)
+    minutes: Annotated[float, Real("[3, 1000]")] = 26.0
+    """Length of the video."""
+    fps: Annotated[int, Whole("[1, 30]")] = 15
+    """Images a second, as of a webcam in the light of a room; a divisor of 30."""
+    noise: Annotated[float, Real("[0, 100]")] = 4.0
+    """Standard deviation of each pixel's noise, grey values. The video is compressed with H.264."""
     looks: LooksConfig = field(default_factory=LooksConfig)
 
 
@@ -69,6 +98,7 @@ SETTINGS = {
     "usual": table(),
     "leans_3_cm": table(lean_cm=3.0),
     "looks_away": table(looks_away=0.25),
+    "looks_at_partner": table(looks_away=0.25, at_partner=True),
     "objects_hidden_30%": table(hidden=0.3),
     "six_objects": table(objects=6),
     "eyes_half_of_the_turn": table(head_share=0.5),
@@ -77,13 +107,19 @@ SETTINGS = {
     "handles_every_5th": table(handles=0.2),
     "handles_every_20th": table(handles=0.05),
     "handles_nothing": table(handles=0.0),
+    "webcam": Setting(Webcam(), 6),
 }
+"""All but the last are perceived from the state; the last is rendered, filmed, and perceived as any video."""
 
 
 class SeldomScript(CarelessScript):
-    """Looks at objects, and handles some of them; ``handles`` is the share."""
+    """Looks at objects, and handles some of them; ``handles`` is the share. May look at a partner's face."""
 
     handles = 1.0
+    at_partner = False
+
+    def _anywhere(self) -> np.ndarray:
+        return PARTNER_AT if self.at_partner else super()._anywhere()
 
     def _begin(self, phase: Phase) -> None:
         if phase is Phase.REACH and self.handles < 1 and self._rng.random() >= self.handles:
@@ -93,7 +129,7 @@ class SeldomScript(CarelessScript):
 
 def world_of(asked: FilmedTable) -> type[World]:
     """A class of worlds with the caregiver that is asked for."""
-    attributes = {"looks_away": asked.looks_away, "handles": asked.handles}
+    attributes = {"looks_away": asked.looks_away, "handles": asked.handles, "at_partner": asked.at_partner}
     script: type[TransferScript] = type("Script", (SeldomScript,), attributes)
     return type("ScriptedWorld", (CarelessWorld,), {"script": script})
 
@@ -104,10 +140,10 @@ class FilmedSession:
 
     Attributes:
         faces: (n, 2) yaw and pitch of the head as perceived, deg.
-        px: (n, k + 1, 2) objects and, last, the face; NaN where hidden.
-        moves: (n, k) whether each object was seen to move.
-        target: (n,) number of the object that was looked at; k for away.
-        settled: (n,) outside turns.
+        px: (n, k + 1, 2) candidates and, last, the face; NaN where hidden.
+        moves: (n, k) whether each candidate was seen to move.
+        target: (n,) number of the candidate that was looked at; k for away.
+        settled: (n,) outside turns, to objects and to elsewhere.
     """
 
     faces: np.ndarray
@@ -130,9 +166,12 @@ def watch(asked: FilmedTable, seed: int, minutes: float) -> FilmedSession:
     perception = StatePerception(asked.state, world, np.random.default_rng(seeds[1]))
     camera, count = WorldObservation(world), len(asked.world.scene.objects)
     faces, px, moves, target, settled = [], [], [], [], []
+    turn_frames, before, since = round(asked.world.behaviour.turn_s / FRAME_S), None, 0
     try:
         for frame in range(round(minutes * 60 / FRAME_S)):
             world.step(CAMERA)
+            since = since + 1 if world.caregiver.target == before else 0
+            before = world.caregiver.target
             if frame % asked.looks.every:
                 continue
             percept, caregiver = perception.perceive(camera, landed=False), world.caregiver
@@ -140,14 +179,20 @@ def watch(asked: FilmedTable, seed: int, minutes: float) -> FilmedSession:
             px.append(np.where(percept.visible[:, None], percept.px, np.nan))
             moves.append(percept.moves[:count])
             target.append(count if caregiver.target is None else caregiver.target)
-            settled.append(caregiver.phase not in (Phase.TURN, Phase.GREET))
+            settled.append(caregiver.phase not in (Phase.TURN, Phase.GREET) and since >= turn_frames)
     finally:
         world.close()
-    rng, observed = np.random.default_rng(seeds[2]), np.array(px)
-    leans = rng.normal(0, asked.lean_cm * PX_PER_CM, (len(observed) // LEAN_LOOKS + 1, 2))
-    observed[:, -1] += np.repeat(leans, LEAN_LOOKS, axis=0)[: len(observed)]
-    observed[:, :-1][hidden(rng, len(observed), count, asked.hidden)] = np.nan
-    return FilmedSession(np.array(faces), observed, np.array(moves), np.array(target), np.array(settled))
+    rng, seen = np.random.default_rng(seeds[2]), np.array(px)
+    leans = rng.normal(0, asked.lean_cm * PX_PER_CM, (len(seen) // LEAN_LOOKS + 1, 2))
+    seen[:, -1] += np.repeat(leans, LEAN_LOOKS, axis=0)[: len(seen)]
+    seen[:, :-1][hidden(rng, len(seen), count, asked.hidden)] = np.nan
+    moving = np.array(moves)
+    if asked.at_partner:
+        sways = np.repeat(rng.normal(0, PARTNER_SWAY_PX, (len(seen) // LEAN_LOOKS + 1, 2)), LEAN_LOOKS, axis=0)
+        partner = pixels_of_points(PARTNER_AT[None], np.degrees(CAMERA)) + sways[: len(seen)]
+        seen = np.concatenate([seen[:, :-1], partner[:, None], seen[:, -1:]], axis=1)
+        moving = np.column_stack([moving, np.zeros(len(seen), bool)])
+    return FilmedSession(np.array(faces), seen, moving, np.array(target), np.array(settled))
 
 
 def hidden(rng: np.random.Generator, looks: int, objects: int, share: float) -> np.ndarray:
@@ -157,15 +202,41 @@ def hidden(rng: np.random.Generator, looks: int, objects: int, share: float) -> 
     return np.stack([np.convolve(one, kernel)[:looks] > 0 for one in starts.T], axis=1)
 
 
-def trial(asked: FilmedTable, seed: int) -> dict[str, Any]:
+def trial(asked: FilmedTable | Webcam, seed: int) -> dict[str, Any]:
     """Trial: by minutes of video, how the codes of all coders agree with where the caregiver looked, outside turns.
 
     Of each coder ``kappa`` by seconds; of the coder of looks also how many of the seconds were ``sure``, how many of
-    those were ``right``, hits and false alarms of away, ``placements`` in all, and whether it was ``coded``.
+    those were ``right``, hits and false alarms of away, ``placements`` in all, whether it was ``coded``, and ``kappa``
+    of the rest where the first minutes have labels.
     """
+    if isinstance(asked, Webcam):
+        with TemporaryDirectory() as folder:
+            parts = filmed(asked, seed, Path(folder) / "table.mp4")
+            return {f"{minutes:g}": compared(*parts[minutes], asked.looks) for minutes in parts}
     whole = watch(asked, seed, MINUTES[-1])
     per_minute = round(60 / (asked.looks.every * FRAME_S))
     return {f"{minutes:g}": _coded(asked, seed, _first(whole, round(minutes * per_minute))) for minutes in MINUTES}
+
+
+def filmed(asked: Webcam, seed: int, video: Path) -> dict[float, tuple[ObservedLooks, FilmedSession]]:
+    """Film a caregiver, and watch the video with ``perceive --looks``; by minutes, what was seen and what was so."""
+    seeds = np.random.SeedSequence(seed).spawn(2)
+    scene = replace(asked.world.scene, caregiver=sorted(IDENTITIES)[seed % len(IDENTITIES)])
+    world = world_of(FilmedTable()).build(replace(asked.world, scene=scene), seeds[0])
+    try:
+        film(world, video, asked.minutes, CAMERA, asked, np.random.default_rng(seeds[1]))
+    finally:
+        world.close()
+    config = PerceiveConfig(video, objects=tuple(item.name for item in scene.objects), looks=True, coding=asked.looks)
+    ends = tuple(minutes for minutes in MINUTES if minutes <= asked.minutes)
+    found = {}
+    truth = watch(FilmedTable(replace(asked.world, scene=scene), looks=asked.looks), seed, asked.minutes)
+    for minutes, seen in perceived(config, ends).items():
+        part = _first(truth, len(seen.faces))
+        px = np.concatenate([seen.px, seen.face_px[:, None]], axis=1)
+        faces = np.column_stack([seen.yaw_deg, seen.yaw_deg])
+        found[minutes] = seen, FilmedSession(faces, px, part.moves, part.target, part.settled)
+    return found
 
 
 def _first(session: FilmedSession, looks: int) -> FilmedSession:
@@ -177,33 +248,44 @@ def _coded(asked: FilmedTable, seed: int, session: FilmedSession) -> dict[str, A
     som = SOM(2, SOMConfig(), rng)
     som.train(session.faces[rng.permutation(len(session.faces))[: som.config.updates]], rng)
     active = np.array([som.activations(face) for face in session.faces])
-    count, step_s = session.px.shape[1] - 1, asked.looks.every * FRAME_S
     names = tuple(item.name for item in asked.world.scene.objects)
-    observed = ObservedLooks(
-        names, active, session.px[:, -1], session.px[:, :-1], np.zeros(len(active), bool), HEIGHT_PX, step_s
-    )
-    coded = code_looks(observed, asked.looks)
-    seconds = np.flatnonzero(session.settled)
-    seconds = seconds[seconds % round(1 / step_s) == 0]
+    seen = ObservedLooks(
+        (*names, PARTNER) if asked.at_partner else names, active, session.px[:, -1], session.px[:, :-1],
+        session.faces[:, 0], np.zeros(len(active), bool), HEIGHT_PX, asked.looks.every * FRAME_S,
+    )  # fmt: skip
+    return compared(seen, session, asked.looks)
+
+
+def compared(seen: ObservedLooks, session: FilmedSession, config: LooksConfig) -> dict[str, Any]:
+    """How all coders agree with where the caregiver looked; see ``trial``."""
+    coded, count = code_looks(seen, config), seen.px.shape[1]
+    settled = np.flatnonzero(session.settled)
+    seconds = settled[settled % round(1 / seen.step_s) == 0]
     right = coded.best == session.target
-    sure = (coded.posterior > asked.looks.sure).any(axis=1)
+    sure = np.asarray((coded.posterior > config.sure).any(axis=1))
     away = session.target == count
     others = {
         "last_moved": last_moved(session.moves),
         "nearest": nearest(session.px),
         "yaw": by_yaw(session),
     }
+    labelled = round(LABELLED * 60 / seen.step_s)
+    labels = np.where(session.settled & (np.arange(len(away)) < labelled), session.target, -1)
+    later = seconds[seconds >= labelled]
+    helped = code_looks(seen, config, labels) if len(later) else None
     return {
         "kappa": agreed(coded.best, session.target, seconds, count),
         "seconds": len(seconds),
         "sure": float(sure[seconds].mean()),
         "right_if_sure": float(right[seconds][sure[seconds]].mean()) if sure[seconds].any() else None,
-        "sure_alone": float((coded.alone > asked.looks.sure).mean()),
+        "sure_alone": float((coded.alone > config.sure).mean()),
         "away": float(away[seconds].mean()),
         "away_hits": float(right[seconds][away[seconds]].mean()) if away[seconds].any() else None,
         "away_false": float((coded.best == count)[seconds][~away[seconds]].mean()),
         "placements": int(coded.placements.sum()),
         "coded": not coded.doubt,
+        "kappa_after_labels": None if helped is None else agreed(helped.best, session.target, later, count),
+        "kappa_without_labels": None if helped is None else agreed(coded.best, session.target, later, count),
         **{name: agreed(codes, session.target, seconds, count) for name, codes in others.items()},
     }
 
@@ -234,8 +316,9 @@ def by_yaw(session: FilmedSession) -> np.ndarray:
     count = session.px.shape[1] - 1
     across = session.px[:, :-1, 0] - session.px[:, -1:, 0]
     target = across[np.arange(len(across)), np.minimum(session.target, count - 1)]
-    fit = session.settled & (session.target < count) & np.isfinite(target)
-    line = np.polyfit(session.faces[fit, 0], target[fit], 1)
-    off = np.abs(across - np.polyval(line, session.faces[:, 0])[:, None])
+    yaw = session.faces[:, 0]
+    fit = session.settled & (session.target < count) & np.isfinite(target) & np.isfinite(yaw)
+    line = np.polyfit(yaw[fit], target[fit], 1)
+    off = np.abs(across - np.polyval(line, yaw)[:, None])
     numbers: np.ndarray = np.where(np.isfinite(off), off, np.inf).argmin(axis=1)
     return numbers

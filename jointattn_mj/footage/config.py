@@ -11,6 +11,7 @@ from jointattn_mj.footage.areas import AreaConfig
 from jointattn_mj.footage.colours import candidate_names, object_colours
 from jointattn_mj.footage.frame_map import Fit
 from jointattn_mj.footage.interest import FaceRule
+from jointattn_mj.footage.looks.coding import AWAY, PARTNER, UNSEEN, UNSURE
 from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.footage.people import PeopleConfig
 from jointattn_mj.footage.rest import RestConfig
@@ -54,7 +55,11 @@ class PerceiveConfig(Checked):
     is in a region, x0,y0,x1,y1 in pixels of the video."""
     looks: bool = False
     """Code at which object the person of interest looks, learned from the video itself: looks.parquet, and the tier
-    "looks at" of events.csv. Objects must be moved now and then, and the camera must be still."""
+    "looks at" of events.csv. Objects must be moved now and then, and the camera must be still. The largest other face
+    is called partner."""
+    labels: Path | None = None
+    """Codings of a person, as for check, of some minutes of this video: with looks, learning takes them for granted.
+    They help most where little is moved."""
     max_minutes: Annotated[float, Real("(0, 1e6]")] | None = None
     """Minutes of the video to watch; all of it if not given."""
     fps: Annotated[float, Real("[0.01, 1000]")] | None = None
@@ -99,6 +104,8 @@ class PerceiveConfig(Checked):
         if names:
             colour_table(rgb, self.pixels.colours)
         candidates = candidate_names(self.objects, self.areas_each)
+        if self.looks and {AWAY, PARTNER, UNSURE, UNSEEN} & set(candidates):
+            raise ConfigError(f"objects: with looks none may be called {AWAY}, {PARTNER}, {UNSURE} or {UNSEEN}")
         if len(candidates) > MOST_COLOURS or len(set(candidates)) < len(candidates):
             raise ConfigError(f"objects: at most {MOST_COLOURS} candidates, each with its own name; got {candidates}")
 

@@ -70,20 +70,25 @@ def run_perceive(
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
         VideoError: The overlay cannot be written.
-        ConfigError: ``check`` without ``looks``.
+        ConfigError: ``check`` or ``labels`` without ``looks``.
         SeriesError: The codings cannot be read or compared.
     """
     if options.overlay:
         find_ffmpeg()
-    codings = _codings(config, options)
+    codings = _codings(config, options.check, "check")
+    known = _codings(config, config.labels, "labels")
     viewing = Viewing(config)
     frozen = options.out / "checkpoint.bin"
     with claimed(options.out, options.resume), checkpoint.gone_on_with(frozen, options.resume, progress):
-        return _run(viewing, options, codings, progress)
+        return _run(viewing, options, codings, known, progress)
 
 
 def _run(
-    viewing: Viewing, options: PerceiveOptions, codings: Codings | None, progress: Callable[[Viewing], object]
+    viewing: Viewing,
+    options: PerceiveOptions,
+    codings: Codings | None,
+    known: Codings | None,
+    progress: Callable[[Viewing], object],
 ) -> dict[str, Any]:
     """Watch a video in a folder that is held for it."""
     out, config, started = options.out, viewing.config, time.perf_counter()
@@ -146,7 +151,7 @@ def _run(
         faces.write(out / "people.parquet", start_s, viewing.people.owner)
     if every is not None:
         film.join(out / "overlay.mp4")
-    summary = _leave_results(viewing, options, looks, codings, interrupts.requested, wall_seconds())
+    summary = _leave_results(viewing, options, looks, codings, known, interrupts.requested, wall_seconds())
     if interrupts.requested:
         raise KeyboardInterrupt
     save_checkpoint(finished=True)
@@ -170,13 +175,19 @@ def _new_frames(viewing: Viewing, interrupts: Interrupts) -> Iterator[Still]:
         yield still
 
 
-def _codings(config: PerceiveConfig, options: PerceiveOptions) -> Codings | None:
-    """What a person has coded, read before the video is."""
-    if options.check is None:
+def _codings(config: PerceiveConfig, path: Path | None, option: str) -> Codings | None:
+    """What a person has coded, read before the video is.
+
+    Args:
+        config: Must have ``looks``.
+        path: The file that the option names, if it does.
+        option: Its name.
+    """
+    if path is None:
         return None
     if not config.looks:
-        raise ConfigError(f"check {options.check} compares coded looks with a person's: looks must be set, too")
-    return Codings.read(options.check)
+        raise ConfigError(f"{option} {path} is for coded looks: looks must be set, too")
+    return Codings.read(path)
 
 
 def _summary_of_finished(out: Path, codings: Codings | None) -> dict[str, Any]:
@@ -212,6 +223,7 @@ def _leave_results(
     options: PerceiveOptions,
     looks: LooksLog,
     codings: Codings | None,
+    known: Codings | None,
     stopped: bool,
     wall_seconds: float,
 ) -> dict[str, Any]:
@@ -241,7 +253,7 @@ def _leave_results(
         write_parquet(out / "faces.parquet", viewing.album.table(som, start_s))
     events, summary = viewing.events(), summarise(viewing, stopped, wall_seconds, error)
     if viewing.config.looks:
-        summary["looks"], spans = leave_looks(out, looks, viewing, som)
+        summary["looks"], spans = leave_looks(out, looks, viewing, som, known)
         events += spans
     write_spans(out / "events.csv", events, start_s)
     if codings is not None:

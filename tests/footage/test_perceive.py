@@ -309,7 +309,10 @@ viewing.Viewing.see = killing
 cli.main(sys.argv[2:])
 """
 """``jointattn``, but it is killed before it sees a frame."""
-FILES = ("config.yaml", "percepts.parquet", "fixations.parquet", "faces.parquet", "fixations.png", "som.png")
+FILES = (
+    "config.yaml", "percepts.parquet", "fixations.parquet", "faces.parquet", "fixations.png", "som.png", "events.csv",
+    "looks.parquet",
+)  # fmt: skip
 
 
 @needs_gl
@@ -320,6 +323,7 @@ def test_killed_and_resumed(jointattn, clip, tmp_path):
         "perceive",
         str(video),
         *FINDS,
+        "--looks",
         "--seed",
         "3",
         "--som.updates",

@@ -1,8 +1,10 @@
-"""How well codes agree with those of a person: Cohen's kappa by seconds, with its interval."""
+"""Codes of a person: to be compared with (Cohen's kappa by seconds, with its interval), or to be learned from."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.footage.looks.coding import UNSEEN, UNSURE
@@ -54,6 +56,28 @@ class Codings:
         ]
         answers = tuple(look for look in looks if look[2] not in LEFT_OUT)
         return cls(path, answers, sum(offset - onset for onset, offset, _ in looks))
+
+    def at(self, times: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+        """What was coded at some times.
+
+        Args:
+            times: (n,) s, ascending.
+            names: Codes that are meant.
+
+        Returns:
+            (n,) index among the names; -1 where nothing was coded.
+
+        Raises:
+            SeriesError: A code is none of these, or nothing was coded at any of the times.
+        """
+        found = np.full(len(times), -1)
+        for onset, offset, code in self.looks:
+            if code not in names:
+                raise SeriesError(f"{self.path}: the code {code!r} is none of {', '.join(names)}")
+            found[np.searchsorted(times, onset) : np.searchsorted(times, offset)] = names.index(code)
+        if not (found >= 0).any():
+            raise SeriesError(f"{self.path} has no look between {times[0]:.1f} and {times[-1]:.1f} s of the video")
+        return found
 
     def compare(self, other: "Codings") -> dict[str, Any]:
         """Agreement with another coder, wherever both say where somebody looks.

@@ -6,11 +6,19 @@ from typing import Any
 import numpy as np
 
 from jointattn_mj.footage.looks.config import LooksConfig
-from jointattn_mj.footage.looks.learning import learn_evidence, posterior, smoothed
-from jointattn_mj.footage.looks.locations import last_locations, placements
+from jointattn_mj.footage.looks.learning import aside, learn_evidence, posterior, smoothed
+from jointattn_mj.footage.looks.locations import MOVED_HEIGHTS, known_locations, last_locations, placements
 
 AWAY, UNSURE, UNSEEN = "away", "unsure", "cannot be seen"
 """Codes beside the candidates' names."""
+PARTNER = "partner"
+"""Name of the candidate that is another person's face."""
+AWAY_ROUNDS = 4
+"""Rounds in which the share of looks away is learned."""
+AWAY_SHARES = (0.01, 0.6)
+"""Its least and its greatest."""
+LEVELS = (0.0, 0.2, 0.4, 0.6, 0.9, 1.2, 1.6)
+"""Evidence of "away" that labels choose from."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +30,7 @@ class ObservedLooks:
         faces: (n, u) activations of a map of faces; zeros where the face is not seen.
         face_px: (n, 2) the face; NaN where it is not seen.
         px: (n, k, 2) the candidates; NaN where one is not seen.
+        yaw_deg: (n,) yaw of the head, positive to the right of the image; NaN where it is not known.
         cut: (n,) whether the image was cut since the look before.
         height_px: Height of the face's square, pixels: the unit of distance.
         step_s: Seconds from look to look.
@@ -31,6 +40,7 @@ class ObservedLooks:
     faces: np.ndarray
     face_px: np.ndarray
     px: np.ndarray
+    yaw_deg: np.ndarray
     cut: np.ndarray
     height_px: float
     step_s: float
@@ -61,8 +71,8 @@ class LooksCoded:
 
     def summary(self, config: LooksConfig) -> dict[str, Any]:
         """Numbers that say how far the codes can be trusted."""
-        visible = self.codes != self.labels.index(UNSEEN)
-        count = max(int(visible.sum()), 1)
+        seen = self.codes != self.labels.index(UNSEEN)
+        count = max(int(seen.sum()), 1)
         return {
             "looks": len(self.codes),
             "shares": {
@@ -70,62 +80,107 @@ class LooksCoded:
                 for code, label in enumerate(self.labels)
             },
             "placements": dict(zip(self.labels, self.placements.tolist(), strict=False)),
-            "sure": round(float((self.posterior[visible] > config.sure).any(axis=1).sum() / count), 4),
-            "sure_by_a_look_alone": round(float((self.alone[visible] > config.sure).sum() / count), 4),
+            "sure": round(float((self.posterior[seen] > config.sure).any(axis=1).sum() / count), 4),
+            "sure_by_a_look_alone": round(float((self.alone[seen] > config.sure).sum() / count), 4),
             "coded": not self.doubt,
             "why_not": self.doubt or None,
         }
 
 
-def code_looks(looks: ObservedLooks, config: LooksConfig) -> LooksCoded:
+def code_looks(looks: ObservedLooks, config: LooksConfig, labels: np.ndarray | None = None) -> LooksCoded:
     """Code every look of a video, learned from all of them.
 
     Args:
         looks: What was seen.
         config: How looks are learned and coded.
+        labels: (n,) what a person has coded in some looks, as index among the candidates, and their number k for away;
+            -1 where nobody has. Learning takes these for granted.
     """
     n, k = looks.px.shape[:2]
-    visible = np.isfinite(looks.face_px).all(-1)
+    seen = np.isfinite(looks.face_px).all(-1)
     face = last_locations(looks.face_px[:, None], looks.cut)
-    locations = (last_locations(looks.px, looks.cut) - face) / looks.height_px
+    locations = (known_locations(looks.px, looks.cut, MOVED_HEIGHTS * looks.height_px) - face) / looks.height_px
+    given = labels is not None and bool((labels[seen] >= 0).any())
     evidence = np.zeros((n, k + 1))
-    evidence[visible, :k] = learn_evidence(looks.faces[visible], locations[visible], config)
-    evidence[:, k] = -np.inf if config.away is None else np.where(visible, config.away, 0.0)
-    stay = max(1 - looks.step_s / config.dwell_s, 1 / (k + 1))
-    likely = _smoothed(evidence, stay, config)
+    if seen.any():
+        first = aside(looks.yaw_deg[seen], locations[seen]) if config.start == "yaw" else None
+        coded = labels[seen] if labels is not None and given else None
+        evidence[seen, :k] = learn_evidence(looks.faces[seen], locations[seen], config, first, coded)
     alone = posterior(evidence[:, :k]).max(axis=1, initial=0)
-    lost = _long_runs(~visible, max(1, round(config.lost_s / looks.step_s)))
+    hidden = seen[:, None] & ~np.isfinite(locations).all(-1) & np.isfinite(looks.px).all(-1).any(axis=0)
+    stay = max(1 - looks.step_s / config.dwell_s, 1 / (k + 1))
+    likely = _likely(evidence, seen, hidden, stay, config, labels if given else None)
+    best = likely.argmax(axis=1)
+    lost = _long_runs(~seen, max(1, round(config.lost_s / looks.step_s)))
     # locations of the image, not from the face: a person who moves puts nothing down
     counts = placements(looks.px / looks.height_px)
-    best = likely.argmax(axis=1)
-    labels = (*looks.names, AWAY, UNSURE, UNSEEN)
-    doubt = _doubt(counts, alone[visible], config)
-    codes = np.where((likely.max(axis=1, initial=0) < config.least) | bool(doubt), labels.index(UNSURE), best)
-    codes[lost] = labels.index(UNSEEN)
+    moved = int(counts[: k - (PARTNER in looks.names)].sum())
+    if moved and not given:
+        believed = moved / (moved + config.half_sure)
+        likely = believed * likely + (1 - believed) / max(k + (config.away is not None), 1)
+    names = (*looks.names, AWAY, UNSURE, UNSEEN)
+    doubt = _doubt(moved, alone[seen], config, given)
+    codes = np.where((likely.max(axis=1, initial=0) < config.least) | bool(doubt), names.index(UNSURE), best)
+    codes[lost] = names.index(UNSEEN)
     likely[lost | bool(doubt)] = np.nan
-    alone[~visible] = np.nan
-    return LooksCoded(labels, codes, best, likely, alone, counts, doubt)
+    alone[~seen] = np.nan
+    return LooksCoded(names, codes, best, likely, alone, counts, doubt)
 
 
-def _smoothed(evidence: np.ndarray, stay: float, config: LooksConfig) -> np.ndarray:
-    """Posterior (n, k + 1) of all targets; 0 for away where that is no answer."""
+def _likely(
+    evidence: np.ndarray,
+    seen: np.ndarray,
+    hidden: np.ndarray,
+    stay: float,
+    config: LooksConfig,
+    labels: np.ndarray | None,
+) -> np.ndarray:
+    """Posterior (n, k + 1) of all targets, away being the last; 0 for away where that is no answer.
+
+    How often somebody looks away is learned, too. With labels so is how little evidence there is of it.
+    """
     if not len(evidence):
         return np.zeros(evidence.shape)
-    if config.away is not None:
-        return smoothed(evidence, stay, config.trust)
-    if evidence.shape[1] == 1:
-        return np.zeros(evidence.shape)
-    return np.column_stack([smoothed(evidence[:, :-1], stay, config.trust), np.zeros(len(evidence))])
+    k = evidence.shape[1] - 1
+
+    def with_level(level: float) -> np.ndarray:
+        filled = evidence.copy()
+        filled[:, :k][hidden] = level + config.hidden
+        filled[:, k] = np.where(seen, level, 0.0)
+        return filled
+
+    if config.away is None:
+        if k == 0:
+            return np.zeros(evidence.shape)
+        return np.column_stack([smoothed(with_level(0.0)[:, :k], stay, config.trust), np.zeros(len(evidence))])
+    found, away = [], 1 / (k + 1)
+    for level in (config.away,) if labels is None else LEVELS:
+        for _ in range(AWAY_ROUNDS):
+            prior = np.append(np.full(k, (1 - away) / max(k, 1)), away)
+            likely = smoothed(with_level(level), stay, config.trust, prior)
+            away = float(np.clip(likely[seen, k].mean() if seen.any() else 0.0, *AWAY_SHARES))
+        found.append(likely)
+    if labels is None:
+        return found[0]
+    told = np.flatnonzero((labels >= 0) & seen)
+    return max(found, key=lambda likely: float(np.log(np.maximum(likely[told, labels[told]], 1e-3)).mean()))
 
 
-def _doubt(counts: np.ndarray, alone: np.ndarray, config: LooksConfig) -> str:
-    """Why the looks of a video should not be coded; empty if they may be."""
+def _doubt(moved: int, alone: np.ndarray, config: LooksConfig, labelled: bool) -> str:
+    """Why the looks of a video should not be coded; empty if they may be.
+
+    Args:
+        moved: Locations at which objects have rested in all.
+        alone: Posterior of the best object by each look alone.
+        config: What is asked for.
+        labelled: Whether a person has coded some looks, so that objects need not be moved.
+    """
     if not len(alone):
         return "the face was not seen"
-    if counts.sum() < config.placements:
+    if moved < config.placements and not labelled:
         return (
-            f"objects rested at {counts.sum()} locations in all, and {config.placements} are asked for: where little "
-            "is moved, nothing tells at what somebody looks"
+            f"objects rested at {moved} locations in all, and {config.placements} are asked for: where little is "
+            "moved, nothing tells at what somebody looks"
         )
     share = float((alone > config.sure).mean())
     if share < config.sure_alone:

@@ -6,15 +6,20 @@ alternate over them, and a hidden Markov model smooths what comes out, for a loo
 """
 
 import numpy as np
+from scipy import sparse
 
 from jointattn_mj.footage.looks.config import LooksConfig
 
-MOST_UNITS = 48
+MOST_UNITS = 64
 """Most units along one axis of the grid of locations."""
 SPACING = 1.25
 """Distance of these units, in standard deviations of a bump."""
+LEAST_SHARE = 1e-4
+"""Share of a unit in a bump that is kept."""
 NEVER = -30.0
-"""Evidence for a candidate of which no location is known."""
+"""Evidence for a candidate of which no place is known."""
+ASIDE = 0.7
+"""Standard deviation of where one looks by the yaw alone, in those of the candidates' locations."""
 
 
 class LocationCode:
@@ -34,8 +39,8 @@ class LocationCode:
             self._axes.append(np.linspace(low, high, count))
         self.units = len(self._axes[0]) * len(self._axes[1])
 
-    def shares(self, locations: np.ndarray) -> np.ndarray:
-        """Share of each unit in the bumps of ``locations`` (n, 2): (n, units) float32, zeros where one is NaN."""
+    def shares(self, locations: np.ndarray) -> sparse.csr_matrix:
+        """Share of each unit in the bumps of ``locations`` (n, 2): (n, units) float32, no row where a place is NaN."""
         known = np.isfinite(locations).all(-1)
         bumps = []
         for axis, units in enumerate(self._axes):
@@ -45,40 +50,76 @@ class LocationCode:
             bumps.append((bump / bump.sum(axis=1, keepdims=True)).astype(np.float32))
         shares: np.ndarray = (bumps[0][:, :, None] * bumps[1][:, None, :]).reshape(len(locations), -1)
         shares[~known] = 0
-        return shares
+        shares[shares < LEAST_SHARE] = 0
+        return sparse.csr_matrix(shares)
 
 
-def learn_evidence(faces: np.ndarray, locations: np.ndarray, config: LooksConfig) -> np.ndarray:
+def learn_evidence(
+    faces: np.ndarray,
+    locations: np.ndarray,
+    config: LooksConfig,
+    first: np.ndarray | None = None,
+    labels: np.ndarray | None = None,
+) -> np.ndarray:
     """Evidence for each candidate in each look, learned from all of them.
 
     Args:
         faces: (n, u) activations of a map of faces, each row summing to 1.
         locations: (n, k, 2) of candidates, from the face, in heights of the face's square; NaN where not known.
         config: ``tuning``, ``rounds`` and ``smoothing``.
+        first: (n, k) how probable each target is before anything is learned; None for alike.
+        labels: (n,) the target of looks that a person has coded, k for none of the candidates; -1 for all others.
 
     Returns:
-        (n, k) log P(location | face) / P(location), smoothed; ``NEVER`` where a location is not known.
+        (n, k) log P(place | face) / P(place), smoothed; ``NEVER`` where a place is not known.
     """
     known = np.isfinite(locations).all(-1)
     if not known.any():
         return np.full(known.shape, NEVER)
-    faces = faces.astype(np.float32)
+    faces, count = faces.astype(np.float32), locations.shape[1]
     code = LocationCode(locations, config.tuning)
-    shares = [code.shares(locations[:, k]) for k in range(locations.shape[1])]
+    shares = [code.shares(locations[:, k]) for k in range(count)]
     smoothing = config.smoothing / code.units
-    with_any = sum(share.sum(axis=0, dtype=float) for share in shares) / known.sum() + smoothing
-    base = np.stack([np.log(np.maximum(share @ with_any, 1e-12)) for share in shares], axis=1)
-    weights = known / np.maximum(known.sum(axis=1, keepdims=True), 1)
+    with_any = sum(np.asarray(one.sum(axis=0)).ravel().astype(float) for one in shares) / known.sum() + smoothing
+    base = np.stack([np.log(np.maximum(one @ with_any, 1e-12)) for one in shares], axis=1)
+    spread = np.stack([np.asarray(one.sum(axis=1)).ravel() for one in shares], axis=1)
+    weights = known.astype(float) if first is None else first * known
+    weights = weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-12)
     evidence = np.zeros(known.shape)
     for _ in range(config.rounds):
+        if labels is not None:
+            weights[labels >= 0] = np.eye(count + 1)[labels[labels >= 0], :count] * known[labels >= 0]
         weights = weights.astype(np.float32)
-        counts = sum(faces.T @ (weights[:, k, None] * one) for k, one in enumerate(shares))
-        with_face = faces @ counts
-        with_face = with_face / np.maximum(with_face.sum(axis=1, keepdims=True), 1e-9) + smoothing
-        likelihood = np.stack([np.einsum("nb,nb->n", with_face, share) for share in shares], axis=1)
-        evidence = np.where(known, np.log(np.maximum(likelihood, 1e-12)) - base, NEVER)
-        weights = posterior(evidence) * known
+        counts = sum(one.T @ (weights[:, k, None] * faces) for k, one in enumerate(shares))  # (units, u)
+        total = np.maximum(faces @ counts.sum(axis=0), 1e-9)
+        with_face = np.stack([np.einsum("nu,nu->n", one @ counts, faces) for one in shares], axis=1)
+        found = with_face / total[:, None] + smoothing * spread
+        evidence = np.where(known, np.log(np.maximum(found, 1e-12)) - base, NEVER)
+        weights = posterior(config.sharpness * evidence) * known
     return evidence
+
+
+def aside(yaw_deg: np.ndarray, locations: np.ndarray) -> np.ndarray | None:
+    """How probable each candidate is as the target, (n, k), by the side to which the head is turned.
+
+    It is where learning starts, and keeps it from taking left for right in videos in which little is moved.
+
+    Args:
+        yaw_deg: (n,) yaw of the head, positive to the right of the image; NaN where not known.
+        locations: (n, k, 2) of candidates, from the face; NaN where not known.
+
+    Returns:
+        The probabilities, alike where the yaw is not known; None where it is known of too few looks.
+    """
+    known, across = np.isfinite(yaw_deg), locations[..., 0]
+    if known.mean() < 0.5 or not np.isfinite(across).any() or np.std(yaw_deg[known]) < 1e-6:
+        return None
+    spread = float(np.nanstd(across))
+    turned = (yaw_deg - np.mean(yaw_deg[known])) / np.std(yaw_deg[known])
+    off = across - np.nanmean(across) - spread * np.where(known, turned, 0)[:, None]
+    log = np.where(np.isfinite(off), -0.5 * (off / max(ASIDE * spread, 1e-9)) ** 2, NEVER)
+    log[~known] = 0
+    return posterior(log)
 
 
 def posterior(evidence: np.ndarray) -> np.ndarray:
@@ -88,13 +129,14 @@ def posterior(evidence: np.ndarray) -> np.ndarray:
     return shares
 
 
-def smoothed(evidence: np.ndarray, stay: float, trust: float) -> np.ndarray:
+def smoothed(evidence: np.ndarray, stay: float, trust: float, prior: np.ndarray | None = None) -> np.ndarray:
     """Posterior of targets given all looks, before and after, by the forward-backward algorithm.
 
     Args:
         evidence: (n, k) log likelihoods, up to a constant in each look; n at least 1.
-        stay: Probability of the same target in the next look, 0 to 1.
+        stay: Probability of the same target in the next look, 0 to 1, if the others are alike.
         trust: Weight of each look's evidence, 0 to 1.
+        prior: (k,) share of each target in the looks; None for alike.
 
     Returns:
         (n, k), each row summing to 1.
@@ -102,17 +144,18 @@ def smoothed(evidence: np.ndarray, stay: float, trust: float) -> np.ndarray:
     n, k = evidence.shape
     if k == 1:
         return np.ones((n, 1))
+    shares = np.full(k, 1 / k) if prior is None else prior / prior.sum()
     likelihood = np.exp(trust * (evidence - evidence.max(axis=1, keepdims=True)))
-    leave = (1 - stay) / (k - 1)
+    leave = (1 - stay) * k / (k - 1)
     forward, backward = np.empty((n, k)), np.ones((n, k))
-    past = np.full(k, 1 / k)
+    past = shares
     for i in range(n):
-        past = likelihood[i] * (leave + (stay - leave) * past)
+        past = likelihood[i] * (leave * shares + (1 - leave) * past)
         past = forward[i] = past / past.sum()
     for i in range(n - 2, -1, -1):
         future = likelihood[i + 1] * backward[i + 1]
-        future = leave * future.sum() + (stay - leave) * future
+        future = leave * (shares * future).sum() + (1 - leave) * future
         backward[i] = future / future.sum()
     both = forward * backward
-    shares: np.ndarray = both / both.sum(axis=1, keepdims=True)
-    return shares
+    found: np.ndarray = both / both.sum(axis=1, keepdims=True)
+    return found

@@ -11,7 +11,7 @@ MOVED_HEIGHTS = 0.25
 
 
 def last_locations(px: np.ndarray, cut: np.ndarray) -> np.ndarray:
-    """Fill in where each candidate was seen last: what is hidden stays where it was.
+    """Fill in where each candidate was seen last.
 
     Args:
         px: (n, k, 2) pixels; NaN where a candidate is not seen.
@@ -28,6 +28,28 @@ def last_locations(px: np.ndarray, cut: np.ndarray) -> np.ndarray:
     return filled
 
 
+def known_locations(px: np.ndarray, cut: np.ndarray, moved_px: float) -> np.ndarray:
+    """Fill in where candidates were while they were hidden.
+
+    One that is seen again where it was before has stayed there. One that is seen again elsewhere was moved meanwhile,
+    and nobody knows when. One that is not seen again is taken to have stayed.
+
+    Args:
+        px: (n, k, 2) pixels; NaN where a candidate is not seen.
+        cut: (n,) whether the image was cut before this look; what was seen before then says nothing.
+        moved_px: Distance from which a place is another one.
+
+    Returns:
+        (n, k, 2) pixels; NaN where a place is not known.
+    """
+    before = last_locations(px, cut)
+    after = last_locations(px[::-1], np.append(False, cut[:0:-1]))[::-1]
+    seen = np.isfinite(px).all(-1)
+    moved = np.linalg.norm(after - before, axis=-1) > moved_px
+    before[moved & ~seen] = np.nan
+    return before
+
+
 def placements(locations: np.ndarray) -> np.ndarray:
     """At how many locations each candidate has rested.
 
@@ -39,10 +61,10 @@ def placements(locations: np.ndarray) -> np.ndarray:
     """
     counts = np.zeros(locations.shape[1], int)
     for k in range(locations.shape[1]):
-        visible = locations[np.isfinite(locations[:, k]).all(-1), k]
-        if len(visible) < REST_LOOKS:
+        seen = locations[np.isfinite(locations[:, k]).all(-1), k]
+        if len(seen) < REST_LOOKS:
             continue
-        windows = np.lib.stride_tricks.sliding_window_view(visible, REST_LOOKS, axis=0)  # (m, 2, looks)
+        windows = np.lib.stride_tricks.sliding_window_view(seen, REST_LOOKS, axis=0)  # (m, 2, looks)
         still = (windows.max(-1) - windows.min(-1) <= REST_HEIGHTS).all(-1)
         before = np.full(2, np.inf)
         for middle in np.median(windows[still], axis=-1):

@@ -5,15 +5,18 @@ from pathlib import Path
 import numpy as np
 
 from jointattn_mj.footage.frame_map import IMAGE_HEIGHT, IMAGE_WIDTH
-from jointattn_mj.footage.looks.coding import ObservedLooks
+from jointattn_mj.footage.looks.coding import PARTNER, ObservedLooks
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.io.rows import RowStore, log_folder, spans
 from jointattn_mj.perception.som import SOM
 
 BLOCK = 1000
 """Rows that are read at a time."""
-_HEAD = 3
-"""Numbers before the locations: frame, height of the face's square, and whether the face is seen."""
+_HEAD = 6
+"""Numbers before the locations: frame, height of the face's square, whether the face is seen, yaw, and the place of the
+largest other face."""
+PARTNER_LOOKS = 5
+"""Looks in which another face must be seen to be a candidate."""
 
 
 class LooksLog:
@@ -55,36 +58,45 @@ class LooksLog:
             _, top, _, bottom = perceiver.faces.box(perceiver.fix, (IMAGE_HEIGHT, IMAGE_WIDTH))
             height_px, pattern = bottom - top, perceiver.face_pattern()
         px = np.where(percept.visible[:, None], percept.px, np.nan)
-        head = (viewing.frames - 1, height_px, percept.visible[-1])
+        chosen, others = viewing.chosen, [one for one in viewing.visible_faces if one is not viewing.chosen]
+        yaw_deg = np.nan if chosen is None else chosen.yaw_deg
+        partner = np.full(2, np.nan)
+        if chosen is not None and others and viewing.mapped is not None:
+            partner = viewing.mapped.to_image(others[0].centre - 0.5)
+        head = (viewing.frames - 1, height_px, percept.visible[-1], yaw_deg, *partner)
         self.rows.append(np.concatenate([head, px.ravel(), np.ravel(pattern)]))
 
     def frames(self) -> np.ndarray:
         """Numbers of the frames (n,) of the looks."""
         return self.rows.column(0).astype(int)
 
-    def looks(self, som: SOM | None, cuts: np.ndarray, step_s: float) -> ObservedLooks:
+    def looks(self, som: SOM | None, cuts: np.ndarray, step_s: float, partner: bool) -> ObservedLooks:
         """All looks, with faces as activations of a map.
 
         Args:
             som: The map; None where no face was seen.
             cuts: Frames (m,) that follow upon a cut.
             step_s: Seconds from look to look.
+            partner: Whether another face is a candidate.
         """
         count, k = len(self.rows), len(self.names)
         units = 1 if som is None else len(som.weights)
         faces, px = np.zeros((count, units), np.float32), np.full((count, k, 2), np.nan)
-        heights = np.zeros(count)
+        heights, yaw_deg, other = np.zeros(count), np.full(count, np.nan), np.full((count, 2), np.nan)
         for first, last in spans(count, BLOCK):
             rows = self.rows.read(first, last)
             px[first:last] = rows[:, _HEAD : _HEAD + 2 * k].reshape(-1, k, 2)
-            heights[first:last] = rows[:, 1]
+            heights[first:last], yaw_deg[first:last], other[first:last] = rows[:, 1], rows[:, 3], rows[:, 4:_HEAD]
             if som is not None:
                 for i in np.flatnonzero(rows[:, 2]):
                     faces[first + i] = som.activations(rows[i, _HEAD + 2 * k :])
-        visible = np.isfinite(px[:, -1]).all(-1)
-        height = float(np.median(heights[visible])) if visible.any() else 1.0
+        seen = np.isfinite(px[:, -1]).all(-1)
+        height = float(np.median(heights[seen])) if seen.any() else 1.0
         frames = self.frames()
         cut = np.zeros(count, bool)
         after = np.searchsorted(frames, cuts)
         cut[after[after < count]] = True
-        return ObservedLooks(self.names[:-1], faces, px[:, -1], px[:, :-1], cut, height, step_s)
+        names, candidates = self.names[:-1], px[:, :-1]
+        if partner and np.isfinite(other[:, 0]).sum() >= PARTNER_LOOKS:
+            names, candidates = (*names, PARTNER), np.concatenate([candidates, other[:, None]], axis=1)
+        return ObservedLooks(names, faces, px[:, -1], candidates, yaw_deg, cut, height, step_s)
