@@ -1,4 +1,4 @@
-"""Digital pan and tilt: the geometry agrees with that of the robot's eye, and the head stays inside the picture."""
+"""Digital pan and tilt: the geometry agrees with that of the robot's eye, and the head stays inside the wide image."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ HEADS = ((0.0, 0.0), (12.0, -15.0), (-20.0, 5.0), (0.0, -6.5))
 
 @pytest.mark.parametrize("head", HEADS)
 @pytest.mark.parametrize("config", (WIDE, HeadConfig(border="black"), HeadConfig(view_share=0.4, mount_deg=20)))
-def test_a_pixel_of_the_picture_is_where_its_direction_is(config, head):
+def test_a_pixel_of_the_wide_image_is_where_its_direction_is(config, head):
     lens, head = Lens(880, 640, config), np.array(head)
     pixels = np.random.default_rng(0).uniform((300, 200), (580, 440), (50, 2))
     expected = np.array([pixel_of(lens.direction(pixel), head) for pixel in pixels])
@@ -23,24 +23,24 @@ def test_a_pixel_of_the_picture_is_where_its_direction_is(config, head):
 
 
 def test_a_crop_shows_what_the_map_says():
-    lens, picture = Lens(880, 640, WIDE), np.zeros((640, 880, 3), np.uint8)
-    picture[298:303, 498:503] = (0, 0, 255)  # BGR
+    lens, wide_image = Lens(880, 640, WIDE), np.zeros((640, 880, 3), np.uint8)
+    wide_image[298:303, 498:503] = (0, 0, 255)  # BGR
     head = np.array([-5.0, -3.0])
-    image = lens.crop(picture, head)
+    image = lens.crop(wide_image, head)
     y, x = (values.mean() for values in np.nonzero(image[..., 0] > 60))
     np.testing.assert_allclose((x, y), lens.to_image(np.array([[500.0, 300.0]]), head)[0], atol=0.2)
     assert image[..., 2].max() == 0  # the image is RGB
 
 
-def test_a_fine_picture_is_averaged_before_it_is_sampled():
+def test_a_fine_image_is_averaged_before_it_is_sampled():
     lens = Lens(3520, 2560, WIDE)
-    picture = np.indices((2560, 3520)).sum(axis=0) % 2 * 255  # a chequered board, a pixel a field
-    image = lens.crop(np.repeat(picture[..., None], 3, axis=2).astype(np.uint8), np.array([3.0, -9.0]))
+    wide_image = np.indices((2560, 3520)).sum(axis=0) % 2 * 255  # a chequered board, a pixel a field
+    image = lens.crop(np.repeat(wide_image[..., None], 3, axis=2).astype(np.uint8), np.array([3.0, -9.0]))
     assert np.abs(image[10:-10, 10:-10].astype(int) - 127).max() < 30
 
 
 @pytest.mark.parametrize("wanted", [(pan, tilt) for pan in (-80, -20, 0, 30) for tilt in (-70, -20, 0, 60)])
-def test_the_head_stays_inside_the_picture(wanted):
+def test_the_head_stays_inside_the_wide_image(wanted):
     lens = Lens(880, 640, WIDE)
     pan, tilt = lens.limited(np.array(wanted, float))
     assert lens.fits(pan, tilt)

@@ -40,7 +40,7 @@ ROBOT = RobotConfig(familiarise=FamiliariseConfig(minutes=LEARNED / 1800), som=S
 
 @pytest.fixture(scope="module")
 def wide() -> np.ndarray:
-    """The wide picture of a rendered person, (320, 440, 3) RGB, without objects."""
+    """The wide image of a rendered person, (320, 440, 3) RGB, without objects."""
     world = WideEyedWorld.build(WorldConfig(), np.random.SeedSequence(3))
     eye = world.wide_eye()
     world.hold()
@@ -118,7 +118,7 @@ def test_a_session_that_was_stopped_goes_on_to_the_same_result(table, whole, tmp
     assert tables(tmp_path / "out") == tables(whole[0])
 
 
-def test_a_session_that_was_killed_after_its_last_picture_leaves_its_results(table, whole, tmp_path, monkeypatch):
+def test_a_session_that_was_killed_after_its_last_frame_leaves_its_results(table, whole, tmp_path, monkeypatch):
     asked = config(table, coding=table / "coding.csv")
 
     def killed(session, out):
@@ -160,8 +160,8 @@ def test_without_a_face_a_session_says_so(wide, table, tmp_path, monkeypatch):
         run_footage_session(config(tmp_path), None)
 
 
-def test_a_robot_sees_in_a_wide_picture_what_it_sees_in_the_world():
-    """The crop of the wide picture is the image that the robot's own eye renders, but for sampling."""
+def test_a_robot_sees_in_a_wide_image_what_it_sees_in_the_world():
+    """The crop of the wide image is the image that the robot's own eye renders, but for sampling."""
     seed = np.random.SeedSequence(5)
     wide, world = WideEyedWorld.build(WorldConfig(), seed), World.build(WorldConfig(), seed)
     eye, head = wide.wide_eye(), np.radians([9.0, -12.0])
@@ -169,8 +169,10 @@ def test_a_robot_sees_in_a_wide_picture_what_it_sees_in_the_world():
     for _ in range(40):
         wide.step(np.radians([0, TILT_DEG]))
         world.step(head)
-    picture = np.ascontiguousarray(eye.render()[..., ::-1])
-    off = np.abs(Lens(WIDTH, HEIGHT, HEAD).crop(picture, np.degrees(world.head_angles())).astype(int) - world.image())
+    wide_image = np.ascontiguousarray(eye.render()[..., ::-1])
+    off = np.abs(
+        Lens(WIDTH, HEIGHT, HEAD).crop(wide_image, np.degrees(world.head_angles())).astype(int) - world.image()
+    )
     assert np.mean(off) < 1.5
     assert np.mean(off.max(axis=2) > 40) < 0.01
     wide.close(), world.close()
@@ -220,7 +222,7 @@ def test_the_live_view_shows_a_session_and_ends_it(table):
         until("session")
         ask("pause", "POST")
         until("paused")
-        images.extend(cv2.imdecode(np.frombuffer(ask(name), np.uint8), 1) for name in ("image.jpg", "picture.jpg"))
+        images.extend(cv2.imdecode(np.frombuffer(ask(name), np.uint8), 1) for name in ("image.jpg", "wide_image.jpg"))
         ask("resume", "POST")
         ask("finish", "POST")
 

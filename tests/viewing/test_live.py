@@ -14,7 +14,7 @@ PRESSED = []
 
 @pytest.fixture(scope="module")
 def server():
-    shown = Shown(lambda: b"image", lambda: b"picture", lambda: {"phase": "session"}, press)
+    shown = Shown(lambda: b"image", lambda: b"wide image", lambda: {"phase": "session"}, press)
     server = LiveServer(shown, 18_080)
     yield server
     server.close()
@@ -38,7 +38,7 @@ def ask(address: str, method: str = "GET", **headers: str):
 def test_what_the_page_asks_for(server):
     assert ask(server.address)[2].startswith(b"<!doctype html>")
     assert ask(f"{server.address}image.jpg?7")[2] == b"image"
-    assert ask(f"{server.address}picture.jpg")[2] == b"picture"
+    assert ask(f"{server.address}wide_image.jpg")[2] == b"wide image"
     status, headers, content = ask(f"{server.address}state.json")
     assert (status, json.loads(content)) == (HTTPStatus.OK, {"phase": "session"})
     assert headers["Cache-Control"] == "no-store"

@@ -21,7 +21,7 @@ from jointattn_mj.footage.reader import RATE, Footage
 from jointattn_mj.footage.sessions.config import CameraSessionConfig
 from jointattn_mj.footage.sessions.latency import CameraCount
 from jointattn_mj.footage.sessions.session import FootageSessionRun
-from jointattn_mj.footage.sessions.source import Picture
+from jointattn_mj.footage.sessions.source import WideFrame
 from jointattn_mj.footage.sessions.summary import CameraTimes
 
 FIRST_S, GONE_S = 10.0, 5.0
@@ -66,8 +66,8 @@ class CameraSource:
         self._kept: np.ndarray = self._image
         self._kept_s = self._taken_s
 
-    def next(self) -> Picture | None:
-        """The picture of the next frame, when it is due; None when a file is over.
+    def next(self) -> WideFrame | None:
+        """The wide image of the next frame, when it is due; None when a file is over.
 
         Raises:
             FootageError: The camera gives no more images.
@@ -92,7 +92,7 @@ class CameraSource:
                 self._kept, self._shown, self._fresh = self._image, self._number, False
                 self._kept_s = self._taken_s
             seconds = self._start_s + self._kept_s - self._opened_s
-            return Picture(self._kept, self._shown, seconds, cut, self._kept_s)
+            return WideFrame(self._kept, self._shown, seconds, cut, self._kept_s)
 
     def close(self) -> None:
         """Stop reading, and let go of the camera."""
@@ -203,9 +203,9 @@ class CameraSessionRun(FootageSessionRun):
         waiting = sorted((one.picked[0], one.name, one) for one in sought_objects(self.config.objects) if one.picked)
         tables = {}
         for seconds, name, one in waiting:
-            while self.wide.picture.time_s < seconds and not self.wide.ended:
+            while self.wide.wide_frame.time_s < seconds and not self.wide.ended:
                 self.wide.step(np.zeros(2))
-            tables[name] = colours_at(self.wide.picture.image, one)
+            tables[name] = colours_at(self.wide.wide_frame.image, one)
         return tables
 
 

@@ -34,7 +34,7 @@ class FootageSessionConfig(Checked):
     rendered face at most."""
     face: str = "largest"
     """Face of interest where there are several, with YuNet: the largest, a person by number in the order in which they
-    are first seen, or whatever face is in a region, x0,y0,x1,y1 in pixels of the picture."""
+    are first seen, or whatever face is in a region, x0,y0,x1,y1 in pixels of the wide image."""
     minutes: Annotated[float, Real("(0, 1e6]")] | None = None
     """Minutes of the session, after those in which the robot learns the person's face (--robot.familiarise.minutes);
     all of a video if not given. Before a camera until it is ended."""
@@ -115,4 +115,4 @@ class CameraSessionConfig(FootageSessionConfig):
     camera: str = "0"
     """The camera: a number from 0, a device such as /dev/video2, or a video file, which is played as if it were one."""
     size: tuple[Annotated[int, Whole("[160, 8192]")], Annotated[int, Whole("[120, 8192]")]] = (1280, 720)
-    """Width and height of pictures that the camera is asked for; it may give others."""
+    """Width and height of images that the camera is asked for; it may give others."""

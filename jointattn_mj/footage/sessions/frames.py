@@ -16,7 +16,7 @@ NOT_AN_OBJECT = "none"
 MEANINGS = {
     **{name: FRAME[name] for name in ("attended", "head_moves", "rendered", "perceived", "landed", "iterations")},
     "time_s": "time by the clock of the video, or since the camera was opened",
-    "image": "number of the wide picture that the frame shows, from 0",
+    "image": "number of the wide image that the frame shows, from 0",
     "target": "where the person looks, as coded: an object, or none of them; missing where it is not known",
     "pan_deg": "robot's head, pan",
     "tilt_deg": "robot's head, tilt",
@@ -69,8 +69,8 @@ class WideFrames:
         percept, attention, target = robot.percept, robot.attention, world.looks_at()
         row = self.rows.free()[0]
         row[: len(_PER_FRAME)] = (
-            world.picture.time_s,
-            world.picture.number,
+            world.wide_frame.time_s,
+            world.wide_frame.number,
             np.nan if target < NO_OBJECT else target,
             np.nan if robot.attended is None else robot.attended,
             robot.shift is not None,

@@ -1,4 +1,4 @@
-"""The robot's perception before a wide picture: faces are found in the picture, objects and motion in its own image."""
+"""The robot's perception before a wide image: faces are found there, objects and motion in its own image."""
 
 import time
 from typing import Any
@@ -24,35 +24,35 @@ RATE = 30
 
 
 class HeadView:
-    """The map from pixels of the picture to those of the robot's image, at one pose of the head and near one point."""
+    """The map from pixels of the wide image to those of the robot's, at one pose of the head and near one point."""
 
     def __init__(self, lens: Lens, head: np.ndarray, near: np.ndarray):
         """Make the map.
 
         Args:
-            lens: Geometry of the picture.
+            lens: Geometry of the wide image.
             head: (2,) pan and tilt, deg.
-            near: (2,) pixel of the picture near which ``scale_x`` and ``scale_y`` hold.
+            near: (2,) pixel of the wide image near which ``scale_x`` and ``scale_y`` hold.
         """
         self._lens, self._head = lens, head
         here, right, below = lens.to_image(near + np.array([[0, 0], [1, 0], [0, 1]]), head)
         self.scale_x, self.scale_y = float(np.hypot(*(right - here))), float(np.hypot(*(below - here)))
 
     def to_image(self, px: np.ndarray) -> np.ndarray:
-        """Pixels (..., 2) of the robot's image for pixels of the picture."""
+        """Pixels (..., 2) of the robot's image for pixels of the wide image."""
         px = np.asarray(px, float)
         return self._lens.to_image(px.reshape(-1, 2), self._head).reshape(px.shape)
 
 
 class WidePerception(FootagePerception):
-    """Percepts of a world behind a wide picture.
+    """Percepts of a world behind a wide image.
 
-    A picture that is shown again is not perceived again: it is no evidence of stillness.
+    A frame that is shown again is not perceived again: it is no evidence of stillness.
 
     Attributes:
-        seen: The faces in the last picture that was perceived, the largest first; empty with the detector templates.
+        seen: The faces in the last frame that was perceived, the largest first; empty with the detector templates.
         chosen: The face of interest among them; None where it is not there.
-        fresh_frames: Number of perceived frames that showed a new picture.
+        fresh_frames: Number of perceived frames that showed a new image.
         latency: Times from the arrival of a camera's image to the percept.
     """
 
@@ -79,19 +79,19 @@ class WidePerception(FootagePerception):
         self.fresh_frames = 0
         self.latency = Latency()
         self._world = world
-        self._number = -1  # of the picture that was perceived last
+        self._number = -1  # of the frame that was perceived last
         self._head = np.zeros(2)  # deg, at that time
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but the faces of the last picture."""
+        """All but the faces of the last frame."""
         return {**vars(self), "seen": [], "chosen": None}
 
     def perceive(self, observation: Observation, landed: bool) -> Percept:
         """The percept of this frame; see ``perception.percept.Perceiver``."""
-        picture, head = self._world.picture, np.degrees(observation.head_angles)
-        if picture.number == self._number and not landed:
+        wide_frame, head = self._world.wide_frame, np.degrees(observation.head_angles)
+        if wide_frame.number == self._number and not landed:
             return self._percept
-        fresh = picture.number != self._number
+        fresh = wide_frame.number != self._number
         turned = bool(np.abs(head - self._head).max() > 1e-3)
         if turned:
             before = self._head
@@ -99,33 +99,33 @@ class WidePerception(FootagePerception):
         cut = False
         if fresh:
             self.fresh_frames += 1
-            cut = self.shots.see(picture.image) or picture.cut
+            cut = self.shots.see(wide_frame.image) or wide_frame.cut
             if self.people is not None:
-                self.seen = self.people.see(picture.image, self._world.frames, cut)
+                self.seen = self.people.see(wide_frame.image, self._world.frames, cut)
                 self.chosen = self.interest.choose(self.seen, cut)
-        self.areas.show_faces(self._boxes(picture.image, head), cut, self.shots.shifted)
-        self._number, self._head = picture.number, head
+        self.areas.show_faces(self._boxes(wide_frame.image, head), cut, self.shots.shifted)
+        self._number, self._head = wide_frame.number, head
         percept = super().perceive(observation, landed or cut or self.shots.camera_moves)
-        if fresh and picture.taken_s is not None:
-            self.latency.add(time.monotonic() - picture.taken_s)
+        if fresh and wide_frame.taken_s is not None:
+            self.latency.add(time.monotonic() - wide_frame.taken_s)
         return percept
 
     def face_direction(self) -> np.ndarray | None:
-        """Direction (2,), deg, of the face of interest, wherever it is in the picture; None where it is not known."""
+        """Direction (2,), deg, of the face of interest, anywhere in the wide image; None where it is not known."""
         return None if self.chosen is None else self._world.lens.direction(self.chosen.centre - 0.5)
 
-    def _boxes(self, picture: np.ndarray, head: np.ndarray) -> np.ndarray:
+    def _boxes(self, wide_image: np.ndarray, head: np.ndarray) -> np.ndarray:
         """(k, 4) x, y, width and height of faces, pixels of the robot's image, that of interest first."""
         lens = self._world.lens
         if not isinstance(self.faces, FollowedFace):
             return self._template_box(head)
         boxes = []
         if self.chosen is None:
-            self.faces.show(None, picture, HeadView(lens, head, np.zeros(2)))
+            self.faces.show(None, wide_image, HeadView(lens, head, np.zeros(2)))
         for one in sorted(self.seen, key=lambda one: one is not self.chosen):
             view = HeadView(lens, head, one.centre - 0.5)
             if one is self.chosen:
-                self.faces.show(one, picture, view)
+                self.faces.show(one, wide_image, view)
             size = one.smooth[2:] * (view.scale_x, view.scale_y)
             boxes.append(np.concatenate([view.to_image(one.centre - 0.5) - size / 2, size]))
         found: np.ndarray = np.array(boxes).reshape(-1, 4)

@@ -13,7 +13,7 @@ from jointattn_mj.footage.reader import Footage
 from jointattn_mj.footage.sessions.config import FootageSessionConfig, VideoSessionConfig
 from jointattn_mj.footage.sessions.frames import WideFrames
 from jointattn_mj.footage.sessions.perceiver import WidePerception
-from jointattn_mj.footage.sessions.source import FileSource, PictureSource
+from jointattn_mj.footage.sessions.source import FileSource, WideSource
 from jointattn_mj.footage.sessions.summary import (
     NOT_KNOWN,
     CameraTimes,
@@ -63,11 +63,11 @@ class CodedMoment(Moment):
 
 
 class FootageSessionRun(SessionRun):
-    """A session under way before a wide picture.
+    """A session under way before a wide image.
 
     Attributes:
         begun: Whether the robot has learned the face.
-        started_s: When it had, by the clock of the pictures.
+        started_s: When it had, by the clock of the frames.
     """
 
     config: FootageSessionConfig  # type: ignore[assignment]
@@ -105,8 +105,8 @@ class FootageSessionRun(SessionRun):
         """See ``SessionRun``."""
         return MOST_MINUTES if self.config.minutes is None else self.config.minutes
 
-    def open_source(self, frames: int) -> PictureSource:
-        """Open the source of pictures, after so many frames of it."""
+    def open_source(self, frames: int) -> WideSource:
+        """Open the source of frames, after so many frames of it."""
         raise NotImplementedError
 
     def coded_looks(self) -> CodedLooks | None:
@@ -157,7 +157,7 @@ class FootageSessionRun(SessionRun):
             self.robot.load(read_weights(self.config.start_from))
         else:
             self._learn_face()
-        self.started_s = self.wide.picture.time_s
+        self.started_s = self.wide.wide_frame.time_s
         self.begun = True
 
     def colours(self) -> np.ndarray:
@@ -191,7 +191,7 @@ class FootageSessionRun(SessionRun):
                 )
 
     def source_name(self) -> str:
-        """What pictures come from, for messages."""
+        """What frames come from, for messages."""
         raise NotImplementedError
 
     def _no_face(self) -> str:
@@ -206,7 +206,7 @@ class FootageSessionRun(SessionRun):
         )
 
     def step(self, watch: Any = None) -> None:
-        """One frame; see ``SessionRun``. The session ends with its last picture."""
+        """One frame; see ``SessionRun``. The session ends with its last frame."""
         super().step(watch)
         self._remember()
         if self.wide.ended:
@@ -237,7 +237,7 @@ class FootageSessionRun(SessionRun):
             target=None if target in (UNKNOWN, NO_OBJECT) else target,
             directions=self._directions.copy(),
             known=target != UNKNOWN,
-            clock_s=self.wide.picture.time_s,
+            clock_s=self.wide.wide_frame.time_s,
         )
 
     def judge(self, launch: Moment, landing: Moment, head: np.ndarray) -> Judgement:

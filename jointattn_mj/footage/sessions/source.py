@@ -1,4 +1,4 @@
-"""Where wide pictures come from: one every thirtieth of a second, from a file or (``camera``) from a device."""
+"""Where wide images come from: one every thirtieth of a second, from a file or (``camera``) from a device."""
 
 from collections.abc import Iterator
 from itertools import islice
@@ -10,25 +10,25 @@ from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.reader import Footage, Still
 
 
-class Picture(NamedTuple):
+class WideFrame(NamedTuple):
     """What a camera shows in one frame of a session."""
 
     image: np.ndarray  # (h, w, 3) uint8 BGR
     number: int  # of the image, from 0
     time_s: float  # by the clock of the file, or since the camera was opened
-    cut: bool  # whether motion since the picture before is unknown
+    cut: bool  # whether motion since the frame before is unknown
     taken_s: float | None = None  # by the monotonic clock of this machine; None for a file
 
 
-class PictureSource(Protocol):
+class WideSource(Protocol):
     """A file or a camera."""
 
     @property
     def aspect(self) -> float:
         """Width of a pixel over its height."""
 
-    def next(self) -> Picture | None:
-        """The picture of the next frame; None when there are no more."""
+    def next(self) -> WideFrame | None:
+        """The wide image of the next frame; None when there are no more."""
 
     def close(self) -> None:
         """Let go of file or device."""
@@ -66,13 +66,13 @@ class FileSource:
             )
         self._frame += frames
 
-    def next(self) -> Picture | None:
-        """The picture of the next frame; None when the file is over."""
+    def next(self) -> WideFrame | None:
+        """The wide image of the next frame; None when the file is over."""
         still = next(self._stills, None)
         if still is None:
             return None
         self._frame += 1
-        return Picture(still.image, still.number, self.footage.time_of(self._frame - 1), still.cut)
+        return WideFrame(still.image, still.number, self.footage.time_of(self._frame - 1), still.cut)
 
     def close(self) -> None:
         """Close the file."""

@@ -44,7 +44,7 @@ class FootageSessionSummary(Summary):
     frames: int
     """Frames, 30 a second."""
     images: int
-    """Pictures of video or camera that were different ones."""
+    """Images of video or camera that were different ones."""
     wall_seconds: float = field(compare=False)
     """Computing time."""
     gaze_shifts: int
@@ -73,7 +73,7 @@ class FootageSessionSummary(Summary):
     moves: dict[str, float | None]
     """Share of them in which it was seen to move."""
     head_reach_deg: tuple[float, float, float]
-    """How far the digital head turns to either side, up and down before it comes to the border of the picture."""
+    """How far the digital head turns to either side, up and down before it comes to the border of the wide image."""
     border_share: float
     """Share of frames in which it was asked beyond."""
     notes: tuple[str, ...]
@@ -144,7 +144,7 @@ def _notes(found: dict[str, float | None], told: Told, shifts: int, judged: int)
     if told.border_share > 0.1:
         aside, up, down = told.reach_deg
         notes.append(
-            f"the head was at the border of the picture in {told.border_share:.0%} of the frames: it turns by "
+            f"the head was at the border of the wide image in {told.border_share:.0%} of the frames: it turns by "
             f"{aside:.0f} degrees aside, {up:.0f} up and {down:.0f} down"
         )
     if told.success != NOT_KNOWN and judged < 0.5 * shifts:

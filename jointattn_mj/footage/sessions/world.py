@@ -1,4 +1,4 @@
-"""A wide picture as the world of a session: the image at a pose of the head, the time, and the truth or none."""
+"""A wide image as the world of a session: the image at a pose of the head, the time, and the truth or none."""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,12 +8,12 @@ import numpy as np
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.sessions.head import DigitalHead
 from jointattn_mj.footage.sessions.lens import HeadConfig, Lens
-from jointattn_mj.footage.sessions.source import Picture, PictureSource
+from jointattn_mj.footage.sessions.source import WideFrame, WideSource
 from jointattn_mj.footage.sessions.truth import UNKNOWN, CodedLooks
 from jointattn_mj.guards.finite import check_finite
 from jointattn_mj.scene.sensor import Sensor
 
-Open = Callable[[int], PictureSource]
+Open = Callable[[int], WideSource]
 """Opens the source, after so many frames of it."""
 
 
@@ -24,17 +24,17 @@ class WideWorld:
         frames: Number of steps so far.
         rendered_frames: How many images of the robot were cut out.
         at_border: Number of steps in which the head was asked beyond what it can reach.
-        ended: Whether there are no more pictures; the last one stays.
+        ended: Whether there are no more frames; the last one stays.
         watch: Is called before each step. It is not kept when the world is pickled.
     """
 
     def __init__(self, config: HeadConfig, seed: int, source: Open, coded: CodedLooks | None = None):
-        """Make a world; the first picture is read when it is first needed.
+        """Make a world; the first frame is read when it is first needed.
 
         Args:
             config: The digital head.
             seed: Of the noise that is added.
-            source: Opens the source of pictures.
+            source: Opens the source of frames.
             coded: Where the person looks, if anybody has said it.
         """
         self.config = config
@@ -47,8 +47,8 @@ class WideWorld:
     def connect(self, source: Open, coded: CodedLooks | None) -> None:
         """Name source and truth, which a world that was pickled has lost; for the arguments see the constructor."""
         self._open, self.coded = source, coded
-        self._source: PictureSource | None = None
-        self._picture: Picture | None = None
+        self._source: WideSource | None = None
+        self._wide_frame: WideFrame | None = None
         self._lens: Lens | None = None
         self._image: np.ndarray | None = None
         self.watch: Callable[[], object] = lambda: None
@@ -57,32 +57,32 @@ class WideWorld:
         return f"WideWorld({self.frames} frames, head at {np.degrees(self.head_angles()).round(1).tolist()} deg)"
 
     @property
-    def picture(self) -> Picture:
-        """The wide picture now.
+    def wide_frame(self) -> WideFrame:
+        """The wide image now.
 
         Raises:
             FootageError: There is none.
         """
-        if self._picture is None:
-            self._source = self._open(self.frames - self.ended)  # the last picture stays
-            self._picture = self._source.next()
-            if self._picture is None:
-                raise FootageError("there is no picture where the session should go on; give the same video again")
-        return self._picture
+        if self._wide_frame is None:
+            self._source = self._open(self.frames - self.ended)  # the last frame stays
+            self._wide_frame = self._source.next()
+            if self._wide_frame is None:
+                raise FootageError("there is no frame where the session should go on; give the same video again")
+        return self._wide_frame
 
     @property
-    def source(self) -> PictureSource | None:
-        """Where pictures come from; None before the first one."""
+    def source(self) -> WideSource | None:
+        """Where frames come from; None before the first one."""
         return self._source
 
     @property
     def lens(self) -> Lens:
-        """Geometry of the picture now.
+        """Geometry of the wide image now.
 
         Raises:
-            FootageError: The picture leaves the head no room to turn.
+            FootageError: The wide image leaves the head no room to turn.
         """
-        height, width = self.picture.image.shape[:2]
+        height, width = self.wide_frame.image.shape[:2]
         if self._lens is None or (self._lens.width, self._lens.height) != (width, height):
             assert self._source is not None
             self._lens = Lens(width, height, self.config, self._source.aspect)
@@ -96,18 +96,18 @@ class WideWorld:
         self.at_border += bool(np.abs(limited - wanted).max() > 1e-6)
         self._head.step(np.radians(limited))
         assert self._source is not None
-        picture = self._source.next()
+        wide_frame = self._source.next()
         self.frames += 1
         self._image = None
-        if picture is None:
+        if wide_frame is None:
             self.ended = True
         else:
-            self._picture = picture
+            self._wide_frame = wide_frame
 
     def image(self) -> np.ndarray:
         """The robot's image now, uint8 (240, 320, 3) RGB; made at the first call in a frame."""
         if self._image is None:
-            self._image = self.lens.crop(self.picture.image, np.degrees(self._head.angles))
+            self._image = self.lens.crop(self.wide_frame.image, np.degrees(self._head.angles))
             self._sensor.expose(self._image, self.frames)
             self.rendered_frames += 1
         return self._image
@@ -122,7 +122,7 @@ class WideWorld:
 
     def looks_at(self) -> int:
         """Number of the object at which the person looks, NO_OBJECT, or UNKNOWN; the robot is not told."""
-        return UNKNOWN if self.coded is None else self.coded.at(self.picture.time_s)
+        return UNKNOWN if self.coded is None else self.coded.at(self.wide_frame.time_s)
 
     def check(self) -> None:
         """Raises NotFiniteError: The head's angles are no finite numbers."""
@@ -145,5 +145,5 @@ class WideWorld:
         self.connect(_not_connected, None)
 
 
-def _not_connected(frames: int) -> PictureSource:
-    raise FootageError("this world has no source of pictures; resume the session that it belongs to")
+def _not_connected(frames: int) -> WideSource:
+    raise FootageError("this world has no source of frames; resume the session that it belongs to")

@@ -1,4 +1,4 @@
-"""The two images of the live view: the robot's, with what it perceives, and the wide picture with its frame."""
+"""The two images of the live view: the robot's, with what it perceives, and the wide image with its frame."""
 
 import cv2
 import numpy as np
@@ -10,8 +10,8 @@ from jointattn_mj.video.paint import PERSON, ROBOT, Box, Colour, ink_of
 from jointattn_mj.video.percepts import SCALE
 
 WIDTH, HEIGHT = SCALE * IMAGE_WIDTH, SCALE * IMAGE_HEIGHT
-PICTURE_WIDTH = 640
-"""Width of the wide picture on the page, pixels."""
+WIDE_WIDTH = 640
+"""Width of the wide image on the page, pixels."""
 QUALITY = 80
 _CORNERS = np.array([[0, 0, 1], [IMAGE_WIDTH - 1, 0, 1], [IMAGE_WIDTH - 1, IMAGE_HEIGHT - 1, 1],
                      [0, IMAGE_HEIGHT - 1, 1]], float).T  # fmt: skip
@@ -37,10 +37,10 @@ class LiveDrawing:
         return self._canvas
 
     @staticmethod
-    def picture(session: FootageSessionRun) -> np.ndarray:
-        """The wide picture, made smaller, with the frame of what the robot sees: uint8 RGB."""
-        whole, world = session.wide.picture.image, session.wide
-        scale = PICTURE_WIDTH / whole.shape[1]
+    def wide_image(session: FootageSessionRun) -> np.ndarray:
+        """The wide image, made smaller, with the frame of what the robot sees: uint8 RGB."""
+        whole, world = session.wide.wide_frame.image, session.wide
+        scale = WIDE_WIDTH / whole.shape[1]
         small = cv2.resize(whole, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
         x, y, ahead = world.lens.homography(np.degrees(world.head_angles())) @ _CORNERS
         if (ahead > 0).all():

@@ -39,8 +39,8 @@ class Shown:
 
     image: Callable[[], bytes]
     """The robot's image with its percept, as JPEG."""
-    picture: Callable[[], bytes]
-    """The wide picture, as JPEG."""
+    wide_image: Callable[[], bytes]
+    """The wide image, as JPEG."""
     state: Callable[[], Mapping[str, Any]]
     """Numbers and words."""
     press: Callable[[str], bool]
@@ -110,8 +110,8 @@ class _Handler(BaseHTTPRequestHandler):
                 self._send("text/html; charset=utf-8", page)
             case "image.jpg":
                 self._send("image/jpeg", self.shown.image())
-            case "picture.jpg":
-                self._send("image/jpeg", self.shown.picture())
+            case "wide_image.jpg":
+                self._send("image/jpeg", self.shown.wide_image())
             case "state.json":
                 self._send("application/json", json.dumps(self.shown.state(), allow_nan=False).encode())
             case _:

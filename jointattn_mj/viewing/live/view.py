@@ -38,11 +38,11 @@ class LiveView:
             ConfigError: No port is free.
         """
         self._lock = threading.Lock()
-        self._image = self._picture = b""
+        self._image = self._wide_image = b""
         self._state: dict[str, Any] = {"phase": "starting"}
         self._asked_s = self._drawn_s = -np.inf
         self._paused, self._finish = False, False
-        shown = Shown(lambda: self._get("_image"), lambda: self._get("_picture"), self._get_state, self._press)
+        shown = Shown(lambda: self._get("_image"), lambda: self._get("_wide_image"), self._get_state, self._press)
         self._server = LiveServer(shown, port)
         self.address = self._server.address
         self._drawing: LiveDrawing | None = None
@@ -83,10 +83,10 @@ class LiveView:
 
     def _draw(self, session: FootageSessionRun, phase: str) -> None:
         assert self._drawing is not None and self._words is not None
-        image, picture = jpeg(self._drawing.image(session)), jpeg(self._drawing.picture(session))
+        image, wide_image = jpeg(self._drawing.image(session)), jpeg(self._drawing.wide_image(session))
         state = self._words.of(session, phase)
         with self._lock:
-            self._image, self._picture, self._state = image, picture, state
+            self._image, self._wide_image, self._state = image, wide_image, state
         self._drawn_s = time.monotonic()
 
     def _get(self, name: str) -> bytes:
