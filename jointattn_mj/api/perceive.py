@@ -31,6 +31,7 @@ class PerceiveFields(TypedDict, total=False):
     detector: Literal["yunet", "templates"]
     face: str
     looks: bool
+    labels: str | PathLike[str] | None
     max_minutes: float | None
     fps: float | None
     fit: Fit
@@ -96,7 +97,7 @@ def perceive(
         progress: Is called after every second of video, with ``out``.
         **options: Fields of ``PerceiveConfig``: ``objects`` (what to look for, such as
             ``("blue", "cup=#2b3ac0", "ball@12.5s:420,310")``), ``areas_each``, ``detector``, ``face``, ``looks``,
-            ``max_minutes``, ``fps``, ``fit``, ``scale``, ``face_follow``, ``shift_frames``, ``seed``, ``attention``,
+            ``labels``, ``max_minutes``, ``fps``, ``fit``, ``scale``, ``face_follow``, ``shift_frames``, ``seed``, ``attention``,
             ``pixels``, ``som``, ``people``, ``shots``, ``areas``, ``rest``, ``coding``.
 
     Returns:

@@ -56,14 +56,14 @@ def shortened(command: Command) -> list[str]:
             at_most("--minutes", 0.05)
             words += ["--realtime.familiarise-minutes", "0.1"]
         case "develop" if "rendered" in words:
-            at_most("--steps", 10 if "--video" in words else 20)
+            at_most("--steps", 4 if "--video" in words else 20)
             words += ["--rendered.exploration", "50"]
             words += ["--babbling.steps", "300"] if "growing" in words else []
         case "develop":
             at_most("--steps", 40_000)
             at_most("--checkpoint-every", 5_000, always=False)
         case "perceive":
-            at_most("--max-minutes", 0.05)
+            at_most("--max-minutes", 0.1 if "--looks" in words else 0.05)
         case "play":
             at_most("--episodes", 2)
             at_most("--time-limit", 0.5)
