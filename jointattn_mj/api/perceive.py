@@ -97,8 +97,8 @@ def perceive(
         progress: Is called after every second of video, with ``out``.
         **options: Fields of ``PerceiveConfig``: ``objects`` (what to look for, such as
             ``("blue", "cup=#2b3ac0", "ball@12.5s:420,310")``), ``areas_each``, ``detector``, ``face``, ``looks``,
-            ``labels``, ``max_minutes``, ``fps``, ``fit``, ``scale``, ``face_follow``, ``shift_frames``, ``seed``, ``attention``,
-            ``pixels``, ``som``, ``people``, ``shots``, ``areas``, ``rest``, ``coding``.
+            ``labels``, ``max_minutes``, ``fps``, ``fit``, ``scale``, ``face_follow``, ``shift_frames``, ``seed``,
+            ``attention``, ``pixels``, ``som``, ``people``, ``shots``, ``areas``, ``rest``, ``coding``.
 
     Returns:
         Without ``out`` an iterator over :class:`PerceivedFrame`, a thirtieth of a second each: face, objects, optical
