@@ -103,7 +103,7 @@ def value_of(table: np.ndarray, by_reference: bool, how: Weighing, lead: np.ndar
     results, sensors, actions, outcomes = table.shape
     value = np.zeros((results * sensors, 4))  # share, mean, variance, and by how much the result rises
     q, base, times = np.zeros((actions, outcomes)), np.zeros(outcomes), np.zeros((sensors, actions))
-    p, mixed, center = np.zeros((actions, outcomes)), np.zeros(outcomes), np.zeros(outcomes)
+    p, mixed, center, scatter = np.zeros((actions, outcomes)), np.zeros(outcomes), np.zeros(outcomes), np.zeros(outcomes)
     m, total = 0, 0.0
     for r in range(results):
         if _pool(table[r], q, base, times) == 0.0:
@@ -111,7 +111,7 @@ def value_of(table: np.ndarray, by_reference: bool, how: Weighing, lead: np.ndar
         for s in range(sensors):
             n = times[s].sum()
             if n > 0.0:
-                _situation(table[r, s], times[s], q, base, by_reference, how.concentration, p, mixed, center, value[m])
+                _situation(table[r, s], times[s], q, base, by_reference, how.concentration, p, mixed, center, scatter, value[m])
                 value[m, 0] = n
                 total += n
                 m += 1
@@ -177,7 +177,7 @@ def _pool(table: np.ndarray, q: np.ndarray, base: np.ndarray, times: np.ndarray)
 @njit(cache=True)
 def _situation(
     counts: np.ndarray, times: np.ndarray, q: np.ndarray, base: np.ndarray, by_reference: bool, concentration: float,
-    p: np.ndarray, mixed: np.ndarray, center: np.ndarray, value: np.ndarray,
+    p: np.ndarray, mixed: np.ndarray, center: np.ndarray, scatter: np.ndarray, value: np.ndarray,
 ) -> None:  # fmt: skip
     """Posterior of D(r, s) of one situation.
 
@@ -202,6 +202,7 @@ def _situation(
         seen += times[a] > 0.0
     mean, rise, variance = 0.0, 0.0, 0.0
     mixed[:] = 0.0
+    scatter[:] = 0.0
     if by_reference:
         center[:] = 0.0
     else:
@@ -209,41 +210,90 @@ def _situation(
     for a in range(actions):
         if times[a] == 0.0:
             continue
-        weight = 1.0 / seen if by_reference else times[a] / n
-        divergence, possible = 0.0, 0
+        weight, total = 1.0 / seen if by_reference else times[a] / n, times[a] + concentration
+        divergence = 0.0
         for k in range(outcomes):
-            p[a, k] = (counts[a, k] + concentration * q[a, k]) / (times[a] + concentration)
-            mixed[k] += weight * p[a, k]
+            x = p[a, k] = (counts[a, k] + concentration * q[a, k]) / total
+            mixed[k] += weight * x
+            scatter[k] += weight * weight * x * (1.0 - x) / (total + 1.0)
             if by_reference:
                 center[k] += weight * q[a, k]
-            if q[a, k] > 0.0:
-                possible += 1
-                if q[a, k] < 1.0:
-                    divergence += p[a, k] * math.log(p[a, k] / q[a, k])
-        spread = 1.0 / (times[a] + concentration + 1.0)
-        mean += weight * (divergence + 0.5 * (possible - 1) * spread)
-        variance += 0.5 * (possible - 1) * (weight * (1.0 - weight) * spread) ** 2
+            if 0.0 < q[a, k] < 1.0:
+                divergence += x * math.log(x / q[a, k])
+                mean += weight * x * (digamma(total * x + 1.0) - digamma(total + 1.0) - math.log(q[a, k]))
         rise += weight * divergence * (1.0 if p[a, 0] < q[a, 0] else -1.0)
     for k in range(outcomes):
-        if mixed[k] > 0.0:
-            ratio = math.log(mixed[k] / center[k])
-            mean -= mixed[k] * ratio
-            mixed[k], center[k] = 1.0 / mixed[k], ratio
+        x = mixed[k]
+        if x > 0.0:
+            expected = math.log(x)
+            if scatter[k] > 0.0:
+                strength = x * (1.0 - x) / scatter[k] - 1.0
+                expected = digamma(strength * x + 1.0) - digamma(strength + 1.0)
+            mean -= x * (expected - math.log(center[k]))
+            center[k] = math.log(x / center[k])
     for a in range(actions):
         if times[a] == 0.0:
             continue
-        weight = 1.0 / seen if by_reference else times[a] / n
-        spread = 1.0 / (times[a] + concentration + 1.0)
-        first = second = 0.0
-        for k in range(outcomes):
-            x = p[a, k]
-            if 0.0 < x < 1.0:
-                slope = math.log(x / q[a, k]) - center[k]
-                first += x * slope
-                second += x * slope * slope
-                mean -= 0.5 * weight * weight * x * (1.0 - x) * spread * mixed[k]
-        variance += weight * weight * (second - first * first) * spread
+        weight, total = 1.0 / seen if by_reference else times[a] / n, times[a] + concentration
+        variance += weight * weight * _scatter(p[a], q[a], center, total, (1.0 - weight) ** 2)
     value[1], value[2], value[3] = mean, variance, rise
+
+
+@njit(cache=True)
+def _scatter(p: np.ndarray, q: np.ndarray, center: np.ndarray, total: float, rest: float) -> float:
+    """Variance of sum_k x_k (log(x_k / q_k) - c_k), where x has a Dirichlet distribution.
+
+    Args:
+        p: (R',) mean of x.
+        q: (R',) see above.
+        center: (R',) c.
+        total: Sum of the distribution's parameters.
+        rest: Share of what is not linear in x that counts.
+    """
+    square = mean = first = second = 0.0
+    top, slope = digamma(total + 2.0), trigamma(total + 2.0)
+    for k in range(len(p)):
+        x = p[k]
+        if not 0.0 < x < 1.0:
+            continue
+        shift, a = math.log(q[k]) + center[k], total * x
+        linear = math.log(x) - shift
+        first += x * linear
+        second += x * linear * linear
+        mean += x * (digamma(a + 1.0) - digamma(total + 1.0) - shift)
+        d = digamma(a + 2.0) - top - shift
+        square += x * (a + 1.0) / (total + 1.0) * (d * d + trigamma(a + 2.0) - slope)
+        for j in range(k):
+            y = p[j]
+            if 0.0 < y < 1.0:
+                one = digamma(a + 1.0) - top - shift
+                other = digamma(total * y + 1.0) - top - math.log(q[j]) - center[j]
+                square += 2.0 * x * y * total / (total + 1.0) * (one * other - slope)
+    linear = (second - first * first) / (total + 1.0)
+    whole = square - mean * mean
+    return whole - (1.0 - rest) * max(whole - linear, 0.0)
+
+
+@njit(cache=True)
+def digamma(x: float) -> float:
+    """Derivative of the logarithm of the gamma function, for x >= 1."""
+    value = 0.0
+    while x < 6.0:
+        value -= 1.0 / x
+        x += 1.0
+    y = 1.0 / (x * x)
+    return value + math.log(x) - 0.5 / x - y * (1.0 / 12.0 - y * (1.0 / 120.0 - y * (1.0 / 252.0 - y / 240.0)))
+
+
+@njit(cache=True)
+def trigamma(x: float) -> float:
+    """Second derivative of the logarithm of the gamma function, for x >= 1."""
+    value = 0.0
+    while x < 6.0:
+        value += 1.0 / (x * x)
+        x += 1.0
+    y = 1.0 / (x * x)
+    return value + 1.0 / x + 0.5 * y + y / x * (1.0 / 6.0 - y * (1.0 / 30.0 - y * (1.0 / 42.0 - y / 30.0)))
 
 
 @njit(cache=True)
