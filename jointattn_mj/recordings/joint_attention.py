@@ -6,7 +6,7 @@ measure takes them.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.options import Checked, Count, NotNegative, Real
 from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.intervals import Intervals, intervals_of, overlaps
+from jointattn_mj.recordings.sampling import NONE
 
 MUTUAL, SHARED, LEADER, ENGAGEMENT = "mutual gaze", "shared attention", "leader", "engagement"
 """Names of derived tiers. ``PARTNER follows`` come besides, one for each partner."""
@@ -53,6 +54,14 @@ class JointAttentionRules(Checked):
     """Shortest episode of engagement, as Bakeman and Adamson (1984) coded states of 3 s and more."""
     glances: Count = 1
     """Looks of the infant at the partner's face during an episode from which on it is coordinated."""
+
+    ADVANCED: ClassVar[Sequence[str]] = (
+        "still_looking",
+        "together_s",
+        "least_mutual_s",
+        "least_engagement_s",
+        "glances",
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -169,6 +178,27 @@ def joint_attention(events: Events, rules: JointAttentionRules | None = None) ->
         resolution=events.resolution,
     )
     return JointAttention(events.joined(added), tuple(opportunities), rules, seconds)
+
+
+def without_gaps(attention: JointAttention) -> Events:
+    """The events with mutual gaze and shared attention said at all times: ``(none)`` where they are not.
+
+    For a derived tier nothing is no missing code, but means that looks do not meet.
+
+    Args:
+        attention: What was derived.
+    """
+    rows: list[tuple[str, str, float, float]] = []
+    for recording in attention.events.recordings:
+        of = attention.events.table["recording"] == recording
+        times = attention.events.table["onset"][of], attention.events.table["offset"][of]
+        first, last = attention.events.spans.get(recording, (times[0].min(), times[1].max())) if of.any() else (0, 0)
+        for tier in (MUTUAL, SHARED):
+            one = intervals_of(attention.events, recording, tier)
+            starts, ends = np.append(first, one.offset), np.append(one.onset, last)
+            rows += [(recording, tier, a, b) for a, b in zip(starts, ends, strict=True) if b > a]
+    recordings, tiers, onset, offset = zip(*rows, strict=True) if rows else ((), (), (), ())
+    return attention.events.joined(Events.of(tiers, [NONE] * len(rows), onset, offset, recordings))
 
 
 def _tiers(

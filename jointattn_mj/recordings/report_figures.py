@@ -138,46 +138,51 @@ def transition_figure(tables: Mapping[tuple[str, str], LagTable], lag_s: float) 
     return figure
 
 
-def ranking_figure(rows: Sequence[Mapping[str, Any]], unit: str) -> Figure:
-    """Effective transfer entropy of each pair with its interval, the most contingent on top.
+def ranking_figure(rows: Sequence[tuple[str, Mapping[str, Any]]], measure: str, unit: str) -> Figure:
+    """Effective values with their intervals, the most contingent on top.
 
     Args:
-        rows: Of ``RecordingReport.ranking``.
+        rows: What each is of, and a row of ``RecordingReport.ranking`` or ``events_ranked``.
+        measure: What is measured.
         unit: Of the values.
     """
     figure = Figure((7.5, 0.9 + 0.32 * len(rows)), layout="constrained")
     axes = figure.subplots()
-    for at, row in enumerate(rows):
+    for at, (_, row) in enumerate(rows):
         ink = "#c0392b" if row["significant"] else "#7f8c8d"
         axes.plot([row["low"], row["high"]], [at, at], color=ink, lw=1.6)
         axes.plot(row["effective"], at, "o", color=ink, ms=5)
     axes.axvline(0, color="black", lw=0.6)
-    axes.set_yticks(range(len(rows)), [f"{row['source']} → {row['target']}" for row in rows], fontsize=9)
+    axes.set_yticks(range(len(rows)), [name for name, _ in rows], fontsize=9)
     axes.set_ylim(len(rows) - 0.5, -0.5)
-    axes.set_xlabel(f"effective transfer entropy ({unit})", fontsize=9)
+    axes.set_xlabel(f"effective {measure} ({unit})", fontsize=9)
     axes.spines[["top", "right"]].set_visible(False)
     return figure
 
 
 def dyad_figure(results: Mapping[tuple[str, str], DyadResult], unit: str) -> Figure:
-    """Each recording's effective value, and the mean with its interval over recordings.
+    """Each recording's effective value, and means with their intervals over recordings: of all, or of each group.
 
     Args:
         results: By source and target.
         unit: Of the values.
     """
-    figure = Figure((7.5, 1.0 + 0.55 * len(results)), layout="constrained")
+    lines = [
+        (f"{a} → {b}" + (f", {group.name}" if group.name != "all" else ""), one, group)
+        for (a, b), one in results.items()
+        for group in one.groups[len(one.groups) > 1 :]
+    ]
+    figure = Figure((7.5, 1.0 + 0.45 * len(lines)), layout="constrained")
     axes = figure.subplots()
-    for at, one in enumerate(results.values()):
-        values = [value.corrected for value in one.values]
+    for at, (_, one, group) in enumerate(lines):
+        values = [value.corrected for value in one.of_group(group)]
         spread = np.linspace(-0.16, 0.16, len(values)) if len(values) > 1 else np.zeros(1)
         axes.plot(values, at + spread, "o", color="#4c78a8", ms=4, alpha=0.6)
-        mean, (low, high) = one.groups[0].mean, one.groups[0].interval
-        axes.plot([low, high], [at, at], color="#c0392b", lw=2)
-        axes.plot(mean, at, "D", color="#c0392b", ms=6)
+        axes.plot(group.interval, [at, at], color="#c0392b", lw=2)
+        axes.plot(group.mean, at, "D", color="#c0392b", ms=6)
     axes.axvline(0, color="black", lw=0.6)
-    axes.set_yticks(range(len(results)), [f"{a} → {b}" for a, b in results], fontsize=9)
-    axes.set_ylim(len(results) - 0.5, -0.5)
+    axes.set_yticks(range(len(lines)), [name for name, _, _ in lines], fontsize=9)
+    axes.set_ylim(len(lines) - 0.5, -0.5)
     axes.set_xlabel(f"effective transfer entropy ({unit}); diamond: mean and interval over recordings", fontsize=9)
     axes.spines[["top", "right"]].set_visible(False)
     return figure
