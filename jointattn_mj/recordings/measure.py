@@ -187,6 +187,10 @@ class MeasureResult:
         """A row a measure and recording."""
         return [row for dyad in self.dyads for row in dyad.rows()]
 
+    def group_lines(self) -> list[str]:
+        """What each group of recordings has, and their comparison, of the first measure, in words."""
+        return [line for dyad in self.dyads[:1] for line in dyad.lines()[1:]]
+
     def value_rows(self) -> list[dict[str, Any]]:
         """A row a measure and combination of values, as labels."""
         return [
@@ -364,8 +368,8 @@ def _measured(
     entries = given.entries()
     measures, possible = options.chosen, CONDITIONED if options.condition else ALONE
     rngs = [np.random.default_rng(streams[possible.index(one)]) for one in measures]
-    assessed = assess_measures(given, measures, options.test(), unit, rngs, progress)
     plain = options.source_history == options.target_history == 1 and len(entries.counts) <= MOST_COMBINATIONS
+    assessed = assess_measures(given, measures, options.test(), unit, rngs, progress, plain)
     measured = []
     for measure, significance in zip(measures, assessed, strict=True):
         bound = measure.bound(entries, "smallest") / unit
@@ -376,7 +380,7 @@ def _measured(
                 significance.value - measure.bias(entries, "miller_madow") / unit,
                 significance.value - measure.bias(entries, "degrees_of_freedom") / unit,
                 significance.corrected / bound if bound > 1e-12 else 0.0,
-                local_of_steps(given, measure, unit) if plain else (),
+                local_of_steps(given, measure, unit, counts=significance.counts) if plain else (),
             )
         )
     return tuple(measured)

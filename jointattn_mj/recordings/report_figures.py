@@ -29,6 +29,8 @@ TOGETHER_INK, MUTUAL_INK = "#f6d55c", "#d81b60"
 ENGAGED = {SUPPORTED: "#a9c9a4", COORDINATED: "#2e7d32"}
 WIDTH, TIER, HEAD = 9.0, 0.26, 0.55
 """Inches: a figure's width, a tier's height, and what a row of time needs besides."""
+SPARE = 0.1
+"""A rest of so much of a row gets no row of its own; rows are a little longer then."""
 MOST_ROWS = 60
 """Rows of time in one figure."""
 
@@ -57,7 +59,8 @@ def timeline(
     start = float(table["onset"][of].min()) if of.any() else 0.0
     stop = float(table["offset"][of].max()) if of.any() else row_s
     row_s = max(row_s, (stop - start) / MOST_ROWS)
-    rows = max(1, int(np.ceil((stop - start) / row_s - 1e-9)))
+    rows = max(1, int(np.ceil((stop - start) / row_s - SPARE)))
+    row_s = max(row_s, (stop - start) / rows)
     shown = min(row_s, max(stop - start, 1e-3))
     figure = Figure((WIDTH, 0.75 + rows * (HEAD + TIER * (len(tiers) + 1))), layout="constrained")
     every = figure.subplots(rows, 1, squeeze=False)[:, 0]
@@ -99,7 +102,8 @@ def timeline(
         Patch(color=MUTUAL_INK, label="mutual gaze (line)"),
         *(Patch(color=ink, label=state) for state, ink in ENGAGED.items()),
     ]
-    figure.legend(handles=handles, loc="outside upper left", ncols=min(len(handles), 7), fontsize=8, frameon=False)
+    columns = int(np.ceil(len(handles) / np.ceil(len(handles) / 7)))
+    figure.legend(handles=handles, loc="outside upper left", ncols=columns, fontsize=8, frameon=False)
     return figure
 
 

@@ -67,6 +67,7 @@ def write_page(report: RecordingReport, folder: Path) -> None:
         "ranking": report.ranking(),
         "sac": [{**row, "event": _event(row), "values": _carriers(report, row)} for row in report.events_ranked()],
         "groups": _groups(report),
+        "lag_s": delay_in_steps("lag", report.options.lag, report.options.step) * report.options.step,
         "transitions": _transitions(report),
         "answers": _answers(report),
         "dyads": _of_dyads(report.pairs),
@@ -76,7 +77,12 @@ def write_page(report: RecordingReport, folder: Path) -> None:
         "versions": versions(),
         "command": _command(report.options),
     }
-    filters = {"number": number, "bracket": lambda row: bracket((row["low"], row["high"])), "share": share}
+    filters = {
+        "number": number,
+        "bracket": lambda row: bracket((row["low"], row["high"])),
+        "share": share,
+        "short": _short,
+    }
     text = page("jointattn_mj.recordings", PAGE, values, p=lambda p: p_words(p)[2:].removeprefix("= "), **filters)
     write_text(folder / PAGE, text)
 
@@ -137,6 +143,11 @@ def _answers(report: RecordingReport) -> list[dict[str, Any]]:
                      "contribution": one.contribution, "p_adjusted": one.p_adjusted}
                 )  # fmt: skip
     return sorted(answers, key=lambda row: -row["contribution"])[:MOST_TRANSITIONS]
+
+
+def _short(value: float) -> str:
+    """Three digits; a dash for NaN."""
+    return "-" if value != value else f"{value:.3g}"
 
 
 def _event(row: Mapping[str, Any]) -> str:
