@@ -60,8 +60,8 @@ def methods_paragraph(report: "RecordingReport") -> str:
         f"Young, 1993). Transitions are adjusted residuals (Bakeman and Quera, 2011), tested by {o.surrogates:,} "
         "circular shifts"
         + (", and means of the recordings' Yule's Q, with Student's t." if report.over_recordings else ".")
-        + " Which look answers which are shares of transfer entropy; p of each is from the same surrogates, corrected by "
-        "the maximum over all combinations of looks in each.",
+        + " Which look answers which are shares of transfer entropy; p of each is from the same surrogates, corrected "
+        "by the maximum over all combinations of looks in each.",
         *_events_words(report),
         *_group_words(report),
         *_results(report),

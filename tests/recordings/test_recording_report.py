@@ -39,6 +39,10 @@ def codings(tmp_path_factory):
     return folder
 
 
+def beside(folder):
+    return {"second": folder / "second", "by": "age", "groups": folder / "ages.csv"}
+
+
 @pytest.fixture(scope="module")
 def report(codings):
     options = ReportOptions(
