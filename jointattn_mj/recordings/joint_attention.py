@@ -13,7 +13,7 @@ import numpy as np
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.options import Checked, Count, NotNegative, Real
 from jointattn_mj.recordings.events import Events
-from jointattn_mj.recordings.intervals import Intervals, intervals_of, overlaps
+from jointattn_mj.recordings.intervals import Intervals, at_times, intervals_of, overlaps
 from jointattn_mj.recordings.sampling import NONE
 
 MUTUAL, SHARED, LEADER, ENGAGEMENT = "mutual gaze", "shared attention", "leader", "engagement"
@@ -21,6 +21,8 @@ MUTUAL, SHARED, LEADER, ENGAGEMENT = "mutual gaze", "shared attention", "leader"
 SUPPORTED, COORDINATED = "supported", "coordinated"
 """States of engagement, as Bakeman and Adamson (1984) call them: both attend to one object, and the infant does or does
 not acknowledge the partner's part in it."""
+ROUNDING_S = 5e-7
+"""Half of the shortest time that is told apart."""
 TOGETHER = "together"
 """Code of the leader tier where both began at the same time."""
 
@@ -235,7 +237,8 @@ def _engagement(
     states = []
     for _, onset, offset in episodes:
         if offset - onset >= rules.least_engagement_s:
-            glances = int(((at_partner.onset < offset) & (at_partner.offset > onset)).sum())
+            ended, begun = np.searchsorted(at_partner.offset, onset, "right"), np.searchsorted(at_partner.onset, offset)
+            glances = int(begun - ended)
             states.append((COORDINATED if glances >= rules.glances else SUPPORTED, onset, offset))
     return states
 
@@ -245,16 +248,16 @@ def _followed(
 ) -> Iterator[GazeFollowing]:
     """Each look of ``other`` at a target that ``one`` does not look at yet."""
     nothing = {rules.infant_at_partner, rules.partner_at_infant, *rules.nowhere}
-    for onset, offset, code in zip(other.onset, other.offset, other.code, strict=True):
+    already = at_times(one, other.onset) == other.code
+    looks = {target: one.coded(target).onset for target in {str(code) for code in other.code} - nothing}
+    for onset, offset, code, seen in zip(other.onset, other.offset, other.code, already, strict=True):
         target = str(code)
-        already = (one.onset <= onset) & (one.offset > onset) & (one.code == target)
-        if target in nothing or already.any():
+        if target in nothing or seen:
             continue
-        until = onset + rules.follow_within_s
-        if rules.still_looking:
-            until = min(until, offset)
-        looks = one.onset[(one.code == target) & (one.onset > onset) & (one.onset <= until + 1e-9)]
-        latency = float(looks[0] - onset) if len(looks) else float("nan")
+        until = min(onset + rules.follow_within_s, offset if rules.still_looking else np.inf)
+        following = int(np.searchsorted(looks[target], onset, "right"))
+        within = following < len(looks[target]) and looks[target][following] <= until + 1e-9
+        latency = float(looks[target][following] - onset) if within else float("nan")
         yield GazeFollowing(recording, follower, target, float(onset), latency)
 
 
@@ -263,7 +266,7 @@ def _follow_rows(chances: Sequence[GazeFollowing], one: Intervals) -> list[tuple
     rows = {}
     for chance in chances:
         if chance.latency == chance.latency:
-            look = int(np.argmin(np.abs(one.onset - (chance.onset + chance.latency))))
+            look = int(np.searchsorted(one.onset, chance.onset + chance.latency - ROUNDING_S))
             rows[look] = (
                 chance.recording, f"{chance.follower} follows", chance.target,
                 float(one.onset[look]), float(one.offset[look]),

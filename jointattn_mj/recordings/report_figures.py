@@ -32,7 +32,7 @@ WIDTH, TIER, HEAD = 9.0, 0.26, 0.55
 SPARE = 0.1
 """A rest of so much of a row gets no row of its own; rows are a little longer then."""
 MOST_ROWS = 60
-"""Rows of time in one figure."""
+"""Rows of time in one figure; what comes later is not drawn."""
 
 
 def code_colours(events: Events) -> dict[str, str]:
@@ -54,11 +54,10 @@ def timeline(
         row_s: Seconds in a row; the figure has as many rows as are needed.
         colours: Of codes.
     """
-    table = attention.events.table
-    of = table["recording"] == recording
-    start = float(table["onset"][of].min()) if of.any() else 0.0
-    stop = float(table["offset"][of].max()) if of.any() else row_s
-    row_s = max(row_s, (stop - start) / MOST_ROWS)
+    table = attention.events.select(recordings=[recording]).table
+    onsets, offsets, codes, of_tier = (table[name] for name in ("onset", "offset", "code", "tier"))
+    start = float(onsets.min()) if len(table) else 0.0
+    stop = min(float(offsets.max()) if len(table) else row_s, start + MOST_ROWS * row_s)
     rows = max(1, int(np.ceil((stop - start) / row_s - SPARE)))
     row_s = max(row_s, (stop - start) / rows)
     shown = min(row_s, max(stop - start, 1e-3))
@@ -69,15 +68,16 @@ def timeline(
     used: dict[str, str] = {}
     for row, axes in enumerate(every):
         begin = start + row * row_s
-        for onset, offset in zip(shared.onset, shared.offset, strict=True):
+        seen = (onsets < begin + row_s) & (offsets >= begin)
+        together = shared.kept((shared.onset < begin + row_s) & (shared.offset > begin))
+        for onset, offset in zip(together.onset, together.offset, strict=True):
             axes.axvspan(onset, offset, color=TOGETHER_INK, alpha=0.45, lw=0, zorder=0)
         axes.hlines(np.full(len(mutual), -0.62), mutual.onset, mutual.offset, color=MUTUAL_INK, lw=3.5, zorder=3)
         for line, tier in enumerate(tiers):
-            codes, at = table["code"], of & (table["tier"] == tier)
-            inside = at & (table["onset"] < begin + row_s) & (table["offset"] >= begin)
+            inside = seen & (of_tier == tier)
             for code in dict.fromkeys(codes[inside]):
                 these = inside & (codes == code)
-                onset, length = table["onset"][these], (table["offset"] - table["onset"])[these]
+                onset, length = onsets[these], (offsets - onsets)[these]
                 ink = colours.get(str(code), OTHER)
                 used[str(code)] = ink
                 lasting = length > 0

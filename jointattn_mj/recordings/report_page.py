@@ -17,6 +17,7 @@ from jointattn_mj.recordings.delays import delay_in_steps
 from jointattn_mj.recordings.lags import lag_figure
 from jointattn_mj.recordings.report import PAGE, RecordingReport, ReportOptions, write_tables, write_text
 from jointattn_mj.recordings.report_figures import (
+    MOST_ROWS,
     code_colours,
     dyad_figure,
     latency_figure,
@@ -73,11 +74,12 @@ def write_page(report: RecordingReport, folder: Path) -> None:
         "dyads": _of_dyads(report.pairs),
         "by_recording": _by_recording(report),
         "hidden": len(report.events.recordings) - len(shown),
+        "drawn_s": MOST_ROWS * report.options.row_s,
         "settings": _settings(report.options),
         "versions": versions(),
         "command": _command(report.options),
     }
-    filters = {
+    filters: dict[str, Any] = {
         "number": number,
         "bracket": lambda row: bracket((row["low"], row["high"])),
         "share": share,

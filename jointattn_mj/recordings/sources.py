@@ -140,7 +140,8 @@ def open_table_as(
         if sampled:
             raise SeriesError(f"{table.path} is said to have a row for every step; leave `step` out")
         return table
-    layout = event_layout(table.header, options.format)
+    not_codes = {options.recording, *about}
+    layout = event_layout(["" if name in not_codes else name for name in table.header], options.format)
     named = wanted is not None and set(wanted) <= set(table.header)
     if layout is None and data is not None and not (options.columns or named):
         names = plain.names_without_header(table.head)
