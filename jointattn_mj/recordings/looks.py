@@ -78,9 +78,9 @@ def looks_of(options: LooksOptions) -> Events:
     Raises:
         OutputError: The folder holds no such run, or a table that lacks a column.
     """
-    for file, read in _READERS.items():
+    for file, reader in _READERS.items():
         if (options.run / file).exists():
-            return read(Table.read(options.run / file, present_name), options)
+            return reader(Table.read(options.run / file, present_name), options)
     raise OutputError(
         f"{options.run} holds no looks: expected {', '.join(_READERS)}; give the folder of a finished session, "
         "development or perceive run"
