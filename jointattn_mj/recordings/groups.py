@@ -32,6 +32,11 @@ class GroupOptions(Checked):
 
     ADVANCED: ClassVar[Sequence[str]] = ("groups",)
 
+    @property
+    def group_columns(self) -> tuple[str, ...]:
+        """Columns that say what each recording is, and are no codes."""
+        return () if self.by is None else (self.by,)
+
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.groups is not None and self.by is None:

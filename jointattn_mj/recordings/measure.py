@@ -275,7 +275,9 @@ def run_measure(
     """
     with nullcontext() if options.out is None else claimed_paths(options.out, "measures") as paths:
         names = (*options.source, *options.target, *options.condition)
-        coding = Coding(options.file if source is None else source, options, tuple(dict.fromkeys(names)))
+        coding = Coding(
+            options.file if source is None else source, options, tuple(dict.fromkeys(names)), options.group_columns
+        )
         data = data or coding.steps(options.step)
         return _run(options, progress, data, groups_of(options, coding) if group_of is None else group_of, paths)
 

@@ -174,10 +174,11 @@ class Coding:
             >>> recordings.read(pandas.DataFrame(table), recording="dyad", step=0.1).about("age")
             {'a': '6', 'b': '9'}
         """
-        coding = replace(self, by=(column,), columns=(column,) if self.options.step is None else None)
+        of_steps = self.options.step is None and self.columns is not None
+        coding = replace(self, by=(column,), columns=(column,) if of_steps else None)
         content, _ = coding._content
         if not all(isinstance(one, Events) for one in content):
-            return of_column(coding.steps(), column)
+            return of_column(coding.steps(columns=(column,)), column)
         events = coding.events
         return dict(events.about[column]) if column in events.about else of_tier(events, column)
 

@@ -5,7 +5,7 @@ import io
 import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, TypeVar
 
@@ -278,7 +278,7 @@ def run_report(
     if (options.out / PAGE).exists():
         raise OutputError(f"{options.out / PAGE} is there already; choose another folder")
     reading = {one.name: getattr(options, one.name) for one in fields(ReadOptions)}
-    coding = read(options.file if source is None else source, **reading)
+    coding = replace(read(options.file if source is None else source, **reading), by=options.group_columns)
     events, group_of = coding.events, groups_of(options, coding)
     second = None if options.second is None else read(options.second, **reading).events
     new = not options.out.exists()
