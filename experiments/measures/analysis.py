@@ -48,7 +48,11 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
             color=f"C{number % 10}", marker="osd^v"[number % 5], ms=3, label=measure,
         )  # fmt: skip
     axes.set(
-        xscale="log", ylim=(-0.03, 1.05), xlabel="steps", ylabel=f"share of {len(results)} runs, right event first"
+        xscale="log",
+        ylim=(-0.03, 1.05),
+        xlabel="steps",
+        ylabel=f"share of {len(results)} runs, right event first",
+        title="How often each measure finds the contingent event",
     )
     axes.grid(alpha=0.3)
     axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1, 0.5))
