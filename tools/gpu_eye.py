@@ -28,7 +28,7 @@ WORLDS = (64, 256, 1024, 4096)
 EVERY = 15
 """Frames of the session from one pose to the next."""
 DRAWN = 64
-"""SessionPoses of which OpenGL draws an image."""
+"""Poses of which OpenGL draws an image."""
 VARIED = "320x240"
 """Size at which other orders of the rays, and more rays a pixel, are tried, with ``--varied-at`` worlds."""
 VARIANTS: tuple[dict[str, Any], ...] = (
