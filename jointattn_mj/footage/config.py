@@ -109,3 +109,5 @@ class PerceiveOptions(Checked):
     check: Path | None = None
     """Codings of a person, in any form that ``jointattn measure`` reads: where the person of interest looks. Kappa with
     its interval goes to summary.json. Needs looks; with resume, a viewing that has ended is compared, too."""
+    page: bool = True
+    """With looks, make page/report.html: timelines, and who follows whom, as ``jointattn recordings`` does."""

@@ -23,6 +23,7 @@ from jointattn_mj.footage.sessions.config import CameraSessionConfig, VideoSessi
 from jointattn_mj.footage.sessions.lens import HeadConfig, Lens
 from jointattn_mj.footage.sessions.run import run_footage_session
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.result import SessionResult
 from jointattn_mj.perception.som import SOMConfig
 from jointattn_mj.scene import gl
 from jointattn_mj.scene.world import World, WorldConfig
@@ -103,6 +104,17 @@ def test_a_session_at_a_video(whole):
     judged = [row for row in shifts if row["face_to_object"]]
     assert all(row["success"] == (row["nearest"] == "red") for row in judged if row["landing_s"] < 3)
     assert {path.name for path in out.glob("*.png")} == {"som.png", "success.png"}
+
+
+def test_a_session_at_a_video_opens_as_a_result(table, whole, tmp_path):
+    out, summary = whole
+    result = SessionResult.open(out)
+    assert result.config == config(table, coding=table / "coding.csv")
+    assert result.summary == summary
+    assert len(result.frames) == summary.frames and len(result.shifts) == summary.gaze_shifts_of_all_kinds
+    result.save(tmp_path / "copy")
+    assert SessionResult.open(tmp_path / "copy") == result
+    assert {path.name for path in (tmp_path / "copy").glob("*.png")} == {"som.png", "success.png"}
 
 
 def test_a_session_that_was_stopped_goes_on_to_the_same_result(table, whole, tmp_path):

@@ -51,6 +51,8 @@ class Input:
     """Where the command ends well: what is wrong with that, or nothing."""
     alone: bool = False
     """Try it in an interpreter of its own, down to how that ends."""
+    needed: bool = False
+    """Whether there must be a result: no refusal will do."""
 
     def put(self, shell: Shell, seconds: float) -> Outcome:
         """Try it."""
@@ -105,6 +107,8 @@ def verdict(given: Input, outcome: Outcome) -> Failure | None:
     if outcome.code == 0:
         wrong = given.result(outcome)
         return failure("accepted", f"{wrong}; {said}") if wrong else None
+    if given.needed:
+        return failure("exit code", f"{outcome.code}, and a result is possible; {said}")
     if not said:
         return failure("nothing said", str(outcome.code))
     lines = [line for line in said.splitlines() if not PROGRESS.search(line)]

@@ -24,6 +24,12 @@ TITLES = {
         "Values of options, damaged and made-up files, calls from Python. Right is an error in a line, or a result "
         "where the input has one; counted is everything else.",
     ),
+    "videos": (
+        "Odd and damaged videos",
+        "For `perceive`: containers, codecs, sizes, rates, names and things that are no videos, and such files after bytes "
+        "were lost or changed. Odd videos have as many seconds as they should, whatever is no video is refused in a line, "
+        "and a damaged one ends either way; counted is everything else.",
+    ),
     "hours": (
         "A simulated day",
         "Resident memory of the process, and what it wrote in all beside what it left.",
