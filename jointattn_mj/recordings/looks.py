@@ -143,7 +143,8 @@ def _video(table: Table, options: LooksOptions) -> Events:
             (code, "there", *times) if tier == PEOPLE else (names.get(tier, tier), code, *times)
             for tier, code, *times in zip(*(events.table[name] for name in COLUMNS), strict=True)
         ]
-        return Events.of(*zip(*rows, strict=True), options.name or options.run.resolve().name)
+        tiers, codes, onsets, offsets = zip(*rows, strict=True) if rows else ((), (), (), ())
+        return Events.of(tiers, codes, onsets, offsets, options.name or options.run.resolve().name)
     _has(table, ("time_s", "attended"), options.run)
     return of_steps(options.robot, table["attended"], _frames(table), options.name or options.run.resolve().name)
 

@@ -3,18 +3,19 @@
 SAC (eq. 5.2) of an event weighs every situation (r, s) by how often it comes. What is strong but rare then looks weak:
 looking back after having followed a gaze says much about the next look at the face, in few of all steps. Here an
 event's value is the mean of the local values D(r, s) (see ``contingency.situations``) over those of its situations that
-are surest to be contingent, as long as these fill a share of the time. Draws from the posterior of D say how much is
-known. An event is found when
+are surest to be contingent, as long as these fill a share of the time. The posterior of D says how much is known. An
+event is found when
 
 - its value is above 0, surely enough,
-- no rival is much higher in nearly all draws,
+- no rival is probably much higher; one for which there is no evidence hardly counts,
 - what is sensed and what is done together foresee its result better than either alone, by more than chance would let
   any of the events do, and
 - a module of it would offer something.
 
-Two more conditions keep apart what is the same contingency seen from two sides. What the modules that bring about a
-result say of it already does not count again: the result is conditioned on their use. And of two events that mirror
-each other, because what brings one result about takes another away, the one that brings about comes first.
+Events are tried from the highest value down. Two more conditions keep apart what is the same contingency seen from two
+sides. What the modules that bring about a result say of it already does not count again: the result is conditioned on
+their use. And of two events that mirror each other, because what brings one result about takes another away, the one
+that brings about comes first.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -58,17 +59,17 @@ class LocalConfig(Checked):
     """Transitions that the prior "s says nothing" is worth."""
     deviations: NotNegative = 3.0
     """Standard deviations of the posterior by which the first value must be above 0."""
-    best: Share = 0.97
+    best: Share = 0.9
     """Least probability that no rival is higher by more than ``tolerance``."""
     tolerance: NotNegative = 0.25
     """Share of the first value by which a rival may be higher. Telling nearly equal events apart takes for ever."""
-    doubt: NotNegative = 0.1
+    doubt: NotNegative = 10.0
     """Odds, before anything is known, that a rival is not contingent at all. Its value counts only as far as the
     evidence says that it is. 0: a rival is always believed; events of rare situations then hold others up."""
     false_alarm: Annotated[float, Real("(0, 1]")] = 0.005
     """Accepted chance that an event is ever found in which there is nothing. The evidence, a Bayes factor, must reach
     the number of events divided by this."""
-    evidence_overall: Positive = 0.01
+    evidence_overall: Positive = 1.0
     """Bayes factor that all steps together must reach for an event whose result has no module yet. The evidence above
     is that of the steps since the last module; what lasts for some of them must not be taken for contingency."""
     again: Literal["beyond_last", "equally"] = "beyond_last"
@@ -136,15 +137,14 @@ def search(
     if config.needs_offers:
         while len(ranked) and not offers(events[ranked[0]]):
             ranked = ranked[1:]
-    if not len(ranked):
-        return NOTHING, values
-    first, rivals = int(ranked[0]), ranked[1:]
-    is_found = (
-        values[first] > config.deviations * lead[first, 1]
-        and _is_first(columns, lead[first], rivals, hoped, config)
-        and _is_evident(steps, columns, first, events, served, since, config)
-    )
-    return first if is_found else NOTHING, values
+    for number in ranked[values[ranked] > config.deviations * lead[ranked, 1]]:
+        if (
+            _is_first(columns, lead[number], ranked[ranked != number], hoped, config)
+            and (number == ranked[0] or not config.needs_offers or offers(events[number]))
+            and _is_evident(steps, columns, int(number), events, served, since, config)
+        ):
+            return int(number), values
+    return NOTHING, values
 
 
 def _weighing(config: LocalConfig) -> Weighing:

@@ -1,7 +1,9 @@
 """Values of events for stop rule ``local``: the posterior of local contingency, and evidence that there is any.
 
-The values D(r, s) of ``contingency.situations`` have a posterior. Here its mean and variance come from a series of
-second order in p(r' | r, s, a) around their means, so that nothing is drawn; a sum over situations is taken as normal.
+The values D(r, s) of ``contingency.situations`` have a posterior. Here its mean and variance are computed, so that
+nothing is drawn. The divergence of one action from what is usual has moments in closed form, by the digamma function;
+the mixture over actions is taken as beta distributed in the mean, and as linear in the variance. A sum over situations
+is taken as normal.
 Compiled: all events of a look in one call.
 """
 
@@ -16,6 +18,10 @@ from jointattn_mj.io.compiled import njit
 
 STRENGTHS = (1.0, 4.0, 16.0)
 """Concentrations of the priors that evidence is averaged over: how many transitions each is worth."""
+AFFECTED = (1.0, 0.25, 0.0625)
+"""How probable it is, before anything is known, that s and a matter together in any one situation and action; evidence
+is averaged over these as well. Contingency is carried by few of them, and those that carry none would speak against
+those that do if all were believed to carry some."""
 QUANTILES = tuple(NormalDist().inv_cdf((i + 0.5) / 64) for i in range(64))
 """Of the standard normal distribution, for means over it."""
 
@@ -103,7 +109,7 @@ def value_of(table: np.ndarray, by_reference: bool, how: Weighing, lead: np.ndar
     results, sensors, actions, outcomes = table.shape
     value = np.zeros((results * sensors, 4))  # share, mean, variance, and by how much the result rises
     q, base, times = np.zeros((actions, outcomes)), np.zeros(outcomes), np.zeros((sensors, actions))
-    p, mixed, center = np.zeros((actions, outcomes)), np.zeros(outcomes), np.zeros(outcomes)
+    p, room = np.zeros((actions, outcomes)), np.zeros((3, outcomes))
     m, total = 0, 0.0
     for r in range(results):
         if _pool(table[r], q, base, times) == 0.0:
@@ -111,7 +117,7 @@ def value_of(table: np.ndarray, by_reference: bool, how: Weighing, lead: np.ndar
         for s in range(sensors):
             n = times[s].sum()
             if n > 0.0:
-                _situation(table[r, s], times[s], q, base, by_reference, how.concentration, p, mixed, center, value[m])
+                _situation(table[r, s], times[s], q, base, by_reference, how.concentration, p, room, value[m])
                 value[m, 0] = n
                 total += n
                 m += 1
@@ -177,7 +183,7 @@ def _pool(table: np.ndarray, q: np.ndarray, base: np.ndarray, times: np.ndarray)
 @njit(cache=True)
 def _situation(
     counts: np.ndarray, times: np.ndarray, q: np.ndarray, base: np.ndarray, by_reference: bool, concentration: float,
-    p: np.ndarray, mixed: np.ndarray, center: np.ndarray, value: np.ndarray,
+    p: np.ndarray, room: np.ndarray, value: np.ndarray,
 ) -> None:  # fmt: skip
     """Posterior of D(r, s) of one situation.
 
@@ -189,8 +195,7 @@ def _situation(
         by_reference: Whether each action weighs the same.
         concentration: Transitions that the prior is worth.
         p: (A, R') working space.
-        mixed: (R',) working space.
-        center: (R',) working space.
+        room: (3, R') working space.
         value: (4,) its second is the mean of D, nats, its third the variance, its fourth what the actions contribute
             to D by making a result more frequent, less what they contribute by making it rarer. The first value of a
             result stands for its absence.
@@ -201,7 +206,9 @@ def _situation(
         n += times[a]
         seen += times[a] > 0.0
     mean, rise, variance = 0.0, 0.0, 0.0
+    mixed, center, scatter = room[0], room[1], room[2]
     mixed[:] = 0.0
+    scatter[:] = 0.0
     if by_reference:
         center[:] = 0.0
     else:
@@ -209,41 +216,90 @@ def _situation(
     for a in range(actions):
         if times[a] == 0.0:
             continue
-        weight = 1.0 / seen if by_reference else times[a] / n
-        divergence, possible = 0.0, 0
+        weight, total = 1.0 / seen if by_reference else times[a] / n, times[a] + concentration
+        divergence = 0.0
         for k in range(outcomes):
-            p[a, k] = (counts[a, k] + concentration * q[a, k]) / (times[a] + concentration)
-            mixed[k] += weight * p[a, k]
+            x = p[a, k] = (counts[a, k] + concentration * q[a, k]) / total
+            mixed[k] += weight * x
+            scatter[k] += weight * weight * x * (1.0 - x) / (total + 1.0)
             if by_reference:
                 center[k] += weight * q[a, k]
-            if q[a, k] > 0.0:
-                possible += 1
-                if q[a, k] < 1.0:
-                    divergence += p[a, k] * math.log(p[a, k] / q[a, k])
-        spread = 1.0 / (times[a] + concentration + 1.0)
-        mean += weight * (divergence + 0.5 * (possible - 1) * spread)
-        variance += 0.5 * (possible - 1) * (weight * (1.0 - weight) * spread) ** 2
+            if 0.0 < q[a, k] < 1.0:
+                divergence += x * math.log(x / q[a, k])
+                mean += weight * x * (digamma(total * x + 1.0) - digamma(total + 1.0) - math.log(q[a, k]))
         rise += weight * divergence * (1.0 if p[a, 0] < q[a, 0] else -1.0)
     for k in range(outcomes):
-        if mixed[k] > 0.0:
-            ratio = math.log(mixed[k] / center[k])
-            mean -= mixed[k] * ratio
-            mixed[k], center[k] = 1.0 / mixed[k], ratio
+        x = mixed[k]
+        if x > 0.0:
+            expected = math.log(x)
+            if scatter[k] > 0.0:
+                strength = x * (1.0 - x) / scatter[k] - 1.0
+                expected = digamma(strength * x + 1.0) - digamma(strength + 1.0)
+            mean -= x * (expected - math.log(center[k]))
+            center[k] = math.log(x / center[k])
     for a in range(actions):
         if times[a] == 0.0:
             continue
-        weight = 1.0 / seen if by_reference else times[a] / n
-        spread = 1.0 / (times[a] + concentration + 1.0)
-        first = second = 0.0
-        for k in range(outcomes):
-            x = p[a, k]
-            if 0.0 < x < 1.0:
-                slope = math.log(x / q[a, k]) - center[k]
-                first += x * slope
-                second += x * slope * slope
-                mean -= 0.5 * weight * weight * x * (1.0 - x) * spread * mixed[k]
-        variance += weight * weight * (second - first * first) * spread
+        weight, total = 1.0 / seen if by_reference else times[a] / n, times[a] + concentration
+        variance += weight * weight * _scatter(p[a], q[a], center, total, (1.0 - weight) ** 2)
     value[1], value[2], value[3] = mean, variance, rise
+
+
+@njit(cache=True)
+def _scatter(p: np.ndarray, q: np.ndarray, center: np.ndarray, total: float, rest: float) -> float:
+    """Variance of sum_k x_k (log(x_k / q_k) - c_k), where x has a Dirichlet distribution.
+
+    Args:
+        p: (R',) mean of x.
+        q: (R',) see above.
+        center: (R',) c.
+        total: Sum of the distribution's parameters.
+        rest: Share of what is not linear in x that counts.
+    """
+    square = mean = first = second = 0.0
+    top, slope = digamma(total + 2.0), trigamma(total + 2.0)
+    for k in range(len(p)):
+        x = p[k]
+        if not 0.0 < x < 1.0:
+            continue
+        shift, a = math.log(q[k]) + center[k], total * x
+        linear = math.log(x) - shift
+        first += x * linear
+        second += x * linear * linear
+        mean += x * (digamma(a + 1.0) - digamma(total + 1.0) - shift)
+        d = digamma(a + 2.0) - top - shift
+        square += x * (a + 1.0) / (total + 1.0) * (d * d + trigamma(a + 2.0) - slope)
+        for j in range(k):
+            y = p[j]
+            if 0.0 < y < 1.0:
+                one = digamma(a + 1.0) - top - shift
+                other = digamma(total * y + 1.0) - top - math.log(q[j]) - center[j]
+                square += 2.0 * x * y * total / (total + 1.0) * (one * other - slope)
+    linear = (second - first * first) / (total + 1.0)
+    whole = square - mean * mean
+    return whole - (1.0 - rest) * max(whole - linear, 0.0)
+
+
+@njit(cache=True)
+def digamma(x: float) -> float:
+    """Derivative of the logarithm of the gamma function, for x >= 1."""
+    value = 0.0
+    while x < 6.0:
+        value -= 1.0 / x
+        x += 1.0
+    y = 1.0 / (x * x)
+    return value + math.log(x) - 0.5 / x - y * (1.0 / 12.0 - y * (1.0 / 120.0 - y * (1.0 / 252.0 - y / 240.0)))
+
+
+@njit(cache=True)
+def trigamma(x: float) -> float:
+    """Second derivative of the logarithm of the gamma function, for x >= 1."""
+    value = 0.0
+    while x < 6.0:
+        value += 1.0 / (x * x)
+        x += 1.0
+    y = 1.0 / (x * x)
+    return value + 1.0 / x + 0.5 * y + y / x * (1.0 / 6.0 - y * (1.0 / 30.0 - y * (1.0 / 42.0 - y / 30.0)))
 
 
 @njit(cache=True)
@@ -286,12 +342,13 @@ def evidences(columns: EventColumns, chosen: np.ndarray) -> np.ndarray:
 def log_evidence(table: np.ndarray) -> float:
     """Log of how much better the counts are explained with s and a together than with either alone.
 
-    Each p(r' | r, s, a) has a prior around p(r' | r, a), or around p(r' | r, s), which are taken from the same counts.
-    The factor is averaged over priors of different strength, STRENGTHS; the smaller of the two is returned.
+    Each p(r' | r, s, a) is p(r' | r, a), or p(r' | r, s), which are taken from the same counts; or else it has a prior
+    around it. The factor is averaged over strengths of the prior and over how probable it is that there is anything but
+    the former, STRENGTHS and AFFECTED; the smaller of the two is returned.
     """
     results, sensors, actions, outcomes = table.shape
     q = _pooled(table)
-    total = np.zeros((2, len(STRENGTHS)))
+    total, factor = np.zeros((2, len(STRENGTHS), len(AFFECTED))), np.zeros((2, len(STRENGTHS)))
     for r in range(results):
         for s in range(sensors):
             n_s = table[r, s].sum()
@@ -303,15 +360,15 @@ def log_evidence(table: np.ndarray) -> float:
                 if n == 0.0:
                     continue
                 for i, strength in enumerate(STRENGTHS):
-                    constant = math.lgamma(strength) - math.lgamma(n + strength)
+                    factor[:, i] = math.lgamma(strength) - math.lgamma(n + strength)
                     for part in range(2):
-                        total[part, i] += constant
                         for k in range(outcomes):
                             c = table[r, s, a, k]
                             if c > 0.0:
                                 p = q[r, a, k] if part == 0 else of_s[k]
                                 b = strength * p
-                                total[part, i] += math.lgamma(c + b) - math.lgamma(b) - c * math.log(p)
+                                factor[part, i] += math.lgamma(c + b) - math.lgamma(b) - c * math.log(p)
+                _add(factor, total)
     return min(_log_mean_exp(total[0]), _log_mean_exp(total[1]))
 
 
@@ -321,8 +378,7 @@ def predictive_evidence(
 ) -> float:
     """Log of how much better the results are foreseen with s and a together than with either alone.
 
-    Each result is foreseen from those before it only: p(r' | r, s, a) with a prior around p(r' | r, a), or around
-    p(r' | r, s). Averaged over priors of different strength, STRENGTHS; the smaller of the two is returned.
+    As ``log_evidence``, but each result is foreseen from those before it only.
 
     Args:
         s: (n,) values of the sensor.
@@ -336,19 +392,46 @@ def predictive_evidence(
     own = np.zeros((sizes[0], sizes[1], sizes[2], outcomes + 1))
     by_action = np.zeros((sizes[0], sizes[2], outcomes + 1))
     by_sensor = np.zeros((sizes[0], sizes[1], outcomes + 1))
-    total = np.zeros((2, len(STRENGTHS)))
+    factor = np.zeros((sizes[0], sizes[1], sizes[2], 2, len(STRENGTHS)))
     for t in range(first, len(s) - 1):
         counts, k = own[before[t], s[t], a[t]], after[t + 1]
         for part in range(2):
             alone = by_action[before[t], a[t]] if part == 0 else by_sensor[before[t], s[t]]
             p0 = (alone[k] + 1.0 / outcomes) / (alone[outcomes] + 1.0)
             for i, strength in enumerate(STRENGTHS):
-                total[part, i] += math.log((counts[k] + strength * p0) / (counts[outcomes] + strength) / p0)
+                gain = math.log((counts[k] + strength * p0) / (counts[outcomes] + strength) / p0)
+                factor[before[t], s[t], a[t], part, i] += gain
             alone[k] += 1.0
             alone[outcomes] += 1.0
         counts[k] += 1.0
         counts[outcomes] += 1.0
+    total = np.zeros((2, len(STRENGTHS), len(AFFECTED)))
+    for i in range(sizes[0]):
+        for j in range(sizes[1]):
+            for k in range(sizes[2]):
+                if own[i, j, k, outcomes] > 0.0:
+                    _add(factor[i, j, k], total)
     return min(_log_mean_exp(total[0]), _log_mean_exp(total[1]))
+
+
+@njit(cache=True)
+def _add(factor: np.ndarray, total: np.ndarray) -> None:
+    """Add the evidence of one situation and action, which may or may not be affected.
+
+    Args:
+        factor: (2, strengths) log of how much better its results are explained if it is.
+        total: (2, strengths, shares) log of the evidence of all; changed in place.
+    """
+    for part in range(2):
+        for i in range(len(STRENGTHS)):
+            x = factor[part, i]
+            for j, share in enumerate(AFFECTED):
+                if share == 1.0:
+                    total[part, i, j] += x
+                elif x > 0.0:
+                    total[part, i, j] += x + math.log(share + (1.0 - share) * math.exp(-x))
+                else:
+                    total[part, i, j] += math.log(1.0 - share + share * math.exp(x))
 
 
 @njit(cache=True)

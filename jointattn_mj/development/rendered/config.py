@@ -70,6 +70,11 @@ class RenderedDevelopmentConfig(DevelopmentConfig):
         super().__post_init__()
         if self.maps == "continuous" and self.resolution == "growing":
             raise ConfigError("maps continuous needs the table's locations; choose resolution given, or maps discrete")
+        if self.resolution == "growing" and self.rendered.senses.frontal_likeness:
+            raise ConfigError(
+                "resolution growing knows frontal faces by units of the map: it needs senses.frontal_likeness 0; "
+                f"got {self.rendered.senses.frontal_likeness}"
+            )
 
     @classmethod
     def defaults(cls, given: Mapping[str, Any]) -> Self:

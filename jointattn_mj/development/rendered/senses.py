@@ -48,10 +48,14 @@ class SensesConfig(Checked):
     frontal_share: Annotated[float, Real("[0, 1)")] = 0.05
     """A category is frontal if it got more than this share of the calibration's faces. Frontal faces may fall into two
     categories; a robot that took one of them for a profile found nothing after gaze following."""
+    frontal_likeness: Annotated[float, Real("[0, 1)")] = 0.0
+    """A category is frontal as well if its faces are nearer to those of the calibration than this share of the median
+    over the other categories. After a turn a frontal face may be cut out in another way than during calibration. 0:
+    what calibration did not show is never frontal."""
     state: tuple[Literal["face", "category", "object"], ...] = ()
     """Parts of perception that are taken from the simulator's state: face, category, object."""
 
-    ADVANCED: ClassVar = ("frontal_share",)
+    ADVANCED: ClassVar = ("frontal_share", "frontal_likeness")
     RENAMED: ClassVar = {"truth": "state"}
 
 
@@ -108,7 +112,7 @@ class Senses:
         looks: Whether images are needed; not if all parts of perception are replaced by ground truth.
         variables: The agent's: S1 has a value for each category of faces.
         categories: Of faces.
-        frontal: (values of S1,) bool: the categories of the calibration's faces.
+        frontal: (values of S1,) bool: the categories of the calibration's faces, and of faces like them.
     """
 
     def __init__(
@@ -142,6 +146,9 @@ class Senses:
         else:
             shown = np.array([self.categories.of(pattern) for pattern in patterns[:calibration]])
         self.frontal = frontal_categories(shown, self._no_face, config.frontal_share)
+        if config.frontal_likeness and not self._from_state["category"]:
+            of_category = np.array([self.categories.of(pattern) for pattern in patterns])
+            self.frontal |= alike(patterns, of_category, self.frontal, config.frontal_likeness)
         self._likeliest = int(np.bincount(shown).argmax())
 
     def turned(self, patterns: Sequence[np.ndarray]) -> int:
@@ -192,6 +199,29 @@ def frontal_categories(shown: np.ndarray, count: int, share: float) -> np.ndarra
         (count + 1,) bool; the last stands for no face, and is False.
     """
     return np.bincount(shown, minlength=count + 1) > share * len(shown)
+
+
+def alike(patterns: np.ndarray, category: np.ndarray, frontal: np.ndarray, share: float) -> np.ndarray:
+    """Which categories of faces are much more like frontal ones than the others are.
+
+    Args:
+        patterns: (n, d) faces.
+        category: (n,) their categories.
+        frontal: (count + 1,) whether a category is known to be frontal; the last stands for no face.
+        share: Of the median of all distances to the nearest frontal category; those below it are alike.
+
+    Returns:
+        (count + 1,) bool; categories without faces, and those in ``frontal``, are not.
+    """
+    likes = np.zeros_like(frontal)
+    others = [number for number in np.unique(category) if not frontal[number]]
+    means = [patterns[category == number].mean(axis=0) for number in np.unique(category[frontal[category]])]
+    if others and means:
+        apart = np.array([
+            min(np.linalg.norm(patterns[category == number].mean(axis=0) - mean) for mean in means) for number in others
+        ])  # fmt: skip
+        likes[others] = apart < share * np.median(apart)
+    return likes
 
 
 def write_values(face: int, object_there: bool, frontal: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:

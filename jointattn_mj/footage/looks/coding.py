@@ -137,7 +137,7 @@ def _likely(
 ) -> np.ndarray:
     """Posterior (n, k + 1) of all targets, away being the last; 0 for away where that is no answer.
 
-    How often somebody looks away is learned, too. With labels so is how little evidence there is of it.
+    The share of looks away is learned, too. With labels, the evidence that counts for looking away is learned as well.
     """
     if not len(evidence):
         return np.zeros(evidence.shape)

@@ -22,7 +22,7 @@ class LooksConfig(Checked):
     """Rounds of expectation and maximisation over all looks."""
     sharpness: Annotated[float, Real("[0.1, 10]")] = 1.5
     """Weight of evidence where targets are guessed to learn from. Above 1 each direction of the head comes to mean one
-    place, rather than any; otherwise somebody who never moves, such as a partner, may not be learned."""
+    location, rather than any; otherwise somebody who never moves, such as a partner, may not be learned."""
     smoothing: Annotated[float, Real("[1e-6, 1e3]")] = 0.02
     """Added to shares before they are compared, in units of the mean share. It keeps what was seen once from being
     certain."""

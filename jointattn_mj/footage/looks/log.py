@@ -15,8 +15,8 @@ from jointattn_mj.perception.som import SOM
 BLOCK = 1000
 """Rows that are read at a time."""
 _HEAD = 6
-"""Numbers before the locations: frame, height of the face's square, whether the face is seen, yaw, and the place of the
-largest other face."""
+"""Numbers before the locations: frame, height of the face's square, whether the face is seen, yaw, and the location
+of the largest other face."""
 PARTNER_LOOKS = 5
 """Looks in which another face must be seen to be a candidate."""
 
