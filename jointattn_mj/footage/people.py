@@ -233,7 +233,7 @@ class People:
                 if not len(faces) or overlaps(face[BOX], faces[:, BOX]).max() < 0.2:
                     faces = np.vstack([faces, face])
             self._until_scan = (config.scan_every if len(faces) else config.empty_every) - 1
-        return faces[_middle_visible(faces, image.shape)]
+        return np.asarray(faces[_middle_visible(faces, image.shape)])
 
     def _assign(self, image: np.ndarray, faces: np.ndarray, frame: int) -> None:
         """Give each face to the track that it continues, or begin one."""
