@@ -92,6 +92,16 @@ def elan_text_without_header() -> str:
     return "".join(f"{t}\t\t{_clock(a)}\t{_clock(b)}\t{_clock(b - a)}\t{c}\n" for t, c, a, b in GAZE)
 
 
+def elan_text_of_several_files() -> str:
+    """Tab-delimited text without a header, with participants, all formats of time and the names of the files."""
+    return "".join(
+        f"{t}\tparticipant of {t}\t"
+        + "\t".join(str(f(x)) for x in (a, b, b - a) for f in (_clock, lambda x: f"{x:.3f}", _ms))
+        + f"\t{c}\t/home/me/x.eaf\n"
+        for t, c, a, b in GAZE
+    )
+
+
 def elan_text_side_by_side() -> str:
     """Tab-delimited text with a column for each tier."""
     rows = [(_ms(a), _ms(b), c if t == "infant" else "", c if t == "mother" else "") for t, c, a, b in GAZE]
@@ -302,6 +312,7 @@ FILES: dict[str, tuple[str, Callable[[], bytes | str]]] = {
     "elan": ("x.eaf", elan),
     "elan text": ("x.txt", elan_text),
     "elan text without a header": ("x.txt", elan_text_without_header),
+    "elan text of several files": ("x.txt", elan_text_of_several_files),
     "elan text side by side": ("x.txt", elan_text_side_by_side),
     "boris tabular": ("x.tsv", boris_tabular),
     "boris aggregated": ("x.csv", boris_aggregated),

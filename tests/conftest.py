@@ -14,9 +14,9 @@ for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_DFL if number == signal.SIGHUP else signal.default_int_handler)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def jointattn():
-    """The command line, in a process that has imported what it needs."""
+    """The command line, in a process that has imported what it needs. It runs where the test is."""
     shell = Shell()
     yield shell
     shell.close()

@@ -57,7 +57,7 @@ class Part:
         return any(VENV.glob(f"lib/python*/site-packages/{self.package}/__init__.py"))
 
 
-BASE = Part("what the demo needs", "mujoco", 435, 1440)
+BASE = Part("what the demo needs", "mujoco", 397, 1350)
 TORCH = Part("PyTorch, in PyPI's build for CUDA", "torch", 2740, 4940)
 TOOLS = Part("tools for tests and documentation", "pytest", 85, 400)
 KINDS = {"demo": (BASE,), "test": (BASE, TORCH, TOOLS)}

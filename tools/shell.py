@@ -1,8 +1,9 @@
 """Command lines, each in a process of its own, without a second of imports for each.
 
-A server imports the package once and forks for every command line; what is asked and answered are lines of JSON.
+A server imports once what commands need and forks for every command line; what is asked and answered are lines of JSON.
 """
 
+import importlib
 import json
 import os
 import resource
@@ -34,7 +35,8 @@ class Shell:
     """Runs ``jointattn`` with the given arguments, or lines of Python."""
 
     def __init__(self, cwd: Path | None = None) -> None:
-        """``cwd``: where commands run; its package is taken if it holds one."""
+        """``cwd``: where commands run, and its package is taken if it holds one; without it, where the caller is."""
+        self._cwd = cwd
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, [os.getenv("PYTHONPATH"), str(ROOT)]))}
         self._server = subprocess.Popen(
             [sys.executable, __file__],
@@ -64,6 +66,7 @@ class Shell:
         return self._ask(source=source, seconds=seconds, memory=memory)
 
     def _ask(self, **request: object) -> Outcome:
+        request["cwd"] = str(self._cwd or Path.cwd())
         print(json.dumps(request), file=self._server.stdin, flush=True)
         return Outcome(**json.loads(self._server.stdout.readline()))
 
@@ -76,6 +79,7 @@ class Shell:
 def _run(main, request: dict) -> int:
     """The command itself, in the forked process; its exit code."""
     os.setpgid(0, 0)
+    os.chdir(request["cwd"])
     os.environ.update(request.get("env") or {})
     if request.get("limit") is not None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (request["limit"], resource.RLIM_INFINITY))
@@ -112,6 +116,15 @@ def _wait(child: int, seconds: float | None) -> int:
     return HUNG
 
 
+def _warm_up() -> None:
+    """Import what most commands import late, and let numba get ready: a second of every command's time."""
+    import numba
+
+    for name in ("matplotlib.backends.backend_agg", "pandas", "pyarrow.parquet", "scipy.stats"):
+        importlib.import_module(name)
+    numba.njit(lambda number: number + 1)(1)
+
+
 def _serve() -> None:
     from jointattn_mj.cli.commands import COMMANDS
     from jointattn_mj.cli.main import main
@@ -119,6 +132,7 @@ def _serve() -> None:
 
     for name in COMMANDS:
         module_of(name)
+    _warm_up()
     for line in sys.stdin:
         with (
             tempfile.TemporaryFile("w+", errors="replace") as out,

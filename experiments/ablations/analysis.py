@@ -51,12 +51,16 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     groups = [_results(trials, setting) for setting in settings]
     shares = [proportion(sum(map(in_order, results)), len(results)) for results in groups]
     numbers = [mean_interval([len(result["modules"]) for result in results]) for results in groups]
-    for axes, values, words in ((left, shares, "FG, SCf, SC in order"), (right, numbers, "modules a run")):
+    for axes, values, words in (
+        (left, shares, "share of runs with FG, SCf, SC in order"),
+        (right, numbers, "modules a run"),
+    ):
         errors = [[e.mean - e.low for e in values], [e.high - e.mean for e in values]]
         axes.errorbar([e.mean for e in values], rows, xerr=errors, fmt="o", ms=4, capsize=2)
         axes.axvline(values[0].mean, color="k", ls=":", lw=0.8)
         axes.set_xlabel(words)
         axes.grid(alpha=0.3)
     left.set_yticks(rows, settings, fontsize=8)
+    figure.suptitle("How often the modules come in order, and how many come, with one choice changed", fontsize=10)
     left.set(xlim=(-0.03, 1.03), ylim=(len(settings) - 0.4, -0.6))
     return {"ablations": figure}

@@ -57,7 +57,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
             line = [mean_interval(rates[:, phase, number]) for phase in range(PHASES)]
             errors = [[e.mean - e.low for e in line], [e.high - e.mean for e in line]]
             axes.errorbar(range(PHASES), [e.mean for e in line], errors, marker="o", ms=4, capsize=3, label=name)
-        axes.set_xticks(range(PHASES), ["P1\nborn", "P2\nFG-m", "P3\nSCf-m", "P4\nSC-m"])
+        axes.set_xticks(range(PHASES), ["P1\nno module", "P2\nFG-m", "P3\nSCf-m", "P4\nSC-m"])
         axes.set(
             title=f"What the robot does in each phase\n({setting}, {len(rates)} runs)",
             xlabel="phase, and the module it begins with",

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval
 
-from .sweep import LABELLED, MINUTES, SETTINGS
+from .sweep import APART_DEG, LABELLED, MINUTES, SETTINGS
 
 CODERS = {"kappa": "without labels", "last_moved": "last object moved", "yaw": "yaw, fitted", "nearest": "nearest"}
 COLOURS = {"kappa": "#c0392b", "last_moved": "#2471a3", "yaw": "#7d6608", "nearest": "#7f8c8d"}
@@ -52,6 +52,10 @@ def analyse(trials: Trials) -> list[Comparison]:
         if hits:
             false = np.mean(values(part, MINUTES[-1], "away_false"))
             findings.append(_row(f"looks away found, {words}", hits, f"false in {false:.2f} of looks at objects"))
+            apart = values(part, MINUTES[-1], "away_hits_apart")
+            share = np.mean(values(part, MINUTES[-1], "away_apart"))
+            what = f"looks away more than {APART_DEG:g} deg from all objects found, {words}"
+            findings.append(_row(what, apart, f"{share:.0%} of the looks away"))
     return findings
 
 

@@ -41,9 +41,11 @@ PARTNER_AT = np.array([1.0, 0.5, 1.0])
 """Where another person's face is, world frame, m: beside the table, in view of the camera."""
 PARTNER_SWAY_PX = 3.0
 """Standard deviation of its location, which changes every ten seconds."""
+APART_DEG = 9.0
+"""Angle from the nearest object from which a look away is at something clearly else."""
 FIRST_SEED = 320_000
 """Held-out seeds; numbers of ``LooksConfig`` were chosen on 100 and 101."""
-VERSION = 2
+VERSION = 3
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,16 @@ class SeldomScript(CarelessScript):
             phase = Phase.GAZE
         super()._begin(phase)
 
+    @property
+    def apart_deg(self) -> float:
+        """Angle between the line of sight and the nearest object."""
+        return float(np.degrees(np.hypot(*(self._sight(self.objects) - self._gaze).T).min()))
+
+    @property
+    def aim(self) -> tuple[int | None, Phase | None]:
+        """What changes when the head turns to something else: each look away is at a position of its own."""
+        return self.target, self.phase if self.target is None else None
+
 
 def world_of(asked: FilmedTable) -> type[World]:
     """A class of worlds with the caregiver that is asked for."""
@@ -144,6 +156,7 @@ class FilmedSession:
         moves: (n, k) whether each candidate was seen to move.
         target: (n,) number of the candidate that was looked at; k for away.
         settled: (n,) outside turns, to objects and to elsewhere.
+        apart_deg: (n,) angle between the line of sight and the nearest object.
     """
 
     faces: np.ndarray
@@ -151,6 +164,7 @@ class FilmedSession:
     moves: np.ndarray
     target: np.ndarray
     settled: np.ndarray
+    apart_deg: np.ndarray
 
 
 def watch(asked: FilmedTable, seed: int, minutes: float) -> FilmedSession:
@@ -165,21 +179,23 @@ def watch(asked: FilmedTable, seed: int, minutes: float) -> FilmedSession:
     world = world_of(asked).build(asked.world, seeds[0])
     perception = StatePerception(asked.state, world, np.random.default_rng(seeds[1]))
     camera, count = WorldObservation(world), len(asked.world.scene.objects)
-    faces, px, moves, target, settled = [], [], [], [], []
+    faces, px, moves, target, settled, apart = [], [], [], [], [], []
     turn_frames, before, since = round(asked.world.behaviour.turn_s / FRAME_S), None, 0
     try:
         for frame in range(round(minutes * 60 / FRAME_S)):
             world.step(CAMERA)
-            since = since + 1 if world.caregiver.target == before else 0
-            before = world.caregiver.target
+            caregiver: Any = world.caregiver
+            since = since + 1 if caregiver.aim == before else 0
+            before = caregiver.aim
             if frame % asked.looks.every:
                 continue
-            percept, caregiver = perception.perceive(camera, landed=False), world.caregiver
+            percept = perception.perceive(camera, landed=False)
             faces.append(perception.face_pattern())
             px.append(np.where(percept.visible[:, None], percept.px, np.nan))
             moves.append(percept.moves[:count])
             target.append(count if caregiver.target is None else caregiver.target)
             settled.append(caregiver.phase not in (Phase.TURN, Phase.GREET) and since >= turn_frames)
+            apart.append(caregiver.apart_deg)
     finally:
         world.close()
     rng, seen = np.random.default_rng(seeds[2]), np.array(px)
@@ -192,7 +208,7 @@ def watch(asked: FilmedTable, seed: int, minutes: float) -> FilmedSession:
         partner = pixels_of_points(PARTNER_AT[None], np.degrees(CAMERA)) + sways[: len(seen)]
         seen = np.concatenate([seen[:, :-1], partner[:, None], seen[:, -1:]], axis=1)
         moving = np.column_stack([moving, np.zeros(len(seen), bool)])
-    return FilmedSession(np.array(faces), seen, moving, np.array(target), np.array(settled))
+    return FilmedSession(np.array(faces), seen, moving, np.array(target), np.array(settled), np.array(apart))
 
 
 def hidden(rng: np.random.Generator, looks: int, objects: int, share: float) -> np.ndarray:
@@ -206,8 +222,8 @@ def trial(asked: FilmedTable | Webcam, seed: int) -> dict[str, Any]:
     """Trial: by minutes of video, how the codes of all coders agree with where the caregiver looked, outside turns.
 
     Of each coder ``kappa`` by seconds; of the coder of looks also how many of the seconds were ``sure``, how many of
-    those were ``right``, hits and false alarms of away, ``placements`` in all, whether it was ``coded``, and ``kappa``
-    of the rest where the first minutes have labels.
+    those were ``right``, hits and false alarms of away, hits ``apart`` from all objects, ``placements`` in all, whether
+    it was ``coded``, and ``kappa`` of the rest where the first minutes have labels.
     """
     if isinstance(asked, Webcam):
         with TemporaryDirectory() as folder:
@@ -235,19 +251,19 @@ def filmed(asked: Webcam, seed: int, video: Path) -> dict[float, tuple[ObservedL
         part = _first(truth, len(seen.faces))
         px = np.concatenate([seen.px, seen.face_px[:, None]], axis=1)
         faces = np.column_stack([seen.yaw_deg, seen.yaw_deg])
-        found[minutes] = seen, FilmedSession(faces, px, part.moves, part.target, part.settled)
+        found[minutes] = seen, replace(part, faces=faces, px=px)
     return found
 
 
 def _first(session: FilmedSession, looks: int) -> FilmedSession:
-    return FilmedSession(*(getattr(session, name)[:looks] for name in ("faces", "px", "moves", "target", "settled")))
+    return FilmedSession(**{name: values[:looks] for name, values in vars(session).items()})
 
 
 def _coded(asked: FilmedTable, seed: int, session: FilmedSession) -> dict[str, Any]:
     rng = np.random.default_rng(seed)
     som = SOM(2, SOMConfig(), rng)
     som.train(session.faces[rng.permutation(len(session.faces))[: som.config.updates]], rng)
-    active = np.array([som.activations(face) for face in session.faces])
+    active = np.array([som.activations(face, asked.looks.softness) for face in session.faces])
     names = tuple(item.name for item in asked.world.scene.objects)
     seen = ObservedLooks(
         (*names, PARTNER) if asked.at_partner else names, active, session.px[:, -1], session.px[:, :-1],
@@ -263,7 +279,8 @@ def compared(seen: ObservedLooks, session: FilmedSession, config: LooksConfig) -
     seconds = settled[settled % round(1 / seen.step_s) == 0]
     right = coded.best == session.target
     sure = np.asarray((coded.posterior > config.sure).any(axis=1))
-    away = session.target == count
+    away, apart = session.target == count, session.apart_deg > APART_DEG
+    clear = (away & apart)[seconds]
     others = {
         "last_moved": last_moved(session.moves),
         "nearest": nearest(session.px),
@@ -281,6 +298,8 @@ def compared(seen: ObservedLooks, session: FilmedSession, config: LooksConfig) -
         "sure_alone": float((coded.alone > config.sure).mean()),
         "away": float(away[seconds].mean()),
         "away_hits": float(right[seconds][away[seconds]].mean()) if away[seconds].any() else None,
+        "away_apart": float(apart[seconds][away[seconds]].mean()) if away[seconds].any() else None,
+        "away_hits_apart": float(right[seconds][clear].mean()) if clear.any() else None,
         "away_false": float((coded.best == count)[seconds][~away[seconds]].mean()),
         "placements": int(coded.placements.sum()),
         "coded": not coded.doubt,

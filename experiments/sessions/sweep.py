@@ -33,8 +33,8 @@ def session_config(
 SETTINGS = {
     "state/cues": Setting(session_config("state", True), 20),
     "state/no_cues": Setting(session_config("state", False), 20),
-    "pixels/cues": Setting(session_config("pixels", True), 10),
-    "pixels/no_cues": Setting(session_config("pixels", False), 10),
+    "pixels/cues": Setting(session_config("pixels", True), 20),
+    "pixels/no_cues": Setting(session_config("pixels", False), 20),
     "state/cues_feedback_alone": Setting(session_config("state", True, gaze={"gate": "shut"}), 8),
     "state/no_cues_feedback_alone": Setting(session_config("state", False, gaze={"gate": "shut"}), 8),
     "state/cues_linear": Setting(session_config("state", True, learner={"code": "linear", "rate": 0.1}), 8),

@@ -64,6 +64,7 @@ def perceive(
     overlay_every: int = 1,
     checkpoint_minutes: float = 2.0,
     check: str | PathLike[str] | None = None,
+    page: bool = True,
     progress: Callable[[Viewing], object] = lambda viewing: None,
     **options: Unpack[PerceiveFields],
 ) -> PerceptionResult: ...
@@ -77,6 +78,7 @@ def perceive(
     overlay_every: int = 1,
     checkpoint_minutes: float = 2.0,
     check: str | PathLike[str] | None = None,
+    page: bool = True,
     progress: Callable[[Viewing], object] = lambda viewing: None,
     **options: Unpack[PerceiveFields],
 ) -> Iterator[PerceivedFrame] | PerceptionResult:
@@ -94,6 +96,7 @@ def perceive(
         overlay_every: Write one image of it for so many frames.
         checkpoint_minutes: Minutes of the video between checkpoints in ``out``.
         check: A person's codings of where the person of interest looks; kappa goes to the summary (with ``looks``).
+        page: With ``looks``, make the page of ``jointattn recordings`` from the looks.
         progress: Is called after every second of video, with ``out``.
         **options: Fields of ``PerceiveConfig``: ``objects`` (what to look for, such as
             ``("blue", "cup=#2b3ac0", "ball@12.5s:420,310")``), ``areas_each``, ``detector``, ``face``, ``looks``,
@@ -127,7 +130,7 @@ def perceive(
     if out is not None:
         codings = None if check is None else path_of(check, "check")
         where = PerceiveOptions(
-            path_of(out, "out"), resume, overlay, blur_faces, overlay_every, checkpoint_minutes, codings
+            path_of(out, "out"), resume, overlay, blur_faces, overlay_every, checkpoint_minutes, codings, page
         )
         run_perceive(config, where, progress)
         return PerceptionResult.open(where.out)

@@ -161,9 +161,10 @@ def run_with_bar(config: DevelopmentConfig, options: UnfilmedOptions) -> None:
     shown = Progress("exploring" if config.world != "table" else "developing", config.length, config.unit)
 
     def progress(run: DevelopmentRun, detections: Sequence[tuple[Detection, Meaning | None]]) -> None:
-        for one, meaning in detections:
+        for detection, meaning in detections:
             if meaning is not None:
-                shown.say(f"step {one.step:,}: {meaning.label}  [{run.agent.variables.describe(one.event)}]")
+                event = run.agent.variables.describe(detection.event)
+                shown.say(f"step {detection.step:,}: {meaning.label}  [{event}]")
         shown.doing("developing")
         shown.to(run.spent, count(len(run.agent.modules), "module"))
 
@@ -176,8 +177,8 @@ def run_with_bar(config: DevelopmentConfig, options: UnfilmedOptions) -> None:
 def text(summary: DevelopmentSummary) -> str:
     """The modules in their order, to read."""
     lines = [f"{'step':>10}  {'event':48}  what it means"] if summary.modules else ["No module was made."]
-    for one in summary.modules:
-        name = f" ({one.name})" if one.name.endswith("-m") else ""
-        lines.append(f"{one.step:>10,}  {one.event:48}  {one.means}{name}")
-    lines += [f"{one.step:>10,}  {one.event:48}  found, no module made" for one in summary.found_without_a_module]
+    for module in summary.modules:
+        name = f" ({module.name})" if module.name.endswith("-m") else ""
+        lines.append(f"{module.step:>10,}  {module.event:48}  {module.means}{name}")
+    lines += [f"{event.step:>10,}  {event.event:48}  found, no module made" for event in summary.found_without_a_module]
     return "\n".join(lines)

@@ -140,13 +140,13 @@ def with_defaults(command: Callable[..., None], **defaults: Any) -> Callable[...
 def _config_file(arguments: Sequence[str]) -> tuple[Path | None, list[str]]:
     """The file of --config, and all other words."""
     words = list(arguments)
-    for place, word in enumerate(words):
+    for number, word in enumerate(words):
         if word == f"--{CONFIG}":
-            if place + 1 == len(words):
+            if number + 1 == len(words):
                 raise ConfigError(f"--{CONFIG} expects a file, the config.yaml of a run")
-            return Path(words[place + 1]), words[:place] + words[place + 2 :]
+            return Path(words[number + 1]), words[:number] + words[number + 2 :]
         if word.startswith(f"--{CONFIG}="):
-            return Path(word.partition("=")[2]), words[:place] + words[place + 1 :]
+            return Path(word.partition("=")[2]), words[:number] + words[number + 1 :]
     return None, words
 
 

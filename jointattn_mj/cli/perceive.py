@@ -23,7 +23,8 @@ def perceive(config: Annotated[PerceiveConfig, FLAT], options: Annotated[Perceiv
     'jointattn-mj[footage]').
     Leaves in --out: config.yaml, summary.json (with the mapping from the video to the robot's image), percepts.parquet
     (a row a frame), people.parquet (a row a face), events.csv, checks.csv, fixations.parquet, fixations.png, som.png,
-    faces.parquet, overlay.mp4, checkpoint.bin; with --looks, looks.parquet (a row a look).
+    faces.parquet, overlay.mp4, checkpoint.bin; with --looks, looks.parquet (a row a look) and page/report.html. The
+    command jointattn looks writes all events for ELAN, BORIS or Datavyu.
     """
     one_thread()
     shown = Progress("reading again up to the checkpoint" if options.resume else "opening the video", unit="s of video")
@@ -56,6 +57,10 @@ def perceive(config: Annotated[PerceiveConfig, FLAT], options: Annotated[Perceiv
         print(f"Check these seconds: {'; '.join(shown_first)}{more}.")
     if "looks" in summary:
         print(_of_looks(summary["looks"]))
+        if summary["looks"].get("page"):
+            print(f"Page: {options.out / summary['looks']['page']}")
+        elif summary["looks"].get("why_no_page") and summary["looks"]["coded"]:
+            print(f"No page: {summary['looks']['why_no_page']}.")
     print(f"In {summary['wall_seconds']:.1f} s. Results: {options.out}")
 
 

@@ -117,8 +117,13 @@ def discover(
     ranked = sorted(tested, key=lambda one: -one.significance.corrected)
     for i, one in enumerate(ranked[:explain]):
         if one.p_adjusted <= alpha:
-            explained = timed(acted(data[one.sensor], data[one.action], data[one.result]), timing)
-            entries = local_of_steps(explained, chosen, unit)
+            explained = timed(acted(data[one.sensor], data[one.action], data[one.result], groups), timing)
+            counts = None
+            if one.significance.method != "permutation":
+                rng = generator(_seeds(seed).spawn(len(events) + 1)[-1])
+                again = replace(given, resamples=0)  # the same method, as the memory is the same
+                counts = assess_steps(explained, chosen, again, unit, rng, local=True).counts
+            entries = local_of_steps(explained, chosen, unit, counts=counts)
             ranked[i] = replace(one, values=carriers(entries, alpha))
     return tuple(ranked)
 

@@ -99,12 +99,42 @@ class Displaced:
     """(measures,): the part that does not hang on the source, nats times transitions."""
     exchangeable: int
     """Transitions in recordings whose source varies."""
+    whole: tuple[int, ...]
+    """For each measure, the term over all its variables."""
+    rest: np.ndarray
+    """int64 (3, rest): r, a and n of each (r, a, n)."""
+    source: np.ndarray
+    """int64 (sources,): codes of the values of the source."""
 
     def values(self, pieces: np.ndarray) -> np.ndarray:
         """Plug-in values (measures,) in nats of one surrogate, for all measures from the same counts."""
-        terms = _terms(self.counter.table(pieces), self.groups)
-        values: np.ndarray = (self.weights @ terms + self.fixed) / self.transitions
+        return self._values(self.counter.table(pieces))
+
+    def _values(self, table: np.ndarray) -> np.ndarray:
+        values: np.ndarray = (self.weights @ _terms(table, self.groups) + self.fixed) / self.transitions
         return values
+
+    @property
+    def cells(self) -> tuple[int, ...]:
+        """Number of combinations of values of each measure."""
+        return tuple(int(self.groups[term].max() + 1) * len(self.source) for term in self.whole)
+
+    def values_and_counts(self, pieces: np.ndarray) -> np.ndarray:
+        """Values as above, then how often each combination of values comes (measures + all cells,)."""
+        table = self.counter.table(pieces)
+        counts = [_summed(table, self.groups[term]).ravel() for term in self.whole]
+        return np.concatenate([self._values(table), *counts])
+
+    def combinations(self, measure: int) -> np.ndarray:
+        """int64 (4, cells): r, a, s and n of each combination of a measure, 0 for a variable that it has not."""
+        term = self.whole[measure]
+        first = np.unique(self.groups[term], return_index=True)[1]
+        r, a, n = (
+            np.where(axis in self.names[term], column[first], 0) for axis, column in zip("ran", self.rest, strict=True)
+        )
+        sources = len(self.source)
+        every = (np.repeat(r, sources), np.repeat(a, sources), np.tile(self.source, len(first)), np.repeat(n, sources))
+        return np.array(every, np.int64)
 
 
 def displaced(steps: Steps, measures: Sequence[Measure]) -> Displaced:
@@ -115,7 +145,7 @@ def displaced(steps: Steps, measures: Sequence[Measure]) -> Displaced:
     """
     columns, sizes = steps.columns(), steps.sizes
     rest, first = _numbered([columns[i] for i in (0, 1, 3)], [sizes[i] for i in (0, 1, 3)])
-    source, _ = _numbered([columns[2]], [sizes[2]])
+    source, first_of_source = _numbered([columns[2]], [sizes[2]])
     rests, sources = len(first), int(source.max()) + 1
     if rests * sources > MOST_CELLS:
         raise SeriesError(
@@ -140,6 +170,8 @@ def displaced(steps: Steps, measures: Sequence[Measure]) -> Displaced:
     return Displaced(
         counter(rest, source, rests, sources), len(rest), tuple(names), groups, weights, -weights @ alone,
         int(np.diff(spans)[highest > lowest].sum()),
+        tuple(names.index(measure.given + "n") for measure in measures),
+        np.array([columns[i][first] for i in (0, 1, 3)], np.int64), columns[2][first_of_source].astype(np.int64),
     )  # fmt: skip
 
 
@@ -231,6 +263,16 @@ def _blocks(spans: np.ndarray, chance: float, rng: np.random.Generator) -> np.nd
                 used += 1
                 t, length, u = t + taken, length - taken, start
     return pieces[:used]
+
+
+@njit(cache=True, nogil=True)
+def _summed(table: np.ndarray, group: np.ndarray) -> np.ndarray:
+    """Counts (groups, sources) of the groups of a term."""
+    sums = np.zeros((group.max() + 1, table.shape[1]), np.int64)
+    for rest in range(len(group)):
+        for s in range(table.shape[1]):
+            sums[group[rest], s] += table[rest, s]
+    return sums
 
 
 @njit(cache=True, nogil=True)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jointattn_mj.contingency.combinations import SurrogateCounts
 from jointattn_mj.contingency.information import CONTINGENCY, Measure
 from jointattn_mj.contingency.names import OF_EVENTS, full_name
 from jointattn_mj.contingency.series import Coded, Series, check_base
@@ -39,9 +40,10 @@ class LocalContingency:
     contribution: float
     """What the combination adds to the measure; over all combinations these add up to it."""
     z: float
-    """Count less expected, in standard deviations of the hypergeometric distribution; 0 where there is no choice."""
+    """Count less what it is by chance, in standard deviations by chance; 0 where there is no choice."""
     p: float
-    """Chance of so high a count, or a higher one, with s permuted among transitions of the same r and a (exact)."""
+    """Chance of so high a count, or a higher one: with s permuted among transitions of the same r and a (exact), or in
+    surrogates that move s as a whole, where looks are long."""
     p_adjusted: float
     """The same, corrected for the number of combinations."""
     known: str = "ra"
@@ -106,6 +108,9 @@ def local_contingency(
 ) -> tuple[LocalContingency, ...]:
     """Find the values that carry a contingency: every observed combination (r, s, a, r') and what it adds.
 
+    p takes steps as exchangeable, which they are not where people's looks are long. ``jointattn measure`` and
+    ``discover`` then take p of combinations from the same surrogates as that of the measure.
+
     Args:
         s: What is sensed, (T,) integer codes, or a list of such arrays, one a recording.
         a: What is done, of the same lengths.
@@ -131,7 +136,11 @@ def local_contingency(
 
 
 def local_of_steps(
-    given: Steps, measure: Measure = CONTINGENCY, unit: float = 1.0, how: Adjust = "holm"
+    given: Steps,
+    measure: Measure = CONTINGENCY,
+    unit: float = 1.0,
+    how: Adjust = "holm",
+    counts: SurrogateCounts | None = None,
 ) -> tuple[LocalContingency, ...]:
     """Find the values that carry a measure in series that are checked (see ``local_contingency``).
 
@@ -140,6 +149,8 @@ def local_of_steps(
         measure: Any. Combinations are of s, r' and what the measure takes as known.
         unit: Natural logarithm of the base.
         how: Correction of p for the number of combinations.
+        counts: What counts are by chance, from surrogates that move s as a whole; None: p is exact, for steps that can
+            change places. ``holm`` is then max-T, which keeps the same.
     """
     entries = _of_axes(given.entries(), measure.given + "sn")
     contribution = entries.counts * measure.local(entries) / entries.transitions / unit
@@ -150,6 +161,9 @@ def local_of_steps(
         for axis, column, coded in zip(AXES, entries.columns, histories, strict=True)
     )
     occasions, adjusted = entries.marginal("ras"), adjust(p, how)
+    if counts is not None:
+        z, p, together = counts.tested(entries.columns, entries.counts)
+        adjusted = together if how == "holm" else adjust(p, how)
     combinations = [
         LocalContingency(
             before=int(before[i]),

@@ -11,6 +11,7 @@ import numpy as np
 
 from jointattn_mj.contingency import bootstrap, information
 from jointattn_mj.contingency.bootstrap import Resample
+from jointattn_mj.contingency.combinations import SurrogateCounts
 from jointattn_mj.contingency.displaced import FEWEST_RECORDINGS, Displacement, Moves, displaced, moves
 from jointattn_mj.contingency.information import Measure
 from jointattn_mj.contingency.lagged import Timing, timed
@@ -43,6 +44,8 @@ memory says (see ``chosen_method``)."""
 
 ENOUGH_PARTNERS = 8
 """Recordings from which on ``auto`` takes partners where looks are too long to be shifted."""
+MOST_COUNTS = 10_000_000
+"""Combinations times surrogates up to which counts of all are kept."""
 MOST_THREADS, WORTH_THREADS = 8, 100_000
 """Threads that count surrogates, and transitions from which on they do."""
 ENOUGH_SHIFTS = 20
@@ -109,6 +112,9 @@ class Significance:
     """How much more the measure varies by chance than it would with permutations (see ``memory``)."""
     null: np.ndarray = field(default_factory=lambda: np.zeros(0), repr=False, compare=False)
     """The surrogates' values, (surrogates,)."""
+    counts: SurrogateCounts | None = field(default=None, repr=False, compare=False)
+    """How often each combination of values came in the surrogates, where these are no permutations and it was asked
+    for."""
 
     def __repr__(self) -> str:
         low, high = self.interval
@@ -178,6 +184,7 @@ def assess_steps(
     unit: float,
     rng: np.random.Generator,
     progress: Callable[[int], object] = lambda done: None,
+    local: bool = False,
 ) -> Significance:
     """Test a measure on series that are checked (see ``assess``).
 
@@ -188,8 +195,9 @@ def assess_steps(
         unit: Natural logarithm of the base.
         rng: Draws surrogates, then resamples.
         progress: Called with the number of surrogates or resamples drawn since the last call.
+        local: Also keep how often each combination of values comes in the surrogates.
     """
-    return assess_measures(given, [measure], options, unit, [rng], progress)[0]
+    return assess_measures(given, [measure], options, unit, [rng], progress, local)[0]
 
 
 def assess_measures(
@@ -199,6 +207,7 @@ def assess_measures(
     unit: float,
     rngs: Sequence[np.random.Generator],
     progress: Callable[[int], object] = lambda done: None,
+    local: bool = False,
 ) -> list[Significance]:
     """Test several measures of the same series. Those whose surrogates move the source as a whole share these.
 
@@ -209,10 +218,11 @@ def assess_measures(
         unit: Natural logarithm of the base.
         rngs: One for each measure: draws its surrogates, then its resamples; shared ones come from the first's.
         progress: Called with the number of surrogates or resamples drawn since the last call.
+        local: Also keep how often each combination of values comes in the surrogates.
     """
     remembered = [memory(given, measure) for measure in measures]
     methods = [chosen_method(given, one, options) for one in remembered]
-    moved: dict[int, tuple[np.ndarray, int]] = {}
+    moved: dict[int, tuple[np.ndarray, int, SurrogateCounts | None]] = {}
     for how in dict.fromkeys(methods):
         if how == "permutation":
             continue
@@ -220,11 +230,17 @@ def assess_measures(
         table = displaced(given, [measures[i] for i in at])
         ways = moves(given, how, max(remembered[i].fresh_after for i in at), max(remembered[i].block for i in at))
         told = _told(progress, len(at))
-        null = drawn(ways, table.values, table.transitions, options.surrogates, rngs[at[0]], told)
-        moved |= {i: (null[:, column], table.exchangeable) for column, i in enumerate(at)}
-    counted = given.entries_by_step() if options.resamples else (given.entries(), np.zeros(0, np.int64))
+        counted = local and sum(table.cells) * options.surrogates <= MOST_COUNTS
+        values = table.values_and_counts if counted else table.values
+        null = drawn(ways, values, table.transitions, options.surrogates, rngs[at[0]], told)
+        bounds = np.cumsum([len(at), *table.cells])
+        for column, i in enumerate(at):
+            kept = null[:, bounds[column] : bounds[column + 1]].astype(np.float32)
+            counts = SurrogateCounts(table.combinations(column), kept) if counted else None
+            moved[i] = null[:, column], table.exchangeable, counts
+    entries = given.entries_by_step() if options.resamples else (given.entries(), np.zeros(0, np.int64))
     return [
-        _assessed(given, counted, measure, options, unit, rngs[i], progress, methods[i], remembered[i], moved.get(i))
+        _assessed(given, entries, measure, options, unit, rngs[i], progress, methods[i], remembered[i], moved.get(i))
         for i, measure in enumerate(measures)
     ]
 
@@ -239,17 +255,18 @@ def _assessed(
     progress: Callable[[int], object],
     method: Method,
     remembered: Memory,
-    moved: tuple[np.ndarray, int] | None,
+    moved: tuple[np.ndarray, int, SurrogateCounts | None] | None,
 ) -> Significance:
-    """One measure; ``moved``: its surrogates and exchangeable transitions, where these are no permutations."""
+    """One measure; ``moved``: its surrogates, exchangeable transitions and counts, where these are no permutations."""
     entries = counted[0]
     value = measure.value(entries)
     block = options.block
     if moved is None:
         surrogates = plan(given, measure, options.permute, options.across_recordings)
         null, exchangeable = surrogates.draw(options.surrogates, rng, progress), surrogates.exchangeable
+        counts = None
     else:
-        null, exchangeable = moved
+        null, exchangeable, counts = moved
         block = block or max(remembered.block, bootstrap.default_block(given.transitions))
     mean, sd = float(null.mean()), float(null.std())
     rounding = 1e-12 * max(1.0, abs(value))
@@ -278,6 +295,7 @@ def _assessed(
         method=method,
         inflation=remembered.inflation,
         null=null / unit,
+        counts=counts,
     )
 
 

@@ -67,7 +67,7 @@ def draw_contingency(path: Path, log: ContingencyLog, names: Sequence[str], made
     few = np.unique(np.linspace(0, min(len(log), (end - 1) // log.every), MOST_POINTS).astype(int))
     few = few[few < len(log)]
     curves, steps = _curves(log, few), (few + 1) * log.every
-    modelled = {one.event: number for number, one in enumerate(made)}
+    modelled = {module.event: number for number, module in enumerate(made)}
     others = [event for event in curves.shown if event not in modelled]
     rows = len(made) + min(len(others), MOST_NAMED + 1)
     figure = Figure(figsize=(WIDTH, 4.2 + 0.19 * rows), layout="constrained")
@@ -82,11 +82,13 @@ def draw_contingency(path: Path, log: ContingencyLog, names: Sequence[str], made
         label = f"{number + 1}: {names[event]}"
         axes.plot(steps, positive[:, event], lw=2.2, color=INKS[number % len(INKS)], label=label, zorder=3)
     above = axes.get_xaxis_transform()
-    for number, one in enumerate(made):
+    for number, module in enumerate(made):
         ink = INKS[number % len(INKS)]
-        axes.axvline(one.step, color=ink, lw=0.8, ls=":", zorder=1)
-        axes.plot(one.step, 1.02, "kv", ms=8, transform=above, clip_on=False, zorder=4)
-        axes.text(one.step, 1.05, str(number + 1), transform=above, ha="center", va="bottom", color=ink, weight="bold")
+        axes.axvline(module.step, color=ink, lw=0.8, ls=":", zorder=1)
+        axes.plot(module.step, 1.02, "kv", ms=8, transform=above, clip_on=False, zorder=4)
+        axes.text(
+            module.step, 1.05, str(number + 1), transform=above, ha="center", va="bottom", color=ink, weight="bold"
+        )
     if curves.highest > 0:
         axes.set_yscale("log")
         axes.set_ylim(curves.highest * LEAST_SHARE, curves.highest * 1.6)
@@ -166,9 +168,9 @@ def draw_maps(path: Path, maps: Sequence[MapImage]) -> None:
     grid = figure.subplots(len(inches), 1, squeeze=False, height_ratios=inches).ravel()
     for axes in grid:
         axes.set_axis_off()
-    for axes, one in zip(grid, maps, strict=False):
+    for axes, image in zip(grid, maps, strict=False):
         axes.set_axis_on()
-        _draw_map(axes, one)
+        _draw_map(axes, image)
     figure.suptitle("What each module does next, given what is sensed", fontsize=TITLE, weight="bold")
     if maps:
         figure.supxlabel(
@@ -180,13 +182,13 @@ def draw_maps(path: Path, maps: Sequence[MapImage]) -> None:
     save(figure, path, whole=True)
 
 
-def _draw_map(axes: Axes, one: MapImage) -> None:
-    results, sensors = one.module.command.shape
-    event = one.module.event
-    sensor, action = one.variables.sensors[event.sensor], one.variables.actions[event.action]
-    result, sensed = one.variables.results[event.result], sensor.name.removesuffix(" before")
+def _draw_map(axes: Axes, image: MapImage) -> None:
+    results, sensors = image.module.command.shape
+    event = image.module.event
+    sensor, action = image.variables.sensors[event.sensor], image.variables.actions[event.action]
+    result, sensed = image.variables.results[event.result], sensor.name.removesuffix(" before")
     height, width = results * sensors, len(action.values)
-    command, reliability = one.module.command.ravel(), one.module.reliability.ravel()
+    command, reliability = image.module.command.ravel(), image.module.reliability.ravel()
     strength = np.full((height, width), np.nan)
     offered = command != OFFERS_NOTHING
     strength[np.arange(height)[offered], command[offered]] = reliability[offered]
@@ -208,7 +210,7 @@ def _draw_map(axes: Axes, one: MapImage) -> None:
     axes.axhline(sensors - 0.5, color="#2c3e50", lw=1)
     axes.set_box_aspect(height * ROW / MAP_WIDTH)
     axes.set_anchor("N")
-    axes.set_title(f"{textwrap.fill(one.title, 48)}\n{one.variables.describe(event)}", fontsize=TEXT)
+    axes.set_title(f"{textwrap.fill(image.title, 48)}\n{image.variables.describe(event)}", fontsize=TEXT)
 
 
 @dataclass(frozen=True)

@@ -155,10 +155,11 @@ class DevelopmentResult:
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        one, where = self.summary, "in memory" if self.folder is None else f"in {self.folder}"
-        names = ", ".join(module.name for module in one.modules)
-        modules = f"{count(len(one.modules), 'module')} ({names})" if names else "no module"
-        return f"DevelopmentResult({one.world}, {one.preset}, seed {one.seed}, {one.steps:,} steps, {modules}, {where})"
+        summary, where = self.summary, "in memory" if self.folder is None else f"in {self.folder}"
+        names = ", ".join(module.name for module in summary.modules)
+        modules = f"{count(len(summary.modules), 'module')} ({names})" if names else "no module"
+        run = f"{summary.world}, {summary.preset}, seed {summary.seed}, {summary.steps:,} steps"
+        return f"DevelopmentResult({run}, {modules}, {where})"
 
 
 class _Source(Protocol):
@@ -283,8 +284,8 @@ class Finished:
 
         run, agent = self._run, self._run.agent
         marks = [
-            figures.Made(one.step, agent.events.index(one.event), meaning.label)
-            for one, meaning in zip(self._made, self._meanings, strict=True)
+            figures.Made(made.step, agent.events.index(made.event), meaning.label)
+            for made, meaning in zip(self._made, self._meanings, strict=True)
         ]
         names = [self._variables.describe(event) for event in agent.events]
         detector = agent.config.detector

@@ -132,8 +132,10 @@ class DevelopmentSummary:
         """
         more = {OLD_KEYS.get(key, key): value for key, value in document.items()}
         modules = [
-            LearnedModule(one["module"], one["step"], one["event"], one["symbol"], one["name"], one["means"])
-            for one in more.pop("modules")
+            LearnedModule(
+                module["module"], module["step"], module["event"], module["symbol"], module["name"], module["means"]
+            )
+            for module in more.pop("modules")
         ]
         del more["behaviours"]
         return cls(
@@ -142,10 +144,10 @@ class DevelopmentSummary:
             seed=more.pop("seed"),
             steps=more.pop("steps"),
             modules=tuple(modules),
-            found_without_a_module=tuple(UnmodelledEvent(**one) for one in more.pop("found_without_a_module")),
+            found_without_a_module=tuple(UnmodelledEvent(**event) for event in more.pop("found_without_a_module")),
             phases=tuple(PhaseSummary(**part) for part in more.pop("phases")),
             measure=more.pop("measure"),
-            highest_at_the_end=tuple(RankedEvent(**one) for one in more.pop("highest_at_the_end")),
+            highest_at_the_end=tuple(RankedEvent(**event) for event in more.pop("highest_at_the_end")),
             more=more,
         )
 

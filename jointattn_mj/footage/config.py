@@ -1,41 +1,28 @@
 """Options of watching a video: what is perceived and attended to, and where the results go."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import tyro
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.footage.areas import AreaConfig
 from jointattn_mj.footage.colours import candidate_names, object_colours
 from jointattn_mj.footage.frame_map import Fit
 from jointattn_mj.footage.interest import FaceRule
 from jointattn_mj.footage.looks.coding import AWAY, PARTNER, UNSEEN, UNSURE
 from jointattn_mj.footage.looks.config import LooksConfig
-from jointattn_mj.footage.people import PeopleConfig
-from jointattn_mj.footage.rest import RestConfig
-from jointattn_mj.footage.shots import ShotConfig
+from jointattn_mj.footage.perception_config import FootagePerceptionConfig
 from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.gaze_following.gate import GazeConfig
 from jointattn_mj.options import Checked, Real, Seed, Whole
-from jointattn_mj.perception.motion import MotionConfig
-from jointattn_mj.perception.objects import MOST_COLOURS, ColourConfig, colour_table
-from jointattn_mj.perception.pixels import PixelConfig
+from jointattn_mj.perception.objects import MOST_COLOURS, colour_table
 from jointattn_mj.perception.som import SOMConfig
-
-FOR_CAMERAS = MotionConfig(frames_back=3, face_px=0.08)
-"""Motion detection for cameras, which have noise that renderings lack.
-
-With noise of 6 grey values, the still faces of two rendered people seemed to move in 14 and 4 % of the images (41 and
-13 % with the defaults for renderings). Their turning faces moved in 92 and 89 % (97 and 93)."""
-
-LARGE = ColourConfig(reach_px=32)
-"""Objects in footage may be nearer, and so larger, than those on the robot's table."""
 
 
 @dataclass(frozen=True)
-class PerceiveConfig(Checked):
+class PerceiveConfig(FootagePerceptionConfig):
     """Everything that decides what is perceived and attended to."""
 
     video: tyro.conf.Positional[Path]
@@ -80,20 +67,12 @@ class PerceiveConfig(Checked):
     """Seed of all random draws: of attention, and of the map of faces."""
     attention: AttentionConfig = field(default_factory=AttentionConfig)
     """What attention is drawn to, and when (6.3.2)."""
-    pixels: PixelConfig = field(default_factory=lambda: PixelConfig(motion=FOR_CAMERAS, colours=LARGE))
-    """How images are perceived. Sizes are pixels of the robot's image; pixels.faces is for the detector templates."""
-    people: PeopleConfig = field(default_factory=PeopleConfig)
-    """How the detector yunet finds, follows and tells apart people."""
-    shots: ShotConfig = field(default_factory=ShotConfig)
-    """How cuts and a moving camera are noticed."""
-    areas: AreaConfig = field(default_factory=AreaConfig)
-    """What counts as an object."""
-    rest: RestConfig = field(default_factory=RestConfig)
-    """What counts as motion, of people who never quite rest."""
     som: SOMConfig = field(default_factory=SOMConfig)
     """Self-organising map of faces (6.3.3, 6.4.1)."""
     coding: LooksConfig = field(default_factory=LooksConfig)
     """How looks are coded, with looks."""
+
+    ADVANCED: ClassVar[Sequence[str]] = ("face_follow", "fps", "shift_frames")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -130,3 +109,5 @@ class PerceiveOptions(Checked):
     check: Path | None = None
     """Codings of a person, in any form that ``jointattn measure`` reads: where the person of interest looks. Kappa with
     its interval goes to summary.json. Needs looks; with resume, a viewing that has ended is compared, too."""
+    page: bool = True
+    """With looks, make page/report.html: timelines, and who follows whom, as ``jointattn recordings`` does."""

@@ -256,6 +256,10 @@ def _leave_results(
         summary["looks"], spans = leave_looks(out, looks, viewing, som, known)
         events += spans
     write_spans(out / "events.csv", events, start_s)
+    if viewing.config.looks and options.page:
+        from jointattn_mj.footage.looks.page import write_looks_page  # slow to import
+
+        summary["looks"] |= write_looks_page(out, summary["looks"]["why_not"])
     if codings is not None:
         summary["looks"]["check"] = codings.compare(Codings.read(out / "events.csv"))
     _write_summary(out, summary)

@@ -35,6 +35,8 @@ STATE = (
     "_faces", "rgb", "people", "shots", "interest", "spans", "camera_moves", "_chosen_last", "sample_faces",
 )  # fmt: skip
 """Attributes that change from frame to frame, or come from the video; the rest follows from the config."""
+ROBOT_TIER = "robot looks at"
+"""Tier of events: the robot's fixations."""
 GREY_SPREAD = 16
 """Difference between the channels of a pixel up to which it has no colour; compression makes small ones."""
 
@@ -160,7 +162,7 @@ class Viewing:
         named = {f"track {track}": f"person {person}{'' if sure else '?'}" for track, (person, sure) in owner.items()}
         kept = [replace(span, code=named.get(span.code, span.code)) for span in self.spans.all if span.tier != CHECK]
         looks = [
-            Span("robot looks at", self.names[fixation.candidate], fixation.start, fixation.end)
+            Span(ROBOT_TIER, self.names[fixation.candidate], fixation.start, fixation.end)
             for fixation in self.fixations.all
         ]
         return kept + looks

@@ -5,10 +5,11 @@ Directions are pairs (pan, tilt) in degrees, as in ``scene.camera``.
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from jointattn_mj.guards.restored import check_array, check_whole
 from jointattn_mj.options import Checked, Positive, Real, Whole
 from jointattn_mj.scene.movement import minimum_jerk
 
@@ -76,6 +77,10 @@ def gate_probability(config: GazeConfig, iterations: int, scores: np.ndarray | N
     return (1 + math.tanh((iterations - config.gate_midpoint) / (2 * config.gate_width))) / 2
 
 
+_MOST_DEG = 1e6
+"""No command of a learner is as large, deg; a larger one was put into a checkpoint by hand."""
+
+
 class HeadShift:
     """Minimum-jerk reference of one gaze shift for the head's servos; its aim may change on the way.
 
@@ -95,6 +100,21 @@ class HeadShift:
         self._start, self._end = start, end
         self._offset = 0.0  # progress at which the present aim was taken
         self.frame = 0
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take over what a checkpoint holds.
+
+        Raises:
+            ValueError: It is no movement of a head.
+        """
+        vars(self).update(state)
+        progress = np.asarray(self._progress)
+        check_array("the progress of a gaze shift", self._progress, (progress.size,), float, 0, 1)
+        for name, direction in (("start", self._start), ("end", self._end)):
+            check_array(f"the {name} of a gaze shift", direction, (2,), float, -_MOST_DEG, _MOST_DEG)
+        if not 0 <= self._offset < 1:
+            raise ValueError(f"the share of a gaze shift that is over must be in [0, 1); got {self._offset!r:.80}")
+        check_whole("the frame of a gaze shift", self.frame, 0, progress.size)
 
     def aim(self, end: np.ndarray) -> None:
         """Let the rest of the movement lead to ``end`` (2,) without a jump; only before all is ``commanded``."""

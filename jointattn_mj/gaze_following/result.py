@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import import_module
 from os import PathLike
 from pathlib import Path
 from typing import ClassVar
@@ -12,7 +13,7 @@ from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts
 from jointattn_mj.gaze_following.summary import SessionSummary
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig
-from jointattn_mj.io.configs import read_config
+from jointattn_mj.io.configs import read_config, values_in
 from jointattn_mj.io.files import claimed
 from jointattn_mj.io.former_columns import present_name
 from jointattn_mj.io.kinds import check_kind
@@ -22,6 +23,9 @@ from jointattn_mj.io.table import Table
 from jointattn_mj.io.weights import read_weights, write_weights
 from jointattn_mj.options import path_of
 from jointattn_mj.perception.som import SOM
+
+FOOTAGE = "jointattn_mj.footage.sessions.result"
+"""Module for folders of sessions before a person. It lies above this one, and is looked up when it is needed."""
 
 
 @dataclass(frozen=True)
@@ -89,10 +93,12 @@ class SessionResult:
         """The result of a session that has finished in ``folder``.
 
         Args:
-            folder: What ``--out`` or ``run(out=...)`` named, or ``save``.
+            folder: What ``--out`` or ``run(out=...)`` named, or ``save``; of a session with ``--world video`` or
+                ``--world camera``, too.
 
         Returns:
-            The result, equal to the one that the session returned.
+            The result, equal to the one that the session returned. Of a session before a person it is a
+            ``FootageSessionResult``, with config and summary of their own.
 
         Raises:
             OutputError: The folder holds no finished session.
@@ -105,7 +111,10 @@ class SessionResult:
             True
         """
         path = path_of(folder, "folder")
-        check_kind(path, cls.__name__)
+        check_kind(path, SessionResult.__name__)
+        if {"video_file", "camera"} & values_in(path / "config.yaml").keys():
+            footage: SessionResult = import_module(FOOTAGE).footage_result(path)
+            return footage
         summary = SessionSummary.read(path / "summary.json")
         return cls(read_config(path / "config.yaml", VariedSessionConfig), summary, SessionFolder(path))
 
@@ -154,17 +163,26 @@ class SessionResult:
             self.frames.write(out / "frames.parquet")
             self.shifts.write(out / "gaze_shifts.parquet")
             write_weights(out / "weights.npz", self.weights)
-            figures.draw_success(out / "success.png", self._shift_rows(), self.config.minutes)
+            if self.summary.successes is not None:
+                figures.draw_success(out / "success.png", self._shift_rows(), self._last_minute())
             som = {name.removeprefix("som_"): array for name, array in self.weights.items() if name.startswith("som_")}
             figures.draw_som(out / "som.png", SOM.from_arrays(som, self.config.robot.som))
             self.summary.write(out / "summary.json")
 
     def _shift_rows(self) -> Shifts:
         """The table of shifts in the form that figures are drawn from."""
-        shifts = Shifts((*(item.name for item in self.config.world.scene.objects), "face"))
+        shifts = Shifts((*self._object_names(), "face"))
         for row in self.shifts.arrow.to_pylist():
             shifts.append(ShiftRow(**row))
         return shifts
+
+    def _object_names(self) -> tuple[str, ...]:
+        """Of the objects."""
+        return tuple(item.name for item in self.config.world.scene.objects)
+
+    def _last_minute(self) -> float:
+        """When the session ended."""
+        return self.config.minutes
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, SessionResult):

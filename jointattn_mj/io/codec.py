@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from jointattn_mj.io.archive import aligned
-from jointattn_mj.io.parts import PARTS, class_named, is_own, may_set, name_of
+from jointattn_mj.io.parts import PACKAGE, PARTS, class_named, is_own, may_set, name_of
 
 Entry = list[Any]
 _FACTORIES = {kind.__name__: kind for kind in (list, dict, set, int, float)}
@@ -27,6 +27,8 @@ _GENERATORS = ("PCG64", "PCG64DXSM", "SFC64")
 _NUMBERS = "biufcSU"
 _LONGEST_KEY = 64
 _LARGEST_POOL = 64
+_LARGEST_NUMBER = 1e100
+"""No run of this package comes near it, and its square is still a number: larger ones were put there by hand."""
 
 
 class Encoder:
@@ -147,12 +149,20 @@ class Decoder:
             Exception: Of many kinds, since restored classes check what they are given; it is no such value.
         """
         if value is None or type(value) in (bool, int, float, str):
+            if type(value) is float:
+                self._check_size(value)
             return value
         if isinstance(value, dict) and value.get("float") in ("nan", "inf", "-inf"):
             return float(value["float"])
         if isinstance(value, list) and len(value) == 1 and type(value[0]) is int:
             return self._numbered(value[0])
         raise ValueError(f"{value!r:.80} is no value")
+
+    def _check_size(self, numbers: float | np.ndarray) -> None:
+        if self._own.partition(".")[0] in ("", PACKAGE):
+            size = np.abs(numbers)
+            if np.any(np.isfinite(size) & (size > _LARGEST_NUMBER)):
+                raise ValueError(f"a number in it is beyond {_LARGEST_NUMBER:g}")
 
     def _numbered(self, number: int) -> Any:
         if number in self._made:
@@ -181,6 +191,8 @@ class Decoder:
 
     def _array_of(self, number: int, index: int, flag: str = "") -> np.ndarray:
         array = self._array(index)
+        if array.dtype.kind == "f" and array.itemsize >= 8:
+            self._check_size(array)
         return array.view(aligned(array.dtype)) if flag == "aligned" else array
 
     def _enum(self, number: int, name: str, member: str) -> Enum:

@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Self, get_type_hints
+from typing import Any, ClassVar, Self, get_args, get_origin, get_type_hints
 
 from jointattn_mj.errors import OutputError
 from jointattn_mj.io.files import write_whole
@@ -101,8 +101,11 @@ class Summary:
 
 
 def _nested(hint: Any, value: Any) -> Any:
-    kind = hint if isinstance(hint, type) and issubclass(hint, Summary) else None
-    return kind.of(value) if kind else value
+    """A field's value by its type: a summary, perhaps, or a tuple, which JSON knows as a list."""
+    for kind in get_args(hint) or (hint,):
+        if isinstance(kind, type) and issubclass(kind, Summary) and isinstance(value, Mapping):
+            return kind.of(value)
+    return tuple(value) if get_origin(hint) is tuple and isinstance(value, list) else value
 
 
 def _by_old_keys(value: Any) -> Any:

@@ -142,16 +142,20 @@ class SOM:
         for index in rng.integers(len(prepared), size=max(0, self.config.updates - self.n_patterns)):
             self.update(prepared[index])
 
-    def activations(self, x: np.ndarray) -> np.ndarray:
-        """Similarity of a pattern (d numbers) to each unit: (units,), summing to 1.
+    def activations(self, x: np.ndarray, softness: float | None = None) -> np.ndarray:
+        """Similarity of a pattern to each unit: (units,), summing to 1.
 
         It is exp(-d^2 / (2 w^2)) before it is normalised, where d is the distance to a unit's pattern, and w^2 is
         ``softness`` times the mean squared distance of neighbouring units. So a face activates its unit and those
         around it, whatever the map was trained on.
+
+        Args:
+            x: The pattern, d numbers.
+            softness: In place of the config's.
         """
         excess = self._excess(x)
         excess -= excess.min()
-        active = np.exp(excess / (-2 * self.config.softness * self.width))
+        active = np.exp(excess / (-2 * (softness or self.config.softness) * self.width))
         shares: np.ndarray = active / active.sum()
         return shares
 

@@ -3,7 +3,7 @@
 The dyad is the unit: steps of different dyads are never put into one table.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
@@ -20,7 +20,6 @@ from jointattn_mj.contingency.significance import Significance, TestOptions, ass
 from jointattn_mj.contingency.table import Steps
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.io.results import bracket, number
-from jointattn_mj.recordings.steps import Recordings
 
 FEWEST = 2
 """Dyads of a group that can be compared."""
@@ -28,6 +27,8 @@ DRAWS = 49_999
 """Times that a surrogate of each dyad is put together to a group by chance."""
 LEVEL = 0.95
 """Coverage of intervals over dyads."""
+ALL = "all"
+"""Name of the group of all dyads."""
 MOST_EXACT = 20_000
 """Up to so many ways to part dyads into two groups, all are tried."""
 
@@ -71,6 +72,13 @@ class DyadResult:
     """All dyads together, then each group."""
     comparisons: tuple[GroupComparison, ...]
     group_of: tuple[str, ...] = ()
+    by: str = "group"
+    """What groups are called together."""
+
+    def of_group(self, group: Group) -> list[Significance]:
+        """Values of the recordings of a group."""
+        of = [f"{self.by} {name}" for name in self.group_of] if group.name != ALL else [ALL] * len(self.values)
+        return [value for value, name in zip(self.values, of, strict=True) if name == group.name]
 
     def __repr__(self) -> str:
         return f"DyadResult({self.measure}, {len(self.names)} recordings, {len(self.groups)} groups)"
@@ -133,7 +141,10 @@ def by_dyad(
     """
     dyads = split(given)
     if len(dyads) < FEWEST:
-        raise SeriesError(f"values by recording need at least {FEWEST} recordings; got {len(dyads)}")
+        raise SeriesError(
+            f"values by recording need at least {FEWEST} recordings; got {len(dyads)}. Each file of a folder is "
+            "one, and `recording` names a column that tells them apart"
+        )
     streams = seed.spawn(len(dyads) + 2)
     called = tuple(names.get(number, str(number)) for number, _ in dyads)
     values = tuple(
@@ -144,12 +155,12 @@ def by_dyad(
     if group_of is not None:
         without = [name for name in called if name not in group_of]
         if without:
-            raise SeriesError(f"recording {without[0]!r} has no {by}")
+            raise SeriesError(f"recording {without[0]!r} has no {by}; there is one for {', '.join(list(group_of)[:5])}")
         of = tuple(group_of[name] for name in called)
     effective = np.array([one.corrected for one in values])
-    kinds = sorted(set(of), key=_numeric)
+    kinds = kinds_of(of)
     labels = np.array(of)
-    members = {"all": np.ones(len(values), bool)}
+    members = {ALL: np.ones(len(values), bool)}
     if len(kinds) > 1:
         members |= {f"{by} {kind}": labels == kind for kind in kinds}
     chance, permuted = (np.random.default_rng(one) for one in streams[-2:])
@@ -158,32 +169,7 @@ def by_dyad(
         for name, of_group in members.items()
     ]
     comparisons = compare(effective, labels, kinds, by, options.surrogates, permuted)
-    return DyadResult(measure.name, called, values, tuple(groups), tuple(comparisons), of)
-
-
-def groups_by(data: Recordings, column: str, names: Mapping[int, str]) -> dict[str, str]:
-    """Group of each recording by its name.
-
-    Args:
-        data: Has the column.
-        column: With one value in all of a recording.
-        names: Name of each recording by its number.
-
-    Raises:
-        SeriesError: The column changes within a recording.
-    """
-    group_of: dict[str, str] = {}
-    for group, part in zip(data.groups, data.columns[column], strict=True):
-        name = names[group]
-        values = {data.labels[column][code] for code in np.unique(part)}
-        values |= {group_of[name]} if name in group_of else set()
-        if len(values) > 1:
-            there = ", ".join(sorted(values)[:5])
-            raise SeriesError(
-                f"{column!r} changes within recording {name!r}: {there}; it must have one value in all of a recording"
-            )
-        group_of[name] = values.pop()
-    return group_of
+    return DyadResult(measure.name, called, values, tuple(groups), tuple(comparisons), of, by)
 
 
 def split(given: Steps) -> list[tuple[int, Steps]]:
@@ -204,6 +190,11 @@ def split(given: Steps) -> list[tuple[int, Steps]]:
 
 def _cut(one: Coded, bounds: np.ndarray) -> Coded:
     return replace(one, codes=one.codes[bounds[0] : bounds[-1]], bounds=bounds - bounds[0])
+
+
+def kinds_of(groups: Iterable[str]) -> list[str]:
+    """The different groups in their order: numbers ascending, then words."""
+    return sorted({str(group) for group in groups}, key=_numeric)
 
 
 def compare(

@@ -10,6 +10,7 @@ from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import shown
 from jointattn_mj.recordings.event_layout import EventLayout, EventTrack
 from jointattn_mj.recordings.events import Events, first_met
+from jointattn_mj.recordings.groups import one_value
 from jointattn_mj.recordings.labels import missing_labels, ordered
 from jointattn_mj.recordings.table_files import TableFile
 from jointattn_mj.recordings.texts import Texts
@@ -85,6 +86,7 @@ def read_event_table(
     unit: TimeUnit = "auto",
     rate: float | None = None,
     missing: Collection[str] = (),
+    about: Mapping[str, int] | None = None,
 ) -> Events:
     """Read the events of a table.
 
@@ -95,15 +97,17 @@ def read_event_table(
         unit: Unit of times that are plain numbers.
         rate: Frames a second, where times are frames or end in them.
         missing: Texts that stand for no code, beside the usual ones.
+        about: Columns, by their names, that say what each recording is.
 
     Raises:
-        SeriesError: Times that cannot be read, an event without an end, or no events.
+        SeriesError: Times that cannot be read, an event without an end, no events, or a recording that is two things.
     """
     tracks = layout.tracks
     used = {
         i for one in tracks for i in (one.onset, one.offset, one.duration, one.kind, one.moment, *one.code, *one.tier)
     }
-    wanted = {i for i in (*used, *layout.recording, layout.level) if i is not None}
+    about = about or {}
+    wanted = {i for i in (*used, *layout.recording, layout.level, *about.values()) if i is not None}
     columns = _Columns(table, wanted, missing)
     recordings, kept = _recordings(columns, layout, name)
     when = {i for one in tracks for i in (one.onset, one.offset, one.duration) if i is not None}
@@ -129,6 +133,7 @@ def read_event_table(
             tiers={recording.names[i]: tiers for i in first_met(recording.numbers)},
             resolution=1 / rate if rate and {"frames", "auto"} & set(units.values()) else 0.001,
             remarks=(f"{bare} rows of {table.path} have times and no code, and are left out",) if bare else (),
+            about={name: _said(name, recordings, columns.texts(at), rows) for name, at in about.items()},
         )
     except SeriesError as error:
         raise SeriesError(f"{table.path}: {error}") from error
@@ -146,6 +151,13 @@ def _recordings(columns: _Columns, layout: EventLayout, name: str) -> tuple[Text
         group, part = (group + 1, 0) if text == "1" else (group, part + 1 if text == "2" else part)
         recordings.append(f"{name} {group}.{part}" if group or part else name)
     return Texts.of(recordings), np.array([text == "3" for text in levels], bool)
+
+
+def _said(name: str, recordings: Texts, said: Texts, rows: np.ndarray) -> dict[str, str]:
+    """What a column says of each recording; blank rows say nothing."""
+    rows = rows[said.numbers[rows] >= 0]
+    first = np.unique(recordings.numbers[rows] * (len(said.names) + 1) + said.numbers[rows], return_index=True)[1]
+    return one_value(name, [(recordings.at(row), said.at(row)) for row in rows[np.sort(first)].tolist()])
 
 
 def _without_codes(

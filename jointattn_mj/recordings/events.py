@@ -30,6 +30,7 @@ class Events:
         spans: When coding began and ended in a recording (seconds), for recordings of which that is known.
         resolution: Seconds between two times that can be told apart.
         remarks: What a reader should know: what was left out when the events were read, and why.
+    about: By column, what is true of each recording as a whole, such as an age.
 
     Examples:
         >>> from jointattn_mj.recordings.events import Events
@@ -46,6 +47,7 @@ class Events:
     spans: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     resolution: float = 0.001
     remarks: tuple[str, ...] = ()
+    about: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -185,6 +187,7 @@ class Events:
             spans={recording: span for part in every for recording, span in part.spans.items()},
             resolution=max(part.resolution for part in every),
             remarks=tuple(dict.fromkeys(remark for part in every for remark in part.remarks)),
+            about=_merged(part.about for part in every),
         )
 
     def steps(
@@ -274,6 +277,15 @@ def _tiers(rows: Iterable[tuple[str, str]], *given: Mapping[str, Sequence[str]])
     for recording, tier in rows:
         names.setdefault(recording, {}).setdefault(tier)
     return {recording: tuple(tiers) for recording, tiers in names.items()}
+
+
+def _merged(every: Iterable[Mapping[str, Mapping[str, str]]]) -> dict[str, dict[str, str]]:
+    """What is true of recordings, from several parts."""
+    about: dict[str, dict[str, str]] = {}
+    for one in every:
+        for column, values in one.items():
+            about.setdefault(column, {}).update(values)
+    return about
 
 
 def first_met(numbers: np.ndarray, rows: bool = False) -> list[int]:

@@ -6,20 +6,23 @@ measure takes them.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.options import Checked, Count, NotNegative, Real
 from jointattn_mj.recordings.events import Events
-from jointattn_mj.recordings.intervals import Intervals, intervals_of, overlaps
+from jointattn_mj.recordings.intervals import Intervals, at_times, intervals_of, overlaps
+from jointattn_mj.recordings.sampling import NONE
 
 MUTUAL, SHARED, LEADER, ENGAGEMENT = "mutual gaze", "shared attention", "leader", "engagement"
 """Names of derived tiers. ``PARTNER follows`` come besides, one for each partner."""
 SUPPORTED, COORDINATED = "supported", "coordinated"
 """States of engagement, as Bakeman and Adamson (1984) call them: both attend to one object, and the infant does or does
 not acknowledge the partner's part in it."""
+ROUNDING_S = 5e-7
+"""Half of the shortest time that is told apart."""
 TOGETHER = "together"
 """Code of the leader tier where both began at the same time."""
 
@@ -53,6 +56,14 @@ class JointAttentionRules(Checked):
     """Shortest episode of engagement, as Bakeman and Adamson (1984) coded states of 3 s and more."""
     glances: Count = 1
     """Looks of the infant at the partner's face during an episode from which on it is coordinated."""
+
+    ADVANCED: ClassVar[Sequence[str]] = (
+        "still_looking",
+        "together_s",
+        "least_mutual_s",
+        "least_engagement_s",
+        "glances",
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -171,6 +182,27 @@ def joint_attention(events: Events, rules: JointAttentionRules | None = None) ->
     return JointAttention(events.joined(added), tuple(opportunities), rules, seconds)
 
 
+def without_gaps(attention: JointAttention) -> Events:
+    """The events with mutual gaze and shared attention said at all times: ``(none)`` where they are not.
+
+    For a derived tier nothing is no missing code, but means that looks do not meet.
+
+    Args:
+        attention: What was derived.
+    """
+    rows: list[tuple[str, str, float, float]] = []
+    for recording in attention.events.recordings:
+        of = attention.events.table["recording"] == recording
+        times = attention.events.table["onset"][of], attention.events.table["offset"][of]
+        first, last = attention.events.spans.get(recording, (times[0].min(), times[1].max())) if of.any() else (0, 0)
+        for tier in (MUTUAL, SHARED):
+            one = intervals_of(attention.events, recording, tier)
+            starts, ends = np.append(first, one.offset), np.append(one.onset, last)
+            rows += [(recording, tier, a, b) for a, b in zip(starts, ends, strict=True) if b > a]
+    recordings, tiers, onset, offset = zip(*rows, strict=True) if rows else ((), (), (), ())
+    return attention.events.joined(Events.of(tiers, [NONE] * len(rows), onset, offset, recordings))
+
+
 def _tiers(
     infant: Intervals, partner: Intervals, rules: JointAttentionRules
 ) -> Iterator[tuple[str, list[tuple[str, float, float]]]]:
@@ -205,7 +237,8 @@ def _engagement(
     states = []
     for _, onset, offset in episodes:
         if offset - onset >= rules.least_engagement_s:
-            glances = int(((at_partner.onset < offset) & (at_partner.offset > onset)).sum())
+            ended, begun = np.searchsorted(at_partner.offset, onset, "right"), np.searchsorted(at_partner.onset, offset)
+            glances = int(begun - ended)
             states.append((COORDINATED if glances >= rules.glances else SUPPORTED, onset, offset))
     return states
 
@@ -215,16 +248,16 @@ def _followed(
 ) -> Iterator[GazeFollowing]:
     """Each look of ``other`` at a target that ``one`` does not look at yet."""
     nothing = {rules.infant_at_partner, rules.partner_at_infant, *rules.nowhere}
-    for onset, offset, code in zip(other.onset, other.offset, other.code, strict=True):
+    already = at_times(one, other.onset) == other.code
+    looks = {target: one.coded(target).onset for target in {str(code) for code in other.code} - nothing}
+    for onset, offset, code, seen in zip(other.onset, other.offset, other.code, already, strict=True):
         target = str(code)
-        already = (one.onset <= onset) & (one.offset > onset) & (one.code == target)
-        if target in nothing or already.any():
+        if target in nothing or seen:
             continue
-        until = onset + rules.follow_within_s
-        if rules.still_looking:
-            until = min(until, offset)
-        looks = one.onset[(one.code == target) & (one.onset > onset) & (one.onset <= until + 1e-9)]
-        latency = float(looks[0] - onset) if len(looks) else float("nan")
+        until = min(onset + rules.follow_within_s, offset if rules.still_looking else np.inf)
+        following = int(np.searchsorted(looks[target], onset, "right"))
+        within = following < len(looks[target]) and looks[target][following] <= until + 1e-9
+        latency = float(looks[target][following] - onset) if within else float("nan")
         yield GazeFollowing(recording, follower, target, float(onset), latency)
 
 
@@ -233,7 +266,7 @@ def _follow_rows(chances: Sequence[GazeFollowing], one: Intervals) -> list[tuple
     rows = {}
     for chance in chances:
         if chance.latency == chance.latency:
-            look = int(np.argmin(np.abs(one.onset - (chance.onset + chance.latency))))
+            look = int(np.searchsorted(one.onset, chance.onset + chance.latency - ROUNDING_S))
             rows[look] = (
                 chance.recording, f"{chance.follower} follows", chance.target,
                 float(one.onset[look]), float(one.offset[look]),

@@ -17,9 +17,17 @@ from jointattn_mj.io.table import Table
 from jointattn_mj.options import Checked, Real
 from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.export import ExportFormat, write_events
+from jointattn_mj.recordings.reader import read
 
 FACE = "face"
 """Code of a look at the partner's face."""
+VIDEO_EVENTS = "events.csv"
+"""What perceive leaves."""
+ROBOT_LOOKS, PERSON_LOOKS = "robot looks at", "looks at"
+"""Tiers of looks in it."""
+PEOPLE = "person"
+"""Tier in it on which several codes may hold at once: coding programs get a tier for each person."""
+COLUMNS = ("tier", "code", "onset", "offset")
 ROBOT, CAREGIVER = "robot", "caregiver"
 """What the table of a development calls its two partners."""
 
@@ -57,6 +65,7 @@ def export_looks(options: LooksOptions) -> tuple[Path, ...]:
 
     Raises:
         OutputError: The folder holds no such run, or a file cannot be written.
+        SeriesError: A video has no events.
     """
     return write_events(looks_of(options), options.out, options.form)
 
@@ -65,15 +74,15 @@ def looks_of(options: LooksOptions) -> Events:
     """Looks of a run as events.
 
     A session: what the robot fixates, and what the caregiver is occupied with and looks at. A development: where the
-    robot's gaze goes, step by step, and where the caregiver looks. A video: what the robot attends to; where the person
-    looks is not known.
+    robot's gaze goes, step by step, and where the caregiver looks. A video: what the robot attends to, where the person
+    looks if that was coded, who is there, cuts, and motion of the camera.
 
     Raises:
         OutputError: The folder holds no such run, or a table that lacks a column.
     """
-    for file, read in _READERS.items():
+    for file, reader in _READERS.items():
         if (options.run / file).exists():
-            return read(Table.read(options.run / file, present_name), options)
+            return reader(Table.read(options.run / file, present_name), options)
     raise OutputError(
         f"{options.run} holds no looks: expected {', '.join(_READERS)}; give the folder of a finished session, "
         "development or perceive run"
@@ -125,6 +134,17 @@ def _development(table: Table, options: LooksOptions) -> Events:
 
 
 def _video(table: Table, options: LooksOptions) -> Events:
+    """All events of a video; of earlier versions, which left no events, what the robot attends to."""
+    file = options.run / VIDEO_EVENTS
+    if file.exists():
+        events = read(file).events
+        names = {ROBOT_LOOKS: options.robot, PERSON_LOOKS: options.caregiver}
+        rows = [
+            (code, "there", *times) if tier == PEOPLE else (names.get(tier, tier), code, *times)
+            for tier, code, *times in zip(*(events.table[name] for name in COLUMNS), strict=True)
+        ]
+        tiers, codes, onsets, offsets = zip(*rows, strict=True) if rows else ((), (), (), ())
+        return Events.of(tiers, codes, onsets, offsets, options.name or options.run.resolve().name)
     _has(table, ("time_s", "attended"), options.run)
     return of_steps(options.robot, table["attended"], _frames(table), options.name or options.run.resolve().name)
 

@@ -28,11 +28,13 @@ from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.io.results import bracket, claimed_paths, number, share, write_results
 from jointattn_mj.options import Whole
 from jointattn_mj.recordings.delays import check_delay, delay_in_steps
-from jointattn_mj.recordings.dyads import DyadResult, by_dyad, groups_by, scan_over_dyads
+from jointattn_mj.recordings.dyads import DyadResult, by_dyad, scan_over_dyads
+from jointattn_mj.recordings.groups import GroupOptions, groups_of
 from jointattn_mj.recordings.lags import draw_lags, lag_rows, lag_words
 from jointattn_mj.recordings.methods import WORDS, method_notes
 from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
+from jointattn_mj.recordings.reader import Coding
 from jointattn_mj.recordings.steps import Recordings
 
 ALONE = (TRANSFER, MUTUAL)
@@ -47,7 +49,7 @@ MOST_COMBINATIONS = 100_000
 
 
 @dataclass(frozen=True)
-class MeasureOptions(RecordingTestOptions):
+class MeasureOptions(RecordingTestOptions, GroupOptions):
     """What is measured, and how it is tested."""
 
     source: tuple[str, ...]
@@ -60,8 +62,6 @@ class MeasureOptions(RecordingTestOptions):
     """Which measures: te, mi, and with a condition sac, tc, cmi. None named: all of these, and linear Granger."""
     scan: str | None = None
     """Also measure at all lags from 1 to this one, in steps or as a time such as 3s, and correct p for their number."""
-    by: str | None = None
-    """Column with the same value in all of a recording, such as age: recordings are compared by it."""
     over: Over = "auto"
     """Values for each recording, and their mean with an interval over recordings: recordings. steps: only all steps
     together. auto: recordings where there are at least 3."""
@@ -81,10 +81,6 @@ class MeasureOptions(RecordingTestOptions):
         if (self.by or self.scan or self.over == "recordings") and not self.scanned:
             names = ", ".join(sorted(full_name(one) for one in ("sac", "tc", "te")))
             raise ConfigError(f"`scan`, `by` and `over='recordings'` need one of {names} among `measures`")
-        if self.by is not None and self.recording is None:
-            raise ConfigError(
-                f"`by={self.by!r}` compares recordings; name the column that tells them apart with `recording`"
-            )
         if self.by is not None and self.over == "steps":
             raise ConfigError("`by` compares recordings, so there must be values for each: leave out `over='steps'`")
         if not (self.source and self.target):
@@ -191,6 +187,10 @@ class MeasureResult:
         """A row a measure and recording."""
         return [row for dyad in self.dyads for row in dyad.rows()]
 
+    def group_lines(self) -> list[str]:
+        """What each group of recordings has, and their comparison, of the first measure, in words."""
+        return [line for dyad in self.dyads[:1] for line in dyad.lines()[1:]]
+
     def value_rows(self) -> list[dict[str, Any]]:
         """A row a measure and combination of values, as labels."""
         return [
@@ -253,11 +253,20 @@ class MeasureResult:
 
 
 def run_measure(
-    options: MeasureOptions, progress: Callable[[int], object] = lambda done: None, data: Recordings | None = None
+    options: MeasureOptions,
+    progress: Callable[[int], object] = lambda done: None,
+    data: Recordings | None = None,
+    group_of: Mapping[str, str] | None = None,
+    source: Any = None,
 ) -> MeasureResult:
-    """Read the file, measure, test; ``progress`` is told of surrogates and resamples as they are drawn.
+    """Read the file, measure, test.
 
-    ``data`` is what the file has, where it is read already.
+    Args:
+        options: What is measured, and how.
+        progress: Called with the number of surrogates and resamples drawn since the last call.
+        data: What the file has, where it is read already.
+        group_of: Group of each recording by its name, where that is known already.
+        source: A table of pandas, polars or pyarrow in place of ``options.file``.
 
     Raises:
         SeriesError: The file or a column cannot be measured.
@@ -265,15 +274,22 @@ def run_measure(
         OutputError: ``out`` is there already, is about to be, or cannot be written.
     """
     with nullcontext() if options.out is None else claimed_paths(options.out, "measures") as paths:
-        return _run(options, progress, data, paths)
+        names = (*options.source, *options.target, *options.condition)
+        coding = Coding(
+            options.file if source is None else source, options, tuple(dict.fromkeys(names)), options.group_columns
+        )
+        data = data or coding.steps(options.step)
+        return _run(options, progress, data, groups_of(options, coding) if group_of is None else group_of, paths)
 
 
 def _run(
-    options: MeasureOptions, progress: Callable[[int], object], data: Recordings | None, paths: tuple[Path, Path] | None
+    options: MeasureOptions,
+    progress: Callable[[int], object],
+    data: Recordings,
+    group_of: Mapping[str, str] | None,
+    paths: tuple[Path, Path] | None,
 ) -> MeasureResult:
     """Measure, test, and write where ``paths`` says."""
-    by = [] if options.by is None else [options.by]
-    data = data or options.read(options.file, [*options.source, *options.target, *options.condition, *by])
     (source, of_source), (target, of_target) = data.joined(options.source), data.joined(options.target)
     condition, of_condition = data.joined(options.condition) if options.condition else (None, ())
     timing = options.timing(data.step)
@@ -301,7 +317,7 @@ def _run(
                 scan = scan_steps(whole, measure, lags, timing, options.test(), unit, rng, progress)
             scans.append((measure.name, scan))
         notes.append(_scan_note(scans[0][1]))
-    dyads = _by_recording(given, data, options, streams[-1])
+    dyads = _by_recording(given, data, options, group_of, streams[-1])
     try:
         granger = float("nan") if options.measures else _granger(given, options.base)
     except SeriesError as error:
@@ -354,8 +370,8 @@ def _measured(
     entries = given.entries()
     measures, possible = options.chosen, CONDITIONED if options.condition else ALONE
     rngs = [np.random.default_rng(streams[possible.index(one)]) for one in measures]
-    assessed = assess_measures(given, measures, options.test(), unit, rngs, progress)
     plain = options.source_history == options.target_history == 1 and len(entries.counts) <= MOST_COMBINATIONS
+    assessed = assess_measures(given, measures, options.test(), unit, rngs, progress, plain)
     measured = []
     for measure, significance in zip(measures, assessed, strict=True):
         bound = measure.bound(entries, "smallest") / unit
@@ -366,7 +382,7 @@ def _measured(
                 significance.value - measure.bias(entries, "miller_madow") / unit,
                 significance.value - measure.bias(entries, "degrees_of_freedom") / unit,
                 significance.corrected / bound if bound > 1e-12 else 0.0,
-                local_of_steps(given, measure, unit) if plain else (),
+                local_of_steps(given, measure, unit, counts=significance.counts) if plain else (),
             )
         )
     return tuple(measured)
@@ -397,13 +413,16 @@ def _scan_note(scan: LagScan) -> str:
 
 
 def _by_recording(
-    given: Steps, data: Recordings, options: MeasureOptions, stream: np.random.SeedSequence
+    given: Steps,
+    data: Recordings,
+    options: MeasureOptions,
+    group_of: Mapping[str, str] | None,
+    stream: np.random.SeedSequence,
 ) -> tuple[DyadResult, ...]:
     """Values for each recording, where there are several."""
     if not options.scanned or not _over_recordings(data, options):
         return ()
     names = {number: data.names[number] if data.names else str(number) for number in set(data.groups)}
-    group_of = None if options.by is None else groups_by(data, options.by, names)
     unit, streams = check_base(options.base), stream.spawn(len(options.scanned))
     return tuple(
         by_dyad(given, measure, names, _of_one(options), unit, one, group_of, options.by or "")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import Real, shown
 from jointattn_mj.recordings.events import Events
+from jointattn_mj.recordings.groups import of_column, of_tier
 from jointattn_mj.recordings.sampling import Missing, SampleOptions
 from jointattn_mj.recordings.sources import SourceOptions, files_of, open_frame, open_source
 from jointattn_mj.recordings.step_tables import Fractions, read_steps
@@ -69,6 +70,7 @@ class Coding:
         source: A path, or a table of pandas, polars or pyarrow.
         options: How it is read.
         columns: Columns or tiers that are asked for; None: all.
+        by: Columns that say what each recording is, such as an age.
 
     Examples:
         >>> import pandas
@@ -81,6 +83,7 @@ class Coding:
     source: Any
     options: ReadOptions
     columns: tuple[str, ...] | None = None
+    by: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"Coding({shown(self.source if isinstance(self.source, (str, Path)) else type(self.source).__name__)})"
@@ -152,6 +155,33 @@ class Coding:
         wanted = {name: getattr(options, name) for name in _names(SampleOptions)}
         return same.events.steps(step, names, **wanted)
 
+    def about(self, column: str) -> dict[str, str]:
+        """Give what each recording is, such as the age of its infant.
+
+        Args:
+            column: Name of a column, or of a tier, that has the same value in all of a recording.
+
+        Returns:
+            The values by the names of the recordings; without those that have none.
+
+        Raises:
+            SeriesError: There is no such column or tier, or it changes within a recording.
+
+        Examples:
+            >>> import pandas
+            >>> from jointattn_mj import recordings
+            >>> table = {"dyad": ["a", "b"], "age": [6, 9], "onset": [0, 0], "offset": [2, 3], "code": ["toy", "face"]}
+            >>> recordings.read(pandas.DataFrame(table), recording="dyad", step=0.1).about("age")
+            {'a': '6', 'b': '9'}
+        """
+        of_steps = self.options.step is None and self.columns is not None
+        coding = replace(self, by=(column,), columns=(column,) if of_steps else None)
+        content, _ = coding._content
+        if not all(isinstance(one, Events) for one in content):
+            return of_column(coding.steps(columns=(column,)), column)
+        events = coding.events
+        return dict(events.about[column]) if column in events.about else of_tier(events, column)
+
     def measure(
         self,
         source: str | Sequence[str],
@@ -188,7 +218,7 @@ class Coding:
 
         names = _tuple(source), _tuple(target), _tuple(condition)
         options = MeasureOptions(**self._told(step, how), source=names[0], target=names[1], condition=names[2])
-        return run_measure(options, data=Coding(self.source, options, (*names[0], *names[1], *names[2])).steps(step))
+        return run_measure(options, source=self._whole)
 
     def discover(
         self,
@@ -289,13 +319,17 @@ class Coding:
         from jointattn_mj.recordings.report import ReportOptions, run_report
 
         told = self._told(self.options.step or 0.1, how)
-        source = None if isinstance(self.source, (str, os.PathLike)) else self.source
-        return run_report(ReportOptions(**told, out=Path(out)), source=source)
+        return run_report(ReportOptions(**told, out=Path(out)), source=self._whole)
 
     def _told(self, step: float | None, how: dict[str, Any]) -> dict[str, Any]:
         """Fields of the options of a test of this coding."""
         own = {name: getattr(self.options, name) for name in _names(ReadOptions)}
         return {**own, "file": Path(self._name), "step": step, **how}
+
+    @property
+    def _whole(self) -> Any:
+        """The source, where it is no file."""
+        return None if isinstance(self.source, (str, os.PathLike)) else self.source
 
     @property
     def _name(self) -> str:
@@ -305,9 +339,9 @@ class Coding:
     def _content(self) -> tuple[list[Events | TableFile], list[str]]:
         sampled = self.options.step is not None
         if not isinstance(self.source, (str, os.PathLike)):
-            return [open_frame(self.source, self.options, self.columns, sampled)], []
+            return [open_frame(self.source, self.options, self.columns, sampled, self.by)], []
         files, remarks = files_of(Path(self.source))
-        return [open_source(path, self.options, self.columns, sampled) for path in files], remarks
+        return [open_source(path, self.options, self.columns, sampled, self.by) for path in files], remarks
 
 
 def read(source: Any, **options: Any) -> Coding:

@@ -5,9 +5,9 @@ import io
 import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar, TypeVar
 
 import numpy as np
 import tyro
@@ -22,7 +22,15 @@ from jointattn_mj.options import NotNegative, Real, Seed, Whole
 from jointattn_mj.recordings.agreement import Agreement, AgreementOptions, agreement
 from jointattn_mj.recordings.delays import check_delay, delay_in_steps
 from jointattn_mj.recordings.events import Events
-from jointattn_mj.recordings.joint_attention import JointAttention, JointAttentionRules, joint_attention
+from jointattn_mj.recordings.groups import GroupOptions, groups_of
+from jointattn_mj.recordings.joint_attention import (
+    MUTUAL,
+    SHARED,
+    JointAttention,
+    JointAttentionRules,
+    joint_attention,
+    without_gaps,
+)
 from jointattn_mj.recordings.measure import ENOUGH_RECORDINGS, MeasureOptions, MeasureResult, run_measure
 from jointattn_mj.recordings.reader import ReadOptions, read
 from jointattn_mj.recordings.sampling import SampleOptions
@@ -33,7 +41,7 @@ PAGE = "report.html"
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReportOptions(ReadOptions, JointAttentionRules):
+class ReportOptions(ReadOptions, JointAttentionRules, GroupOptions):
     """What is read, what counts as joint attention, and how contingency is tested."""
 
     file: tyro.conf.Positional[Path] = field(kw_only=False)
@@ -44,6 +52,12 @@ class ReportOptions(ReadOptions, JointAttentionRules):
     """Events are sampled to steps of so many seconds."""
     tiers: tuple[str, ...] = ()
     """Tiers to rank by how much each says about the others; by default all."""
+    sensors: tuple[str, ...] = ()
+    """Tiers of what is sensed, for events by their SAC (eq. 5.2); by default the partner's looks."""
+    actions: tuple[str, ...] = ()
+    """Tiers of what is done, likewise; by default the infant's looks."""
+    results: tuple[str, ...] = ()
+    """Tiers of what may come of it, likewise; by default the others, mutual gaze and shared attention."""
     lag: str = "0.5s"
     """From the earlier to the later look, in steps or as a time: about what an answer takes."""
     scan: str = "3s"
@@ -69,6 +83,8 @@ class ReportOptions(ReadOptions, JointAttentionRules):
     yes: bool = False
     """Go on however long the surrogates take."""
 
+    ADVANCED: ClassVar[Sequence[str]] = ("resamples", "alpha", "row_s", "yes", "sensors", "actions", "results")
+
     def __post_init__(self) -> None:
         super().__post_init__()
         check_delay("lag", self.lag)
@@ -76,6 +92,9 @@ class ReportOptions(ReadOptions, JointAttentionRules):
         if self.row_s < 1:
             raise ConfigError(f"row_s: expected at least 1 second in a row; got {self.row_s:g}")
         delay_in_steps("lag", self.lag, self.step)
+        given = {*self.sensors, *self.actions} & set(self.results)
+        if given:
+            raise ConfigError(f"results: {min(given)!r} is a sensor or an action, too; its own past says what it says")
 
     @property
     def rules(self) -> JointAttentionRules:
@@ -93,6 +112,11 @@ class ReportOptions(ReadOptions, JointAttentionRules):
         return delay_in_steps("scan", self.scan, self.step)
 
 
+Of = TypeVar("Of")
+Event = tuple[str, str, str]
+"""Tiers of what is sensed, of what is done and of what comes of it."""
+
+
 @dataclass(frozen=True, repr=False)
 class RecordingReport:
     """What the page shows."""
@@ -106,6 +130,10 @@ class RecordingReport:
     """Transfer entropy from the one tier to the other, at the lag. From three recordings on, each has a value too."""
     p_adjusted: Mapping[tuple[str, str], float]
     """By Holm, for all pairs."""
+    found: Mapping[Event, MeasureResult]
+    """SAC of events: sensor, action and result, at the lag."""
+    p_of_events: Mapping[Event, float]
+    """By Holm, for all events."""
     transitions: Mapping[tuple[str, str], LagTable]
     """What the looks of the one lead to in the other, both ways."""
     agreements: tuple[Agreement, ...]
@@ -113,6 +141,8 @@ class RecordingReport:
     """What was left out, and why; where p-values come from."""
     over_recordings: Mapping[tuple[str, str], OverRecordings] = field(default_factory=dict)
     """Yule's Q recording by recording, where there are several."""
+    group_of: Mapping[str, str] | None = None
+    """Group of each recording, if recordings are compared."""
     out: Path | None = None
     """Where it was written."""
 
@@ -131,15 +161,33 @@ class RecordingReport:
     def ranking(self) -> list[dict[str, Any]]:
         """A row a pair of tiers, the most contingent first."""
         rows = [
-            {"source": pair[0], "target": pair[1], **_value(result), "p_adjusted": self.p_adjusted[pair],
-             "significant": bool(self.p_adjusted[pair] <= self.options.alpha)}
-            for pair, result in self.pairs.items()
-        ]  # fmt: skip
+            {"source": source, "target": target, **self._tested(result, self.p_adjusted[source, target])}
+            for (source, target), result in self.pairs.items()
+        ]
         return sorted(rows, key=lambda row: (-row["effective"], row["source"], row["target"]))
+
+    def events_ranked(self) -> list[dict[str, Any]]:
+        """A row an event, the one of the highest SAC first."""
+        rows = [
+            {"sensor": event[0], "action": event[1], "result": event[2],
+             **self._tested(result, self.p_of_events[event])}
+            for event, result in self.found.items()
+        ]  # fmt: skip
+        return sorted(rows, key=lambda row: (-row["effective"], row["sensor"], row["action"], row["result"]))
+
+    def _tested(self, result: MeasureResult, p_adjusted: float) -> dict[str, Any]:
+        return {
+            **_value(result),
+            "p_adjusted": p_adjusted,
+            "significant": bool(p_adjusted <= self.options.alpha),
+        }
 
     def tables(self) -> dict[str, list[dict[str, Any]]]:
         """All tables by the names of their files."""
+        from jointattn_mj.recordings.report_groups import compared
+
         pairs = self.pairs.items()
+        groups, comparisons = compared(self)
 
         def named(pair: tuple[str, str], rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
             return [{"source": pair[0], "target": pair[1], **row} for row in rows]
@@ -152,7 +200,15 @@ class RecordingReport:
             "ranking": self.ranking(),
             "lags": [row for pair, one in pairs for row in named(pair, one.lag_rows())],
             "values": [row for pair, one in pairs for row in named(pair, _first_measure(one.value_rows()))],
+            "sac": self.events_ranked(),
+            "sac_values": [
+                {"event": f"({s}, {a}) -> {r}", **row}
+                for (s, a, r), one in self.found.items()
+                for row in one.value_rows()
+            ],
             "dyads": [row for pair, one in pairs for row in named(pair, one.dyad_rows())],
+            "groups": groups,
+            "comparisons": comparisons,
             "transitions": [row for pair in self.transitions for row in named(pair, self.transition_rows(pair))],
             "agreement": [agreed.row() for agreed in self.agreements],
             "events": [
@@ -222,12 +278,13 @@ def run_report(
     if (options.out / PAGE).exists():
         raise OutputError(f"{options.out / PAGE} is there already; choose another folder")
     reading = {one.name: getattr(options, one.name) for one in fields(ReadOptions)}
-    events = read(options.file if source is None else source, **reading).events
+    coding = replace(read(options.file if source is None else source, **reading), by=options.group_columns)
+    events, group_of = coding.events, groups_of(options, coding)
     second = None if options.second is None else read(options.second, **reading).events
     new = not options.out.exists()
     try:
         with held(options.out):
-            report = analyse(events, second, options, progress)
+            report = analyse(events, second, options, progress, group_of)
             write_page(report, options.out)
     except BaseException:
         if new:
@@ -238,7 +295,11 @@ def run_report(
 
 
 def analyse(
-    events: Events, second: Events | None, options: ReportOptions, progress: Callable[[int], object]
+    events: Events,
+    second: Events | None,
+    options: ReportOptions,
+    progress: Callable[[int], object],
+    group_of: Mapping[str, str] | None = None,
 ) -> RecordingReport:
     """All that the page shows.
 
@@ -247,6 +308,7 @@ def analyse(
         second: The same, by a second coder.
         options: How it is analysed.
         progress: Called with the number of surrogates and resamples drawn since the last call.
+        group_of: Group of each recording by its name, where recordings are compared.
 
     Raises:
         SeriesError: A tier is not there, or the events cannot be sampled or measured.
@@ -254,20 +316,22 @@ def analyse(
     attention = joint_attention(events, options.rules)
     how = {one.name: getattr(options, one.name) for one in fields(SampleOptions)}
     tiers = list(dict.fromkeys([*options.looks, *(options.tiers or events.tier_names)]))
-    steps = events.steps(options.step, tiers, **how)
-    pairs = {}
-    looks = set(options.looks)
-    for source in tiers:
-        for target in tiers:
-            if source != target:
-                of_looks = {source, target} == looks
-                asked = MeasureOptions(
-                    options.file, source=(source,), target=(target,), lag=options.lag, method=options.method,
-                    scan=options.scan if of_looks else None,
-                    surrogates=options.surrogates, resamples=options.resamples, seed=options.seed, yes=options.yes,
-                )  # fmt: skip
-                pairs[source, target] = run_measure(asked, progress, steps)
-    p = adjust([_value(result)["p"] for result in pairs.values()], "holm")
+    asked = _events(options, tiers)
+    every = dict.fromkeys([*tiers, *(tier for event in asked for tier in event)])
+    steps = without_gaps(attention).steps(options.step, every, **how)
+
+    def measured(source: str, target: str, action: str | None = None) -> MeasureResult:
+        of_looks = action is None and {source, target} == set(options.looks)
+        how = MeasureOptions(
+            options.file, source=(source,), target=(target,), condition=() if action is None else (action,),
+            measures=("te",) if action is None else ("sac",), lag=options.lag, method=options.method,
+            scan=options.scan if of_looks else None, by=options.by, groups=options.groups,
+            surrogates=options.surrogates, resamples=options.resamples, seed=options.seed, yes=options.yes,
+        )  # fmt: skip
+        return run_measure(how, progress, steps, group_of)
+
+    pairs = {(source, target): measured(source, target) for source in tiers for target in tiers if source != target}
+    found = {(sensor, action, result): measured(sensor, result, action) for sensor, action, result in asked}
     lag = delay_in_steps("lag", options.lag, options.step)
     sequential = SequentialOptions(lag=lag, surrogates=options.surrogates, seed=options.seed)
     transitions = {pair: lag_table(steps, *pair, sequential) for pair in (options.looks, options.looks[::-1])}
@@ -279,11 +343,31 @@ def analyse(
             step=options.step, tolerance_s=options.tolerance_s, resamples=options.resamples, seed=options.seed
         )
         agreements = agreement(events, second, None, same)
-    notes = dict.fromkeys([*steps.notes(), *(note for result in pairs.values() for note in result.notes)])
+    results = [*pairs.values(), *found.values()]
+    notes = dict.fromkeys([*steps.notes(), *(note for result in results for note in result.notes)])
     return RecordingReport(
-        options, events, attention, steps, pairs, dict(zip(pairs, map(float, p), strict=True)), transitions,
-        agreements, tuple(notes), over, options.out,
+        options, events, attention, steps, pairs, _adjusted(pairs), found, _adjusted(found), transitions, agreements,
+        tuple(notes), over, group_of, options.out,
     )  # fmt: skip
+
+
+def _events(options: ReportOptions, tiers: Sequence[str]) -> list[Event]:
+    """Events whose SAC is ranked."""
+    sensors, actions = options.sensors or (options.partner,), options.actions or (options.infant,)
+    others = [tier for tier in (*tiers, MUTUAL, SHARED) if tier not in (*sensors, *actions)]
+    return [
+        (sensor, action, result)
+        for sensor in sensors
+        for action in actions
+        if sensor != action
+        for result in options.results or others
+    ]
+
+
+def _adjusted(results: Mapping[Of, MeasureResult]) -> dict[Of, float]:
+    """p of each, corrected by Holm for their number."""
+    p = adjust([_value(one)["p"] for one in results.values()], "holm")
+    return dict(zip(results, map(float, p), strict=True))
 
 
 def _value(result: MeasureResult) -> dict[str, Any]:

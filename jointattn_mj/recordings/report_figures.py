@@ -29,8 +29,10 @@ TOGETHER_INK, MUTUAL_INK = "#f6d55c", "#d81b60"
 ENGAGED = {SUPPORTED: "#a9c9a4", COORDINATED: "#2e7d32"}
 WIDTH, TIER, HEAD = 9.0, 0.26, 0.55
 """Inches: a figure's width, a tier's height, and what a row of time needs besides."""
+SPARE = 0.1
+"""A rest of so much of a row gets no row of its own; rows are a little longer then."""
 MOST_ROWS = 60
-"""Rows of time in one figure."""
+"""Rows of time in one figure; what comes later is not drawn."""
 
 
 def code_colours(events: Events) -> dict[str, str]:
@@ -52,12 +54,12 @@ def timeline(
         row_s: Seconds in a row; the figure has as many rows as are needed.
         colours: Of codes.
     """
-    table = attention.events.table
-    of = table["recording"] == recording
-    start = float(table["onset"][of].min()) if of.any() else 0.0
-    stop = float(table["offset"][of].max()) if of.any() else row_s
-    row_s = max(row_s, (stop - start) / MOST_ROWS)
-    rows = max(1, int(np.ceil((stop - start) / row_s - 1e-9)))
+    table = attention.events.select(recordings=[recording]).table
+    onsets, offsets, codes, of_tier = (table[name] for name in ("onset", "offset", "code", "tier"))
+    start = float(onsets.min()) if len(table) else 0.0
+    stop = min(float(offsets.max()) if len(table) else row_s, start + MOST_ROWS * row_s)
+    rows = max(1, int(np.ceil((stop - start) / row_s - SPARE)))
+    row_s = max(row_s, (stop - start) / rows)
     shown = min(row_s, max(stop - start, 1e-3))
     figure = Figure((WIDTH, 0.75 + rows * (HEAD + TIER * (len(tiers) + 1))), layout="constrained")
     every = figure.subplots(rows, 1, squeeze=False)[:, 0]
@@ -66,15 +68,16 @@ def timeline(
     used: dict[str, str] = {}
     for row, axes in enumerate(every):
         begin = start + row * row_s
-        for onset, offset in zip(shared.onset, shared.offset, strict=True):
+        seen = (onsets < begin + row_s) & (offsets >= begin)
+        together = shared.kept((shared.onset < begin + row_s) & (shared.offset > begin))
+        for onset, offset in zip(together.onset, together.offset, strict=True):
             axes.axvspan(onset, offset, color=TOGETHER_INK, alpha=0.45, lw=0, zorder=0)
         axes.hlines(np.full(len(mutual), -0.62), mutual.onset, mutual.offset, color=MUTUAL_INK, lw=3.5, zorder=3)
         for line, tier in enumerate(tiers):
-            codes, at = table["code"], of & (table["tier"] == tier)
-            inside = at & (table["onset"] < begin + row_s) & (table["offset"] >= begin)
+            inside = seen & (of_tier == tier)
             for code in dict.fromkeys(codes[inside]):
                 these = inside & (codes == code)
-                onset, length = table["onset"][these], (table["offset"] - table["onset"])[these]
+                onset, length = onsets[these], (offsets - onsets)[these]
                 ink = colours.get(str(code), OTHER)
                 used[str(code)] = ink
                 lasting = length > 0
@@ -99,7 +102,8 @@ def timeline(
         Patch(color=MUTUAL_INK, label="mutual gaze (line)"),
         *(Patch(color=ink, label=state) for state, ink in ENGAGED.items()),
     ]
-    figure.legend(handles=handles, loc="outside upper left", ncols=min(len(handles), 7), fontsize=8, frameon=False)
+    columns = int(np.ceil(len(handles) / np.ceil(len(handles) / 7)))
+    figure.legend(handles=handles, loc="outside upper left", ncols=columns, fontsize=8, frameon=False)
     return figure
 
 
@@ -138,46 +142,51 @@ def transition_figure(tables: Mapping[tuple[str, str], LagTable], lag_s: float) 
     return figure
 
 
-def ranking_figure(rows: Sequence[Mapping[str, Any]], unit: str) -> Figure:
-    """Effective transfer entropy of each pair with its interval, the most contingent on top.
+def ranking_figure(rows: Sequence[tuple[str, Mapping[str, Any]]], measure: str, unit: str) -> Figure:
+    """Effective values with their intervals, the most contingent on top.
 
     Args:
-        rows: Of ``RecordingReport.ranking``.
+        rows: What each is of, and a row of ``RecordingReport.ranking`` or ``events_ranked``.
+        measure: What is measured.
         unit: Of the values.
     """
     figure = Figure((7.5, 0.9 + 0.32 * len(rows)), layout="constrained")
     axes = figure.subplots()
-    for at, row in enumerate(rows):
+    for at, (_, row) in enumerate(rows):
         ink = "#c0392b" if row["significant"] else "#7f8c8d"
         axes.plot([row["low"], row["high"]], [at, at], color=ink, lw=1.6)
         axes.plot(row["effective"], at, "o", color=ink, ms=5)
     axes.axvline(0, color="black", lw=0.6)
-    axes.set_yticks(range(len(rows)), [f"{row['source']} → {row['target']}" for row in rows], fontsize=9)
+    axes.set_yticks(range(len(rows)), [name for name, _ in rows], fontsize=9)
     axes.set_ylim(len(rows) - 0.5, -0.5)
-    axes.set_xlabel(f"effective transfer entropy ({unit})", fontsize=9)
+    axes.set_xlabel(f"effective {measure} ({unit})", fontsize=9)
     axes.spines[["top", "right"]].set_visible(False)
     return figure
 
 
 def dyad_figure(results: Mapping[tuple[str, str], DyadResult], unit: str) -> Figure:
-    """Each recording's effective value, and the mean with its interval over recordings.
+    """Each recording's effective value, and means with their intervals over recordings: of all, or of each group.
 
     Args:
         results: By source and target.
         unit: Of the values.
     """
-    figure = Figure((7.5, 1.0 + 0.55 * len(results)), layout="constrained")
+    lines = [
+        (f"{a} → {b}" + (f", {group.name}" if group.name != "all" else ""), one, group)
+        for (a, b), one in results.items()
+        for group in one.groups[len(one.groups) > 1 :]
+    ]
+    figure = Figure((7.5, 1.0 + 0.45 * len(lines)), layout="constrained")
     axes = figure.subplots()
-    for at, one in enumerate(results.values()):
-        values = [value.corrected for value in one.values]
+    for at, (_, one, group) in enumerate(lines):
+        values = [value.corrected for value in one.of_group(group)]
         spread = np.linspace(-0.16, 0.16, len(values)) if len(values) > 1 else np.zeros(1)
         axes.plot(values, at + spread, "o", color="#4c78a8", ms=4, alpha=0.6)
-        mean, (low, high) = one.groups[0].mean, one.groups[0].interval
-        axes.plot([low, high], [at, at], color="#c0392b", lw=2)
-        axes.plot(mean, at, "D", color="#c0392b", ms=6)
+        axes.plot(group.interval, [at, at], color="#c0392b", lw=2)
+        axes.plot(group.mean, at, "D", color="#c0392b", ms=6)
     axes.axvline(0, color="black", lw=0.6)
-    axes.set_yticks(range(len(results)), [f"{a} → {b}" for a, b in results], fontsize=9)
-    axes.set_ylim(len(results) - 0.5, -0.5)
+    axes.set_yticks(range(len(lines)), [name for name, _, _ in lines], fontsize=9)
+    axes.set_ylim(len(lines) - 0.5, -0.5)
     axes.set_xlabel(f"effective transfer entropy ({unit}); diamond: mean and interval over recordings", fontsize=9)
     axes.spines[["top", "right"]].set_visible(False)
     return figure

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
+from jointattn_mj.contingency.local import carriers
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.page import drawn, page
 from jointattn_mj.io.provenance import plain, versions
@@ -16,6 +17,7 @@ from jointattn_mj.recordings.delays import delay_in_steps
 from jointattn_mj.recordings.lags import lag_figure
 from jointattn_mj.recordings.report import PAGE, RecordingReport, ReportOptions, write_tables, write_text
 from jointattn_mj.recordings.report_figures import (
+    MOST_ROWS,
     code_colours,
     dyad_figure,
     latency_figure,
@@ -23,6 +25,7 @@ from jointattn_mj.recordings.report_figures import (
     timeline,
     transition_figure,
 )
+from jointattn_mj.recordings.report_groups import compared
 from jointattn_mj.recordings.report_words import p_words, wilson
 
 if TYPE_CHECKING:
@@ -63,16 +66,25 @@ def write_page(report: RecordingReport, folder: Path) -> None:
         "opened": OPEN,
         "files": names,
         "ranking": report.ranking(),
+        "sac": [{**row, "event": _event(row), "values": _carriers(report, row)} for row in report.events_ranked()],
+        "groups": _groups(report),
+        "lag_s": delay_in_steps("lag", report.options.lag, report.options.step) * report.options.step,
         "transitions": _transitions(report),
         "answers": _answers(report),
         "dyads": _of_dyads(report.pairs),
         "by_recording": _by_recording(report),
         "hidden": len(report.events.recordings) - len(shown),
+        "drawn_s": MOST_ROWS * report.options.row_s,
         "settings": _settings(report.options),
         "versions": versions(),
         "command": _command(report.options),
     }
-    filters = {"number": number, "bracket": lambda row: bracket((row["low"], row["high"])), "share": share}
+    filters: dict[str, Any] = {
+        "number": number,
+        "bracket": lambda row: bracket((row["low"], row["high"])),
+        "share": share,
+        "short": _short,
+    }
     text = page("jointattn_mj.recordings", PAGE, values, p=lambda p: p_words(p)[2:].removeprefix("= "), **filters)
     write_text(folder / PAGE, text)
 
@@ -93,7 +105,10 @@ def _figures(report: RecordingReport) -> dict[str, Figure]:
     followers = options.infant, options.partner
     figures["latencies"] = latency_figure(report.attention.opportunities, followers, options.follow_within_s)
     figures["transitions"] = transition_figure(report.transitions, lag_s)
-    figures["ranking"] = ranking_figure(report.ranking(), UNIT)
+    pairs = [(f"{row['source']} → {row['target']}", row) for row in report.ranking()]
+    figures["ranking"] = ranking_figure(pairs, "transfer entropy", UNIT)
+    if report.found:
+        figures["sac"] = ranking_figure([(_event(row), row) for row in report.events_ranked()], "SAC", UNIT)
     scans = [(f"{a} → {b}", scan) for (a, b), one in report.pairs.items() for _, scan in one.scans]
     figures["lags"] = lag_figure(scans, options.step, "transfer entropy", UNIT)
     ways = (options.looks, options.looks[::-1])
@@ -130,6 +145,35 @@ def _answers(report: RecordingReport) -> list[dict[str, Any]]:
                      "contribution": one.contribution, "p_adjusted": one.p_adjusted}
                 )  # fmt: skip
     return sorted(answers, key=lambda row: -row["contribution"])[:MOST_TRANSITIONS]
+
+
+def _short(value: float) -> str:
+    """Three digits; a dash for NaN."""
+    return "-" if value != value else f"{value:.3g}"
+
+
+def _event(row: Mapping[str, Any]) -> str:
+    """``(mother, infant) → shared attention``."""
+    return f"({row['sensor']}, {row['action']}) → {row['result']}"
+
+
+def _carriers(report: RecordingReport, row: Mapping[str, Any]) -> list[str]:
+    """The values that carry an event that is significant, in words."""
+    event = row["sensor"], row["action"], row["result"]
+    found = report.found[event]
+    kept = carriers(found.measured[0].values, report.options.alpha) if row["significant"] else ()
+    return [value.words(event, found.labels) for value in kept]
+
+
+def _groups(report: RecordingReport) -> list[dict[str, Any]]:
+    """A row a value: means of the groups, and p of the comparison of all groups."""
+    groups, comparisons = compared(report)
+    values: dict[str, dict[str, Any]] = {}
+    for row in groups:
+        values.setdefault(row["value"], {"value": row["value"], "p": None, "of": {}})["of"][row["group"]] = row
+    for row in comparisons[::-1]:  # the first one is of all groups, or of the only two
+        values[row["value"]]["p"] = row["p"]
+    return list(values.values())
 
 
 def _by_recording(report: RecordingReport) -> list[dict[str, Any]]:

@@ -8,6 +8,7 @@ from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import versions
 from jointattn_mj.io.results import bracket, number
 from jointattn_mj.recordings.delays import delay_in_steps
+from jointattn_mj.recordings.dyads import MOST_EXACT
 from jointattn_mj.recordings.methods import WORDS
 
 if TYPE_CHECKING:
@@ -59,7 +60,10 @@ def methods_paragraph(report: "RecordingReport") -> str:
         f"Young, 1993). Transitions are adjusted residuals (Bakeman and Quera, 2011), tested by {o.surrogates:,} "
         "circular shifts"
         + (", and means of the recordings' Yule's Q, with Student's t." if report.over_recordings else ".")
-        + " Which look answers which are shares of transfer entropy, tested exactly and corrected by Holm's method.",
+        + " Which look answers which are shares of transfer entropy; p of each is from the same surrogates, corrected "
+        "by the maximum over all combinations of looks in each.",
+        *_events_words(report),
+        *_group_words(report),
         *_results(report),
     ]
     if report.agreements:
@@ -88,6 +92,37 @@ def _results(report: "RecordingReport") -> list[str]:
         )
     results = "; ".join([*sentences, *report.following(), *report.over_lags()])
     return [f"Found: {results}.".replace("->", "to")]
+
+
+def _events_words(report: "RecordingReport") -> list[str]:
+    """Events by their SAC: how, and what was found."""
+    if not report.found:
+        return []
+    values = "; ".join(
+        f"({row['sensor']}, {row['action']}) to {row['result']}: {number(row['effective'])} bits "
+        f"{bracket((row['low'], row['high']))}, {p_words(row['p_adjusted'])}"
+        for row in report.events_ranked()
+    )
+    return [
+        f"State-action contingency (SAC) is what two tiers together say about the next value of a third, beyond what "
+        f"each says alone, at the same lag and tested likewise; p of {count(len(report.found), 'event')} was corrected "
+        f"by Holm's method: {values}."
+    ]
+
+
+def _group_words(report: "RecordingReport") -> list[str]:
+    """How groups were compared, and what came of the two directions of looks."""
+    if report.group_of is None:
+        return []
+    lines = []
+    for source, target in (report.options.looks, report.options.looks[::-1]):
+        told = [line.split(", ", 1)[1] for line in report.pairs[source, target].group_lines()]
+        lines.append(f"{source} to {target}, {'; '.join(told)}")
+    return [
+        f"Recordings were compared by {report.options.by} by permutation of recordings over groups (two-sided; all "
+        f"ways where there are at most {MOST_EXACT:,}, otherwise {report.options.surrogates:,} random ones): "
+        f"{'. '.join(lines)}."
+    ]
 
 
 def _surrogates(report: "RecordingReport") -> str:

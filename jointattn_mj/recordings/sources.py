@@ -78,7 +78,9 @@ def files_of(path: Path) -> tuple[list[Path], list[str]]:
     return files, left_out if others else []
 
 
-def open_source(path: Path, options: SourceOptions, wanted: Sequence[str] | None, sampled: bool) -> Events | TableFile:
+def open_source(
+    path: Path, options: SourceOptions, wanted: Sequence[str] | None, sampled: bool, about: Sequence[str] = ()
+) -> Events | TableFile:
     """Open a file.
 
     Args:
@@ -86,6 +88,7 @@ def open_source(path: Path, options: SourceOptions, wanted: Sequence[str] | None
         options: How it is read.
         wanted: Columns or tiers that are asked for; None: all.
         sampled: Whether it is to be sampled to steps, so that it must be of events.
+        about: Columns that say what each recording is, which a table of events may have.
 
     Returns:
         The events, or the table of steps.
@@ -121,18 +124,24 @@ def open_source(path: Path, options: SourceOptions, wanted: Sequence[str] | None
             table = events if of_events(events.header) or events.named_in is not None else table
     else:
         table = open_table(data, path, options, any if options.of_steps else of_events)
-    return open_table_as(table, data, options, wanted, sampled)
+    return open_table_as(table, data, options, wanted, sampled, about)
 
 
 def open_table_as(
-    table: TableFile, data: bytes | None, options: SourceOptions, wanted: Sequence[str] | None, sampled: bool
+    table: TableFile,
+    data: bytes | None,
+    options: SourceOptions,
+    wanted: Sequence[str] | None,
+    sampled: bool,
+    about: Sequence[str] = (),
 ) -> Events | TableFile:
     """Take a table as events or as steps (see :func:`open_source`); ``data`` is the whole file, if there is one."""
     if options.of_steps:
         if sampled:
             raise SeriesError(f"{table.path} is said to have a row for every step; leave `step` out")
         return table
-    layout = event_layout(table.header, options.format)
+    not_codes = {options.recording, *about}
+    layout = event_layout(["" if name in not_codes else name for name in table.header], options.format)
     named = wanted is not None and set(wanted) <= set(table.header)
     if layout is None and data is not None and not (options.columns or named):
         names = plain.names_without_header(table.head)
@@ -156,11 +165,12 @@ def open_table_as(
         options.time_unit,
         options.rate,
         options.missing_values,
+        {name: table.locations([name])[0] for name in about if name in table.header},
     )
 
 
 def open_frame(
-    frame: object, options: SourceOptions, wanted: Sequence[str] | None, sampled: bool
+    frame: object, options: SourceOptions, wanted: Sequence[str] | None, sampled: bool, about: Sequence[str] = ()
 ) -> Events | TableFile:
     """Open a table of pandas, polars or pyarrow (see :func:`open_source`).
 
@@ -180,7 +190,7 @@ def open_frame(
         raise SeriesError(
             f"expected a path, or a table of pandas, polars or pyarrow; got {type(frame).__name__}"
         ) from error
-    return open_table_as(arrow_file(table, Path("table")), None, options, wanted, sampled)
+    return open_table_as(arrow_file(table, Path("table")), None, options, wanted, sampled, about)
 
 
 def _no_steps(table: TableFile, layout: EventLayout) -> str:

@@ -12,7 +12,7 @@ from jointattn_mj.options import shown
 TimeUnit = Literal["auto", "s", "ms", "frames"]
 """Unit of times that are plain numbers; auto: as the header says, or seconds if some have fractions."""
 
-_NUMBER = re.compile(r"[+-]?(\d{1,15}([.,]\d{0,15})?|[.,]\d{1,15})([eE][+-]?\d{1,2})?")
+_NUMBER = re.compile(r"[+-]?(\d{1,15}([.,]\d{0,30})?|[.,]\d{1,30})([eE][+-]?\d{1,2})?")
 _CLOCK = re.compile(r"(-?)(?:(\d{1,4}):)?(\d{1,4}):(\d{1,2})(?:[.,](\d{1,9})|:(\d{3})|[:;](\d{1,2}))?")
 _WORDS: dict[str, TimeUnit] = {
     "ms": "ms", "msec": "ms", "msecs": "ms", "millisecond": "ms", "milliseconds": "ms", "f": "frames",
@@ -81,7 +81,7 @@ def _plain(texts: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
     from pyarrow import compute
 
     column = compute.utf8_trim_whitespace(pa.array(texts, pa.string()))
-    plain = compute.match_substring_regex(column, r"^-?\d{1,15}(\.\d{1,15})?$").to_numpy(zero_copy_only=False)
+    plain = compute.match_substring_regex(column, r"^-?\d{1,15}(\.\d{1,30})?$").to_numpy(zero_copy_only=False)
     values = np.full(len(texts), np.nan)
     values[plain] = column.filter(pa.array(plain, pa.bool_())).cast(pa.float64()).to_numpy()
     return values, np.array(plain, bool)

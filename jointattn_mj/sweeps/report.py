@@ -84,21 +84,21 @@ def write_report(registry: Registry, ids: Sequence[str], folder: Path) -> Path:
         SweepError: An analysis failed; the rest of the report has been written.
     """
     chapters = [chapter(registry, claim, Store(folder)) for claim in ids]
-    if not any(one.runs for one in chapters):
+    if not any(chapter.runs for chapter in chapters):
         raise OutputError(f"{folder} holds no trials of {', '.join(ids)}; run some with `{command(['ID'], folder)}`")
     busy = f"another process writes a report into {folder}; wait until it has ended"
     with alone(folder / ".report.lock", folder, busy):
         _write_all(chapters, folder)
-    trouble = [f"{one.entry.id}: {error}" for one in chapters for error in one.trouble]
+    trouble = [f"{chapter.entry.id}: {error}" for chapter in chapters for error in chapter.trouble]
     if trouble:
         raise SweepError(f"{folder / 'report.html'} is written, but not all of it: {'; '.join(trouble)}")
     return folder / "report.html"
 
 
 def _write_all(chapters: Sequence[Chapter], folder: Path) -> None:
-    images = {one.entry.id: _save(one, folder / "figures") for one in chapters}
+    images = {chapter.entry.id: _save(chapter, folder / "figures") for chapter in chapters}
     tables = {
-        "claims.json": json.dumps(without_nan([_facts(one) for one in chapters]), indent=1, ensure_ascii=False) + "\n",
+        "claims.json": json.dumps(without_nan(list(map(_facts, chapters))), indent=1, ensure_ascii=False) + "\n",
         "claims.csv": _csv(chapters),
         "claims.md": _markdown(chapters),
         "report.html": _page(chapters, images, folder),
@@ -169,13 +169,15 @@ def commands(claim: Claim, seeds: Mapping[str, Sequence[int]], folder: Path) -> 
         folder: Folder of results.
     """
     wanted = {name: _ranges(stored) for name, stored in seeds.items() if stored}
-    usual = {name: [range(claim.first_seed, claim.first_seed + one.runs)] for name, one in claim.settings.items()}
+    usual = {
+        name: [range(claim.first_seed, claim.first_seed + setting.runs)] for name, setting in claim.settings.items()
+    }
     if wanted == {name: ranges for name, ranges in usual.items() if ranges[0]}:
         return [command([claim.id], folder)]
     groups: dict[tuple[int, int], list[str]] = {}
     for name, ranges in wanted.items():
-        for one in ranges:
-            groups.setdefault((one.start, len(one)), []).append(name)
+        for span in ranges:
+            groups.setdefault((span.start, len(span)), []).append(name)
     lines = []
     for (first, runs), names in groups.items():
         every = names == list(claim.settings)
@@ -210,32 +212,32 @@ def _notes(stored: Stored, failures: Sequence[Mapping[str, Any]]) -> list[str]:
     return notes
 
 
-def _save(one: Chapter, folder: Path) -> dict[str, str]:
+def _save(chapter: Chapter, folder: Path) -> dict[str, str]:
     """Write the figures as PNG files; returns each as a data URI."""
     uris = {}
-    for stem, figure in one.figures.items():
+    for stem, figure in chapter.figures.items():
         image, uris[stem] = drawn(figure)
         folder.mkdir(parents=True, exist_ok=True)
-        _write(folder / f"{one.entry.id}-{stem}.png", image)
+        _write(folder / f"{chapter.entry.id}-{stem}.png", image)
     return uris
 
 
-def _facts(one: Chapter) -> dict[str, Any]:
+def _facts(chapter: Chapter) -> dict[str, Any]:
     return {
-        "id": one.entry.id,
-        "title": one.entry.title,
-        "source": one.entry.source,
-        "says": one.entry.says,
-        "verdict": str(one.verdict) if one.findings else None,
-        "findings": [finding_row(finding) for finding in one.findings],
-        "commands": list(one.commands),
+        "id": chapter.entry.id,
+        "title": chapter.entry.title,
+        "source": chapter.entry.source,
+        "says": chapter.entry.says,
+        "verdict": str(chapter.verdict) if chapter.findings else None,
+        "findings": [finding_row(finding) for finding in chapter.findings],
+        "commands": list(chapter.commands),
         "settings": {
-            name: {"config": one.configs[name], "n": len(seeds), "seeds": _seeds_in_words(seeds)}
-            for name, seeds in one.seeds.items()
+            name: {"config": chapter.configs[name], "n": len(seeds), "seeds": _seeds_in_words(seeds)}
+            for name, seeds in chapter.seeds.items()
         },
-        "versions": [dict(versions) for versions in one.versions],
-        "notes": [*one.notes, *one.trouble],
-        "figures": [f"figures/{one.entry.id}-{stem}.png" for stem in one.figures],
+        "versions": [dict(versions) for versions in chapter.versions],
+        "notes": [*chapter.notes, *chapter.trouble],
+        "figures": [f"figures/{chapter.entry.id}-{stem}.png" for stem in chapter.figures],
     }
 
 
@@ -274,18 +276,19 @@ def _csv(chapters: Sequence[Chapter]) -> str:
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")
     writer.writeheader()
-    for one in chapters:
-        about = {"claim": one.entry.id, "title": one.entry.title, "source": one.entry.source}
-        writer.writerows({**about, **finding_row(finding)} for finding in one.findings)
+    for chapter in chapters:
+        about = {"claim": chapter.entry.id, "title": chapter.entry.title, "source": chapter.entry.source}
+        writer.writerows({**about, **finding_row(finding)} for finding in chapter.findings)
     return text.getvalue()
 
 
 def _markdown(chapters: Sequence[Chapter]) -> str:
     """A heading and a table for every claim with findings."""
     parts = [
-        f"## {_plain_in_markdown(f'{one.entry.id}: {one.entry.title}')}\n\n{table_of(_facts(one)['findings'])}"
-        for one in chapters
-        if one.findings
+        f"## {_plain_in_markdown(f'{chapter.entry.id}: {chapter.entry.title}')}\n\n"
+        f"{table_of(_facts(chapter)['findings'])}"
+        for chapter in chapters
+        if chapter.findings
     ]
     return "\n".join(parts)
 
@@ -308,7 +311,11 @@ def _plain_in_markdown(text: str) -> str:
 
 
 def _page(chapters: Sequence[Chapter], images: Mapping[str, Mapping[str, str]], folder: Path) -> str:
-    films = {one.entry.id: data_uri("video/mp4", one.film.read_bytes()) for one in chapters if one.film is not None}
+    films = {
+        chapter.entry.id: data_uri("video/mp4", chapter.film.read_bytes())
+        for chapter in chapters
+        if chapter.film is not None
+    }
     return page(
         "jointattn_mj.sweeps",
         "report.html",

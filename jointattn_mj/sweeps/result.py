@@ -115,8 +115,8 @@ class ClaimResult:
         if not isinstance(other, ClaimResult):
             return NotImplemented
         mine, theirs = (
-            (one.entry, one.runs, one.figures, one.notes, one.folder, [repr(finding) for finding in one.findings])
-            for one in (self, other)
+            (result.entry, result.runs, result.figures, result.notes, result.folder, list(map(repr, result.findings)))
+            for result in (self, other)
         )  # NaN in an interval differs from itself, and its text does not
         return mine == theirs
 

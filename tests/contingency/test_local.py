@@ -4,10 +4,14 @@ from itertools import permutations
 
 import numpy as np
 import pytest
+from codings import looks
 from slow_measures import every_case
 
 import jointattn_mj.contingency as c
-from jointattn_mj.contingency.local import carriers
+from jointattn_mj.contingency.information import CONTINGENCY, MUTUAL
+from jointattn_mj.contingency.local import carriers, local_of_steps
+from jointattn_mj.contingency.significance import TestOptions, assess_steps
+from jointattn_mj.contingency.table import acted, steps
 from jointattn_mj.errors import SeriesError
 
 
@@ -90,3 +94,36 @@ def test_codes_are_those_of_the_caller():
 def test_needs_an_action():
     with pytest.raises(SeriesError, match="transfer_entropy"):
         c.local_contingency(*planted(), "transfer_entropy")
+
+
+def test_p_of_combinations_of_long_looks_comes_from_shifts():
+    """Two people who do not know of each other: exact tests of what both look at call chance an effect."""
+    alarms = np.zeros(2)
+    for seed in range(16):
+        rng = np.random.default_rng(seed)
+        pair = steps(*(looks(1500, rng, 1) for _ in range(2)))
+        options = TestOptions(99, resamples=0)
+        tested = assess_steps(pair, MUTUAL, options, 1.0, np.random.default_rng(0), local=True)
+        assert tested.method == "shift" and tested.counts is not None
+        alarms += [bool(carriers(local_of_steps(pair, MUTUAL, counts=one))) for one in (None, tested.counts)]
+    assert alarms[0] > 10
+    assert alarms[1] <= 4
+
+
+def test_counts_of_surrogates_are_those_of_the_shifted_series():
+    rng = np.random.default_rng(0)
+    s, a, r = (np.repeat(rng.integers(0, 3, 40), 5) for _ in range(3))
+    given = acted(s, a, r)
+    counts = assess_steps(
+        given, CONTINGENCY, TestOptions(200, resamples=0, method="shift"), 1.0, rng, local=True
+    ).counts
+    assert counts is not None
+    known = {tuple(column): i for i, column in enumerate(counts.columns.T.tolist())}
+    shifts = set()
+    for by in range(1, 199):
+        shifted = np.roll(s[:-1], -by)
+        table = np.zeros(len(known), np.float32)
+        for combination in zip(r[:-1], a[:-1], shifted, r[1:], strict=True):
+            table[known[tuple(map(int, combination))]] += 1
+        shifts.add(table.tobytes())
+    assert {row.tobytes() for row in counts.counts} <= shifts

@@ -23,6 +23,7 @@ from jointattn_mj.footage.sessions.config import CameraSessionConfig, VideoSessi
 from jointattn_mj.footage.sessions.lens import HeadConfig, Lens
 from jointattn_mj.footage.sessions.run import run_footage_session
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.result import SessionResult
 from jointattn_mj.perception.som import SOMConfig
 from jointattn_mj.scene import gl
 from jointattn_mj.scene.world import World, WorldConfig
@@ -105,6 +106,17 @@ def test_a_session_at_a_video(whole):
     assert {path.name for path in out.glob("*.png")} == {"som.png", "success.png"}
 
 
+def test_a_session_at_a_video_opens_as_a_result(table, whole, tmp_path):
+    out, summary = whole
+    result = SessionResult.open(out)
+    assert result.config == config(table, coding=table / "coding.csv")
+    assert result.summary == summary
+    assert len(result.frames) == summary.frames and len(result.shifts) == summary.gaze_shifts_of_all_kinds
+    result.save(tmp_path / "copy")
+    assert SessionResult.open(tmp_path / "copy") == result
+    assert {path.name for path in (tmp_path / "copy").glob("*.png")} == {"som.png", "success.png"}
+
+
 def test_a_session_that_was_stopped_goes_on_to_the_same_result(table, whole, tmp_path):
     asked = config(table, coding=table / "coding.csv")
 
@@ -155,7 +167,7 @@ def test_times_are_those_of_the_file_at_a_variable_rate(table, tmp_path):
 def test_without_a_face_a_session_says_so(wide, table, tmp_path, monkeypatch):
     monkeypatch.setattr(sessions, "FACELESS_S", 0.3)
     images = np.repeat(np.zeros_like(wide)[None], 30, axis=0)
-    encode(tmp_path / "table.mp4", images)
+    encode(tmp_path / "table.mp4", images, "-c:v", "libx264")
     with pytest.raises(FootageError, match=r"no face was found in 0\.3 s of .*table\.mp4"):
         run_footage_session(config(tmp_path), None)
 

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shell import Shell
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
@@ -17,13 +16,6 @@ pytestmark = pytest.mark.integration
 
 ROBOT = RobotConfig(familiarise=FamiliariseConfig(minutes=0.02))
 VARIED = VariedSessionConfig(minutes=0.05, seed=4, robot=ROBOT, variation="all")
-
-
-@pytest.fixture(scope="module")
-def shell():
-    shell = Shell()
-    yield shell
-    shell.close()
 
 
 def angles(session: SessionRun, frames: int = 40) -> np.ndarray:
@@ -67,12 +59,12 @@ def test_a_varied_session_goes_on_from_its_checkpoint(tmp_path):
     session.close(), again.close()
 
 
-def test_the_command_takes_names_of_presets(tmp_path, shell):
+def test_the_command_takes_names_of_presets(tmp_path, jointattn):
     short = ("--minutes", "0.05", "--robot.familiarise.minutes", "0.02", "--perception", "state")
-    run = shell("session", *short, "--variation", "pace+objects", "--out", tmp_path / "out")
+    run = jointattn("session", *short, "--variation", "pace+objects", "--out", tmp_path / "out")
     assert run.code == 0, run.err
     assert "variation: pace+objects" in (tmp_path / "out" / "config.yaml").read_text()
-    wrong = shell("session", *short, "--variation", "weather", "--out", tmp_path / "other")
+    wrong = jointattn("session", *short, "--variation", "weather", "--out", tmp_path / "other")
     assert wrong.code == 2
     assert "lights" in wrong.err
     assert not (tmp_path / "other").exists()

@@ -25,6 +25,7 @@ from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.errors import CheckpointError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
 from jointattn_mj.gaze_following.attention import AttentionConfig, AttentionSelector
+from jointattn_mj.gaze_following.gate import HeadShift
 from jointattn_mj.gaze_following.learners import LearnerConfig, LinearLearner
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.io.checkpoint import FORMAT, fingerprint, load, save
@@ -434,7 +435,7 @@ class TestAttacks:
             ("gaze_following.session.SessionRun", "not a name"),
             ("perception.som.SOM", "width"),  # a property
             ("perception.som.SOM", "from_arrays"),
-            ("gaze_following.gate.HeadShift", "_reference"),
+            ("footage.shots.Shots", "see"),
         ],
     )
     @pytest.mark.parametrize("value", [3, None, "x"])
@@ -495,6 +496,7 @@ class TestAttacks:
             (["bytes", "no base64!"], ""),
             (["deque", -3], ""),
             (["range", 1, 2, 0], ""),
+            (["list", -1e308], "beyond"),
             (["call", "os.system", "true"], "call"),
             (["__class__"], ""),
             ([["list"]], ""),
@@ -507,6 +509,25 @@ class TestAttacks:
     def test_entries_that_nobody_wrote(self, tmp_path, entry, words):
         with pytest.raises(CheckpointError, match=words or None):
             load(forge(tmp_path / "c", [entry]), CONFIG)
+
+    @pytest.mark.parametrize("number", [-1e308, 1e101])
+    def test_numbers_that_no_run_has(self, tmp_path, number):
+        array = npy((2,), data=np.array([np.nan, number]).tobytes())
+        with pytest.raises(CheckpointError, match=r"beyond 1e\+100"):
+            load(forge(tmp_path / "c", [["array", 0]], array0=array), CONFIG)
+
+    @pytest.mark.parametrize(
+        ("name", "value"), [("_end", 1e12), ("_end", np.nan), ("_progress", -3.0), ("_offset", 1.0), ("frame", 27)]
+    )
+    def test_gaze_shifts_of_no_head(self, tmp_path, name, value):
+        shift = HeadShift(np.zeros(2), np.ones(2), 26)
+        if isinstance(getattr(shift, name), np.ndarray):
+            getattr(shift, name)[1] = value
+        else:
+            setattr(shift, name, value)
+        save(tmp_path / "c", shift, CONFIG)
+        with pytest.raises(CheckpointError, match="gaze shift"):
+            load(tmp_path / "c", CONFIG)
 
     @pytest.mark.parametrize("root", [3.5, [9], [], [[0]], {"float": "x"}, [True], [0.0]])
     def test_roots_that_are_none(self, tmp_path, root):

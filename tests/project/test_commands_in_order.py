@@ -67,6 +67,8 @@ def shortened(command: Command) -> list[str]:
         case "play":
             at_most("--episodes", 2)
             at_most("--time-limit", 0.5)
+        case "measure" | "discover" | "recordings":
+            at_most("--surrogates", 200)
         case "experiment" if words[1] == "run":
             ids = words[2 : next((location for location, word in enumerate(words) if word.startswith("--")), None)]
             if "--registry" not in words:

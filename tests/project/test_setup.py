@@ -65,7 +65,7 @@ def test_a_full_disk_is_found_before_anything_is_downloaded(setup, monkeypatch, 
         setup.main(["demo"])
     said = capsys.readouterr().out
     assert stop.value.code == 1
-    assert "435 MB to download" in said and "1.0 GB are free" in said
+    assert "397 MB to download" in said and "1.0 GB are free" in said
     assert not setup.VENV.exists()
 
 
@@ -144,8 +144,8 @@ def test_progress_is_told_and_pip_is_not(setup, capsys):
     make_environment(setup, slowly.format(f'"{setup.CHANGES}: numpy"'))
     setup.main(["demo"])
     said = capsys.readouterr().out
-    assert "downloaded 3 of about 435 MB" in said
-    assert "installed 0 of about 1440 MB" in said
+    assert "downloaded 3 of about 397 MB" in said
+    assert "installed 0 of about 1350 MB" in said
     assert "WARNING" not in said
     assert not setup.LOG.exists() and not setup.TEMPORARY.exists()
 

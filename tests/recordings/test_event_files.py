@@ -8,6 +8,7 @@ from shell import refused
 
 from jointattn_mj import read_recordings, recordings
 from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.recordings.groups import read_groups
 
 CODES = {"infant": "b" * 8 + "f" * 12 + "b" * 6 + "d" * 24, "mother": "f" * 10 + "b" * 22 + "f" * 18}
 """First letters of the codes at the middles of steps of 0.1 s."""
@@ -434,3 +435,36 @@ def test_archives_that_are_something_else(write):
     for made in (bytes(archive), workbook([]), b"PK\x03\x04"):
         with pytest.raises(SeriesError):
             _ = recordings.read(write(bytes(made))).events
+
+
+def test_columns_about_recordings_are_no_codes(write):
+    """Ages beside the codes, and times with all digits that a floating-point number has."""
+    lines = "".join(
+        f"{dyad},{age},{who},{i / 3 + 0.1 * 3},{1 / 3},{look}\n"
+        for dyad, age in (("a", 6), ("b", 9))
+        for who, looks in (("mother", "xyx"), ("infant", "xxy"))
+        for i, look in enumerate(looks)
+    )
+    assert "0.30000000000000004" in lines
+    path = write(f"dyad,age,who,start,duration,look\n{lines}")
+    coding = recordings.read(path, step=0.1)
+    assert coding.about("age") == {"a": "6", "b": "9"}
+    assert coding.events.tier_names == ("mother.age", "infant.age", "mother.look", "infant.look")
+    measured = coding.measure("mother", "infant", step=0.1, by="age", surrogates=19, resamples=0)
+    assert [group.name for group in measured.dyads[0].groups] == ["all", "age 6", "age 9"]
+    changed = write(path.read_text().replace("a,6,mother", "a,7,mother", 1))
+    with pytest.raises(SeriesError, match="'age' changes within recording 'a': 6, 7"):
+        recordings.read(changed).about("age")
+
+
+def test_groups_of_recordings_from_tiers_and_tables(write):
+    looks = recordings.Events.of(["gaze", "age"] * 2, ["x", "6", "y", "9"], [0] * 4, [1.5] * 4, list("aabb"))
+    coding = recordings.read(looks.to_pandas())
+    assert coding.about("age") == {"a": "6", "b": "9"}
+    with pytest.raises(SeriesError, match=r"no column or tier 'agee'.*'age'.*`groups`"):
+        coding.about("agee")
+    assert read_groups(write("recording;age\na.eaf; 6\nb;9\n"), "age") == {"a.eaf": "6", "a": "6", "b": "9"}
+    with pytest.raises(SeriesError, match="two values of 'age' for 'a': 6 and 9"):
+        read_groups(write("who,age\na,6\na,9\n"), "age")
+    with pytest.raises(SeriesError, match="no column 'sex'"):
+        read_groups(write("who,age\na,6\n"), "sex")

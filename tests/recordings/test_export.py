@@ -80,7 +80,26 @@ def test_partners_of_a_development_look_at_faces(tmp_path):
     ]
 
 
-def test_of_a_video_only_attention_is_known(tmp_path):
+def test_a_video_has_people_beside_looks(tmp_path):
+    """Two people are there at the same time, which no tier of ELAN could hold."""
+    table(tmp_path, "percepts.parquet", time_s=[0.0, 0.1], attended=[None, "face"])
+    (tmp_path / "events.csv").write_text(
+        "onset_s,offset_s,tier,code,score\n0,3,person,person 1,0.9\n1,2,person,person 2?,0.8\n"
+        "0.5,1,robot looks at,face,\n0,3,looks at,cup,0.7\n2,2.1,camera,cut,\n"
+    )
+    found = looks_of(LooksOptions(tmp_path, tmp_path, robot="infant", caregiver="mother", name="a"))
+    assert sorted(rows(found)) == [
+        ("a", "camera", "cut", 2, 2.1),
+        ("a", "infant", "face", 0.5, 1),
+        ("a", "mother", "cup", 0, 3),
+        ("a", "person 1", "there", 0, 3),
+        ("a", "person 2?", "there", 1, 2),
+    ]
+    write_events(found, tmp_path / "elan", "elan")
+    assert sorted(rows(recordings.read(tmp_path / "elan" / "a.eaf").events)) == sorted(rows(found))
+
+
+def test_of_an_earlier_video_only_attention_is_known(tmp_path):
     table(tmp_path, "percepts.parquet", time_s=[0.0, 0.1, 0.2], attended=[None, "face", "face"])
     found = looks_of(LooksOptions(tmp_path, tmp_path))
     assert found.tier_names == ("robot",)

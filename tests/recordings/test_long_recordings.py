@@ -58,6 +58,9 @@ def test_ten_million_steps_of_six_tiers(tmp_path: Path) -> None:
     found = measured(*words)
     assert found["cpu_s"] < 60  # of two cores; the time itself depends on what else runs
     assert found["peak_gb"] < 2
+    each = [measured("measure", path, "--source", one, "--target", TIERS[1]) for one in TIERS if one != TIERS[1]]
+    assert sum(one["cpu_s"] for one in each) < 60
+    assert max(one["peak_gb"] for one in each) < 2
 
 
 @pytest.mark.slow

@@ -35,19 +35,26 @@ def codings(tmp_path_factory):
     every = [coding(name, rng) for name in ("a <b>", "c & d", "e")]
     write_events(every[0].joined(*every[1:]), folder / "first", "boris")
     write_events(every[0], folder / "second", "table")
+    (folder / "ages.csv").write_text("dyad;age\na <b>;6\nc & d.eaf;9\ne;9\n")
     return folder
+
+
+def beside(folder):
+    return {"second": folder / "second", "by": "age", "groups": folder / "ages.csv"}
 
 
 @pytest.fixture(scope="module")
 def report(codings):
-    options = ReportOptions(codings / "first", out=codings / "out", second=codings / "second", **FEW)
+    options = ReportOptions(
+        codings / "first", out=codings / "out", second=codings / "second", by="age", groups=codings / "ages.csv", **FEW
+    )
     return run_report(options)
 
 
 def test_the_page_is_one_file_with_all_parts(report, codings):
     text = (codings / "out" / "report.html").read_text("utf-8")
     assert re.findall(r'id="([\w-]+)"', text) == [
-        "timelines", "joint-attention", "transitions", "ranking", "lags", "agreement", "left-out", "methods",
+        "timelines", "joint-attention", "transitions", "ranking", "lags", "groups", "agreement", "left-out", "methods",
     ]  # fmt: skip
     assert not re.findall(r'(?:src|href)="(?!data:|#)', text)
     assert "a &lt;b&gt;" in text and "<b>" not in text
@@ -56,7 +63,7 @@ def test_the_page_is_one_file_with_all_parts(report, codings):
 
 def test_values_are_those_of_the_measures(report, codings):
     coded = recordings.read(codings / "first")
-    alone = coded.measure("mother", "infant", step=0.5, lag="0.5s", surrogates=60, resamples=20)
+    alone = coded.measure("mother", "infant", step=0.5, lag="0.5s", surrogates=60, resamples=20, measures=["te"])
     (row,) = [one for one in report.ranking() if (one["source"], one["target"]) == ("mother", "infant")]
     assert row["effective"] == alone.dyads[0].groups[0].mean > 0.1
     assert row["all_steps"] == alone.rows()[0]["effective"]
@@ -66,6 +73,30 @@ def test_values_are_those_of_the_measures(report, codings):
     assert [one.row() for one in report.agreements] == [
         one.row() for one in agreement(coded.events, second, None, options)
     ]
+
+
+def test_recordings_are_compared_by_group(report):
+    tables = report.tables()
+    means = {(row["value"], row["group"]): row["mean"] for row in tables["groups"]}
+    shares = [row["mutual gaze, share of time"] for row in report.attention.rows()]
+    assert means["mutual gaze, share of time", "age 6"] == shares[0]
+    assert means["mutual gaze, share of time", "age 9"] == pytest.approx(np.mean(shares[1:]))
+    assert ("transfer entropy: mother → infant", "age 9") in means
+    assert all(row["p"] != row["p"] for row in tables["comparisons"])  # one recording of 6 months tells nothing
+
+
+def test_events_are_ranked_by_sac(report, codings):
+    coded = recordings.read(codings / "first")
+    (first, second) = report.events_ranked()
+    assert {first["result"], second["result"]} == {"mutual gaze", "shared attention"}
+    assert first["effective"] >= second["effective"] and first["low"] < first["effective"] < first["high"]
+    derived = joint_attention(coded.events).events
+    alone = recordings.read(derived.to_pandas(), recording="recording").measure(
+        "mother", "shared attention", "infant", step=0.5, lag="0.5s", surrogates=60, resamples=20, measures=["sac"]
+    )
+    (row,) = [row for row in (first, second) if row["result"] == "shared attention"]
+    assert row["effective"] == alone.dyads[0].groups[0].mean
+    assert sum(one["contribution"] for one in report.tables()["sac_values"]) > 0
 
 
 def test_tables_lie_beside_it(report, codings):
@@ -87,7 +118,9 @@ def test_the_paragraph_has_every_number_of_the_settings(report):
 
 
 def test_the_same_seed_gives_the_same_page(report, codings):
-    again = recordings.read(codings / "first").report(codings / "again", second=codings / "second", **FEW)
+    again = recordings.read(codings / "first").report(
+        codings / "again", second=codings / "second", by="age", groups=codings / "ages.csv", **FEW
+    )
     assert repr(again.tables()) == repr(report.tables())  # NaN equals itself
     pages = [(codings / name / "report.html").read_text("utf-8") for name in ("out", "again")]
     assert pages[0].replace(str(codings / "out"), "") == pages[1].replace(str(codings / "again"), "")
@@ -110,5 +143,7 @@ def test_what_cannot_be_reported_is_told(codings, report, tmp_path):
     with pytest.raises(SeriesError, match="there is no tier 'baby'"):
         run_report(ReportOptions(codings / "first", out=tmp_path / "x", infant="baby"))
     assert not (tmp_path / "x").exists()
+    with pytest.raises(SeriesError, match="no column or tier 'age'"):
+        run_report(ReportOptions(codings / "first", out=tmp_path / "x", by="age"))
     with pytest.raises(ConfigError, match="scan"):
         ReportOptions(codings / "first", out=tmp_path / "x", scan="soon")

@@ -72,7 +72,7 @@ def test_a_copy_has_the_future_of_the_original(task, camera, lived):
     future(environment, lived, seed=1)
     twins = [copy.deepcopy(environment), pickled(environment)]
     twins.append(copy.deepcopy(twins[0]))
-    steps = 30 if camera else STEPS
+    steps = 12 if camera else STEPS
     expected = future(environment, steps)
     for twin in twins:
         assert twin.physics is twin.task.world.physics is not environment.physics

@@ -1,5 +1,6 @@
 """``python -m tools.reliability``: see the package."""
 
+import random
 import sys
 import tempfile
 import time
@@ -11,11 +12,11 @@ from pathlib import Path
 import tyro
 
 from tools.reliability import hours, kills, together
-from tools.reliability.inputs import all_kinds
+from tools.reliability.inputs import all_kinds, odd_videos
 from tools.reliability.malformed import summary, try_all
 from tools.reliability.report import PAGE, page
 from tools.reliability.results import FOLDER, save, table
-from tools.reliability.subjects import SUBJECTS, Subject, places
+from tools.reliability.subjects import SUBJECTS, Subject, film, places
 from tools.shell import Shell
 
 
@@ -102,6 +103,29 @@ def run_malformed(
     return _leave("malformed", tried, time.monotonic() - began, out)
 
 
+def run_videos(
+    *, number: int = 300, only: str = "", seed: int = 0, jobs: int = 1, limit: float = 120.0, out: Path = FOLDER
+) -> bool:
+    """Watch odd and damaged videos.
+
+    Args:
+        number: Of videos in all.
+        only: Only videos whose descriptions have this in them.
+        seed: Of the damage.
+        jobs: Videos at once.
+        limit: Seconds after which a video hangs.
+        out: Folder for videos.json.
+    """
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="videos-") as name, ExitStack() as stack:
+        folder = Path(name)
+        clip = film(folder / "film.mp4", round(odd_videos.SECONDS * 30))
+        shells = [stack.enter_context(closing(Shell(folder))) for _ in range(jobs)]
+        given = [one for one in odd_videos.inputs(random.Random(seed), number, folder, clip) if only in one.what]
+        tried = summary(given, try_all(given, shells, limit))
+    return _leave("videos", tried, time.monotonic() - began, out)
+
+
 def run_hours(*, share: float = 1.0, only: str = "", out: Path = FOLDER) -> bool:
     """Let runs go on for a simulated day, and watch their memory.
 
@@ -154,6 +178,7 @@ COMMANDS = {
     "kills": run_kills,
     "pairs": run_pairs,
     "malformed": run_malformed,
+    "videos": run_videos,
     "hours": run_hours,
     "report": run_report,
 }

@@ -16,6 +16,8 @@ CODES = {0, 1, 2, 130}
 """All that a command may end with."""
 MEMORY = 12 << 30
 """Bytes that an input may ask the machine for; what needs more is told that there are no more."""
+PROGRESS = re.compile(r"so far$")
+"""Ends a line of a long run that says how far it is; it is none of an error."""
 NOT_A_NUMBER = re.compile(r"(?<![\w.])[-+]?(?:nan|inf|infinity)(?![\w.])", re.I)
 
 
@@ -49,6 +51,8 @@ class Input:
     """Where the command ends well: what is wrong with that, or nothing."""
     alone: bool = False
     """Try it in an interpreter of its own, down to how that ends."""
+    needed: bool = False
+    """Whether there must be a result: no refusal will do."""
 
     def put(self, shell: Shell, seconds: float) -> Outcome:
         """Try it."""
@@ -103,9 +107,12 @@ def verdict(given: Input, outcome: Outcome) -> Failure | None:
     if outcome.code == 0:
         wrong = given.result(outcome)
         return failure("accepted", f"{wrong}; {said}") if wrong else None
+    if given.needed:
+        return failure("exit code", f"{outcome.code}, and a result is possible; {said}")
     if not said:
         return failure("nothing said", str(outcome.code))
-    return failure("several lines", said) if len(said.splitlines()) > 1 else None
+    lines = [line for line in said.splitlines() if not PROGRESS.search(line)]
+    return failure("several lines", said) if len(lines) > 1 else None
 
 
 def signature(failure: Failure) -> str:

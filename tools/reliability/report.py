@@ -24,6 +24,13 @@ TITLES = {
         "Values of options, damaged and made-up files, calls from Python. Right is an error in a line, or a result "
         "where the input has one; counted is everything else.",
     ),
+    "videos": (
+        "Odd and damaged videos",
+        "For `perceive`: containers, codecs, sizes, rates, names and things that are no videos, and such files after "
+        "bytes were lost or changed. Right is as many seconds as an odd video has, a refusal in a line of what is no "
+        "video, and either of a damaged one; counted is everything else. One in ten goes to the command, the rest "
+        "are watched from Python.",
+    ),
     "hours": (
         "A simulated day",
         "Resident memory of the process, and what it wrote in all beside what it left.",

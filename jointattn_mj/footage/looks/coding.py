@@ -17,8 +17,8 @@ AWAY_ROUNDS = 4
 """Rounds in which the share of looks away is learned."""
 AWAY_SHARES = (0.01, 0.6)
 """Its least and its greatest."""
-LEVELS = (0.0, 0.2, 0.4, 0.6, 0.9, 1.2, 1.6)
-"""Evidence of "away" that labels choose from."""
+LEVELS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.7)
+"""Shares of evidence for ``LooksConfig.away`` that labels choose from."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,13 +137,16 @@ def _likely(
 ) -> np.ndarray:
     """Posterior (n, k + 1) of all targets, away being the last; 0 for away where that is no answer.
 
-    How often somebody looks away is learned, too. With labels so is how little evidence there is of it.
+    The share of looks away is learned, too. With labels, the evidence that counts for looking away is learned as well.
     """
     if not len(evidence):
         return np.zeros(evidence.shape)
     k = evidence.shape[1] - 1
 
-    def with_level(level: float) -> np.ndarray:
+    typical = max(float(np.median(evidence[seen, :k].max(axis=1))), 0.0) if k and seen.any() else 0.0
+
+    def with_level(share: float) -> np.ndarray:
+        level = share * typical
         filled = evidence.copy()
         filled[:, :k][hidden] = level + config.hidden
         filled[:, k] = np.where(seen, level, 0.0)

@@ -12,6 +12,9 @@ class LooksConfig(Checked):
 
     every: Annotated[int, Whole("[1, 300]")] = 6
     """Take a look at every N-th frame: five a second. One a second codes as well; more date changes better."""
+    softness: Annotated[float, Real("[1e-6, 1e6]")] = 0.1
+    """Width of the activations of the map of faces, as of ``som.softness``. Narrow ones tell more directions of the
+    head apart than the robot needs."""
     tuning: Annotated[float, Real("[0.01, 10]")] = 0.1
     """Standard deviation of the bump that stands for a location, in heights of the face's square: how far apart two
     locations must be to differ."""
@@ -19,16 +22,17 @@ class LooksConfig(Checked):
     """Rounds of expectation and maximisation over all looks."""
     sharpness: Annotated[float, Real("[0.1, 10]")] = 1.5
     """Weight of evidence where targets are guessed to learn from. Above 1 each direction of the head comes to mean one
-    place, rather than any; otherwise somebody who never moves, such as a partner, may not be learned."""
+    location, rather than any; otherwise somebody who never moves, such as a partner, may not be learned."""
     smoothing: Annotated[float, Real("[1e-6, 1e3]")] = 0.02
     """Added to shares before they are compared, in units of the mean share. It keeps what was seen once from being
     certain."""
     start: Literal["yaw", "alike"] = "yaw"
     """Where learning starts: from the side to which the head is turned, or with all candidates alike. In videos in
     which little is moved, learning that starts with all alike may end with locations mixed up."""
-    away: Annotated[float, Real("[-10, 10]")] | None = 0.4
-    """Evidence (log ratio) that an object must have not to lose to "away", a target that is no object. Higher finds
-    more looks away, and loses more looks at objects. With labels it is chosen by them. None leaves that answer out."""
+    away: Share | None = 0.25
+    """Evidence that an object must have not to lose to "away", a target that is no object, as a share of the evidence
+    that the best object has in the median look. Higher finds more looks away, and loses more looks at objects. With
+    labels it is chosen by them. None leaves that answer out."""
     hidden: Annotated[float, Real("[-10, 10]")] = 0.3
     """Evidence, above that of "away", for an object that is hidden, and was moved meanwhile: whoever moves something
     mostly looks at it."""

@@ -17,7 +17,7 @@ SPACING = 1.25
 LEAST_SHARE = 1e-4
 """Share of a unit in a bump that is kept."""
 NEVER = -30.0
-"""Evidence for a candidate of which no place is known."""
+"""Evidence for a candidate of which no location is known."""
 ASIDE = 0.7
 """Standard deviation of where one looks by the yaw alone, in those of the candidates' locations."""
 
@@ -40,7 +40,7 @@ class LocationCode:
         self.units = len(self._axes[0]) * len(self._axes[1])
 
     def shares(self, locations: np.ndarray) -> sparse.csr_matrix:
-        """Share of each unit in the bumps of ``locations`` (n, 2): (n, units) float32, no row where a place is NaN."""
+        """Share of each unit in the bumps of ``locations`` (n, 2): (n, units) float32; rows only of known locations."""
         known = np.isfinite(locations).all(-1)
         bumps = []
         for axis, units in enumerate(self._axes):
@@ -71,7 +71,7 @@ def learn_evidence(
         labels: (n,) the target of looks that a person has coded, k for none of the candidates; -1 for all others.
 
     Returns:
-        (n, k) log P(place | face) / P(place), smoothed; ``NEVER`` where a place is not known.
+        (n, k) log P(location | face) / P(location), smoothed; ``NEVER`` where a location is not known.
     """
     known = np.isfinite(locations).all(-1)
     if not known.any():

@@ -37,10 +37,10 @@ def known_locations(px: np.ndarray, cut: np.ndarray, moved_px: float) -> np.ndar
     Args:
         px: (n, k, 2) pixels; NaN where a candidate is not seen.
         cut: (n,) whether the image was cut before this look; what was seen before then says nothing.
-        moved_px: Distance from which a place is another one.
+        moved_px: Distance from which a location is another one.
 
     Returns:
-        (n, k, 2) pixels; NaN where a place is not known.
+        (n, k, 2) pixels; NaN where a location is not known.
     """
     before = last_locations(px, cut)
     after = last_locations(px[::-1], np.append(False, cut[:0:-1]))[::-1]

@@ -6,6 +6,8 @@ import numpy as np
 
 from jointattn_mj.footage.frame_map import IMAGE_HEIGHT, IMAGE_WIDTH
 from jointattn_mj.footage.looks.coding import PARTNER, ObservedLooks
+from jointattn_mj.footage.looks.config import LooksConfig
+from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.io.rows import RowStore, log_folder, spans
 from jointattn_mj.perception.som import SOM
@@ -13,8 +15,8 @@ from jointattn_mj.perception.som import SOM
 BLOCK = 1000
 """Rows that are read at a time."""
 _HEAD = 6
-"""Numbers before the locations: frame, height of the face's square, whether the face is seen, yaw, and the place of the
-largest other face."""
+"""Numbers before the locations: frame, height of the face's square, whether the face is seen, yaw, and the location
+of the largest other face."""
 PARTNER_LOOKS = 5
 """Looks in which another face must be seen to be a candidate."""
 
@@ -70,14 +72,13 @@ class LooksLog:
         """Numbers of the frames (n,) of the looks."""
         return self.rows.column(0).astype(int)
 
-    def looks(self, som: SOM | None, cuts: np.ndarray, step_s: float, partner: bool) -> ObservedLooks:
+    def looks(self, som: SOM | None, cuts: np.ndarray, config: LooksConfig) -> ObservedLooks:
         """All looks, with faces as activations of a map.
 
         Args:
             som: The map; None where no face was seen.
             cuts: Frames (m,) that follow upon a cut.
-            step_s: Seconds from look to look.
-            partner: Whether another face is a candidate.
+            config: ``every``, ``softness`` and ``partner``.
         """
         count, k = len(self.rows), len(self.names)
         units = 1 if som is None else len(som.weights)
@@ -89,7 +90,7 @@ class LooksLog:
             heights[first:last], yaw_deg[first:last], other[first:last] = rows[:, 1], rows[:, 3], rows[:, 4:_HEAD]
             if som is not None:
                 for i in np.flatnonzero(rows[:, 2]):
-                    faces[first + i] = som.activations(rows[i, _HEAD + 2 * k :])
+                    faces[first + i] = som.activations(rows[i, _HEAD + 2 * k :], config.softness)
         seen = np.isfinite(px[:, -1]).all(-1)
         height = float(np.median(heights[seen])) if seen.any() else 1.0
         frames = self.frames()
@@ -97,6 +98,6 @@ class LooksLog:
         after = np.searchsorted(frames, cuts)
         cut[after[after < count]] = True
         names, candidates = self.names[:-1], px[:, :-1]
-        if partner and np.isfinite(other[:, 0]).sum() >= PARTNER_LOOKS:
+        if config.partner and np.isfinite(other[:, 0]).sum() >= PARTNER_LOOKS:
             names, candidates = (*names, PARTNER), np.concatenate([candidates, other[:, None]], axis=1)
-        return ObservedLooks(names, faces, px[:, -1], candidates, yaw_deg, cut, height, step_s)
+        return ObservedLooks(names, faces, px[:, -1], candidates, yaw_deg, cut, height, config.every / RATE)

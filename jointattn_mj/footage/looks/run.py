@@ -56,4 +56,4 @@ def looks_seen(log: LooksLog, viewing: Viewing, som: SOM | None) -> ObservedLook
     config = viewing.config.coding
     cuts = [range(one.start, one.end) for one in viewing.spans.all if (one.tier, one.code) == (CAMERA, "cut")]
     after = np.array([frame for cut in cuts for frame in cut], int)
-    return log.looks(som, after, config.every / RATE, config.partner)
+    return log.looks(som, after, config)

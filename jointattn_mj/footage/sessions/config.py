@@ -8,22 +8,17 @@ from typing import Annotated, ClassVar, Literal
 import tyro
 
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.footage.areas import AreaConfig
 from jointattn_mj.footage.colours import candidate_names, object_colours, sought_objects
-from jointattn_mj.footage.config import FOR_CAMERAS, LARGE
 from jointattn_mj.footage.interest import FaceRule
-from jointattn_mj.footage.people import PeopleConfig
-from jointattn_mj.footage.rest import RestConfig
+from jointattn_mj.footage.perception_config import FootagePerceptionConfig
 from jointattn_mj.footage.sessions.lens import HeadConfig
-from jointattn_mj.footage.shots import ShotConfig
 from jointattn_mj.gaze_following.agent import RobotConfig
-from jointattn_mj.options import Checked, Real, Seed, Whole
+from jointattn_mj.options import Real, Seed, Whole
 from jointattn_mj.perception.objects import MOST_COLOURS, colour_table
-from jointattn_mj.perception.pixels import PixelConfig
 
 
 @dataclass(frozen=True)
-class FootageSessionConfig(Checked):
+class FootageSessionConfig(FootagePerceptionConfig):
     """What decides a session before a person, whether recorded or present."""
 
     objects: Annotated[tuple[str, ...], tyro.conf.arg(aliases=("--object",))] = ("yellow", "blue", "green")
@@ -51,16 +46,6 @@ class FootageSessionConfig(Checked):
     """Digital pan and tilt."""
     robot: RobotConfig = field(default_factory=RobotConfig)
     """The robot's attention, learning and gaze control."""
-    pixels: PixelConfig = field(default_factory=lambda: PixelConfig(motion=FOR_CAMERAS, colours=LARGE))
-    """How images are perceived. Sizes are pixels of the robot's image; pixels.faces is for the detector templates."""
-    people: PeopleConfig = field(default_factory=PeopleConfig)
-    """How the detector yunet finds, follows and tells apart people."""
-    shots: ShotConfig = field(default_factory=ShotConfig)
-    """How cuts and a moving camera are noticed."""
-    areas: AreaConfig = field(default_factory=AreaConfig)
-    """What counts as an object."""
-    rest: RestConfig = field(default_factory=RestConfig)
-    """What counts as motion, of people who never quite rest."""
 
     ADVANCED: ClassVar[Sequence[str]] = ("face_follow", "success")
 

@@ -4,8 +4,10 @@ ELAN's tab-delimited text and Datavyu's spreadsheet are of this kind.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from jointattn_mj.recordings.event_layout import EventLayout, EventTrack
 from jointattn_mj.recordings.times import is_time, seconds, unit_of
@@ -21,7 +23,7 @@ CODE = (
     "category", "state", "text",
 )  # fmt: skip
 """Names of a column of codes, where another one names the tier."""
-RECORDING = ("recording", "recording id", "observation id", "observation", "file", "filename", "file name")
+RECORDING = ("recording", "recording id", "observation id", "observation", "dyad", "file", "filename", "file name")
 """Names of a column that tells recordings apart."""
 NO_CODE = {
     "ordinal", "index", "row", "no", "nr", "number", "comment", "comments", "note", "notes", "memo", "file path", "fps",
@@ -73,24 +75,52 @@ def names_without_header(rows: Sequence[Sequence[str]]) -> list[str] | None:
     """Names for the columns of a table that has none, such as ELAN's tab-delimited text; None where they are not clear.
 
     Two columns of times, of which the second is never before the first, are onset and offset; a third one is their
-    difference. The last column of text is the code, the first one the tier.
+    difference. Each may be written in several formats. The first column of text after them is the code, one of ELAN's
+    files behind it the recording; of those before them the first is the tier, and so it is if none is after them.
     """
     width = max(map(len, rows), default=0)
     rows = [row for row in rows if len(row) == width]
     filled = [i for i in range(width) if any(row[i].strip() for row in rows)]
     times = [i for i in filled if all(is_time(row[i]) for row in rows)]
-    texts = [i for i in filled if i not in times]
-    if len(rows) < 2 or len(times) not in (2, 3) or len(texts) not in (1, 2):
+    files = [i for i in filled if all(row[i].strip().casefold().endswith(".eaf") for row in rows)]
+    texts = [i for i in filled if i not in (*times, *files)]
+    if len(rows) < 2 or len(times) < 2:
         return None
-    onset, offset, *duration = (seconds([row[i] for row in rows], "s", _ANY_RATE, "") for i in times)
-    if (offset < onset).any() or any((abs(offset - onset - length) > _ROUNDING_S).any() for length in duration):
+    before, after = [i for i in texts if i < times[0]], [i for i in texts if i > times[0]]
+    if len(after) != 1 or len(before) > (2 if files or len(times) > 3 else 1):
+        if len(texts) not in (1, 2):
+            return None
+        before, after = texts[:-1], texts[-1:]
+    chosen = _onset_and_offset({i: seconds([row[i] for row in rows], "s", _ANY_RATE, "") for i in times})
+    if chosen is None:
         return None
     names = ["-"] * width
-    for i, name in zip(times, ("onset", "offset", "duration"), strict=False):
+    for i, name in [*zip(chosen, ("onset", "offset"), strict=True), *((i, "recording") for i in files[:1])]:
         names[i] = name
-    for i, name in zip(texts, ("tier", "code")[-len(texts) :], strict=True):
-        names[i] = name
+    for some, name in ((before, "tier"), (after, "code")):
+        for i in some[:1]:
+            names[i] = name
     return names
+
+
+def _onset_and_offset(times: Mapping[int, np.ndarray]) -> tuple[int, int] | None:
+    """Columns of onset and offset among columns of times: each once, or in several formats, with a duration or not."""
+    columns = list(times)
+    for formats in range(1, len(columns) // 2 + 1):
+        kinds = [columns[i : i + formats] for i in range(0, len(columns), formats)]
+        if len(columns) % formats or len(kinds) > 3:
+            continue
+        onset, offset, *duration = (times[one[0]] for one in kinds)
+        fits = [abs(offset - onset - length) <= _ROUNDING_S for length in duration]
+        same = all(_same(times[first], times[other]) for first, *others in kinds for other in others)
+        if same and (offset >= onset).all() and all(map(np.all, fits)):
+            return kinds[0][0], kinds[1][0]
+    return None
+
+
+def _same(first: np.ndarray, second: np.ndarray) -> bool:
+    """Whether two columns are the same times, the second in seconds or milliseconds."""
+    return any(bool((abs(first - second / unit) <= _ROUNDING_S).all()) for unit in (1, 1000))
 
 
 def _role(name: str) -> _Role | None:

@@ -42,7 +42,7 @@ def all_kinds(shell: Shell, seed: int, number: int, folder: Path) -> list[Input]
         *tables.inputs(chance, many["tables"], folder / "tables"),
         *events.inputs(shell, chance, many["events"], folder / "events"),
         *weights.inputs(shell, chance, many["weights"], folder / "weights"),
-        *checkpoints.inputs(shell, chance, many["checkpoints"], folder / "checkpoints"),
+        *checkpoints.inputs(shell, chance, many["checkpoints"], folder / "checkpoints", clip),
         *videos.inputs(chance, many["videos"], folder / "videos", clip),
         *stores.inputs(shell, chance, many["stores"], folder / "stores"),
     ]

@@ -19,12 +19,13 @@ from tools.reliability.folders import contents, differences
 from tools.reliability.inputs.damage import damaged
 from tools.reliability.inputs.weights import finite
 from tools.reliability.malformed import Input, anything, refused
-from tools.reliability.subjects import LIMIT_S, Run
+from tools.reliability.subjects import LIMIT_S, VIDEO, Run
 from tools.shell import Outcome, Shell
 
 STATE = "session --perception state --minutes 4 --checkpoint-minutes 0.5"
 RENDERED = "develop rendered --steps 300 --rendered.exploration 120 --checkpoint-every 50"
 REALTIME = "develop realtime --realtime.perception state --realtime.familiarise-minutes 0.4 --checkpoint-every 20"
+PERCEIVE = f"perceive {VIDEO} --checkpoint-minutes 0.01"
 RUNS = tuple(
     tuple(command.split())
     for command in (
@@ -38,6 +39,9 @@ RUNS = tuple(
         f"{RENDERED} --maps continuous",
         f"{REALTIME} --minutes 3 --preset local",
         "session --minutes 0.4 --robot.familiarise.minutes 0.2 --checkpoint-minutes 0.05",
+        f"{PERCEIVE} --no-overlay",
+        f"{PERCEIVE} --looks",
+        f"{PERCEIVE} --detector templates --blur-faces",
     )
 )
 FROM_PYTHON = """
@@ -70,17 +74,18 @@ def stopped(arguments: tuple[str, ...], out: Path) -> None:
     run.end()
 
 
-def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iterator[Input]:
+def inputs(shell: Shell, chance: random.Random, many: int, folder: Path, video: Path) -> Iterator[Input]:
     """Folders of runs that were stopped, of which one file is not what it was; ``--resume`` refuses, or the results are
     those of a run in peace."""
     left, peace = [], []
-    for number, arguments in enumerate(RUNS):
+    runs = [tuple(str(video) if word == VIDEO else word for word in arguments) for arguments in RUNS]
+    for number, arguments in enumerate(runs):
         shell(*arguments, "--out", folder / f"peace{number}")
         peace.append(contents(folder / f"peace{number}"))
         stopped(arguments, folder / f"stopped{number}")
         left.append(folder / f"stopped{number}")
     for number in range(many):
-        which = number % len(RUNS)
+        which = number % len(runs)
         out = folder / f"resumed{number}"
         shutil.copytree(left[which], out)
         names = sorted(path.name for path in out.iterdir() if path.is_file() and path.stat().st_size)
@@ -89,9 +94,9 @@ def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iter
         what, result = _change(out / name, raw, left[which - 1], chance)
         if result is None:
             result = _as_in_peace(peace[which], out, but=name)
-        words = (*RUNS[which], "--out", str(out), "--resume")
-        source = "" if number // len(RUNS) % 2 else FROM_PYTHON.format(command=words[0], arguments=words[1:])
-        what = f"{' '.join(RUNS[which])}, {name}: {what}{' (Python)' if source else ''}"
+        words = (*runs[which], "--out", str(out), "--resume")
+        source = "" if number // len(runs) % 2 else FROM_PYTHON.format(command=words[0], arguments=words[1:])
+        what = f"{' '.join(runs[which])}, {name}: {what}{' (Python)' if source else ''}"
         yield Input("checkpoints", what, words, source=source, result=result)
 
 

@@ -1,0 +1,71 @@
+"""Groups of recordings on the page about coded interaction: joint attention and contingency of each, compared."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from jointattn_mj.recordings.dyads import compare, kinds_of
+
+if TYPE_CHECKING:
+    from jointattn_mj.recordings.measure import MeasureResult
+    from jointattn_mj.recordings.report import RecordingReport
+
+Rows = list[dict[str, Any]]
+
+
+def compared(report: "RecordingReport") -> tuple[Rows, Rows]:
+    """Each group's mean of each value, and comparisons of groups by permutation of recordings over them.
+
+    Args:
+        report: What was found.
+
+    Returns:
+        A row a value and group, and a row a value and comparison; none where recordings are not compared.
+    """
+    if report.group_of is None:
+        return [], []
+    groups, comparisons = _joint_attention(report)
+    named: list[tuple[str, MeasureResult]] = [
+        *((f"transfer entropy: {a} → {b}", one) for (a, b), one in report.pairs.items()),
+        *((f"SAC: ({s}, {a}) → {r}", one) for (s, a, r), one in report.found.items()),
+    ]
+    for name, result in named:
+        for of_dyads in result.dyads[:1]:
+            groups += [
+                {"value": name, "group": one.name, "recordings": one.dyads, "mean": one.mean, "sd": one.sd,
+                 "low": one.interval[0], "high": one.interval[1]}
+                for one in of_dyads.groups[1:]
+            ]  # fmt: skip
+            comparisons += [
+                {"value": name, "first": one.first, "second": one.second, "difference": one.difference, "p": one.p}
+                for one in of_dyads.comparisons
+            ]
+    return groups, comparisons
+
+
+def _joint_attention(report: "RecordingReport") -> tuple[Rows, Rows]:
+    """What people report of joint attention."""
+    assert report.group_of is not None
+    rows = [row for row in report.attention.rows() if row["recording"] in report.group_of]
+    labels = np.array([report.group_of[row["recording"]] for row in rows])
+    groups: Rows = []
+    comparisons: Rows = []
+    rng = np.random.default_rng(np.random.SeedSequence([report.options.seed, 0]))
+    by = report.options.by or ""
+    for name in rows[0] if rows else ():
+        if name in ("recording", "seconds"):
+            continue
+        values = np.array([float(row[name]) for row in rows])
+        known = np.isfinite(values)  # a recording without looks to follow has no latency
+        kinds = kinds_of(labels[known])
+        for kind in kinds:
+            own = values[known & (labels == kind)]
+            sd = float(own.std(ddof=1)) if len(own) > 1 else float("nan")
+            groups.append(
+                {"value": name, "group": f"{by} {kind}", "recordings": len(own), "mean": float(own.mean()), "sd": sd}
+            )
+        comparisons += [
+            {"value": name, "first": one.first, "second": one.second, "difference": one.difference, "p": one.p}
+            for one in compare(values[known], labels[known], kinds, by, report.options.surrogates, rng)
+        ]
+    return groups, comparisons
