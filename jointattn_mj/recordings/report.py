@@ -1,9 +1,8 @@
 """``jointattn recordings``: one page about coded interaction, from the files of a coding program."""
 
 import csv
-import io
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
@@ -184,6 +183,19 @@ class RecordingReport:
 
     def tables(self) -> dict[str, list[dict[str, Any]]]:
         """All tables by the names of their files."""
+        columns = self.event_columns()
+        return {
+            **self.results(),
+            "events": [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)],
+        }
+
+    def event_columns(self) -> dict[str, np.ndarray]:
+        """Columns of the table of events, with the derived ones."""
+        events = self.attention.events.table
+        return {name: events[name] for name in ("recording", "tier", "code", "onset", "offset")}
+
+    def results(self) -> dict[str, list[dict[str, Any]]]:
+        """All tables but that of the events, which may be millions."""
         from jointattn_mj.recordings.report_groups import compared
 
         pairs = self.pairs.items()
@@ -192,8 +204,6 @@ class RecordingReport:
         def named(pair: tuple[str, str], rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
             return [{"source": pair[0], "target": pair[1], **row} for row in rows]
 
-        events = self.attention.events.table
-        columns = ("recording", "tier", "code", "onset", "offset")
         return {
             "joint_attention": self.attention.rows(),
             "following": [vars(opportunity) for opportunity in self.attention.opportunities],
@@ -211,9 +221,6 @@ class RecordingReport:
             "comparisons": comparisons,
             "transitions": [row for pair in self.transitions for row in named(pair, self.transition_rows(pair))],
             "agreement": [agreed.row() for agreed in self.agreements],
-            "events": [
-                dict(zip(columns, row, strict=True)) for row in zip(*(events[name] for name in columns), strict=True)
-            ],
         }
 
     def transition_rows(self, pair: tuple[str, str]) -> list[dict[str, Any]]:
@@ -393,20 +400,29 @@ def write_tables(report: RecordingReport, folder: Path) -> list[str]:
     Returns:
         Names of the files.
     """
-    tables = {name: rows for name, rows in report.tables().items() if rows}
+    tables = {name: rows for name, rows in report.results().items() if rows}
     for name, rows in tables.items():
-        text = io.StringIO()
-        writer = csv.DictWriter(text, list(dict.fromkeys(key for row in rows for key in row)), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-        write_text(folder / f"{name}.csv", text.getvalue())
+        names = list(dict.fromkeys(key for row in rows for key in row))
+        _write_csv(folder / f"{name}.csv", names, ([row.get(key, "") for key in names] for row in rows))
+    events = report.event_columns()
+    _write_csv(folder / "events.csv", list(events), zip(*events.values(), strict=True))
     document = {
         "config": plain(report.options), "versions": versions(), "main": report.main(), "methods": report.methods(),
-        "notes": list(report.notes), **plain({name: rows for name, rows in tables.items() if name != "events"}),
+        "notes": list(report.notes), **plain(tables),
     }  # fmt: skip
     write_text(folder / "report.json", json.dumps(without_nan(document), indent=1, ensure_ascii=False) + "\n")
     write_text(folder / "methods.txt", report.methods() + "\n")
-    return [*(f"{name}.csv" for name in tables), "report.json", "methods.txt"]
+    return [*(f"{name}.csv" for name in (*tables, "events")), "report.json", "methods.txt"]
+
+
+def _write_csv(path: Path, names: Sequence[str], rows: Iterable[Iterable[Any]]) -> None:
+    def write(temporary: Path) -> None:
+        with temporary.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(names)
+            writer.writerows(rows)
+
+    write_whole(path, write)
 
 
 def write_text(path: Path, text: str) -> None:

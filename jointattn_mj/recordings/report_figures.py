@@ -63,21 +63,29 @@ def timeline(
     shown = min(row_s, max(stop - start, 1e-3))
     figure = Figure((WIDTH, 0.75 + rows * (HEAD + TIER * (len(tiers) + 1))), layout="constrained")
     every = figure.subplots(rows, 1, squeeze=False)[:, 0]
-    shared, mutual, engaged = (intervals_of(attention.events, recording, tier) for tier in (SHARED, MUTUAL, ENGAGEMENT))
+    drawn = onsets <= stop  # of a long recording a small part
+    onsets, offsets, codes, of_tier = onsets[drawn], offsets[drawn], codes[drawn], of_tier[drawn]
+    shared, mutual, engaged = (
+        one.kept(one.onset <= stop)
+        for one in (intervals_of(attention.events, recording, tier) for tier in (SHARED, MUTUAL, ENGAGEMENT))
+    )
     names = [*tiers, ENGAGEMENT]
     used: dict[str, str] = {}
     for row, axes in enumerate(every):
         begin = start + row * row_s
         seen = (onsets < begin + row_s) & (offsets >= begin)
-        together = shared.kept((shared.onset < begin + row_s) & (shared.offset > begin))
+        together, faced, states = (
+            one.kept((one.onset < begin + row_s) & (one.offset > begin)) for one in (shared, mutual, engaged)
+        )
         for onset, offset in zip(together.onset, together.offset, strict=True):
             axes.axvspan(onset, offset, color=TOGETHER_INK, alpha=0.45, lw=0, zorder=0)
-        axes.hlines(np.full(len(mutual), -0.62), mutual.onset, mutual.offset, color=MUTUAL_INK, lw=3.5, zorder=3)
+        axes.hlines(np.full(len(faced), -0.62), faced.onset, faced.offset, color=MUTUAL_INK, lw=3.5, zorder=3)
         for line, tier in enumerate(tiers):
-            inside = seen & (of_tier == tier)
+            inside = np.flatnonzero(seen)
+            inside = inside[of_tier[inside] == tier]
             for code in dict.fromkeys(codes[inside]):
-                these = inside & (codes == code)
-                onset, length = onsets[these], (offsets - onsets)[these]
+                these = inside[codes[inside] == code]
+                onset, length = onsets[these], offsets[these] - onsets[these]
                 ink = colours.get(str(code), OTHER)
                 used[str(code)] = ink
                 lasting = length > 0
@@ -85,7 +93,7 @@ def timeline(
                 axes.broken_barh(spans, (line - 0.36, 0.72), facecolors=ink, edgecolor="white", lw=0.3)
                 axes.plot(onset[~lasting], np.full((~lasting).sum(), line), "|", color=POINT, ms=9, mew=1.2)
         for state, ink in ENGAGED.items():
-            kept = engaged.coded(state)
+            kept = states.coded(state)
             spans = list(zip(kept.onset, kept.offset - kept.onset, strict=True))
             axes.broken_barh(spans, (len(tiers) - 0.22, 0.44), facecolors=ink)
         axes.set_xlim(begin, begin + shown)

@@ -71,6 +71,7 @@ def write_page(report: RecordingReport, folder: Path) -> None:
         "lag_s": delay_in_steps("lag", report.options.lag, report.options.step) * report.options.step,
         "transitions": _transitions(report),
         "answers": _answers(report),
+        "unanswered": _directions(report, False),
         "dyads": _of_dyads(report.pairs),
         "by_recording": _by_recording(report),
         "hidden": len(report.events.recordings) - len(shown),
@@ -130,9 +131,9 @@ def _transitions(report: RecordingReport) -> list[dict[str, Any]]:
 
 
 def _answers(report: RecordingReport) -> list[dict[str, Any]]:
-    """Which look answers which: changes of looks that come more often than usual, in both directions, most first."""
+    """Which look answers which: changes of looks that come more often than usual, in significant directions."""
     answers: list[dict[str, Any]] = []
-    for source, target in (report.options.looks, report.options.looks[::-1]):
+    for source, target in _directions(report, True):
         result = report.pairs[source, target]
         labels = result.labels
         for one in result.measured[0].values:
@@ -145,6 +146,12 @@ def _answers(report: RecordingReport) -> list[dict[str, Any]]:
                      "contribution": one.contribution, "p_adjusted": one.p_adjusted}
                 )  # fmt: skip
     return sorted(answers, key=lambda row: -row["contribution"])[:MOST_TRANSITIONS]
+
+
+def _directions(report: RecordingReport, significant: bool) -> list[tuple[str, str]]:
+    """Directions of looks that are significant in the ranking, or those that are not."""
+    told = {(row["source"], row["target"]): row["significant"] for row in report.ranking()}
+    return [pair for pair in (report.options.looks, report.options.looks[::-1]) if told[pair] == significant]
 
 
 def _short(value: float) -> str:
