@@ -34,8 +34,8 @@ from jointattn_mj.recordings.measure import (
     ENOUGH_RECORDINGS,
     MeasureOptions,
     MeasureResult,
-    run_measure,
     notes_on_tests,
+    run_measure,
 )
 from jointattn_mj.recordings.reader import ReadOptions, read
 from jointattn_mj.recordings.sampling import SampleOptions

@@ -30,7 +30,7 @@ def documented():
 @pytest.mark.parametrize("public", documented(), ids=lambda one: one.__qualname__)
 def test_every_public_name_is_documented(public):
     words = set(inspect.getdoc(public).split())
-    assert "Examples:" in words or inspect.isclass(public) and "Examples:" in inspect.getsource(public)
+    assert "Examples:" in words or (inspect.isclass(public) and "Examples:" in inspect.getsource(public))
     if not inspect.isfunction(public):
         return
     signature = inspect.signature(public)
