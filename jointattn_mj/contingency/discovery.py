@@ -26,7 +26,15 @@ from jointattn_mj.errors import SeriesError
 
 @dataclass(frozen=True, repr=False)
 class Finding:
-    """An event and what is known about its contingency."""
+    """An event and what is known about its contingency.
+
+    Examples:
+        >>> face, gaze = np.random.default_rng(0).integers(0, 3, (2, 400))
+        >>> data = {"face": face, "gaze": gaze, "toy": np.append(0, face == gaze)[:-1].astype(int)}
+        >>> (found,) = discover(data, ["face"], ["gaze"], ["toy"], options=TestOptions(surrogates=99, resamples=0))
+        >>> found.event, len(found.values)
+        ('(face, gaze) -> toy', 3)
+    """
 
     sensor: str
     action: str

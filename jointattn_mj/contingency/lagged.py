@@ -13,7 +13,12 @@ from jointattn_mj.options import Checked, Count
 
 @dataclass(frozen=True)
 class Timing(Checked):
-    """From when source, condition and target are taken, in steps before the result."""
+    """From when source, condition and target are taken, in steps before the result.
+
+    Examples:
+        >>> Timing(lag=3, source_history=2).reach
+        4
+    """
 
     lag: Count = 1
     """Steps from source and condition to the result; 1: the step before it."""

@@ -54,7 +54,12 @@ ENOUGH_SHIFTS = 20
 
 @dataclass(frozen=True)
 class TestOptions(Checked):
-    """How a measure is tested."""
+    """How a measure is tested.
+
+    Examples:
+        >>> TestOptions(surrogates=199, method="shift").resamples
+        500
+    """
 
     __test__ = False  # no test case, whatever its name looks like
 
@@ -82,7 +87,14 @@ class TestOptions(Checked):
 
 @dataclass(frozen=True, repr=False)
 class Significance:
-    """A measure and what is known about it; in units of the logarithm's base (bits for 2)."""
+    """A measure and what is known about it; in units of the logarithm's base (bits for 2).
+
+    Examples:
+        >>> face = np.random.default_rng(0).integers(0, 3, 400)
+        >>> tested = assess("te", face, np.append(0, face[:-1]), options=TestOptions(surrogates=99, resamples=0))
+        >>> tested.p, tested.corrected > 1
+        (0.01, True)
+    """
 
     value: float
     """Plug-in."""
@@ -384,11 +396,14 @@ def holm(p: Sequence[float] | np.ndarray) -> np.ndarray:
     Returns:
         (k,) adjusted p-values in the same order.
 
+    Raises:
+        SeriesError: One of them lies outside 0 to 1.
+
     Examples:
         >>> holm([0.01, 0.04, 0.03]).tolist()
         [0.03, 0.06, 0.06]
     """
-    given = np.asarray(p, float)
+    given = _p_values(p)
     order = np.argsort(given, kind="stable")
     steps_down = np.maximum.accumulate(given[order] * np.arange(len(given), 0, -1))
     return _put_back(np.minimum(steps_down, 1), order)
@@ -403,14 +418,27 @@ def benjamini_hochberg(p: Sequence[float] | np.ndarray) -> np.ndarray:
     Returns:
         (k,) adjusted p-values in the same order.
 
+    Raises:
+        SeriesError: One of them lies outside 0 to 1.
+
     Examples:
         >>> benjamini_hochberg([0.01, 0.04, 0.03]).round(3).tolist()
         [0.03, 0.04, 0.04]
     """
-    given = np.asarray(p, float)
+    given = _p_values(p)
     order = np.argsort(given, kind="stable")
     scaled = given[order] * len(given) / np.arange(1, len(given) + 1)
     return _put_back(np.minimum(np.minimum.accumulate(scaled[::-1])[::-1], 1), order)
+
+
+def _p_values(p: Sequence[float] | np.ndarray) -> np.ndarray:
+    given = np.asarray(p, float)
+    if given.ndim != 1:
+        raise SeriesError(f"p-values must be a list of numbers; got an array of {given.ndim} dimensions")
+    wrong = given[(given < 0) | (given > 1)]
+    if len(wrong):
+        raise SeriesError(f"p-values must lie from 0 to 1; got {wrong[0]:g}")
+    return given
 
 
 def generator(seed: int | np.random.SeedSequence | np.random.Generator) -> np.random.Generator:

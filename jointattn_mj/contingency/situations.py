@@ -30,7 +30,16 @@ Policy = Literal["actual", "reference"]
 
 @dataclass(frozen=True)
 class PosteriorOptions(Checked):
-    """How many draws tell what is known of each situation, and from which prior."""
+    """How many draws tell what is known of each situation, and from which prior.
+
+    Examples:
+        >>> rng = np.random.default_rng(0)
+        >>> face, gaze = rng.integers(0, 2, (2, 300))
+        >>> toy = np.append(0, face == gaze)[:-1].astype(int)
+        >>> known = situation_contingency(face, gaze, toy, posterior=PosteriorOptions(draws=50))
+        >>> known.draws.shape == (50, len(known.value))
+        True
+    """
 
     draws: Annotated[int, Whole("[0, 1e6]")] = 0
     """Posterior draws of every value; 0 leaves them out."""

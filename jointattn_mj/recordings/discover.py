@@ -12,8 +12,7 @@ from jointattn_mj.contingency.significance import Adjust
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.results import bracket, claimed_paths, number, share, write_results
 from jointattn_mj.options import Real, Whole
-from jointattn_mj.recordings.measure import exchange_notes
-from jointattn_mj.recordings.methods import method_notes
+from jointattn_mj.recordings.measure import notes_on_tests
 from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
 from jointattn_mj.recordings.steps import Recordings
@@ -157,11 +156,7 @@ def _run(
         progress=patient(progress, options.draws, options.yes),
     )
     tested = [(finding.event, finding.significance) for finding in findings]
-    notes = [
-        *data.notes(),
-        *exchange_notes([one for _, one in tested]),
-        *method_notes(tested, options.method, options.surrogates),
-    ]
+    notes = [*data.notes(), *notes_on_tests(tested, options.method, options.surrogates)]
     needed = least_surrogates(options.tests, options.alpha)
     if options.correction == "holm" and options.surrogates < needed:
         notes.append(

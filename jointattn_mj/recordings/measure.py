@@ -299,11 +299,7 @@ def _run(
     streams = np.random.SeedSequence(options.seed).spawn(len(CONDITIONED) + 2)
     measured = _measured(given, options, streams, progress)
     tested = [(one.name, one.significance) for one in measured]
-    notes = [
-        *data.notes(),
-        *exchange_notes([one for _, one in tested]),
-        *method_notes(tested, options.method, options.surrogates),
-    ]
+    notes = [*data.notes(), *notes_on_tests(tested, options.method, options.surrogates)]
     scans: list[tuple[str, LagScan]] = []
     if options.scan is not None:
         lags = range(1, delay_in_steps("scan", options.scan, data.step) + 1)
@@ -349,7 +345,12 @@ def _run(
     return result
 
 
-def exchange_notes(significances: list[Significance]) -> list[str]:
+def notes_on_tests(named: Sequence[tuple[str, Significance]], asked: str, surrogates: int) -> list[str]:
+    """What to know about p: whether surrogates could change much, and how they were made (see ``method_notes``)."""
+    return [*_exchange_notes([one for _, one in named]), *method_notes(named, asked, surrogates)]
+
+
+def _exchange_notes(significances: list[Significance]) -> list[str]:
     """What to know where permutations can change little."""
     least = min(significance.exchangeable / significance.transitions for significance in significances)
     if least > 0.5:

@@ -276,6 +276,15 @@ class Coding:
         Raises:
             SeriesError: It cannot be read, sampled or counted.
             ConfigError: An option that cannot work.
+
+        Examples:
+            >>> import pandas
+            >>> from jointattn_mj import recordings
+            >>> looks = ["toy", "away", "toy", "toy", "away"] * 40
+            >>> coding = recordings.read(pandas.DataFrame({"mother": looks[1:], "infant": looks[:-1]}))
+            >>> first = coding.transitions("mother", "infant", surrogates=99).table.rows()[0]
+            >>> first["given"], first["target"], first["conditional"]
+            ('away', 'away', 0.0)
         """
         from jointattn_mj.recordings.transitions import TransitionOptions, run_transitions
 
@@ -296,6 +305,14 @@ class Coding:
         Raises:
             SeriesError: They cannot be read, or have nothing in common.
             ConfigError: An option that cannot work.
+
+        Examples:
+            >>> import pandas
+            >>> from jointattn_mj import recordings
+            >>> looks = {"tier": "infant", "onset": [0, 40], "offset": [40, 80], "code": ["toy", "face"]}
+            >>> coding = recordings.read(pandas.DataFrame(looks))
+            >>> coding.agreement(coding)[0].kappa
+            1.0
         """
         from jointattn_mj.recordings.agreement import AgreementOptions, agreement
 
@@ -315,6 +332,17 @@ class Coding:
             SeriesError: It cannot be read or analysed.
             ConfigError: An option that cannot work.
             OutputError: ``out`` holds a report, or cannot be written.
+
+        Examples:
+            >>> from jointattn_mj import recordings
+            >>> times = list(range(0, 90, 3))
+            >>> looks = {"onset": times, "offset": times[1:] + [90], "code": ["cup", "face", "ball"] * 10}
+            >>> events = recordings.Events.of(["mother"] * 30, looks["code"], looks["onset"], looks["offset"])
+            >>> follows = recordings.Events.of(["infant"] * 29, looks["code"][:29], [t + 1 for t in times[:29]],
+            ...                                [t + 1 for t in times[1:]])
+            >>> coding = recordings.read(events.joined(follows).to_pandas())
+            >>> coding.report("out/page", surrogates=9, resamples=0, step=0.5).following()[0]
+            'infant follows 19 of 20 looks of mother (95%) within 3 s, median latency 1.00 s'
         """
         from jointattn_mj.recordings.report import ReportOptions, run_report
 

@@ -30,7 +30,13 @@ from jointattn_mj.recordings.joint_attention import (
     joint_attention,
     without_gaps,
 )
-from jointattn_mj.recordings.measure import ENOUGH_RECORDINGS, MeasureOptions, MeasureResult, run_measure
+from jointattn_mj.recordings.measure import (
+    ENOUGH_RECORDINGS,
+    MeasureOptions,
+    MeasureResult,
+    notes_on_tests,
+    run_measure,
+)
 from jointattn_mj.recordings.reader import ReadOptions, read
 from jointattn_mj.recordings.sampling import SampleOptions
 from jointattn_mj.recordings.sequential import LagTable, OverRecordings, SequentialOptions, lag_table, yules_q_over
@@ -350,12 +356,28 @@ def analyse(
             step=options.step, tolerance_s=options.tolerance_s, resamples=options.resamples, seed=options.seed
         )
         agreements = agreement(events, second, None, same)
-    results = [*pairs.values(), *found.values()]
-    notes = dict.fromkeys([*steps.notes(), *(note for result in results for note in result.notes)])
+    named = {
+        **{f"{source} -> {target}": one for (source, target), one in pairs.items()},
+        **{f"({sensor}, {action}) -> {result}": one for (sensor, action, result), one in found.items()},
+    }
+    notes = dict.fromkeys([*steps.notes(), *_notes(named, options)])
     return RecordingReport(
         options, events, attention, steps, pairs, _adjusted(pairs), found, _adjusted(found), transitions, agreements,
         tuple(notes), over, group_of, options.out,
     )  # fmt: skip
+
+
+def _notes(results: Mapping[str, MeasureResult], options: ReportOptions) -> list[str]:
+    """Notes on all results: on tests once for all of them together, then what else is said of any."""
+    asked = options.method, options.surrogates
+    tested = {name: one.measured[0].significance for name, one in results.items()}
+    alone = {
+        note
+        for test in tested.items()
+        for note in notes_on_tests([(results[test[0]].measured[0].name, test[1])], *asked)
+    }
+    every = (note for result in results.values() for note in result.notes)
+    return [*notes_on_tests(list(tested.items()), *asked), *(note for note in every if note not in alone)]
 
 
 def _events(options: ReportOptions, tiers: Sequence[str]) -> list[Event]:

@@ -6,9 +6,9 @@ import inspect
 
 import pytest
 
-from jointattn_mj import contingency
+from jointattn_mj import contingency, recordings
 
-MODULES = ("measures", "significance", "discovery", "local", "scan", "granger", "series", "situations")
+MODULES = ("measures", "significance", "discovery", "local", "scan", "granger", "series", "situations", "lagged")
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -18,9 +18,23 @@ def test_examples(name):
     assert not results.failed
 
 
-@pytest.mark.parametrize("name", [name for name in contingency.__all__ if name.islower() and "recordings" not in name])
-def test_every_function_is_documented(name):
-    function = getattr(contingency, name)
-    assert "Examples:" in function.__doc__
-    if len(inspect.signature(function).parameters) > 2:
-        assert {"Args:", "Returns:", "Raises:"} <= set(function.__doc__.split())
+def documented():
+    """Every public name of the two packages, and the public functions of its classes."""
+    for package in (contingency, recordings):
+        for name in package.__all__:
+            public = getattr(package, name)
+            yield public
+            yield from (one for key, one in vars(public).items() if inspect.isfunction(one) and key[0] != "_")
+
+
+@pytest.mark.parametrize("public", documented(), ids=lambda one: one.__qualname__)
+def test_every_public_name_is_documented(public):
+    words = set(inspect.getdoc(public).split())
+    assert "Examples:" in words or (inspect.isclass(public) and "Examples:" in inspect.getsource(public))
+    if not inspect.isfunction(public):
+        return
+    signature = inspect.signature(public)
+    given = set(signature.parameters) - {"self"}
+    assert "Args:" in words or not given
+    assert "Returns:" in words or signature.return_annotation is None
+    assert "Raises:" in words or len(given) < 3

@@ -14,6 +14,7 @@ from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.export import write_events
 from jointattn_mj.recordings.joint_attention import joint_attention
 from jointattn_mj.recordings.report import ReportOptions, run_report
+from jointattn_mj.recordings.report_figures import timeline
 
 FEW = {"surrogates": 60, "resamples": 20, "step": 0.5, "lag": "0.5s", "scan": "2s"}
 
@@ -83,6 +84,33 @@ def test_recordings_are_compared_by_group(report):
     assert means["mutual gaze, share of time", "age 9"] == pytest.approx(np.mean(shares[1:]))
     assert ("transfer entropy: mother → infant", "age 9") in means
     assert all(row["p"] != row["p"] for row in tables["comparisons"])  # one recording of 6 months tells nothing
+
+
+def test_answers_are_told_only_of_significant_directions(report, codings):
+    """The infant follows; the mother does not, over recordings, whatever single looks of all steps together say."""
+    told = {(row["source"], row["target"]): row["significant"] for row in report.ranking()}
+    text = (codings / "out" / "report.html").read_text("utf-8")
+    answers = text[text.index("Which look answers which") : text.index("What two tiers lead to")]
+    assert not all(told.values())
+    for (source, target), significant in told.items():
+        assert (f"{source} → {target} is left out" in answers) != significant
+        assert significant or f"<td>{source} at" not in answers
+
+
+def test_how_p_came_about_is_said_once(report):
+    assert sum("come from" in note and note.startswith("p and effective values") for note in report.notes) == len(
+        {row["method"] for row in (*report.ranking(), *report.events_ranked())}
+    )
+
+
+def test_a_timeline_draws_only_what_is_in_its_rows():
+    n = 3000
+    onsets = [float(i) for i in range(n)]
+    looks = Events.of(["infant"] * n + ["mother"] * n, ["face", "cup"] * n, onsets * 2, [one + 1 for one in onsets] * 2)
+    figure = timeline(joint_attention(looks), looks.tier_names, looks.recordings[0], 1.0, {})
+    assert len(figure.axes) == 60
+    drawn = sum(len(of.get_paths()) for axes in figure.axes for of in axes.collections)
+    assert drawn < 60 * 20  # of 3,000 looks
 
 
 def test_events_are_ranked_by_sac(report, codings):
