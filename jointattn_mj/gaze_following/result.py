@@ -112,11 +112,12 @@ class SessionResult:
         """
         path = path_of(folder, "folder")
         check_kind(path, SessionResult.__name__)
-        if {"video_file", "camera"} & values_in(path / "config.yaml").keys():
+        config = path / "config.yaml"
+        if config.exists() and {"video_file", "camera"} & values_in(config).keys():
             footage: SessionResult = import_module(FOOTAGE).footage_result(path)
             return footage
         summary = SessionSummary.read(path / "summary.json")
-        return cls(read_config(path / "config.yaml", VariedSessionConfig), summary, SessionFolder(path))
+        return cls(read_config(config, VariedSessionConfig), summary, SessionFolder(path))
 
     @property
     def folder(self) -> Path | None:

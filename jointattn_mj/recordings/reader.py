@@ -171,7 +171,7 @@ class Coding:
             >>> import pandas
             >>> from jointattn_mj import recordings
             >>> table = {"dyad": ["a", "b"], "age": [6, 9], "onset": [0, 0], "offset": [2, 3], "code": ["toy", "face"]}
-            >>> recordings.read(pandas.DataFrame(table), recording="dyad", step=0.1).about("age")
+            >>> recordings.read(pandas.DataFrame(table), recording="dyad", step=0.1, time_unit="s").about("age")
             {'a': '6', 'b': '9'}
         """
         of_steps = self.options.step is None and self.columns is not None
