@@ -41,7 +41,7 @@ PACKAGES = ("mujoco", "mujoco-warp", "warp-lang", "numpy")
 
 
 @dataclass(frozen=True)
-class Poses:
+class SessionPoses:
     """Where bodies are in many moments of a session."""
 
     angles: np.ndarray
@@ -54,7 +54,7 @@ class Poses:
     """OpenGL's name of the renderer, or why there is none."""
 
     @classmethod
-    def of_session(cls, count: int, seed: int = 0) -> "Poses":
+    def of_session(cls, count: int, seed: int = 0) -> "SessionPoses":
         """Moments of a session from the state, and OpenGL's images of the first of them.
 
         Args:
@@ -84,7 +84,7 @@ class Poses:
         return cls(np.array(angles), np.array(objects), np.array(images, np.uint8), renderer)
 
     @classmethod
-    def read(cls, path: Path) -> "Poses":
+    def read(cls, path: Path) -> "SessionPoses":
         with np.load(path) as kept:
             return cls(kept["angles"], kept["objects"], kept["images"], str(kept["renderer"]))
 
@@ -97,7 +97,7 @@ class Poses:
         return self.angles[numbers], self.objects[numbers]
 
 
-def _save(path: Path, poses: Poses) -> None:
+def _save(path: Path, poses: SessionPoses) -> None:
     with path.open("wb") as file:
         np.savez_compressed(file, **asdict(poses))
 
@@ -133,7 +133,7 @@ def seconds(work: Callable[[], None], wait: Callable[[], None], blocks: int, lea
     return times
 
 
-def measured(eye: BatchedEye, poses: Poses, blocks: int = BLOCKS, least: float = BLOCK_S) -> dict[str, Any]:
+def measured(eye: BatchedEye, poses: SessionPoses, blocks: int = BLOCKS, least: float = BLOCK_S) -> dict[str, Any]:
     """Microseconds an image of each part, and images a second: medians and quartiles over blocks.
 
     Returns:
@@ -198,12 +198,12 @@ def main() -> None:
     options = parser.parse_args()
     kept = options.poses or options.out.with_suffix(".npz")
     if options.only_poses:
-        Poses.of_session(max(options.worlds)).write(kept)
+        SessionPoses.of_session(max(options.worlds)).write(kept)
         return
     if not kept.exists():  # in a process of its own
         words = f"-m tools.gpu_eye --only-poses --worlds {max(options.worlds)}".split()
         subprocess.run([sys.executable, *words, "--poses", kept, "--out", options.out], check=True)
-    poses, model = Poses.read(kept), build_model()
+    poses, model = SessionPoses.read(kept), build_model()
     device = extra("gpu", "warp").get_device(options.device)
     figures, rows = _about(device, poses.renderer), []
     if len(poses.images):

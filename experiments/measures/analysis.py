@@ -11,6 +11,9 @@ from jointattn_mj.sweeps.statistics import median_interval, proportion
 
 from .sweep import MEASURES, OF_EVENTS
 
+WORDS = {"local: the strongest cell": "local: the strongest table entry"}
+"""Names of measures in what is reported, where they differ from those under which trials are stored."""
+
 
 def right_since(result: dict[str, Any], measure: str) -> float:
     """Length from which on the measure is right at every greater length too; infinite where it is wrong at the last."""
@@ -27,8 +30,9 @@ def analyse(trials: Trials) -> list[Comparison]:
     for measure in MEASURES if results else ():
         since = median_interval([right_since(result, measure) for result in results])
         end = proportion(sum(result["right"][measure][-1] for result in results), len(results))
+        called = WORDS.get(measure, measure)
         findings.append(Comparison(
-            f"steps after which {measure} keeps the right event first (median)", "T^C does; others not tried", since,
+            f"steps after which {called} keeps the right event first (median)", "T^C does; others not tried", since,
             Verdict.EXTENSION, f"right after {results[0]['lengths'][-1]} steps in {end}",
         ))  # fmt: skip
     return findings
@@ -45,7 +49,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         share = np.mean([result["right"][measure] for result in results], axis=0)
         axes.plot(
             results[0]["lengths"], share + 0.004 * (number % 5), ls="-" if measure in OF_EVENTS else ":",
-            color=f"C{number % 10}", marker="osd^v"[number % 5], ms=3, label=measure,
+            color=f"C{number % 10}", marker="osd^v"[number % 5], ms=3, label=WORDS.get(measure, measure),
         )  # fmt: skip
     axes.set(
         xscale="log",

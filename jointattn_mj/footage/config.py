@@ -1,8 +1,9 @@
 """Options of watching a video: what is perceived and attended to, and where the results go."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import tyro
 
@@ -70,6 +71,8 @@ class PerceiveConfig(FootagePerceptionConfig):
     """Self-organising map of faces (6.3.3, 6.4.1)."""
     coding: LooksConfig = field(default_factory=LooksConfig)
     """How looks are coded, with looks."""
+
+    ADVANCED: ClassVar[Sequence[str]] = ("face_follow", "fps", "shift_frames")
 
     def __post_init__(self) -> None:
         super().__post_init__()

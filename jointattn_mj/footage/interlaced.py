@@ -17,6 +17,9 @@ from jointattn_mj.errors import FootageError
 
 FILTER = "yadif=deint=interlaced"
 """Filter of ffmpeg: one image for each; images that are not interlaced stay as they are."""
+WITHOUT_CHARACTER_SETS = {"GCONV_PATH": "/nonexistent"}
+"""A static build of ffmpeg, such as 7.0.2 of imageio-ffmpeg 0.7, crashes at every MPEG transport stream, as camcorders
+write them, where it loads this system's tables of characters, for the names of channels. Nothing here reads names."""
 LATEST_S = 3600.0
 """Latest begin of a video in its file; a later one is a clock of its own."""
 
@@ -30,14 +33,21 @@ def interlaced_images(path: Path, start_s: float, seconds: float) -> bool:
         seconds: Its length.
 
     Raises:
-        FootageError: There is no ffmpeg program to ask.
+        FootageError: There is no ffmpeg program to ask, or it crashes.
     """
     select = r"select=not(eq(interlace_type\,PROGRESSIVE))"
     part = ["-ss", str(start_s)] if start_s > 0 else []
     command = _command([*part, "-t", str(seconds)], path, select, "-frames:v", "1", "-f", "framecrc", "-")
     with _running(command) as program:
         assert program.stdout is not None
-        return any(not line.startswith(b"#") for line in program.stdout)
+        if any(not line.startswith(b"#") for line in program.stdout):
+            return True
+        if (code := program.wait()) < 0:
+            raise FootageError(
+                f"the program ffmpeg crashed at {path} (signal {-code}); name another in the environment variable "
+                "IMAGEIO_FFMPEG_EXE"
+            )
+        return False
 
 
 def first_image_s(path: Path) -> float:
@@ -83,7 +93,12 @@ def _running(command: list[str]) -> Iterator[subprocess.Popen[bytes]]:
     """Run a program that ends with the block; Ctrl-C does not reach it."""
     try:
         program = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+            env=os.environ | WITHOUT_CHARACTER_SETS,
         )
     except OSError as error:
         raise FootageError(f"the program ffmpeg does not start ({error}); pip install imageio-ffmpeg") from error

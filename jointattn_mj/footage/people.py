@@ -152,6 +152,13 @@ def _mixed(old: np.ndarray, new: np.ndarray) -> np.ndarray:
     return np.asarray(mixed / np.linalg.norm(mixed))
 
 
+def _middle_visible(faces: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """Whether the middle of each face lies in the image, (n,) bool. The network completes faces that are cut by the
+    border; of one that is mostly beyond it, it guesses place and size."""
+    middle = faces[:, :2] + faces[:, 2:4] / 2
+    return np.asarray((middle >= 0).all(axis=1) & (middle < (shape[1], shape[0])).all(axis=1))
+
+
 class People:
     """Follows all faces of a video. It can be pickled.
 
@@ -226,7 +233,7 @@ class People:
                 if not len(faces) or overlaps(face[BOX], faces[:, BOX]).max() < 0.2:
                     faces = np.vstack([faces, face])
             self._until_scan = (config.scan_every if len(faces) else config.empty_every) - 1
-        return faces
+        return np.asarray(faces[_middle_visible(faces, image.shape)])
 
     def _assign(self, image: np.ndarray, faces: np.ndarray, frame: int) -> None:
         """Give each face to the track that it continues, or begin one."""

@@ -23,8 +23,10 @@ FACE = "face"
 """Code of a look at the partner's face."""
 VIDEO_EVENTS = "events.csv"
 """What perceive leaves."""
-ROBOT_LOOKS, PERSON_LOOKS, PEOPLE = "robot looks at", "looks at", "person"
-"""Tiers in it."""
+ROBOT_LOOKS, PERSON_LOOKS = "robot looks at", "looks at"
+"""Tiers of looks in it."""
+PEOPLE = "person"
+"""Tier in it on which several codes may hold at once: coding programs get a tier for each person."""
 COLUMNS = ("tier", "code", "onset", "offset")
 ROBOT, CAREGIVER = "robot", "caregiver"
 """What the table of a development calls its two partners."""
@@ -132,8 +134,7 @@ def _development(table: Table, options: LooksOptions) -> Events:
 
 
 def _video(table: Table, options: LooksOptions) -> Events:
-    """All events of a video: the two tiers of looks by their names here, and a tier for each person, since people are
-    there at the same time; of earlier versions, which left no events, what the robot attends to."""
+    """All events of a video; of earlier versions, which left no events, what the robot attends to."""
     file = options.run / VIDEO_EVENTS
     if file.exists():
         events = read(file).events

@@ -9,10 +9,10 @@ import pytest
 from jointattn_mj.contingency.online.detector import DetectorConfig
 from jointattn_mj.development import run as development
 from jointattn_mj.development.agent import DeveloperConfig
-from jointattn_mj.development.config import DevelopmentOptions
+from jointattn_mj.development.config import DevelopmentOptions, config_class
 from jointattn_mj.development.rendered.config import RenderedDevelopmentConfig
 from jointattn_mj.development.rendered.run import RenderedConfig, RenderedRun
-from jointattn_mj.development.rendered.senses import PARTS, SensesConfig, named_by_majority
+from jointattn_mj.development.rendered.senses import PARTS, SensesConfig, alike, named_by_majority
 from jointattn_mj.development.rendered.stage import StageConfig
 from jointattn_mj.development.run import run_development
 from jointattn_mj.development.table.config import TableDevelopmentConfig
@@ -198,3 +198,24 @@ def test_what_is_no_value_of_a_sensor_does_not_reach_the_agent(run):
     with pytest.raises(ObservationError, match="values of sensors"):
         made_up.advance(1)
     made_up.close()
+
+
+def test_a_category_is_frontal_if_it_is_much_more_like_frontal_faces_than_others_are():
+    rng = np.random.default_rng(0)
+    where = np.repeat([[0.0, 0], [3, 0], [10, 0], [0, 10], [7, 7]], 5, axis=0)
+    category = np.repeat(np.arange(5), 5)
+    patterns = where + rng.normal(0, 0.1, where.shape)
+    greeted = np.array([True, False, False, False, False, False])
+    assert alike(patterns, category, greeted, 0.6).tolist() == [False, True, False, False, False, False]
+    assert not alike(patterns, category, greeted, 0.2).any()
+    assert not alike(patterns[:5], category[:5], greeted, 0.6).any(), "there is no other category"
+
+
+def test_frontal_likeness_comes_with_the_preset_and_not_with_categories_that_grow():
+    realtime, rendered = config_class("realtime"), config_class("rendered")
+    assert realtime.of().realtime.senses.frontal_likeness == 0
+    assert realtime.of(preset="local").realtime.senses.frontal_likeness > 0
+    own = realtime.of(preset="local", realtime={"senses": {"frontal_likeness": 0.2}})
+    assert own.realtime.senses.frontal_likeness == 0.2
+    with pytest.raises(ConfigError, match=r"needs senses\.frontal_likeness 0"):
+        rendered.of(resolution="growing", rendered={"senses": {"frontal_likeness": 0.5}})

@@ -227,6 +227,16 @@ def test_interlaced_from_somewhere_on(tmp_path, offset):
         list(footage)
 
 
+def test_an_ffmpeg_that_crashes(tmp_path, monkeypatch):
+    path = encode(tmp_path / "a.mp4", counted(5), "-c:v", "libx264")
+    crashing = tmp_path / "ffmpeg"
+    crashing.write_text("#!/bin/sh\nkill -SEGV $$\n")
+    crashing.chmod(0o755)
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(crashing))
+    with pytest.raises(FootageError, match=r"crashed at .* IMAGEIO_FFMPEG_EXE"):
+        Footage(path)
+
+
 def test_no_ffmpeg_to_ask(tmp_path, monkeypatch):
     path = encode(tmp_path / "a.mp4", counted(5), "-c:v", "libx264")
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(tmp_path / "nowhere"))

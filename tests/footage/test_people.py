@@ -178,6 +178,7 @@ class TestClips:
         summary, rows = watched("syn_border.mp4", tmp_path / "out")
         missing = sorted(set(range(240)) - {row["image"] for row in rows})
         assert 30 <= len(missing) <= 50 and missing[-1] - missing[0] < 60
+        assert min(row["x_px"] + row["width_px"] / 2 for row in rows) >= 0  # what lies beyond is guessed
         lost = next(one for one in summary["check"] if one["what"] == "face lost")
         assert lost["from_s"] == pytest.approx(missing[0] / 30, abs=0.1)
         assert [one["person"] for one in summary["people"]] == [1]

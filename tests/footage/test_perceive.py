@@ -20,6 +20,8 @@ from jointattn_mj.errors import CheckpointError
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.overlay import HEIGHT, WIDTH
 from jointattn_mj.footage.run import run_perceive
+from jointattn_mj.footage.summary import summarise
+from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.perception.som import SOMConfig
 from jointattn_mj.scene import gl
 
@@ -36,22 +38,38 @@ def clip() -> Clip:
     return Clip.rendered("amara", FRAMES, seed=3)
 
 
-def perceive(video: Path, out: Path, **options) -> tuple[dict, dict[str, np.ndarray]]:
-    """The summary, and the columns of the percepts."""
+def config_of(video: Path, **options) -> PerceiveConfig:
     options = {"objects": NAMES[:-1], "detector": DETECTOR, **options}
-    config = PerceiveConfig(video, som=SOMConfig(updates=200), **options)
-    summary = run_perceive(config, PerceiveOptions(out, overlay=False))
-    table = pq.read_table(out / "percepts.parquet")
-    return summary, {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
+    return PerceiveConfig(video, som=SOMConfig(updates=200), **options)
+
+
+def perceive(video: Path, **options) -> tuple[dict, dict[str, np.ndarray]]:
+    """The summary, and the columns of the percepts, without tables and figures."""
+    viewing = Viewing(config_of(video, **options))
+    viewing.prepare()
+    fresh, px, moves = [], [], []
+    for still in viewing.footage:
+        viewing.see(still)
+        fresh.append(still.fresh)
+        px.append(viewing.watcher.percept.px.copy())
+        moves.append(viewing.watcher.percept.moves.copy())
+    columns = {"fresh": np.array(fresh)}
+    for k, name in enumerate(NAMES):
+        columns |= {f"{name}_x_px": np.array(px)[:, k, 0], f"{name}_y_px": np.array(px)[:, k, 1]}
+        columns[f"{name}_moves"] = np.array(moves)[:, k]
+    return summarise(viewing, False, 0.0, None), columns
 
 
 def off(found: dict[str, np.ndarray], name: str, locations: np.ndarray) -> np.ndarray:
-    """How far off a candidate was seen, (n, 2) px of the robot's image; the face less its constant part.
-
-    A face is centred between brow and chin, a few pixels below the centre of the head; it goes down as the head nods.
-    """
+    """How far off a candidate was seen, (n, 2) px of the robot's image; the face less ``below``."""
     wrong = np.stack([found[f"{name}_x_px"], found[f"{name}_y_px"]], axis=1) - locations
-    return wrong - np.nanmedian(wrong, axis=0) if name == "face" else wrong
+    return wrong - below(found, locations) if name == "face" else wrong
+
+
+def below(found: dict[str, np.ndarray], locations: np.ndarray) -> np.ndarray:
+    """Where the face was seen from the centre of the head, (2,) px, in the median: a few pixels below it, since a
+    face is centred between brow and chin."""
+    return np.nanmedian(np.stack([found["face_x_px"], found["face_y_px"]], axis=1) - locations, axis=0)
 
 
 def rates(found: dict[str, np.ndarray], moving: np.ndarray) -> tuple[float, float, float, float]:
@@ -73,36 +91,37 @@ def face_height(out: Path, frame: int) -> float:
 
 NOISE = np.random.default_rng(5).normal(0, 1, (FRAMES, 240, 320, 3)).astype(np.float32)
 CASES = {
-    # what is done to the clip: noise (grey values), ffmpeg's arguments, file; then most error of face and objects, px,
-    # least hits and most false alarms of the face's motion
-    "lossless": (0, ("-c:v", "ffv1"), "a.mkv", 1.7, 1.2, 0.85, 0.08),
-    "noise": (6, ("-c:v", "ffv1"), "a.mkv", 1.7, 1.2, 0.8, 0.25),
-    "h264": (3, ("-c:v", "libx264", "-crf", "28"), "a.mp4", 1.8, 1.2, 0.7, 0.15),
-    "mpeg4": (2, ("-c:v", "mpeg4", "-q:v", "8"), "a.avi", 1.8, 1.5, 0.6, 0.2),
-    "large": (3, ("-vf", "scale=640:480", "-c:v", "libx264", "-crf", "26"), "a.mp4", 1.8, 1.2, 0.7, 0.15),
-    "odd": (0, ("-vf", "scale=515:387", "-pix_fmt", "yuv444p", "-c:v", "libx264"), "a.mp4", 1.8, 1.2, 0.7, 0.15),
+    # what is done to the clip: noise (grey values), ffmpeg's arguments, file; then most error of objects, px, and most
+    # false alarms of the face's motion
+    "lossless": (0, ("-c:v", "ffv1"), "a.mkv", 0.8, 0.08),
+    "noise": (6, ("-c:v", "ffv1"), "a.mkv", 0.8, 0.2),
+    "mpeg4": (2, ("-c:v", "mpeg4", "-q:v", "8"), "a.avi", 0.9, 0.12),
+    "large": (3, ("-vf", "scale=640:480", "-c:v", "libx264", "-crf", "26"), "a.mp4", 0.8, 0.08),
+    "odd": (0, ("-vf", "scale=515:387", "-pix_fmt", "yuv444p", "-c:v", "libx264"), "a.mp4", 1.0, 0.08),
 }
 
 
 @needs_gl
 @pytest.mark.parametrize("case", CASES)
 def test_found_where_it_is(clip, tmp_path, case):
-    noise, arguments, name, face_px, object_px, hits, alarms = CASES[case]
+    noise, arguments, name, object_px, alarms = CASES[case]
     images = np.clip(clip.images + noise * NOISE, 0, 255).astype(np.uint8) if noise else clip.images
-    summary, found = perceive(encode(tmp_path / name, images, *arguments), tmp_path / "out")
+    summary, found = perceive(encode(tmp_path / name, images, *arguments))
     assert summary["frames"] == FRAMES
     assert summary["notes"] == []
     assert summary["detected"]["face"] >= 0.97
     assert min(summary["detected"].values()) >= 0.97
-    assert np.sqrt(np.nanmean(off(found, "face", clip.locations[:, 4]) ** 2)) < face_px
+    aside, down = below(found, clip.locations[:, 4])
+    assert abs(aside) < 1 and 4 < down < 9
+    assert np.sqrt(np.nanmean(off(found, "face", clip.locations[:, 4]) ** 2)) < 1.6  # it nods
     for number, label in enumerate(NAMES[:-1]):
         wrong = np.linalg.norm(off(found, label, clip.locations[:, number]), axis=1)
         assert np.nanmedian(wrong) < object_px, label
     face_hits, face_alarms, object_hits, object_alarms = rates(found, clip.moving)
-    assert face_hits > hits
+    assert face_hits > 0.9
     assert face_alarms < alarms
-    assert object_hits > 0.65
-    assert object_alarms < 0.05
+    assert object_hits > 0.7
+    assert object_alarms < 0.04
 
 
 @needs_gl
@@ -110,7 +129,7 @@ def test_a_face_too_large_makes_the_image_smaller(clip, tmp_path):
     """A camera twice as near: the middle of the clip, enlarged."""
     near = np.array([cv2.resize(image[30:150, 80:240], (640, 480)) for image in clip.images[:90]])
     video = encode(tmp_path / "a.mp4", near, "-c:v", "libx264")
-    summary, found = perceive(video, tmp_path / "out", detector="templates")
+    summary, found = perceive(video, detector="templates")
     assert 0.2 < summary["mapping"]["scale_x"] < 0.33  # rather than a half
     assert 110 < summary["mapping"]["cascade_face_side_in_video_px"] < 170
     assert summary["detected"]["face"] > 0.95
@@ -118,7 +137,7 @@ def test_a_face_too_large_makes_the_image_smaller(clip, tmp_path):
     truth = (clip.locations[:90, 4] - (80, 30) + 0.5) * 4 - 0.5
     truth = (truth + 0.5) * (mapping["scale_x"], mapping["scale_y"]) - 0.5 + (mapping["left"], mapping["top"])
     assert np.sqrt(np.nanmean(off(found, "face", truth) ** 2)) < 1.5
-    given, _ = perceive(video, tmp_path / "given", scale=0.5, detector="templates")
+    given, _ = perceive(video, scale=0.5, detector="templates")
     assert given["mapping"]["scale_x"] == 0.5
 
 
@@ -130,7 +149,7 @@ def test_somebody_who_sways_is_followed(clip, tmp_path):
         cv2.warpAffine(image, np.float32([[1, 0, x], [0, 1, 0]]), (320, 240), borderMode=cv2.BORDER_REPLICATE)
         for image, x in zip(clip.images, shifts, strict=True)
     ]
-    _, found = perceive(encode(tmp_path / "a.mkv", np.array(moved)), tmp_path / "out")
+    _, found = perceive(encode(tmp_path / "a.mkv", np.array(moved)))
     locations = clip.locations[:, 4] + np.column_stack([shifts, np.zeros(FRAMES)])
     assert np.nanpercentile(np.abs(off(found, "face", locations)[:, 0]), 95) < 4  # down it goes when the head nods
 
@@ -138,9 +157,7 @@ def test_somebody_who_sways_is_followed(clip, tmp_path):
 @needs_gl
 def test_a_slower_video(clip, tmp_path):
     """Ten images a second: every one is perceived once, and holds for three frames."""
-    summary, found = perceive(
-        encode(tmp_path / "a.mp4", clip.images[::3], "-c:v", "libx264", rate="10"), tmp_path / "out"
-    )
+    summary, found = perceive(encode(tmp_path / "a.mp4", clip.images[::3], "-c:v", "libx264", rate="10"))
     assert summary["frames"] == FRAMES
     assert found["fresh"].sum() == FRAMES // 3
     assert any("fewer than 15" in note for note in summary["notes"])
@@ -154,7 +171,7 @@ def test_a_slower_video(clip, tmp_path):
 def test_grey(clip, tmp_path):
     """No colour, no objects, and it says why; the face is there."""
     video = encode(tmp_path / "a.mp4", clip.images, "-pix_fmt", "gray", "-c:v", "libx264")
-    summary, _ = perceive(video, tmp_path / "out")
+    summary, _ = perceive(video)
     assert [summary["detected"][name] for name in NAMES[:-1]] == [0] * 4
     assert summary["detected"]["face"] > 0.95
     assert len(summary["notes"]) == 1 and "grey" in summary["notes"][0]
@@ -210,7 +227,7 @@ def test_files(jointattn, clip, tmp_path):
 def test_the_same_again(clip, tmp_path):
     video = encode(tmp_path / "a.mkv", clip.images[:45])
     for name in ("one", "two"):
-        perceive(video, tmp_path / name, seed=4)
+        run_perceive(config_of(video, seed=4), PerceiveOptions(tmp_path / name, overlay=False))
     for name in ("percepts.parquet", "fixations.parquet", "faces.parquet", "fixations.png", "som.png"):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes(), name
 
@@ -234,7 +251,8 @@ def test_what_cannot_be_perceived(jointattn, tmp_path):
 
 def test_nothing_to_see(tmp_path):
     """No face, no known colour: all the files but those of faces, and notes that say so."""
-    summary, _ = perceive(encode(tmp_path / "a.mp4", counted(45), "-c:v", "libx264"), tmp_path / "out")
+    video = encode(tmp_path / "a.mp4", counted(45), "-c:v", "libx264")
+    summary = run_perceive(config_of(video), PerceiveOptions(tmp_path / "out", overlay=False))
     assert summary["detected"] == dict.fromkeys(NAMES, 0)
     assert summary["fixations"] == 0
     percepts = pq.read_table(tmp_path / "out" / "percepts.parquet")
@@ -246,10 +264,12 @@ def test_nothing_to_see(tmp_path):
 
 def test_only_the_first_minutes(tmp_path):
     video = encode(tmp_path / "a.mp4", counted(60), "-c:v", "libx264")
-    summary, found = perceive(video, tmp_path / "out", max_minutes=1 / 60)
-    assert (summary["frames"], len(found["time_s"]), summary["complete"]) == (30, 30, False)
+    out = PerceiveOptions(tmp_path / "out", overlay=False)
+    summary = run_perceive(config_of(video, max_minutes=1 / 60), out)
+    assert (summary["frames"], summary["complete"]) == (30, False)
+    assert pq.read_table(tmp_path / "out" / "percepts.parquet").num_rows == 30
     assert not any("cut off" in note for note in summary["notes"])
-    assert perceive(video, tmp_path / "all", max_minutes=1)[0]["complete"]
+    assert perceive(video, max_minutes=1)[0]["complete"]
 
 
 def long_video(tmp_path: Path) -> Path:
@@ -377,7 +397,7 @@ def interlaced(path: Path, images: np.ndarray) -> Path:
 @needs_gl
 def test_interlaced(clip, tmp_path):
     """Found where it is, as in the same images progressive; and it says what was done."""
-    summary, found = perceive(interlaced(tmp_path / "a.mp4", clip.images), tmp_path / "out")
+    summary, found = perceive(interlaced(tmp_path / "a.mp4", clip.images))
     assert summary["frames"] == FRAMES
     assert len(summary["notes"]) == 1 and "interlaced" in summary["notes"][0]
     assert min(summary["detected"].values()) >= 0.97

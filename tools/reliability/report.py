@@ -26,9 +26,10 @@ TITLES = {
     ),
     "videos": (
         "Odd and damaged videos",
-        "For `perceive`: containers, codecs, sizes, rates, names and things that are no videos, and such files after bytes "
-        "were lost or changed. Odd videos have as many seconds as they should, whatever is no video is refused in a line, "
-        "and a damaged one ends either way; counted is everything else.",
+        "For `perceive`: containers, codecs, sizes, rates, names and things that are no videos, and such files after "
+        "bytes were lost or changed. Right is as many seconds as an odd video has, a refusal in a line of what is no "
+        "video, and either of a damaged one; counted is everything else. One in ten goes to the command, the rest "
+        "are watched from Python.",
     ),
     "hours": (
         "A simulated day",

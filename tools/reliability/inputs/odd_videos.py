@@ -5,6 +5,7 @@ import random
 import re
 import subprocess
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -16,9 +17,22 @@ from tools.shell import Outcome
 KIND, DAMAGED = "odd videos", "damaged videos"
 SECONDS = 1.0
 """Length of the video from which all others are made."""
-ROUNDED = 0.2
+ROUNDED = 0.25
 """Seconds by which the length of a video of a few images may differ: of an image, and of the clocks of containers."""
 H264 = ("-c:v", "libx264", "-pix_fmt", "yuv420p")
+WHOLE_EVERY = 10
+"""One video of so many goes through the whole command, with tables and figures; the others are iterated over."""
+WATCH = """
+import sys
+from jointattn_mj import perceive
+from jointattn_mj.errors import JointAttnError
+try:
+    frames = sum(1 for _ in perceive({path!r}, max_minutes=0.1))
+except JointAttnError as error:
+    print(f"{{type(error).__name__}}: {{' '.join(str(error).split())}}", file=sys.stderr)  # as the command does
+    sys.exit(2)
+print(f"{{frames / 30:.1f}} s watched")
+"""
 ODD: dict[str, tuple[tuple[str, ...], float]] = {
     # file: ffmpeg's arguments for its output, and the seconds of video that are in it
     "avi mpeg4.avi": (("-c:v", "mpeg4"), SECONDS),
@@ -83,8 +97,29 @@ WITH_SOUND: dict[str, tuple[tuple[str, ...], float]] = {
     "with sound.mp4": ((*H264, "-c:a", "aac"), SECONDS),
     "sound before.mkv": ((*H264, "-c:a", "aac"), SECONDS),
 }
+UNREADABLE = ("animated.webp",)
+"""Of which the decoders here may not be capable."""
 NOT_VIDEOS = ("sound.m4a", "sound.mp3", "sound.wav")
 ROTATIONS = (90, 180, 270)
+
+
+@dataclass(frozen=True)
+class Video:
+    """A file, and what should come of it."""
+
+    kind: str
+    what: str
+    path: str
+    result: Callable[[Outcome], str]
+    needed: bool = False
+
+    def given(self, whole: Path | None) -> Input:
+        """As an input: to the command, which leaves its results in ``whole``, or to be iterated over."""
+        command = ("perceive", self.path, "--no-overlay", "--max-minutes", "0.1", "--out", str(whole))
+        if whole is not None:
+            return Input(self.kind, self.what, command, result=self.result, needed=self.needed)
+        source = WATCH.format(path=self.path)
+        return Input(self.kind, self.what, source=source, result=self.result, needed=self.needed)
 
 
 def inputs(chance: random.Random, many: int, folder: Path, film: Path) -> Iterator[Input]:
@@ -97,15 +132,14 @@ def inputs(chance: random.Random, many: int, folder: Path, film: Path) -> Iterat
         film: A video of ``SECONDS``.
     """
     made = [*_odd(folder, film), *_no_videos(folder, film)]
-    sources = [
-        given.arguments[1] for given in made if given.needed and Path(given.arguments[1]).stat().st_size < 1 << 20
-    ]
+    sources = [Path(video.path) for video in made if video.needed and Path(video.path).stat().st_size < 1 << 20]
     for number in range(max(0, many - len(made))):
-        source = Path(chance.choice(sources))
+        source = chance.choice(sources)
         what, raw = damaged(source.read_bytes(), chance)
-        path = write(folder / f"damaged{number}" / source.name.lstrip("-"), raw)
-        made.append(_given(DAMAGED, f"{source.name}, {what}", path, anything))
-    yield from made[:many]
+        path = write(folder / f"damaged{number}" / source.name, raw)
+        made.append(Video(DAMAGED, f"{source.name}, {what}", str(path), anything))
+    for number, video in enumerate(made[:many]):
+        yield video.given(None if number % WHOLE_EVERY else folder / "out" / str(number))
 
 
 def watched(seconds: float) -> Callable[[Outcome], str]:
@@ -120,49 +154,50 @@ def watched(seconds: float) -> Callable[[Outcome], str]:
     return wrong
 
 
-def _given(kind: str, what: str, path: Path, result: Callable[[Outcome], str], needed: bool = False) -> Input:
-    out = path.parent / f"out of {path.name[-20:].strip('. ')}"
-    name = f"./{path.name}" if path.name.startswith("-") else path.name
-    command = ("perceive", str(path.parent / name), "--no-overlay", "--max-minutes", "0.1", "--out", str(out))
-    return Input(kind, what, command, result=result, needed=needed)
-
-
-def _odd(folder: Path, film: Path) -> Iterator[Input]:
+def _odd(folder: Path, film: Path) -> Iterator[Video]:
     """Videos that must be read, each in a folder of its own."""
     sound = ("-f", "lavfi", "-t", "1", "-i", "sine")
     for number, (name, (arguments, seconds)) in enumerate((ODD | WITH_SOUND).items()):
         path = folder / f"odd{number}" / name
         path.parent.mkdir(parents=True)
         late = ("-itsoffset", "0.4") if name.startswith("sound before") else ()
-        _ffmpeg(*late, "-i", str(film), *(sound if name in WITH_SOUND else ()), *arguments, *_form(path, arguments), path=path)
-        yield _given(KIND, name, path, watched(seconds), needed=True)
+        _ffmpeg(
+            *late,
+            "-i",
+            str(film),
+            *(sound if name in WITH_SOUND else ()),
+            *arguments,
+            *_form(path, arguments),
+            path=path,
+        )
+        yield Video(KIND, name, str(path), watched(seconds), needed=name not in UNREADABLE)
     for degrees in ROTATIONS:
         path = folder / f"turned{degrees}" / "turned.mp4"
         path.parent.mkdir()
         _ffmpeg("-display_rotation", str(degrees), "-i", str(film), "-c", "copy", path=path)
-        yield _given(KIND, f"turned by {degrees}", path, watched(SECONDS), needed=True)
+        yield Video(KIND, f"turned by {degrees}", str(path), watched(SECONDS), needed=True)
     link = folder / "link" / "link.mp4"
     link.parent.mkdir()
     link.symlink_to(film)
-    yield _given(KIND, "a link", link, watched(SECONDS), needed=True)
+    yield Video(KIND, "a link", str(link), watched(SECONDS), needed=True)
 
 
 def _form(path: Path, arguments: tuple[str, ...]) -> tuple[str, ...]:
-    """Argument for the container, by the file's name where nothing else says it; ffmpeg takes some names for patterns."""
+    """Argument for the container, where nothing else says it; ffmpeg takes some names for patterns."""
     forms = {".mkv": "matroska", ".ts": "mpegts", ".mpg": "mpeg", ".wmv": "asf", ".MP4": "mp4"}
     return () if "-f" in arguments else ("-f", forms.get(path.suffix, path.suffix[1:]))
 
 
-def _no_videos(folder: Path, film: Path) -> Iterator[Input]:
+def _no_videos(folder: Path, film: Path) -> Iterator[Video]:
     """What is no video, or has no image; and images, which may be taken for short videos."""
     place = folder / "none"
     place.mkdir()
     for name in NOT_VIDEOS:
         _ffmpeg("-f", "lavfi", "-i", "sine", "-t", "1", path=place / name)
-        yield _given(KIND, name, place / name, refused)
+        yield Video(KIND, name, str(place / name), refused)
     for name in ("still.png", "still.jpg", "still.bmp", "still.tiff"):
         _ffmpeg("-i", str(film), "-frames:v", "1", path=place / name)
-        yield _given(KIND, name, place / name, watched(1 / 30))
+        yield Video(KIND, name, str(place / name), watched(1 / 30))
     _ffmpeg("-i", str(film), "-frames:v", "0", *H264, "-movflags", "+empty_moov", path=place / "no image.mp4")
     os.mkfifo(place / "fifo.mp4")
     (place / "folder.mp4").mkdir()
@@ -178,15 +213,24 @@ def _no_videos(folder: Path, film: Path) -> Iterator[Input]:
     write(place / "page.html", b"<html><video src='film.mp4'></video></html>")
     write(place / "huge.ppm", b"P6 60000 60000 255\n" + bytes(1000))
     write(place / "huge.y4m", b"YUV4MPEG2 W65000 H65000 F30:1\nFRAME\n" + bytes(1000))
-    named = sorted({path.name for path in place.iterdir()} - {*NOT_VIDEOS} - {p for p in os.listdir(place) if "still" in p})
+    named = [name for name in sorted(os.listdir(place)) if name not in NOT_VIDEOS and "still" not in name]
     for name in named:
-        yield _given(KIND, name, place / name, anything if name == "says huge.mp4" else refused)
-    for name in ("/dev/null", "/dev/zero", "/proc/self/mem", "", "http://127.0.0.1:9/a.mp4", "concat:a|b", "pipe:0", "-"):
-        out = str(place / "out of a device")
-        command = ("perceive", name, "--no-overlay", "--max-minutes", "0.1", "--out", out)
-        yield Input(KIND, f"named {name!r}", command, result=refused)
+        yield Video(KIND, name, str(place / name), anything if name == "says huge.mp4" else refused)
+    for name in (
+        "/dev/null",
+        "/dev/zero",
+        "/proc/self/mem",
+        "",
+        "http://127.0.0.1:9/a.mp4",
+        "concat:a|b",
+        "pipe:0",
+        "-",
+    ):
+        yield Video(KIND, f"named {name!r}", name, refused)
 
 
 def _ffmpeg(*arguments: str, path: Path) -> None:
     program = imageio_ffmpeg.get_ffmpeg_exe()
-    subprocess.run([program, "-v", "error", "-y", *arguments, os.path.join(".", path.name)], cwd=path.parent, check=True)
+    subprocess.run(
+        [program, "-v", "error", "-y", *arguments, os.path.join(".", path.name)], cwd=path.parent, check=True
+    )
