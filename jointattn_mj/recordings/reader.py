@@ -284,7 +284,7 @@ class Coding:
             >>> coding = recordings.read(pandas.DataFrame({"mother": looks[1:], "infant": looks[:-1]}))
             >>> first = coding.transitions("mother", "infant", surrogates=99).table.rows()[0]
             >>> first["given"], first["target"], first["conditional"]
-            ('away', 'away', 0.0)
+            ('away', 'away', 1.0)
         """
         from jointattn_mj.recordings.transitions import TransitionOptions, run_transitions
 
@@ -310,7 +310,7 @@ class Coding:
             >>> import pandas
             >>> from jointattn_mj import recordings
             >>> looks = {"tier": "infant", "onset": [0, 40], "offset": [40, 80], "code": ["toy", "face"]}
-            >>> coding = recordings.read(pandas.DataFrame(looks))
+            >>> coding = recordings.read(pandas.DataFrame(looks), time_unit="s")
             >>> coding.agreement(coding)[0].kappa
             1.0
         """
@@ -340,7 +340,7 @@ class Coding:
             >>> events = recordings.Events.of(["mother"] * 30, looks["code"], looks["onset"], looks["offset"])
             >>> follows = recordings.Events.of(["infant"] * 29, looks["code"][:29], [t + 1 for t in times[:29]],
             ...                                [t + 1 for t in times[1:]])
-            >>> coding = recordings.read(events.joined(follows).to_pandas())
+            >>> coding = recordings.read(events.joined(follows).to_pandas(), time_unit="s")
             >>> coding.report("out/page", surrogates=9, resamples=0, step=0.5).following()[0]
             'infant follows 19 of 20 looks of mother (95%) within 3 s, median latency 1.00 s'
         """
