@@ -435,7 +435,7 @@ def _p_values(p: Sequence[float] | np.ndarray) -> np.ndarray:
     given = np.asarray(p, float)
     if given.ndim != 1:
         raise SeriesError(f"p-values must be a list of numbers; got an array of {given.ndim} dimensions")
-    wrong = given[(given < 0) | (given > 1)]
+    wrong = given[~((given >= 0) & (given <= 1))]  # NaN, too
     if len(wrong):
         raise SeriesError(f"p-values must lie from 0 to 1; got {wrong[0]:g}")
     return given

@@ -219,6 +219,12 @@ class TestManyTests:
         with pytest.raises(SeriesError, match="bonferroni"):
             c.adjust(p, "bonferroni")
 
+    @pytest.mark.parametrize("wrong", [-0.1, 1.5, float("nan")])
+    @pytest.mark.parametrize("adjusted", [c.holm, c.benjamini_hochberg])
+    def test_what_is_no_p(self, adjusted, wrong):
+        with pytest.raises(SeriesError, match="from 0 to 1"):
+            adjusted([0.01, wrong])
+
     @given(st.lists(st.floats(0, 1), max_size=12))
     def test_agrees_with_scipy(self, p):
         assert c.benjamini_hochberg(p) == pytest.approx(stats.false_discovery_control(p) if p else [])
