@@ -344,6 +344,7 @@ def test_killed_and_resumed(jointattn, clip, tmp_path):
         str(video),
         *FINDS,
         "--looks",
+        "--no-page",
         "--seed",
         "3",
         "--som.updates",

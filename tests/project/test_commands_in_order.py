@@ -60,7 +60,7 @@ def shortened(command: Command) -> list[str]:
             words += ["--rendered.exploration", "50"]
             words += ["--babbling.steps", "300"] if "growing" in words else []
         case "develop":
-            at_most("--steps", 40_000)
+            at_most("--steps", 20_000)
             at_most("--checkpoint-every", 5_000, always=False)
         case "perceive":
             at_most("--max-minutes", 0.1 if "--looks" in words else 0.05)
@@ -68,7 +68,7 @@ def shortened(command: Command) -> list[str]:
             at_most("--episodes", 2)
             at_most("--time-limit", 0.5)
         case "measure" | "discover" | "recordings":
-            at_most("--surrogates", 200)
+            at_most("--surrogates", 40)
         case "experiment" if words[1] == "run":
             ids = words[2 : next((location for location, word in enumerate(words) if word.startswith("--")), None)]
             if "--registry" not in words:

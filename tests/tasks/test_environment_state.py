@@ -64,8 +64,9 @@ def pickled(environment):
 
 
 @every_task
-@pytest.mark.parametrize("camera", [False, True], ids=["blind", "seeing"])
-@pytest.mark.parametrize("lived", [0, 20], ids=["after reset", "in the middle"])
+@pytest.mark.parametrize(
+    ("camera", "lived"), [(False, 0), (False, 20), (True, 20)], ids=["after reset", "in the middle", "seeing"]
+)
 def test_a_copy_has_the_future_of_the_original(task, camera, lived):
     environment = episodes_of(task, camera=camera, truth=True)
     environment.reset()
