@@ -1,6 +1,7 @@
 """``python -m tools.reliability``: see the package."""
 
 import random
+import signal
 import sys
 import tempfile
 import time
@@ -30,6 +31,24 @@ def run_kills(*, number: int = 100, only: str = "", seed: int = 0, jobs: int = 2
         jobs: Runs at once.
         out: Folder for kills.json.
     """
+    return _with_signals("kills", signal.SIGKILL, number, only, seed, jobs, out)
+
+
+def run_stops(*, number: int = 100, only: str = "", seed: int = 0, jobs: int = 2, out: Path = FOLDER) -> bool:
+    """Stop runs by Ctrl-C at random moments, and go on with them, until they are done.
+
+    Args:
+        number: Of stops in all, evenly over the kinds of runs.
+        only: Only runs whose names begin so.
+        seed: Of the moments.
+        jobs: Runs at once.
+        out: Folder for stops.json.
+    """
+    return _with_signals("stops", signal.SIGINT, number, only, seed, jobs, out)
+
+
+def _with_signals(name: str, by: signal.Signals, number: int, only: str, seed: int, jobs: int, out: Path) -> bool:
+    """Runs and signals; whether anything was lost."""
 
     def harness(folder: Path, subjects: tuple[Subject, ...], at: dict[str, str], pool: ThreadPoolExecutor) -> dict:
         def killed(subject: Subject) -> list[kills.KillTrial]:
@@ -38,14 +57,14 @@ def run_kills(*, number: int = 100, only: str = "", seed: int = 0, jobs: int = 2
             while sum(len(trial.kills) for trial in trials) < number / len(subjects):
                 trial_seed = 1000 * seed + len(trials)
                 out_of_it = folder / f"{subject.name} {trial_seed}"
-                trials.append(kills.kill_until_done(subject, trial_seed, peace, out_of_it, at))
-                told = f"{subject.name} {trial_seed}: {len(trials[-1].kills)} kills, "
+                trials.append(kills.kill_until_done(subject, trial_seed, peace, out_of_it, at, by))
+                told = f"{subject.name} {trial_seed}: {len(trials[-1].kills)} {name}, "
                 print(told + (f"LOST {trials[-1]}" if trials[-1].lost else "nothing lost"), file=sys.stderr)
             return trials
 
-        return kills.summary([trial for trials in pool.map(killed, subjects) for trial in trials])
+        return kills.summary([trial for trials in pool.map(killed, subjects) for trial in trials], name)
 
-    return _with_runs("kills", harness, [one for one in SUBJECTS if one.name.startswith(only)], jobs, out)
+    return _with_runs(name, harness, [one for one in SUBJECTS if one.name.startswith(only)], jobs, out)
 
 
 def run_pairs(*, number: int = 24, only: str = "", seed: int = 0, jobs: int = 2, out: Path = FOLDER) -> bool:
@@ -176,6 +195,7 @@ def _leave(name: str, result: dict, seconds: float, out: Path) -> bool:
 
 COMMANDS = {
     "kills": run_kills,
+    "stops": run_stops,
     "pairs": run_pairs,
     "malformed": run_malformed,
     "videos": run_videos,

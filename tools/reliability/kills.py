@@ -1,4 +1,4 @@
-"""kill -9 at random moments, again and again, until a run is done: its results against those of one left in peace."""
+"""Signals at random moments, again and again, until a run is done: its results against those of one left in peace."""
 
 import os
 import random
@@ -18,6 +18,8 @@ MOMENTS = ("first second", "anywhere", "while writing", "at a new file")
 """``anywhere``: evenly over the time that the run takes in peace. ``while writing``: when the folder next changes after
 such a moment. ``at a new file``: when a file appears for the first time, any of those that are left in the end."""
 POLL_S = 0.001
+STOPPED = 130
+"""Code of a command that was stopped by Ctrl-C."""
 
 
 @dataclass(frozen=True)
@@ -64,18 +66,32 @@ def reference(subject: Subject, out: Path, places: dict[str, str], more: tuple[s
     return Reference(seconds, contents(out))
 
 
-def kill_until_done(subject: Subject, seed: int, peace: Reference, out: Path, places: dict[str, str]) -> KillTrial:
-    """One trial, whose moments come from ``seed``; its folder is deleted if nothing was lost."""
+def kill_until_done(
+    subject: Subject, seed: int, peace: Reference, out: Path, places: dict[str, str], by: signal.Signals
+) -> KillTrial:
+    """One trial, whose moments come from ``seed``; its folder is deleted if nothing was lost.
+
+    Args:
+        subject: What is run.
+        seed: Of the moments.
+        peace: The same run without a signal.
+        out: Its folder.
+        places: What stands for words of the command.
+        by: The signal; with SIGINT the command has to end as after Ctrl-C.
+    """
     chance, trial = random.Random(f"{subject.name} {seed}"), KillTrial(subject.name, seed)
     more: tuple[str, ...] = ()
     refused, runs = "", []
     while True:
         run = subject.start(out, places, more)
         runs.append(run)
-        if len(trial.kills) < MOST and (kill := _kill(run, subject, chance, peace, out)):
+        if len(trial.kills) < MOST and (kill := _kill(run, subject, chance, peace, out, by)):
             trial.kills.append(kill)
+            code, said = run.end() if kill["process"] == "main" else (0, "")
+            if by is signal.SIGINT and (code not in (0, STOPPED) or "Traceback" in said) and _entries(out):
+                trial.trouble = f"ended with {code} when it was stopped: {said.strip()[-800:]}"
+                return trial
             if kill["process"] == "main":
-                run.end()
                 more = subject.resume
                 continue
         code, said = run.end()
@@ -97,10 +113,13 @@ def kill_until_done(subject: Subject, seed: int, peace: Reference, out: Path, pl
     return trial
 
 
-def _kill(run: Run, subject: Subject, chance: random.Random, peace: Reference, out: Path) -> dict[str, object] | None:
-    """Wait for a random moment and kill; None if the run was done before."""
+def _kill(
+    run: Run, subject: Subject, chance: random.Random, peace: Reference, out: Path, by: signal.Signals
+) -> dict[str, object] | None:
+    """Wait for a random moment and send the signal; None if the run was done before."""
     moment, part, jitter = chance.choice(MOMENTS), chance.random(), chance.uniform(0, 0.01)
-    name, of_workers = chance.choice(sorted(peace.contents)), subject.workers and chance.random() < 0.3
+    name = chance.choice(sorted(peace.contents))
+    of_workers = by is signal.SIGKILL and subject.workers and chance.random() < 0.3
     if moment == "at a new file" and (out / name).exists():
         moment = "anywhere"
     pause = {"first second": part, "at a new file": 0.0}.get(moment, part * peace.seconds)
@@ -127,7 +146,7 @@ def _kill(run: Run, subject: Subject, chance: random.Random, peace: Reference, o
     if not run.running():
         return None
     with suppress(ProcessLookupError):
-        os.kill(victim, signal.SIGKILL)
+        os.kill(victim, by)
     which = "main" if victim == run.process.pid else "worker"
     return {"moment": moment, "seconds": round(time.monotonic() - began, 3), "process": which}
 
@@ -148,8 +167,8 @@ def _entries(folder: str | Path) -> list[tuple[str, int, int]]:
     return sorted(listed)
 
 
-def summary(trials: list[KillTrial]) -> dict[str, object]:
-    """Counts by subject, and what was lost."""
+def summary(trials: list[KillTrial], name: str = "kills") -> dict[str, object]:
+    """Counts by subject, and what was lost; ``name``: what the signals are called."""
     rows = []
     for name in dict.fromkeys(trial.subject for trial in trials):
         of = [trial for trial in trials if trial.subject == name]
@@ -158,7 +177,7 @@ def summary(trials: list[KillTrial]) -> dict[str, object]:
             {
                 "run": name,
                 "trials": len(of),
-                "kills": len(moments),
+                name: len(moments),
                 **{moment: moments.count(moment) for moment in MOMENTS},
                 "begun anew": sum(trial.anew for trial in of),
                 "of workers": sum(kill["process"] == "worker" for trial in of for kill in trial.kills),
