@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from jointattn_mj.api.experiment import run_claim
     from jointattn_mj.api.perceive import perceive
     from jointattn_mj.api.session import Session
+    from jointattn_mj.api.session_result import SessionResult
     from jointattn_mj.development.result import DevelopmentResult
     from jointattn_mj.development.run import Development
     from jointattn_mj.footage.frames import PerceivedFrame
     from jointattn_mj.footage.result import PerceptionResult
-    from jointattn_mj.gaze_following.result import SessionResult
     from jointattn_mj.gaze_following.summary import SessionSummary
     from jointattn_mj.io.table import Table
     from jointattn_mj.recordings.reader import read_recordings
@@ -76,7 +76,7 @@ _HOMES = {
     "TASKS_BY_DOMAIN": "tasks",
     "load": "tasks",
     "Session": "api.session",
-    "SessionResult": "gaze_following.result",
+    "SessionResult": "api.session_result",
     "SessionSummary": "gaze_following.summary",
     "Development": "development.run",
     "DevelopmentResult": "development.result",

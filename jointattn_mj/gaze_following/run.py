@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from jointattn_mj.gaze_following.result import SessionInMemory, SessionResult
+from jointattn_mj.gaze_following.result import SessionInMemory
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, FRAMES_PER_SECOND, SessionConfig, SessionRun
 from jointattn_mj.gaze_following.shifts import write_shifts
 from jointattn_mj.gaze_following.summary import SessionSummary
@@ -92,8 +92,10 @@ def run_in_memory(
     progress: Callable[[SessionRun], object] = lambda session: None,
     kind: type[SessionRun] = SessionRun,
     watchers: Sequence[Watcher] = (),
-) -> SessionResult:
-    """Run a session without a folder; arguments are those of :func:`run_session`.
+) -> tuple[SessionSummary, SessionInMemory]:
+    """Run a session without a folder: its summary, and its tables and weights.
+
+    Arguments are those of :func:`run_session`.
 
     Raises:
         GLError: Images are needed and cannot be rendered.
@@ -109,8 +111,7 @@ def run_in_memory(
                     progress(session)
         session.check()
         frames, shifts, weights = Table(session.frames.table()), Table(session.shifts.table()), session.weights()
-        summary = session.summary(time.perf_counter() - started)
-        return SessionResult(config, summary, SessionInMemory(frames, shifts, weights))
+        return session.summary(time.perf_counter() - started), SessionInMemory(frames, shifts, weights)
     finally:
         session.close()
 

@@ -17,13 +17,13 @@ from clips import DETECTOR, encode
 from shell import refused
 
 from experiments.recorded.table_video import FOV_DEG, HEIGHT, TILT_DEG, WIDTH, WideEyedWorld
+from jointattn_mj import SessionResult
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.sessions import session as sessions
 from jointattn_mj.footage.sessions.config import CameraSessionConfig, VideoSessionConfig
 from jointattn_mj.footage.sessions.lens import HeadConfig, Lens
 from jointattn_mj.footage.sessions.run import run_footage_session
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
-from jointattn_mj.gaze_following.result import SessionResult
 from jointattn_mj.perception.som import SOMConfig
 from jointattn_mj.scene import gl
 from jointattn_mj.scene.world import World, WorldConfig
