@@ -31,6 +31,11 @@ EARLY_MINUTES = 10
 AT_ONCE_S = 75.0
 """Beginning of the time with a stranger, before much can have been learned of the new face."""
 COLOURS = {"no_cues": "#2471a3", "cues": "#c0392b", "no_cues_thesis": "#85c1e9", "cues_thesis": "#f1948a"}
+LONGER = {
+    "watching": "after watching only",
+    "watching_thesis": "after watching only, the dissertation's rule",
+    "hour": "an hour",
+}
 WORDS = {"no_cues": "without motion cues", "cues": "with motion cues", "thesis": "the dissertation's rule"}
 
 
@@ -115,7 +120,7 @@ def in_words(name: str) -> str:
         return f"{in_words(f'{seen}/{cues}' + '_thesis' * rest.endswith('thesis'))}, objects in an upright square"
     if group == "ablation":
         return "with " + ", ".join(rest.replace("in_view", "all in view").replace("again", "reading again").split("+"))
-    return f"{group}, {rest}".replace("_", " ").strip(", ")
+    return LONGER.get(name) or f"{group}, {rest}".replace("_", " ").strip(", ")
 
 
 def _row(what: str, ours: Estimate, note: str = "") -> Comparison:
@@ -258,7 +263,7 @@ def draw_success(trials: Trials) -> Figure:
                 axes.plot(times, good.sum(0) / shifts.sum(0), color=colour, label=label)
                 numbers.append(len(part))
         axes.axhline(0.25, ls=":", color="#7f8c8d", lw=0.8)
-        axes.text(26, 0.26, "one of four objects at random", ha="right", fontsize=8, color="#7f8c8d")
+        axes.text(25.7, 0.26, "one of four objects at random", ha="right", fontsize=8, color="#7f8c8d")
         axes.set(xlabel="time (simulated minutes)", xlim=(0, 26), ylim=(0, 1))
         origin = "from the simulator's state" if perception == "state" else "from rendered images"
         axes.set_title(f"{origin} ({' and '.join(map(str, sorted(set(numbers))))} sessions each)", fontsize=10)
@@ -288,7 +293,7 @@ def draw_ablation(trials: Trials) -> Figure:
         has = [row for row, part in enumerate(parts) if part in named[name]]
         below.plot([at] * len(parts), range(len(parts)), "o", ms=5, color="#e5e7e9")
         below.plot([at] * len(has), has, "o", ms=5, color="#1b2631")
-    above.set(ylabel="rate of the last 6 minutes", ylim=(0, 1))
+    above.set(ylabel="share of right gaze shifts, last 6 min", ylim=(0, 1))
     above.set_title("What each part is worth, without motion cues, from the state (dots: sessions; bars: mean, 95%)")
     above.grid(alpha=0.3, axis="y")
     below.set_yticks(range(len(parts)), labels, fontsize=8)
@@ -307,8 +312,11 @@ def draw_conditions(trials: Trials) -> Figure:
         axes.plot(rates, np.full(len(rates), at), "o", ms=2.5, color="#aeb6bf")
         axes.errorbar(mean.mean, at, xerr=[[mean.mean - mean.low], [mean.high - mean.mean]], fmt="|", color="#1b2631")
     axes.set_yticks(range(len(names)), [f"{in_words(name)} ({len(trials[name])})" for name in names], fontsize=8)
-    axes.set(xlim=(0, 1), ylim=(len(names) - 0.5, -0.5), xlabel="rate of the last 6 minutes")
-    figure.suptitle("Other settings and harder conditions (sessions in brackets; bars: mean, 95%)", fontsize=10)
+    axes.set(xlim=(0, 1), ylim=(len(names) - 0.5, -0.5), xlabel="share of right gaze shifts, last 6 min")
+    figure.suptitle(
+        "How often the robot looked right in other conditions (sessions in brackets; bars: mean, 95%)",
+        fontsize=10,
+    )
     axes.grid(alpha=0.3, axis="x")
     return figure
 
@@ -332,7 +340,9 @@ def draw_images(trials: Trials) -> Figure:
             _bars(left, np.arange(len(PHASES)) + shift, rates, colour, filled, label)
     left.set_xticks(range(len(PHASES)), PHASES)
     left.set(
-        xlabel="what the caregiver did when the shift began", ylabel="rate of the last 6 minutes", ylim=(0.4, 1.02)
+        xlabel="what the caregiver did when the shift began",
+        ylabel="share of right gaze shifts, last 6 min",
+        ylim=(0.4, 1.02),
     )
     left.legend(fontsize=8, loc="lower right")
     if names:
@@ -341,7 +351,7 @@ def draw_images(trials: Trials) -> Figure:
         )
     for axes in panels:
         axes.grid(alpha=0.3, axis="y")
-    figure.suptitle("What images cost (sessions in brackets; bars: mean, 95%)", fontsize=11)
+    figure.suptitle("What images cost in success (sessions in brackets; bars: mean, 95%)", fontsize=11)
     return figure
 
 
@@ -381,5 +391,7 @@ def draw_axes(trials: Trials) -> Figure:
     panels[0].legend(fontsize=8, loc="lower right")
     figure.supxlabel("time (simulated minutes)", fontsize=10)
     figure.supylabel(f"landings within {WITHIN_DEG} deg\nof the caregiver's object", fontsize=10)
-    figure.suptitle("Pan and tilt, objects in an upright square (sessions in brackets; bands: 95%)", fontsize=11)
+    figure.suptitle(
+        "How often gaze shifts end near the caregiver's object, objects in an upright square (bands: 95%)", fontsize=11
+    )
     return figure

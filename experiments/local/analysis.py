@@ -76,7 +76,7 @@ def analyse(trials: Trials) -> list[Comparison]:
         rows += _later(name, words, results(trials, name))
     for name, words in ORACLES.items():
         some = results(trials, name)
-        rows += [_row(f"steps that a test needs that knows the truth, {words}", _median(some))] if some else []
+        rows += [_row(f"steps that a test needs that knows the ground truth, {words}", _median(some))] if some else []
     for name in REPLACED:
         for kept in FORGETTING:
             rows += _replaced(name, kept, results(trials, f"replaced/{name}/{kept}"))
@@ -230,7 +230,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     for spots in SPOTS:
         _curve(left, third(grid(trials, spots)), f"{spots} spots")
     for name, words in ORACLES.items():
-        _curve(left, [one["turns"][2] for one in results(trials, name)], f"truth known, {words}", "--")
+        _curve(left, [one["turns"][2] for one in results(trials, name)], f"ground truth known, {words}", "--")
     left.set(xlabel="step", ylabel="share of runs", title="Gaze alternation at the table", xlim=(0, 8_000))
     for name, words in REALTIME.items():
         if name in trials:

@@ -28,7 +28,7 @@ EVENTS = (Event(0, 0, 2), Event(2, 0, 0), Event(2, 0, 1))
 
 @dataclass(frozen=True)
 class SequentialTest(Checked):
-    """A test that knows the truth."""
+    """A test that knows the ground truth."""
 
     table: TableConfig
     gaze: Literal["random", "face"] = "random"

@@ -154,7 +154,7 @@ SETTINGS = {
 
 
 def trial(config: LocalRun | SequentialTest | Later, seed: int) -> dict[str, Any]:
-    """What a run found, or what a test of the truth needs, or whether what was found is true."""
+    """What a run found, or what a test of the ground truth needs, or whether what was found is true."""
     if isinstance(config, SequentialTest):
         return needed(config, seed)
     return later(config, seed) if isinstance(config, Later) else watched(config, seed)

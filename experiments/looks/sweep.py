@@ -155,7 +155,7 @@ class FilmedSession:
         px: (n, k + 1, 2) candidates and, last, the face; NaN where hidden.
         moves: (n, k) whether each candidate was seen to move.
         target: (n,) number of the candidate that was looked at; k for away.
-        settled: (n,) outside turns, to objects and to elsewhere.
+        settled: (n,) while the head is still, turned to objects and to elsewhere.
         apart_deg: (n,) angle between the line of sight and the nearest object.
     """
 
@@ -219,7 +219,7 @@ def hidden(rng: np.random.Generator, looks: int, objects: int, share: float) -> 
 
 
 def trial(asked: FilmedTable | Webcam, seed: int) -> dict[str, Any]:
-    """Trial: by minutes of video, how the codes of all coders agree with where the caregiver looked, outside turns.
+    """Trial: by minutes of video, how the codes of all coders agree with where the caregiver looked, head still.
 
     Of each coder ``kappa`` by seconds; of the coder of looks also how many of the seconds were ``sure``, how many of
     those were ``right``, hits and false alarms of away, hits ``apart`` from all objects, ``placements`` in all, whether

@@ -214,4 +214,5 @@ def draw_axes(trials: Trials) -> Figure:
         if part:
             panel.legend(fontsize=8, loc="lower right")
     panels[0].set_ylabel(f"landings within {WITHIN_DEG} deg\nof the caregiver's object")
+    figure.suptitle("How often gaze shifts end near the caregiver's object, in pan and in tilt (bands: 95%)")
     return figure

@@ -142,8 +142,8 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     titles = {
         by_number: "How often the right object is reached (dotted: chance)",
         by_location: "The same, by where objects lie (thin: single runs)",
-        five: "three stages, five objects on the table",
-        ten: "three stages, ten objects",
+        five: "What is reached in three stages, five objects on the table",
+        ten: "What is reached in three stages, ten objects",
     }
     for axes, title in titles.items():
         axes.set_title(title, fontsize=10)

@@ -173,7 +173,7 @@ def wait_for(condition: Callable[[], str | None], seconds: float = 120) -> str:
 
 
 def film(path: Path, frames: int) -> Path:
-    """The simulated caregiver at her table, 30 frames a second."""
+    """The simulated caregiver at the table, 30 frames a second."""
     import jointattn_mj
     from jointattn_mj.video.reel import Reel
 
