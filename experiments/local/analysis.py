@@ -253,7 +253,7 @@ def _curve(axes: Any, times: Sequence[float], label: str, line: str = "-") -> No
             ordered,
             (np.arange(len(ordered)) + 1) / len(ordered),
             where="post",
-            label=f"{label} ({len(ordered)})",
+            label=f"{label} ({len(ordered)})".replace(", ", ",\n"),
             linestyle=line,
         )
 
