@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from jointattn_mj import contingency, recordings
+    from jointattn_mj.api.claim_result import ClaimResult
     from jointattn_mj.api.experiment import run_claim
     from jointattn_mj.api.perceive import perceive
     from jointattn_mj.api.session import Session
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from jointattn_mj.io.table import Table
     from jointattn_mj.recordings.reader import read_recordings
     from jointattn_mj.recordings.steps import Recordings
-    from jointattn_mj.sweeps.result import ClaimResult
     from jointattn_mj.tasks import ALL_TASKS, BENCHMARKING, EASY, HARD, TASKS_BY_DOMAIN, load
 
 _gl.choose_when_needed()
@@ -86,7 +86,7 @@ _HOMES = {
     "read_recordings": "recordings.reader",
     "Recordings": "recordings.steps",
     "run_claim": "api.experiment",
-    "ClaimResult": "sweeps.result",
+    "ClaimResult": "api.claim_result",
     "Table": "io.table",
 }
 """The module of each public name; it is imported when the name is first asked for."""

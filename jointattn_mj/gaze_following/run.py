@@ -12,9 +12,9 @@ from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, FRAMES_PER_SE
 from jointattn_mj.gaze_following.shifts import write_shifts
 from jointattn_mj.gaze_following.summary import SessionSummary
 from jointattn_mj.gaze_following.tables import write_frames
-from jointattn_mj.guards.fitting import check_attributes, check_fits
 from jointattn_mj.io import checkpoint
 from jointattn_mj.io.files import claimed, free_name
+from jointattn_mj.io.fitting import check_attributes, check_fits
 from jointattn_mj.io.interrupts import deferred
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.rows import forget_log, log_folder, summary_of_ended

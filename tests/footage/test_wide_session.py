@@ -264,6 +264,9 @@ def test_a_present_person_can_go_on_later(table, tmp_path):
     summary = run_footage_session(camera, tmp_path / "out", resume=True)
     assert summary.frames == 60
     assert pq.read_table(tmp_path / "out" / "frames.parquet").num_rows == 60
+    opened = SessionResult.open(tmp_path / "out")
+    assert (opened.config, opened.summary) == (camera, summary)
+    assert opened.summary.camera == summary.camera and len(opened.frames) == 60
 
 
 def test_objects_can_be_picked(table, tmp_path):

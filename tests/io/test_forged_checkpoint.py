@@ -11,8 +11,8 @@ import pytest
 from jointattn_mj.errors import CheckpointError, ConfigError, JointAttnError
 from jointattn_mj.gaze_following.run import SessionOptions, run_session
 from jointattn_mj.gaze_following.session import SessionRun
-from jointattn_mj.guards.fitting import check_fits
 from jointattn_mj.io.checkpoint import gone_on_with, save
+from jointattn_mj.io.fitting import check_fits
 from tests.io.test_checkpoint import CONFIG, members_of, sealed
 
 PLACES = ("visible", "x_px", "iterations")

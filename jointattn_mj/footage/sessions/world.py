@@ -45,7 +45,7 @@ class WideWorld:
         self.connect(source, coded)
 
     def connect(self, source: Open, coded: CodedLooks | None) -> None:
-        """Name source and coded looks, which a world that was pickled has lost; for the arguments see the constructor."""
+        """Name source and coded looks, which a pickled world has lost; for the arguments see the constructor."""
         self._open, self.coded = source, coded
         self._source: WideSource | None = None
         self._wide_frame: WideFrame | None = None
