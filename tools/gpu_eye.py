@@ -162,12 +162,12 @@ def _figures(name: str, times: list[float], worlds: int) -> dict[str, list[float
     return row | ({whole: (1 / np.percentile(each, (50, 75, 25))).tolist()} if whole else {})
 
 
-def difference(ours: np.ndarray, theirs: np.ndarray) -> dict[str, float]:
+def difference(first: np.ndarray, second: np.ndarray) -> dict[str, float]:
     """How far images (n, h, w, 3) uint8 lie apart: mean |difference| in grey levels, shares of pixels off by more."""
-    apart = np.abs(ours.astype(int) - theirs.astype(int))
+    apart = np.abs(first.astype(int) - second.astype(int))
     most = apart.max(axis=3)
     return {
-        "images": len(ours),
+        "images": len(first),
         "mean": float(apart.mean()),
         "off_by_more_than_2": float((most > 2).mean()),
         "off_by_more_than_16": float((most > 16).mean()),

@@ -82,7 +82,13 @@ def curves(trials: Sequence[Trial]) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def minute_of(level: float, times: np.ndarray, rate: np.ndarray) -> float:
-    """First of ``times`` (m,) from which a rate (m,) stays at ``level`` for ``KEEPS_MINUTES``; infinite if never."""
+    """First of ``times`` (m,) from which a rate (m,) stays at ``level`` for ``KEEPS_MINUTES``; infinite if never.
+
+    Args:
+        level: Rate that is to be kept, 0 to 1.
+        times: (m,) minutes.
+        rate: (m,) at these times.
+    """
     length = round(KEEPS_MINUTES / STEP) + 1
     above = np.lib.stride_tricks.sliding_window_view(rate >= level, length).all(axis=1)
     return float(times[np.argmax(above)]) if above.any() else np.inf
@@ -168,7 +174,7 @@ def details(part: Sequence[Trial], words: str) -> list[Comparison]:
 def axes(part: Sequence[Trial], words: str) -> list[Comparison]:
     """Whether pan is followed before tilt, where both have the same spread."""
     early, half = (
-        [[measure(one, axis) for one in part] for axis in ("pan", "tilt")] for measure in (_early_share, half_way)
+        [[measure(trial, axis) for trial in part] for axis in ("pan", "tilt")] for measure in (_early_share, half_way)
     )
     near = f"landings within {WITHIN_DEG} deg of the target in pan, less those in tilt, first {EARLY_MINUTES} minutes, "
     apart = "minutes by which half of the gain in tilt comes after half of that in pan, "
@@ -194,18 +200,18 @@ def _minutes(level: float, part: Sequence[Trial], words: str) -> Comparison:
 def differences(trials: Trials) -> list[Comparison]:
     """Cues against none, and this learner against the dissertation's, on the same seeds."""
     findings = []
-    for one, other in (
+    for first, second in (
         ("state/cues", "state/no_cues"),
         ("state/cues_thesis", "state/no_cues_thesis"),
         ("state/no_cues", "state/no_cues_thesis"),
         ("state/cues", "state/cues_thesis"),
         *((name, "pixels/no_cues") for name in SETTINGS if name.startswith("told")),
     ):
-        rates = [{trial.seed: late(trial) for trial in trials.get(name, ())} for name in (one, other)]
+        rates = [{trial.seed: late(trial) for trial in trials.get(name, ())} for name in (first, second)]
         seeds = sorted(rates[0].keys() & rates[1].keys())
         if seeds:
             gain = paired_difference(*([rate[seed] for seed in seeds] for rate in rates))
-            findings.append(_row(f"late rate, {in_words(one)}, less {in_words(other)}", gain))
+            findings.append(_row(f"late rate, {in_words(first)}, less {in_words(second)}", gain))
     return findings
 
 
@@ -216,7 +222,7 @@ def strangers(trials: Sequence[Trial], words: str) -> list[Comparison]:
     spans = {"at once": (0.0, AT_ONCE_S), "after five minutes": (last_s, np.inf)}
     findings = []
     for when, (first, last) in spans.items():
-        each = {name: [shares(one, first, last) for one in _of(trials, name)] for name in asked.strangers}
+        each = {name: [shares(trial, first, last) for trial in _of(trials, name)] for name in asked.strangers}
         note = "; ".join(f"{name} {np.nanmean(rates):.2f}" for name, rates in each.items())
         means = [float(np.nanmean(rates)) for rates in zip(*each.values(), strict=True)]
         what = f"rate with {len(each)} strangers {when}, {words}"
@@ -379,7 +385,7 @@ def draw_axes(trials: Trials) -> Figure:
     panels = figure.subplots((len(names) + 1) // 2, 2, sharex=True, sharey=True, squeeze=False).ravel()
     for panel, name in zip(panels, names, strict=False):
         for axis, colour in (("pan", "#6c3483"), ("tilt", "#b7950b")):
-            rates = [mean_interval(column) for column in np.array([within(one, axis) for one in trials[name]]).T]
+            rates = [mean_interval(column) for column in np.array([within(trial, axis) for trial in trials[name]]).T]
             panel.fill_between(
                 MINUTES, [rate.low for rate in rates], [rate.high for rate in rates], color=colour, alpha=0.2, lw=0
             )

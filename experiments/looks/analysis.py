@@ -15,7 +15,13 @@ COLOURS = {"kappa": "#c0392b", "last_moved": "#2471a3", "yaw": "#7d6608", "neare
 
 
 def values(trials: Sequence[Trial], minutes: float, name: str) -> list[float]:
-    """One number of every session, where it has it."""
+    """One number of every session, where it has it.
+
+    Args:
+        trials: Sessions of one setting.
+        minutes: Of video that the coder had.
+        name: Of the number.
+    """
     results = [trial.result[f"{minutes:g}"][name] for trial in trials]
     return [float(result) for result in results if result is not None]
 

@@ -83,14 +83,21 @@ def analyse(trials: Trials) -> list[Comparison]:
 
 
 def published(part: Sequence[Trial], perception: str, condition: str, key: str) -> Comparison:
-    """A number of the dissertation beside ours."""
-    theirs, ours = PUBLISHED[condition].get(key), estimate(part, key)
+    """A number of the dissertation beside ours.
+
+    Args:
+        part: Sessions of one setting.
+        perception: ``pixels`` or ``state``.
+        condition: ``cues`` or ``no_cues``.
+        key: Name of the number.
+    """
+    stated, ours = PUBLISHED[condition].get(key), estimate(part, key)
     what = f"{QUANTITIES[key]}, {WORDS[condition]}, from {WORDS[perception]}"
-    if theirs is None:
+    if stated is None:
         return Comparison(what, "only drawn", ours, Verdict.EXTENSION)
-    verdict = near(ours, theirs)
+    verdict = near(ours, stated)
     note = f"within {REPRODUCED:.0%} of the published mean of five" if verdict is Verdict.REPRODUCED else ""
-    return Comparison(what, f"{theirs:g}", ours, verdict, note)
+    return Comparison(what, f"{stated:g}", ours, verdict, note)
 
 
 def differences(trials: Trials, perception: str) -> list[Comparison]:
@@ -100,7 +107,7 @@ def differences(trials: Trials, perception: str) -> list[Comparison]:
     if not seeds:
         return []
     findings = []
-    for key, theirs in (("successes", PUBLISHED_GAIN), ("late_rate", None)):
+    for key, stated in (("successes", PUBLISHED_GAIN), ("late_rate", None)):
         with_cues, without = ({trial.seed: value(trial, key) for trial in part} for part in both)
         a, b = [with_cues[seed] for seed in seeds], [without[seed] for seed in seeds]
         ours, note = paired_difference(a, b), ""
@@ -109,15 +116,22 @@ def differences(trials: Trials, perception: str) -> list[Comparison]:
             verdict, note = Verdict.UNDECIDED, "one pair of sessions"
         elif verdict is Verdict.UNDECIDED:
             note = too_few(len(seeds), float(np.nanmean(a)), float(np.nanmean(b)), ours.sd)
-        elif theirs is not None and ours.high < theirs:
+        elif stated is not None and ours.high < stated:
             note = "higher with cues, by less than there"
         what = f"{QUANTITIES[key]}, with motion cues less without, from {WORDS[perception]}"
-        findings.append(Comparison(what, "higher" if theirs is None else f"{theirs:g}", ours, verdict, note))
+        findings.append(Comparison(what, "higher" if stated is None else f"{stated:g}", ours, verdict, note))
     return findings
 
 
 def extension(part: Sequence[Trial], name: str, key: str, words: str) -> Comparison:
-    """A number that the dissertation does not give."""
+    """A number that the dissertation does not give.
+
+    Args:
+        part: Sessions of one setting.
+        name: Of the setting.
+        key: Name of the number.
+        words: What it is.
+    """
     return Comparison(f"{words}, {in_words(name)}", "not given", estimate(part, key), Verdict.EXTENSION)
 
 
@@ -135,7 +149,13 @@ def axes_apart(part: Sequence[Trial], name: str) -> Comparison:
 
 
 def within(trial: Trial, axis: str, minutes: float = 1.0) -> np.ndarray:
-    """Share of landings within 3.5 deg of the caregiver's object in pan or tilt, around every minute of ``MINUTES``."""
+    """Share of landings within 3.5 deg of the caregiver's object in pan or tilt, around every minute of ``MINUTES``.
+
+    Args:
+        trial: A session.
+        axis: ``pan`` or ``tilt``.
+        minutes: Half of the time around each minute in which landings count.
+    """
     shifts = trial.result["shifts"]
     error = np.array(shifts[f"{axis}_error_deg"], float)
     at = np.array(shifts["landing_s"], float) / 60

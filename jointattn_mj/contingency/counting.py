@@ -85,7 +85,7 @@ def counter(rest: np.ndarray, source: np.ndarray, rests: int, sources: int) -> C
     words = len(rest) / 64 * (sources - 1)
     often = np.flatnonzero(counts * PER_PLACE > words * PER_WORD)
     rare = len(rest) - int(counts[often].sum())
-    changes = sum(1 + np.count_nonzero(one[1:] != one[:-1]) for one in (rest, source))
+    changes = sum(1 + np.count_nonzero(codes[1:] != codes[:-1]) for codes in (rest, source))
     if len(rest) < WORTH or sources > 256 or len(rest) >= 2**31:
         return Runs(_runs(rest), _runs(source), (rests, sources))
     if len(often) * words * PER_WORD + rare * PER_PLACE > changes * PER_RUN:

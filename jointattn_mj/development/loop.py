@@ -70,7 +70,7 @@ class DevelopmentRun(ABC):
         self.steps_done = 0
         self.detections: list[Detection] = []
         variables = agent.variables
-        sizes = [len(one.values) for one in (*variables.sensors, *variables.actions, *variables.results)]
+        sizes = [len(variable.values) for variable in (*variables.sensors, *variables.actions, *variables.results)]
         most = max(*sizes, agent.config.most_modules + len(agent.reactive))
         if most > np.iinfo(np.int8).max:
             raise ConfigError(f"a variable can have at most 127 values, and an agent 127 modules; got {most}")

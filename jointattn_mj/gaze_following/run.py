@@ -82,8 +82,8 @@ def run_session(
     if not options.resume:
         needed = round(BYTES_A_FRAME * config.most_minutes * FRAMES_PER_MINUTE)
         check_free(options.out, needed, f"{config.most_minutes:,g} minutes", "fewer minutes")
-    frozen, theirs = options.out / "checkpoint.bin", (kind, progress, *watchers)
-    with claimed(options.out, options.resume), checkpoint.gone_on_with(frozen, options.resume, *theirs):
+    frozen, parts = options.out / "checkpoint.bin", (kind, progress, *watchers)
+    with claimed(options.out, options.resume), checkpoint.gone_on_with(frozen, options.resume, *parts):
         return _run(config, options, progress, kind, watchers, prepare)
 
 

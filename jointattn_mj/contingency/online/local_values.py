@@ -73,7 +73,7 @@ def event_values(
         sensor, action, result, first = columns.events[e]
         sizes, new = columns.sizes[e], max(first, since)
         table = np.zeros((sizes[0], sizes[1], sizes[2], sizes[3]))
-        one, other = np.zeros(2), np.zeros(2)
+        own, rival = np.zeros(2), np.zeros(2)
         surest, best = -np.inf, -np.inf
         for by_reference in (False, True):
             count(
@@ -82,14 +82,14 @@ def event_values(
             )  # fmt: skip
             if not (how.reference if by_reference else how.actual):
                 continue
-            up = value_of(table, by_reference, how, one, other)
-            lower, upper = one[0] - how.deviations * one[1], other[0] + other[1]
+            up = value_of(table, by_reference, how, own, rival)
+            lower, upper = own[0] - how.deviations * own[1], rival[0] + rival[1]
             if lower > surest:
                 surest, rises[e] = lower, up
-                lead[e] = one
+                lead[e] = own
             if upper > best:
                 best = upper
-                hoped[e] = other
+                hoped[e] = rival
 
 
 @njit(cache=True)
@@ -272,9 +272,9 @@ def _scatter(p: np.ndarray, q: np.ndarray, center: np.ndarray, total: float, res
         for j in range(k):
             y = p[j]
             if 0.0 < y < 1.0:
-                one = digamma(a + 1.0) - top - shift
-                other = digamma(total * y + 1.0) - top - math.log(q[j]) - center[j]
-                square += 2.0 * x * y * total / (total + 1.0) * (one * other - slope)
+                term = digamma(a + 1.0) - top - shift
+                other_term = digamma(total * y + 1.0) - top - math.log(q[j]) - center[j]
+                square += 2.0 * x * y * total / (total + 1.0) * (term * other_term - slope)
     linear = (second - first * first) / (total + 1.0)
     whole = square - mean * mean
     return whole - (1.0 - rest) * max(whole - linear, 0.0)

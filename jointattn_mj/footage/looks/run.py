@@ -54,6 +54,6 @@ def looks_seen(log: LooksLog, viewing: Viewing, som: SOM | None) -> ObservedLook
         som: The map of faces; None where no face was seen.
     """
     config = viewing.config.coding
-    cuts = [range(one.start, one.end) for one in viewing.spans.all if (one.tier, one.code) == (CAMERA, "cut")]
+    cuts = [range(span.start, span.end) for span in viewing.spans.all if (span.tier, span.code) == (CAMERA, "cut")]
     after = np.array([frame for cut in cuts for frame in cut], int)
     return log.looks(som, after, config)

@@ -105,7 +105,7 @@ class WideFrames:
         for (name, candidate), number in self._index.items():
             label = name if candidate is None else f"{self.candidates[candidate]}_{name}"
             columns[label] = self._typed(name, values[:, number])
-        meanings = {f"{one}_{name}": CANDIDATE[name] for one in self.candidates for name in _PER_CANDIDATE}
+        meanings = {f"{candidate}_{name}": CANDIDATE[name] for candidate in self.candidates for name in _PER_CANDIDATE}
         return described(pa.table(columns), {**MEANINGS, **meanings})
 
     def _typed(self, name: str, values: np.ndarray) -> pa.Array:

@@ -37,7 +37,7 @@ def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iter
         at, out = folder / f"events{number}", str(folder / f"events{number}" / "out")
         if number % 4 == 3:
             shutil.copytree(session, at)
-            path = chance.choice(sorted(one for one in at.iterdir() if one.is_file()))
+            path = chance.choice(sorted(file for file in at.iterdir() if file.is_file()))
             form = chance.choice(FORMS)
             command = ("looks", str(at), "--form", form, "--out", str(folder / f"looks{number}"))
         else:

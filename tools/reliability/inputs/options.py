@@ -116,7 +116,7 @@ def inputs(shell: Shell, chance: random.Random, many: int, folder: Path, places:
                     tried[base].append(_input(base, option, words, wrong, out, places))
         chance.shuffle(tried[base])
     share = [tried[base][: max(5, many * len(tried[base]) // sum(map(len, tried.values())))] for base in BASES]
-    return [one for part in share for one in part]
+    return [option for part in share for option in part]
 
 
 def _input(base: Base, option: Option, words: tuple[str, ...], wrong: bool, out: Path, places: dict[str, str]) -> Input:

@@ -23,7 +23,7 @@ def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iter
         shell(*SESSION, *robot, "--out", good)
         raws.append((good / "weights.npz").read_bytes())
         crafted = odd_weights(_arrays(raws[-1]))
-        thought_of += [(robot, *one) for one in crafted]
+        thought_of += [(robot, *case) for case in crafted]
         thought_of += [(robot, "of another robot", raw, refused) for raw in raws[:-1]]
     chance.shuffle(thought_of)
     for number in range(many):
