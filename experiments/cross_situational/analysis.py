@@ -10,7 +10,7 @@ from jointattn_mj.gaze_following.summary import LATE_MINUTES
 from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, paired_difference, proportion
 
-from ..sessions.analysis import MINUTES, WITHIN_DEG, half_way, within
+from ..sessions.analysis import WITHIN_DEG, draw_landings, half_way, within
 from ..wrong_map.analysis import WRONG_DEG
 from .sweep import COMPLETE, SETTINGS, Strangers
 
@@ -384,16 +384,9 @@ def draw_axes(trials: Trials) -> Figure:
     figure = Figure(figsize=(10, 3.4 * ((len(names) + 1) // 2)), layout="constrained")
     panels = figure.subplots((len(names) + 1) // 2, 2, sharex=True, sharey=True, squeeze=False).ravel()
     for panel, name in zip(panels, names, strict=False):
-        for axis, colour in (("pan", "#6c3483"), ("tilt", "#b7950b")):
-            rates = [mean_interval(column) for column in np.array([within(trial, axis) for trial in trials[name]]).T]
-            panel.fill_between(
-                MINUTES, [rate.low for rate in rates], [rate.high for rate in rates], color=colour, alpha=0.2, lw=0
-            )
-            panel.plot(MINUTES, [rate.mean for rate in rates], color=colour, label=axis)
+        draw_landings(panel, trials[name])
         words = in_words(name).removesuffix(", objects in an upright square")
         panel.set_title(f"{words} ({len(trials[name])})", fontsize=9)
-        panel.set(xlim=(0, 26), ylim=(0, 1))
-        panel.grid(alpha=0.3)
     panels[0].legend(fontsize=8, loc="lower right")
     figure.supxlabel("time (simulated minutes)", fontsize=10)
     figure.supylabel(f"landings within {WITHIN_DEG} deg\nof the caregiver's object", fontsize=10)

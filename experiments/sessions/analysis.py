@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointattn_mj.gaze_following.summary import LATE_MINUTES, rate_of_success
@@ -221,18 +222,23 @@ def draw_axes(trials: Trials) -> Figure:
     panels = figure.subplots(1, 2, sharey=True)
     for panel, condition in zip(panels, COLOURS, strict=True):
         part = trials.get(f"state/{condition}", ())
-        for axis, colour in (("pan", "#6c3483"), ("tilt", "#b7950b")) if part else ():
-            shares = np.array([within(trial, axis) for trial in part])
-            estimates = [mean_interval(column) for column in shares.T]
-            panel.fill_between(
-                MINUTES, [e.low for e in estimates], [e.high for e in estimates], color=colour, alpha=0.2, lw=0
-            )
-            panel.plot(MINUTES, [e.mean for e in estimates], color=colour, label=axis)
-        panel.set(xlabel="time (simulated minutes)", xlim=(0, 26), ylim=(0, 1))
+        panel.set(xlabel="time (simulated minutes)")
         panel.set_title(f"{WORDS[condition]} ({len(part)} sessions from the state)")
-        panel.grid(alpha=0.3)
         if part:
+            draw_landings(panel, part)
             panel.legend(fontsize=8, loc="lower right")
     panels[0].set_ylabel(f"landings within {WITHIN_DEG} deg\nof the caregiver's object")
     figure.suptitle("How often gaze shifts end near the caregiver's object, in pan and in tilt (bands: 95%)")
     return figure
+
+
+def draw_landings(panel: Axes, part: Sequence[Trial]) -> None:
+    """Share of landings near the caregiver's object over time, in pan and in tilt, with bands of 95%."""
+    for axis, colour in (("pan", "#6c3483"), ("tilt", "#b7950b")):
+        estimates = [mean_interval(column) for column in np.array([within(trial, axis) for trial in part]).T]
+        panel.fill_between(
+            MINUTES, [e.low for e in estimates], [e.high for e in estimates], color=colour, alpha=0.2, lw=0
+        )
+        panel.plot(MINUTES, [e.mean for e in estimates], color=colour, label=axis)
+    panel.set(xlim=(0, 26), ylim=(0, 1))
+    panel.grid(alpha=0.3)

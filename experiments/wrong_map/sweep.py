@@ -51,12 +51,7 @@ def only_still_pairs(
 ) -> None:
     """Leave out the pairs whose face was turning, or whose object was moving, when they were learned.
 
-    Args:
-        session: The session.
-        pair: What gives a pair to the learner.
-        shift: The gaze shift that has ended.
-        face: (d,) description of the face at launch.
-        locations: Where it ended, and where objects were in view.
+    Arguments are those of :func:`only_right_pairs`.
     """
     state = session.config.state
     moving = session.world.moving(state.face_moves_above_deg_s, state.object_moves_above_m_s)
@@ -69,12 +64,7 @@ def wrong_pairs_scattered(
 ) -> None:
     """Send each wrong pair to a random position on the table: as many wrong pairs, but none that repeats.
 
-    Args:
-        session: The session.
-        pair: What gives a pair to the learner.
-        shift: The gaze shift that has ended.
-        face: (d,) description of the face at launch.
-        locations: Where it ended, and where objects were in view.
+    Arguments are those of :func:`only_right_pairs`.
     """
     if not _is_right(session, locations):
         layout = session.config.world.layout
