@@ -170,9 +170,9 @@ def _later(name: str, words: str, runs: Results) -> list[Comparison]:
             )
         )
     pairs = [dict(zip(result["modules"], result["evidence"], strict=True)) for result in runs]
-    both = [found for found in pairs if {STAGES[2], RIVAL} <= found.keys()]
+    both = [evidence for evidence in pairs if {STAGES[2], RIVAL} <= evidence.keys()]
     if both:
-        higher = proportion(sum(found[RIVAL] > found[STAGES[2]] for found in both), len(both))
+        higher = proportion(sum(evidence[RIVAL] > evidence[STAGES[2]] for evidence in both), len(both))
         rows.append(_row(f"more evidence of {RIVAL} than of gaze alternation, {words}", higher))
     for part, what in enumerate(("after gaze was followed", "else")):
         n, k = np.sum([result["looks"][part] for result in runs if result["modules"]], axis=0).tolist()

@@ -58,10 +58,10 @@ def later(config: Later, seed: int) -> dict[str, Any]:
     for number, event in enumerate(events):
         alike = [steps.of_world + earlier for earlier in range(number) if events[earlier].result == event.result]
         series = steps.columns([event], True, {event.result: alike}).of(0)
-        for columns, found in ((series, evidence), (beyond_last(series), beyond)):
+        for columns, logs in ((series, evidence), (beyond_last(series), beyond)):
             table = np.zeros(columns.sizes)
             count(*columns.columns, (0, n), table)
-            found.append(log_evidence(table))
+            logs.append(log_evidence(table))
     return {
         "modules": [agent.variables.symbol(event) for event in events],
         "turns": [detection.step for detection in made],

@@ -115,11 +115,11 @@ class ClaimResult:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, ClaimResult):
             return NotImplemented
-        mine, theirs = (
+        own, given = (
             (result.entry, result.runs, result.figures, result.notes, result.folder, list(map(repr, result.findings)))
             for result in (self, other)
         )  # NaN in an interval differs from itself, and its text does not
-        return mine == theirs
+        return own == given
 
     __hash__ = None  # type: ignore[assignment]
 

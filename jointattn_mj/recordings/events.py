@@ -101,7 +101,7 @@ class Events:
         names = _tiers(
             ((texts[0].at(row), texts[1].at(row)) for row in first_met(pairs, rows=True)), more.pop("tiers", {})
         )
-        every = list(dict.fromkeys(result for some in names.values() for result in some))
+        every = list(dict.fromkeys(tier for tiers in names.values() for tier in tiers))
         numbers = [texts[0].among(list(names)), texts[1].among(every), texts[2].numbers]
         order = np.lexsort((times[1], times[0], *reversed(numbers[:2])))
         columns = [

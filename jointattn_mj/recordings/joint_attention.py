@@ -250,9 +250,9 @@ def _followed(
     nothing = {rules.infant_at_partner, rules.partner_at_infant, *rules.nowhere}
     already = at_times(own, other.onset) == other.code
     looks = {target: own.coded(target).onset for target in {str(code) for code in other.code} - nothing}
-    for onset, offset, code, seen in zip(other.onset, other.offset, other.code, already, strict=True):
+    for onset, offset, code, there_already in zip(other.onset, other.offset, other.code, already, strict=True):
         target = str(code)
-        if target in nothing or seen:
+        if target in nothing or there_already:
             continue
         until = min(onset + rules.follow_within_s, offset if rules.still_looking else np.inf)
         following = int(np.searchsorted(looks[target], onset, "right"))

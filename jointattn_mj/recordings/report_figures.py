@@ -73,7 +73,7 @@ def timeline(
     used: dict[str, str] = {}
     for row, axes in enumerate(every):
         begin = start + row * row_s
-        seen = (onsets < begin + row_s) & (offsets >= begin)
+        within = (onsets < begin + row_s) & (offsets >= begin)
         together, faced, states = (
             intervals.kept((intervals.onset < begin + row_s) & (intervals.offset > begin))
             for intervals in (shared, mutual, engaged)
@@ -82,7 +82,7 @@ def timeline(
             axes.axvspan(onset, offset, color=TOGETHER_INK, alpha=0.45, lw=0, zorder=0)
         axes.hlines(np.full(len(faced), -0.62), faced.onset, faced.offset, color=MUTUAL_INK, lw=3.5, zorder=3)
         for line, tier in enumerate(tiers):
-            inside = np.flatnonzero(seen)
+            inside = np.flatnonzero(within)
             inside = inside[of_tier[inside] == tier]
             for code in dict.fromkeys(codes[inside]):
                 of_code = inside[codes[inside] == code]

@@ -57,7 +57,7 @@ def write_page(report: RecordingReport, folder: Path) -> None:
         (folder / "figures").mkdir(exist_ok=True)
         write_whole(folder / "figures" / f"{stem}.png", lambda path, content=content: path.write_bytes(content))  # type: ignore[misc]
     shown = [recording for recording in report.events.recordings][:MOST_TIMELINES]
-    timelines = {recording: images[f"timeline_{place}"] for place, recording in enumerate(shown, 1)}
+    timelines = {recording: images[f"timeline_{number}"] for number, recording in enumerate(shown, 1)}
     values = {
         "report": report,
         "options": report.options,
@@ -93,14 +93,14 @@ def write_page(report: RecordingReport, folder: Path) -> None:
 def _figures(report: RecordingReport) -> dict[str, Figure]:
     options, colours = report.options, code_colours(report.events)
     figures = {
-        f"timeline_{place}": timeline(
+        f"timeline_{number}": timeline(
             report.attention,
             [tier for tier in report.events.tier_names if tier in report.events.tiers[recording]],
             recording,
             options.row_s,
             colours,
         )
-        for place, recording in enumerate(report.events.recordings[:MOST_TIMELINES], 1)
+        for number, recording in enumerate(report.events.recordings[:MOST_TIMELINES], 1)
     }
     lag_s = delay_in_steps("lag", options.lag, options.step) * options.step
     followers = options.infant, options.partner

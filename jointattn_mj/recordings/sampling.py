@@ -313,10 +313,10 @@ def _numbered(parts: list[np.ndarray], names: Sequence[str]) -> tuple[list[np.nd
     numbers = np.flatnonzero(used) - 2
     label = {number: NONE if number == NOTHING else names[number] for number in numbers.tolist()}
     labels = sorted_names(set(label.values()))
-    place = np.zeros(len(used), np.int32)
+    code_of = np.zeros(len(used), np.int32)
     for number, name in label.items():
-        place[number + 2] = labels.index(name)
-    return [place[part + 2] for part in parts], tuple(labels)
+        code_of[number + 2] = labels.index(name)
+    return [code_of[part + 2] for part in parts], tuple(labels)
 
 
 def _remarks(sampled: list[_Sampled], lacking: Collection[str], used: set[str], step: float) -> list[str]:

@@ -353,7 +353,7 @@ def _p_by_shifts(
     table = displaced(moved, [MUTUAL])
     columns = moved.columns()
     sources, afters = np.unique(columns[2]), np.unique(columns[3])
-    place = np.ix_(sources, afters)
+    entries = np.ix_(sources, afters)
     tails = np.zeros((2, *counts.shape))
     drawn = 0
     own = np.zeros(counts.shape, np.int64)
@@ -363,7 +363,7 @@ def _p_by_shifts(
         of_result = np.zeros((len(afters), len(sources)), np.int64)
         np.add.at(of_result, group, table.counter.table(pieces))
         surrogate = np.zeros(counts.shape, np.int64)
-        surrogate[place] = of_result.T
+        surrogate[entries] = of_result.T
         tails += np.stack([surrogate >= own, surrogate <= own])
         drawn += 1
     p: np.ndarray = np.minimum(1, 2 * (1 + tails.min(0)) / (1 + drawn))

@@ -201,10 +201,10 @@ def _situation(
             result stands for its absence.
     """
     actions, outcomes = counts.shape
-    n, seen = 0.0, 0
+    n, tried = 0.0, 0
     for a in range(actions):
         n += times[a]
-        seen += times[a] > 0.0
+        tried += times[a] > 0.0
     mean, rise, variance = 0.0, 0.0, 0.0
     mixed, center, scatter = room[0], room[1], room[2]
     mixed[:] = 0.0
@@ -216,7 +216,7 @@ def _situation(
     for a in range(actions):
         if times[a] == 0.0:
             continue
-        weight, total = 1.0 / seen if by_reference else times[a] / n, times[a] + concentration
+        weight, total = 1.0 / tried if by_reference else times[a] / n, times[a] + concentration
         divergence = 0.0
         for k in range(outcomes):
             x = p[a, k] = (counts[a, k] + concentration * q[a, k]) / total
@@ -240,7 +240,7 @@ def _situation(
     for a in range(actions):
         if times[a] == 0.0:
             continue
-        weight, total = 1.0 / seen if by_reference else times[a] / n, times[a] + concentration
+        weight, total = 1.0 / tried if by_reference else times[a] / n, times[a] + concentration
         variance += weight * weight * _scatter(p[a], q[a], center, total, (1.0 - weight) ** 2)
     value[1], value[2], value[3] = mean, variance, rise
 
@@ -325,7 +325,7 @@ def exceeding(first: np.ndarray, hoped: np.ndarray, tolerance: float, higher: np
 @njit(cache=True)
 def evidences(columns: EventColumns, chosen: np.ndarray) -> np.ndarray:
     """Log evidence of the chosen events (their numbers), from all steps; see ``log_evidence``."""
-    found = np.zeros(len(chosen))
+    logs = np.zeros(len(chosen))
     for i, e in enumerate(chosen):
         sensor, action, result, first = columns.events[e]
         sizes = columns.sizes[e]
@@ -334,8 +334,8 @@ def evidences(columns: EventColumns, chosen: np.ndarray) -> np.ndarray:
             columns.s[:, sensor], columns.a[:, action], columns.before[:, result], columns.r[:, result],
             (first, len(columns.s)), table,
         )  # fmt: skip
-        found[i] = log_evidence(table)
-    return found
+        logs[i] = log_evidence(table)
+    return logs
 
 
 @njit(cache=True)

@@ -93,8 +93,8 @@ def learn_evidence(
         counts = sum(share.T @ (weights[:, k, None] * faces) for k, share in enumerate(shares))  # (units, u)
         total = np.maximum(faces @ counts.sum(axis=0), 1e-9)
         with_face = np.stack([np.einsum("nu,nu->n", share @ counts, faces) for share in shares], axis=1)
-        found = with_face / total[:, None] + smoothing * spread
-        evidence = np.where(known, np.log(np.maximum(found, 1e-12)) - base, NEVER)
+        likely = with_face / total[:, None] + smoothing * spread
+        evidence = np.where(known, np.log(np.maximum(likely, 1e-12)) - base, NEVER)
         weights = posterior(config.sharpness * evidence) * known
     return evidence
 
@@ -157,5 +157,5 @@ def smoothed(evidence: np.ndarray, stay: float, trust: float, prior: np.ndarray 
         future = leave * (shares * future).sum() + (1 - leave) * future
         backward[i] = future / future.sum()
     both = forward * backward
-    found: np.ndarray = both / both.sum(axis=1, keepdims=True)
-    return found
+    posterior: np.ndarray = both / both.sum(axis=1, keepdims=True)
+    return posterior

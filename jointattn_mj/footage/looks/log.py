@@ -91,8 +91,8 @@ class LooksLog:
             if som is not None:
                 for i in np.flatnonzero(rows[:, 2]):
                     faces[first + i] = som.activations(rows[i, _HEAD + 2 * k :], config.softness)
-        seen = np.isfinite(px[:, -1]).all(-1)
-        height = float(np.median(heights[seen])) if seen.any() else 1.0
+        visible = np.isfinite(px[:, -1]).all(-1)
+        height = float(np.median(heights[visible])) if visible.any() else 1.0
         frames = self.frames()
         cut = np.zeros(count, bool)
         after = np.searchsorted(frames, cuts)

@@ -37,10 +37,10 @@ def leave_looks(
         SeriesError: ``known`` has a code that is no candidate.
     """
     config, start_s = viewing.config.coding, viewing.footage.start_s
-    seen, frames = looks_seen(log, viewing, som), log.frames()
+    observed, frames = looks_seen(log, viewing, som), log.frames()
     times = start_s + frames / RATE
-    labels = None if known is None else known.at(times, (*seen.names, AWAY))
-    coded = code_looks(seen, config, labels)
+    labels = None if known is None else known.at(times, (*observed.names, AWAY))
+    coded = code_looks(observed, config, labels)
     write_parquet(out / "looks.parquet", looks_table(coded, times))
     return coded.summary(config), looks_spans(coded, frames, viewing.frames)
 

@@ -80,10 +80,10 @@ class WideFrames:
             robot.iterations,
             *np.degrees(head),
         )
-        seen = np.full((4, len(self.candidates)), np.nan)
+        perceived = np.full((4, len(self.candidates)), np.nan)
         if percept is not None:
-            seen[0], seen[1], seen[2:] = percept.visible, percept.moves, percept.px.T
-        values = (attention.saliency, attention.motion, attention.interest, *seen)
+            perceived[0], perceived[1], perceived[2:] = percept.visible, percept.moves, percept.px.T
+        values = (attention.saliency, attention.motion, attention.interest, *perceived)
         row[len(_PER_FRAME) :] = np.concatenate(values)
         self.rows.fill(1)
 

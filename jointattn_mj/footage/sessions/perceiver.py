@@ -128,8 +128,8 @@ class WidePerception(FootagePerception):
                 self.faces.show(sighting, wide_image, view)
             size = sighting.smooth[2:] * (view.scale_x, view.scale_y)
             boxes.append(np.concatenate([view.to_image(sighting.centre - 0.5) - size / 2, size]))
-        found: np.ndarray = np.array(boxes).reshape(-1, 4)
-        known: np.ndarray = found[np.isfinite(found).all(axis=1)]
+        squares: np.ndarray = np.array(boxes).reshape(-1, 4)
+        known: np.ndarray = squares[np.isfinite(squares).all(axis=1)]
         return known
 
     def _template_box(self, head: np.ndarray) -> np.ndarray:
