@@ -136,6 +136,12 @@ def seconds(work: Callable[[], None], wait: Callable[[], None], blocks: int, lea
 def measured(eye: BatchedEye, poses: SessionPoses, blocks: int = BLOCKS, least: float = BLOCK_S) -> dict[str, Any]:
     """Microseconds an image of each part, and images a second: medians and quartiles over blocks.
 
+    Args:
+        eye: What draws the images.
+        poses: Of all worlds, from sessions.
+        blocks: Number of blocks that are timed.
+        least: Least length of a block, seconds.
+
     Returns:
         pose_us, refit_us, cast_us: of the parts of ``draw``, each alone. draw_us: of all three in a row; graph_us: by a
         graph, on a card. copy_us: of bringing the image to the host. images_per_s, graph_images_per_s: from draw_us and

@@ -92,7 +92,7 @@ def whole(table, tmp_path_factory):
 def test_a_session_at_a_video(whole):
     out, summary = whole
     assert summary.frames == FRAMES - LEARNED
-    assert min(summary.found.values()) > 0.95
+    assert min(summary.detected.values()) > 0.95
     assert summary.gaze_shifts > 0
     assert summary.gaze_shifts_judged == summary.gaze_shifts
     assert summary.success == "coding coding.csv"
@@ -272,7 +272,7 @@ def test_a_present_person_can_go_on_later(table, tmp_path):
 def test_objects_can_be_picked(table, tmp_path):
     asked = replace(config(table), objects=("red", "box@1s:264,181"), minutes=1 / 60)
     summary = run_footage_session(asked, tmp_path / "out")
-    assert summary.found["box"] > 0.95
+    assert summary.detected["box"] > 0.95
 
 
 def test_command_lines(jointattn, table, tmp_path):

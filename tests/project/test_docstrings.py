@@ -40,7 +40,9 @@ def not_described(function: FUNCTION) -> list[str]:
 
 
 def test_arguments_are_described():
-    files = [path for folder in ("jointattn_mj", "experiments") for path in sorted((ROOT / folder).rglob("*.py"))]
+    files = [
+        path for folder in ("jointattn_mj", "experiments", "tools") for path in sorted((ROOT / folder).rglob("*.py"))
+    ]
     functions = [
         (path, function) for path in files for function in public_functions(ast.parse(path.read_text("utf-8")))
     ]

@@ -51,6 +51,12 @@ class KillTrial:
 def reference(subject: Subject, out: Path, places: dict[str, str], more: tuple[str, ...] = ()) -> Reference:
     """Run it in peace; ``more``: other arguments.
 
+    Args:
+        subject: The command.
+        out: Its folder.
+        places: Folders and files that commands name.
+        more: Other arguments.
+
     Raises:
         RuntimeError: It fails.
     """
@@ -65,7 +71,15 @@ def reference(subject: Subject, out: Path, places: dict[str, str], more: tuple[s
 
 
 def kill_until_done(subject: Subject, seed: int, peace: Reference, out: Path, places: dict[str, str]) -> KillTrial:
-    """One trial, whose moments come from ``seed``; its folder is deleted if nothing was lost."""
+    """One trial, whose moments come from ``seed``; its folder is deleted if nothing was lost.
+
+    Args:
+        subject: The command.
+        seed: Of the moments at which it is killed.
+        peace: The same command in peace.
+        out: Its folder.
+        places: Folders and files that commands name.
+    """
     chance, trial = random.Random(f"{subject.name} {seed}"), KillTrial(subject.name, seed)
     more: tuple[str, ...] = ()
     refused, runs = "", []

@@ -37,7 +37,13 @@ class Subject:
     program: tuple[str, ...] = JOINTATTN
 
     def start(self, out: Path, places: dict[str, str], more: tuple[str, ...] = ()) -> "Run":
-        """Start it."""
+        """Start it.
+
+        Args:
+            out: Folder of the run.
+            places: Folders and files that commands name.
+            more: Other arguments.
+        """
         return Run(
             [*(places.get(word, word) for word in shlex.split(self.command)), "--out", str(out), *more], self.program
         )

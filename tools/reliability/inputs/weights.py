@@ -16,7 +16,14 @@ ROBOTS = ((), ("--preset", "cross_situational"), ("--robot.learner.code", "linea
 
 
 def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iterator[Input]:
-    """Weights for ``--start-from``."""
+    """Weights for ``--start-from``.
+
+    Args:
+        shell: Runs commands.
+        chance: Draws what is damaged, and how.
+        many: Number of inputs.
+        folder: For their files.
+    """
     thought_of, raws = [], []
     for robot in ROBOTS:
         good = folder / f"good{len(raws)}"
