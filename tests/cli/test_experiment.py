@@ -106,8 +106,8 @@ def test_stopped_and_started_again(jointattn, undisturbed, tmp_path, number):
 
 
 def test_two_at_once(jointattn, undisturbed, tmp_path):
-    one, two = start(tmp_path, trouble="sleep:0.05"), start(tmp_path, trouble="sleep:0.05")
-    assert (finish(one).code, finish(two).code) == (0, 0)
+    first, second = start(tmp_path, trouble="sleep:0.05"), start(tmp_path, trouble="sleep:0.05")
+    assert (finish(first).code, finish(second).code) == (0, 0)
     assert reported(jointattn, tmp_path) == undisturbed
 
 

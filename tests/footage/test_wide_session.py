@@ -245,7 +245,7 @@ def test_the_live_view_shows_a_session_and_ends_it(table):
         looker.join(30)
     assert [image.shape[1] for image in images] == [640, 640]
     paused = next(state for state in states if state["phase"] == "paused")
-    assert [one["name"] for one in paused["candidates"]] == ["red", "blue", "face"]
+    assert [candidate["name"] for candidate in paused["candidates"]] == ["red", "blue", "face"]
     assert paused["camera"]["images"] > 0
     assert 0 < summary.frames < FRAMES
 
