@@ -121,8 +121,8 @@ def world_with(looks_away: float, looks_at_others: bool, handled: int | None) ->
 
     Args:
         looks_away: Share of looks at no object, 0 to 1.
-        looks_at_others: Whether the caregiver also looks at objects that are not handled.
-        handled: How many of the objects are handled; None for all.
+        looks_at_others: Whether the gaze rests on an object that stays on the table, whatever is handled.
+        handled: How many of the objects are transferred, the first ones; None for all.
     """
     if not looks_away and not looks_at_others and handled is None:
         return World

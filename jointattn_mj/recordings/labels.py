@@ -69,7 +69,7 @@ def ordered(labels: set[str], name: str, fractions: bool = False) -> dict[str, s
     Args:
         labels: Different labels as written.
         name: Of what they are labels of, for messages.
-        fractions: Take decimal numbers as numbers too, so that 1.0 is 1.
+        fractions: Take numbers with fractions, such as 1.5, for names; they are refused otherwise.
     """
     if labels and all(_WHOLE.fullmatch(label) for label in labels):
         return {label: label for label in sorted(labels, key=int)}

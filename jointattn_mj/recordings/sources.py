@@ -143,7 +143,7 @@ def open_table_as(
         options: How the file is read.
         wanted: Variables that are asked for; None for all.
         sampled: Whether events are going to be sampled at steps.
-        about: Columns about recordings that are kept.
+        about: Columns that say what each recording is, which a table of events may have.
     """
     if options.of_steps:
         if sampled:
@@ -188,7 +188,7 @@ def open_frame(
         options: How it is read.
         wanted: Variables that are asked for; None for all.
         sampled: Whether events are going to be sampled at steps.
-        about: Columns about recordings that are kept.
+        about: Columns that say what each recording is, which a table of events may have.
 
     Raises:
         SeriesError: As ``open_source``, or it is no table.
