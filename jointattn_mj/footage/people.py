@@ -222,7 +222,7 @@ class People:
         for track in now:
             self._believe(track)
         sightings = [self._sighting(image, track, frame) for track in now if track.believed]
-        return sorted(sightings, key=lambda one: -float(one.smooth[3]))
+        return sorted(sightings, key=lambda sighting: -float(sighting.smooth[3]))
 
     def _goes_on(self, track: Track, frame: int) -> bool:
         return frame - track.last <= (self._gap if track.believed else 0)
@@ -328,7 +328,7 @@ class People:
         track.evidence.clear()
         if best >= SAME and best - second > 0.03:
             track.judged = track.sure = True
-            self.tracks = [one for one in self.tracks if one is track or one.person != number]  # lost elsewhere
+            self.tracks = [other for other in self.tracks if other is track or other.person != number]  # lost elsewhere
         else:
             self._is_new(track, appeared, yaw, frame, best <= OTHER)
             if best > OTHER and track.person:

@@ -58,15 +58,15 @@ class TestStops:
         """The first one is KeyboardInterrupt; one more during the orderly end ends the process."""
         ended = []
         monkeypatch.setattr(os, "_exit", ended.append)
-        kept = {one: signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+        kept = {stop: signal.getsignal(stop) for stop in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
         try:
             with pytest.raises(KeyboardInterrupt), stopped_like_ctrl_c():
                 os.kill(os.getpid(), number)
             os.kill(os.getpid(), number)
             assert ended == [130]
         finally:
-            for one, handler in kept.items():
-                signal.signal(one, handler)
+            for stop, handler in kept.items():
+                signal.signal(stop, handler)
 
     def test_what_is_ignored_stays_ignored(self):
         """nohup starts a program so."""

@@ -97,10 +97,10 @@ def test_folders_are_compared_to_the_byte_but_for_time(tmp_path):
         (tmp_path / name / "a.txt").write_text(text)
         (tmp_path / name / "s.json").write_text(f'{{"x": [{{"wall_seconds": {seconds}}}]}}')
         (tmp_path / name / "checkpoint.bin").write_text(name)
-    one, other = contents(tmp_path / "one"), contents(tmp_path / "other")
-    assert differences(one, other) == {"a.txt": 1}
+    first, second = contents(tmp_path / "one"), contents(tmp_path / "other")
+    assert differences(first, second) == {"a.txt": 1}
     (tmp_path / "one" / ".left.12.bin").touch()
-    assert differences(contents(tmp_path / "one"), other) == {"a.txt": 1, ".left.12.bin": 1}
+    assert differences(contents(tmp_path / "one"), second) == {"a.txt": 1, ".left.12.bin": 1}
 
 
 @pytest.mark.parametrize(
@@ -165,16 +165,16 @@ def test_inputs_are_the_same_for_a_seed(listed, monkeypatch, tmp_path):
         lambda chance: [*calls.inputs(chance, 50)],
         lambda chance: [*tables.inputs(chance, 40, tmp_path)],
     ):
-        one, other = ([given.what for given in make(random.Random(3))] for _ in range(2))
-        assert one == other and len(one) >= 40
+        first, second = ([given.what for given in make(random.Random(3))] for _ in range(2))
+        assert first == second and len(first) >= 40
     commands = {given.arguments[0] for given in options.inputs(None, random.Random(0), 100, tmp_path, {})}
     assert commands == {base.command.split()[0] for base in options.BASES}
 
 
 def test_failures_of_one_cause_are_counted_together():
     given = [Input("tables", f"number {n}", result=refused) for n in range(3)]
-    failures = [verdict(one, Outcome(1, "", f"Traceback (most recent call last):\nValueError: row {n}"))
-                for n, one in enumerate(given)]  # fmt: skip
+    failures = [verdict(case, Outcome(1, "", f"Traceback (most recent call last):\nValueError: row {n}"))
+                for n, case in enumerate(given)]  # fmt: skip
     found = summary(given, failures)
     assert found["rows"][0]["tried"] == found["rows"][0]["traceback"] == 3
     assert [cause["times"] for cause in found["wrong"]] == [3]

@@ -64,7 +64,7 @@ def _with_signals(name: str, by: signal.Signals, number: int, only: str, seed: i
 
         return kills.summary([trial for trials in pool.map(killed, subjects) for trial in trials], name)
 
-    return _with_runs(name, harness, [one for one in SUBJECTS if one.name.startswith(only)], jobs, out)
+    return _with_runs(name, harness, [subject for subject in SUBJECTS if subject.name.startswith(only)], jobs, out)
 
 
 def run_pairs(*, number: int = 24, only: str = "", seed: int = 0, jobs: int = 2, out: Path = FOLDER) -> bool:
@@ -95,7 +95,7 @@ def run_pairs(*, number: int = 24, only: str = "", seed: int = 0, jobs: int = 2,
 
         return together.summary([pair for of in pool.map(started, subjects) for pair in of])
 
-    chosen = [one for one in SUBJECTS if one.name in together.SUBJECTS and one.name.startswith(only)]
+    chosen = [subject for subject in SUBJECTS if subject.name in together.SUBJECTS and subject.name.startswith(only)]
     return _with_runs("pairs", harness, chosen, jobs, out)
 
 
@@ -140,7 +140,7 @@ def run_videos(
         folder = Path(name)
         clip = film(folder / "film.mp4", round(odd_videos.SECONDS * 30))
         shells = [stack.enter_context(closing(Shell(folder))) for _ in range(jobs)]
-        given = [one for one in odd_videos.inputs(random.Random(seed), number, folder, clip) if only in one.what]
+        given = [case for case in odd_videos.inputs(random.Random(seed), number, folder, clip) if only in case.what]
         tried = summary(given, try_all(given, shells, limit))
     return _leave("videos", tried, time.monotonic() - began, out)
 

@@ -53,6 +53,12 @@ class KillTrial:
 def reference(subject: Subject, out: Path, places: dict[str, str], more: tuple[str, ...] = ()) -> Reference:
     """Run it in peace; ``more``: other arguments.
 
+    Args:
+        subject: The command.
+        out: Its folder.
+        places: Folders and files that commands name.
+        more: Other arguments.
+
     Raises:
         RuntimeError: It fails.
     """
