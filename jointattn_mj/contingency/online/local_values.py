@@ -315,11 +315,42 @@ def exceeding(first: np.ndarray, hoped: np.ndarray, tolerance: float, higher: np
     for j, quantile in enumerate(QUANTILES):
         bound = (1.0 + tolerance) * (first[0] + quantile * first[1])
         for i in range(len(hoped)):
-            above, spread = hoped[i, 0] - bound, hoped[i, 1]
-            if spread > 0.0:
-                higher[i, j] = 0.5 * math.erfc(-above / spread * math.sqrt(0.5))
-            else:
-                higher[i, j] = above > 0.0
+            higher[i, j] = _above(hoped[i], bound)
+
+
+@njit(cache=True, forceinline=True)
+def _above(value: np.ndarray, bound: float) -> float:
+    """Probability that a normal value, mean and standard deviation (2,), is above a bound."""
+    above, spread = value[0] - bound, value[1]
+    if spread > 0.0:
+        return 0.5 * math.erfc(-above / spread * math.sqrt(0.5))
+    return 1.0 if above > 0.0 else 0.0
+
+
+@njit(cache=True)
+def surely_lower(
+    first: np.ndarray, hoped: np.ndarray, evidence: np.ndarray, tolerance: float, doubt: float, best: float
+) -> bool:
+    """Whether one rival alone is higher too probably; most events fall by this, before the evidence of all is counted.
+
+    Args:
+        first: (2,) mean and standard deviation of an event.
+        hoped: (rivals, 2) those of its rivals.
+        evidence: (rivals,) log evidence of those, NaN where it is not known yet.
+        tolerance: Share of the first value by which a rival may be higher.
+        doubt: Odds that a rival is not contingent at all.
+        best: Least probability that no rival is higher.
+    """
+    for i in range(len(hoped)):
+        if doubt > 0.0 and math.isnan(evidence[i]):
+            continue
+        belief = 1.0 / (1.0 + doubt * math.exp(-min(max(evidence[i], -500.0), 500.0))) if doubt > 0.0 else 1.0
+        higher = 0.0
+        for quantile in QUANTILES:
+            higher += _above(hoped[i], (1.0 + tolerance) * (first[0] + quantile * first[1]))
+        if 1.0 - belief * higher / len(QUANTILES) < best - 1e-9:
+            return True
+    return False
 
 
 @njit(cache=True)
