@@ -16,7 +16,7 @@ import numpy as np
 
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.colours import sought_objects
-from jointattn_mj.footage.picked import colours_at
+from jointattn_mj.footage.picked import colours_at, require_apart
 from jointattn_mj.footage.reader import RATE, Footage
 from jointattn_mj.footage.sessions.config import CameraSessionConfig
 from jointattn_mj.footage.sessions.latency import CameraCount
@@ -207,7 +207,10 @@ class CameraSessionRun(FootageSessionRun):
         for seconds, name, wanted in waiting:
             while self.wide.wide_frame.time_s < seconds and not self.wide.ended:
                 self.wide.step(np.zeros(2))
+            if self.wide.wide_frame.time_s < seconds:
+                raise FootageError(f"object {name} was picked at {seconds:g} s, and the camera's images end before")
             tables[name] = colours_at(self.wide.wide_frame.image, wanted)
+        require_apart(tables)
         return tables
 
 
