@@ -139,23 +139,23 @@ def with_defaults(command: Callable[..., None], **defaults: Any) -> Callable[...
 
 def _gathered(words: Sequence[str]) -> list[str]:
     """Objects that are named one by one, ``--object a --object b``, in one option; tyro would take the last alone."""
-    one, all_of_them = "--object", "--objects"
-    if not any(word.partition("=")[0] == one for word in words):
+    single, several = "--object", "--objects"
+    if not any(word.partition("=")[0] == single for word in words):
         return list(words)
     rest: list[str] = []
     objects: list[str] = []
-    place, inside = len(words), False
+    at, inside = len(words), False
     for word in words:
         option, given, value = word.partition("=")
-        if option in (one, all_of_them):
-            place, inside = min(place, len(rest)), not given
+        if option in (single, several):
+            at, inside = min(at, len(rest)), not given
             objects += [value] if given else []
         elif inside and not word.startswith("-"):
             objects.append(word)
         else:
             inside = False
             rest.append(word)
-    return [*rest[:place], all_of_them, *objects, *rest[place:]]
+    return [*rest[:at], several, *objects, *rest[at:]]
 
 
 def _config_file(arguments: Sequence[str]) -> tuple[Path | None, list[str]]:

@@ -231,20 +231,8 @@ def plain(
 ) -> None:  # fmt: skip
     """Fill ``values`` with surrogates permuted within the groups, whatever their contexts.
 
-    Args:
-        values: (count,) is filled: plug-in values, nats.
-        rng: Draws the surrogates.
-        source: (n,) values of s, sorted by stratum.
-        after: (n,) values of the next r, likewise.
-        sources: Number of values of s.
-        afters: Number of values of the next r.
-        bounds: (k + 1,) where the strata begin and end.
-        contexts: (k, 2) finer and coarser context of each stratum.
-        fixed: The part that no permutation changes, nats times transitions.
-        with_less: Whether the measure takes the coarser context away.
-        tables: As ``tables`` gives them, for tables drawn from their margins.
-        groups: (n,) positions of the transitions that change places with each other, group by group.
-        group_bounds: (m + 1,) where the groups begin and end.
+    Arguments up to ``tables`` are those of :func:`within`. ``groups`` (n,) has the positions of the transitions that
+    change places with each other, group by group; ``group_bounds`` (m + 1,) says where the groups begin and end.
     """
     n = len(source)
     fine, coarse = _room(n, sources, afters), _room(n, sources, afters)

@@ -189,8 +189,8 @@ class TestShots:
         return cv2.resize(noise, (960, 720), interpolation=cv2.INTER_CUBIC)
 
     def test_cuts(self):
-        shots, one, other = Shots(ShotConfig()), self.scene(0), self.scene(1)
-        cuts = [shots.see((one if step // 20 % 2 == 0 else other)[:480, :640]) for step in range(60)]
+        shots, scenes = Shots(ShotConfig()), (self.scene(0), self.scene(1))
+        cuts = [shots.see(scenes[step // 20 % 2][:480, :640]) for step in range(60)]
         assert np.flatnonzero(cuts).tolist() == [20, 40]
         assert shots.cuts == 2 and not shots.camera_moves
 

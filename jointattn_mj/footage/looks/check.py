@@ -94,9 +94,9 @@ class Codings:
             SeriesError: There is no such time.
         """
         pairs = sorted(
-            (max(a, c), min(b, d), mine, theirs)
-            for a, b, mine in self.looks
-            for c, d, theirs in other.looks
+            (max(a, c), min(b, d), own, given)
+            for a, b, own in self.looks
+            for c, d, given in other.looks
             if min(b, d) > max(a, c)
         )
         if not pairs:
@@ -109,9 +109,9 @@ class Codings:
             at += offset - onset
             offsets.append(at)
         tier = [TIER] * len(pairs)
-        own = Events.of(tier, [mine for _, _, mine, _ in pairs], onsets, offsets)
-        others = Events.of(tier, [theirs for _, _, _, theirs in pairs], onsets, offsets)
-        agreed = agreement(own, others, options=AgreementOptions(step=min(1.0, at)))[0]
+        first = Events.of(tier, [own for _, _, own, _ in pairs], onsets, offsets)
+        second = Events.of(tier, [given for _, _, _, given in pairs], onsets, offsets)
+        agreed = agreement(first, second, options=AgreementOptions(step=min(1.0, at)))[0]
         low, high = agreed.interval
         return {
             "kappa": agreed.kappa,
