@@ -18,6 +18,8 @@ MOMENTS = ("first second", "anywhere", "while writing", "at a new file")
 """``anywhere``: evenly over the time that the run takes in peace. ``while writing``: when the folder next changes after
 such a moment. ``at a new file``: when a file appears for the first time, any of those that are left in the end."""
 POLL_S = 0.001
+STARTING, BEGUN = "while Python started", "in execute"
+"""A moment at which Ctrl-C ends Python itself, and what its traceback says later than that."""
 STOPPED = 130
 """Code of a command that was stopped by Ctrl-C."""
 
@@ -94,7 +96,9 @@ def kill_until_done(
         if len(trial.kills) < MOST and (kill := _kill(run, subject, chance, peace, out, by)):
             trial.kills.append(kill)
             code, said = run.end() if kill["process"] == "main" else (0, "")
-            if by is signal.SIGINT and (code not in (0, STOPPED) or "Traceback" in said) and _entries(out):
+            if by is signal.SIGINT and code == -by and BEGUN not in said:
+                kill["moment"] = STARTING
+            elif by is signal.SIGINT and (code not in (0, STOPPED) or "Traceback" in said):
                 trial.trouble = f"ended with {code} when it was stopped: {said.strip()[-800:]}"
                 return trial
             if kill["process"] == "main":
@@ -173,18 +177,19 @@ def _entries(folder: str | Path) -> list[tuple[str, int, int]]:
     return sorted(listed)
 
 
-def summary(trials: list[KillTrial], name: str = "kills") -> dict[str, object]:
-    """Counts by subject, and what was lost; ``name``: what the signals are called."""
+def summary(trials: list[KillTrial], signals: str = "kills") -> dict[str, object]:
+    """Counts by subject, and what was lost; ``signals``: what they are called in the table."""
     rows = []
+    seen = {kill["moment"] for trial in trials for kill in trial.kills}
     for name in dict.fromkeys(trial.subject for trial in trials):
         of = [trial for trial in trials if trial.subject == name]
-        moments = [str(kill["moment"]) for trial in of for kill in trial.kills]
+        moments = [kill["moment"] for trial in of for kill in trial.kills]
         rows.append(
             {
                 "run": name,
                 "trials": len(of),
-                name: len(moments),
-                **{moment: moments.count(moment) for moment in MOMENTS},
+                signals: len(moments),
+                **{moment: moments.count(moment) for moment in (*MOMENTS, STARTING) if moment in seen},
                 "begun anew": sum(trial.anew for trial in of),
                 "of workers": sum(kill["process"] == "worker" for trial in of for kill in trial.kills),
                 "bytes of difference": sum(sum(trial.differing.values()) for trial in of),
