@@ -1,6 +1,7 @@
 """The harnesses of ``tools.reliability`` tell the truth: what is lost, refused badly or taken in silence is found."""
 
 import random
+import signal
 import sys
 from pathlib import Path
 
@@ -56,9 +57,9 @@ def toy(tmp_path):
     return lambda name: Subject(name, name, program=(sys.executable, str(script)))
 
 
-def trials(subject: Subject, folder: Path, number: int = 6) -> list[kills.KillTrial]:
+def trials(subject: Subject, folder: Path, number: int = 6, by: int = signal.SIGKILL) -> list[kills.KillTrial]:
     peace = kills.reference(subject, folder / "peace", {})
-    return [kills.kill_until_done(subject, seed, peace, folder / str(seed), {}) for seed in range(number)]
+    return [kills.kill_until_done(subject, seed, peace, folder / str(seed), {}, by) for seed in range(number)]
 
 
 @pytest.fixture
@@ -81,6 +82,14 @@ def test_a_run_that_loses_something_is_found_out(toy, anywhere, tmp_path):
     found = kills.summary(trials(forgetful, tmp_path))
     (row,) = found["rows"]
     assert row["bytes of difference"] > 0 and found["wrong"]
+
+
+def test_a_run_that_ends_wrongly_when_it_is_stopped_is_found_out(toy, anywhere, tmp_path):
+    silent = toy("silent")
+    script = Path(silent.program[1])
+    script.write_text(f"import signal\nsignal.signal(signal.SIGINT, lambda *_: sys.exit(1))\n{TOY}")
+    found = trials(silent, tmp_path, by=signal.SIGINT)
+    assert any(trial.trouble.startswith("ended with 1 when it was stopped") for trial in found)
 
 
 def test_two_in_one_folder(toy, tmp_path):

@@ -75,7 +75,12 @@ def reference(subject: Subject, out: Path, places: dict[str, str], more: tuple[s
 
 
 def kill_until_done(
-    subject: Subject, seed: int, peace: Reference, out: Path, places: dict[str, str], by: signal.Signals
+    subject: Subject,
+    seed: int,
+    peace: Reference,
+    out: Path,
+    places: dict[str, str],
+    by: signal.Signals = signal.SIGKILL,
 ) -> KillTrial:
     """One trial, whose moments come from ``seed``; its folder is deleted if nothing was lost.
 
