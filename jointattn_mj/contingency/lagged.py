@@ -79,17 +79,6 @@ def timed(given: Steps, timing: Timing, reach: int | None = None) -> Steps:
     )
 
 
-def scanned(given: Steps, lags: Sequence[int], timing: Timing) -> list[Steps]:
-    """The transitions at each of several lags, all with the same results.
-
-    Args:
-        given: Series, aligned as always.
-        lags: Steps from source to result.
-        timing: Its histories hold for all; its lag does not count.
-
-    Raises:
-        SeriesError: No recording is long enough for the longest lag.
-    """
-    timings = [replace(timing, lag=lag) for lag in lags]
-    reach = max(one.reach for one in timings)
-    return [timed(given, one, reach) for one in timings]
+def at_lags(lags: Sequence[int], timing: Timing) -> list[Timing]:
+    """``timing`` with each of several lags in place of its own; its histories hold for all."""
+    return [replace(timing, lag=int(lag)) for lag in lags]

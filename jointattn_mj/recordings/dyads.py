@@ -14,7 +14,7 @@ import numpy as np
 
 from jointattn_mj.contingency.information import Measure
 from jointattn_mj.contingency.lagged import Timing
-from jointattn_mj.contingency.scan import LagScan, ScanSurrogates, lag_scan, scan_surrogates
+from jointattn_mj.contingency.scan import LagScan, ScanSurrogates, in_turn, lag_scan, scan_surrogates
 from jointattn_mj.contingency.series import Coded
 from jointattn_mj.contingency.significance import Significance, TestOptions, assess_steps
 from jointattn_mj.contingency.table import Steps
@@ -318,7 +318,7 @@ def scan_over_dyads(
     """
     dyads = split(given)
     streams = seed.spawn(len(dyads) + 1)
-    told = _in_turn(progress, len(dyads))
+    told = in_turn(progress, len(dyads))
     scans = [
         scan_surrogates(dyad, measure, lags, timing, options, unit, np.random.default_rng(stream), told)
         for (_, dyad), stream in zip(dyads, streams, strict=False)
@@ -331,18 +331,6 @@ def scan_over_dyads(
         " or ".join(sorted({one.method for one in scans})),
     )  # fmt: skip
     return lag_scan(lags, together, options.level, len(scans))
-
-
-def _in_turn(progress: Callable[[int], object], dyads: int) -> Callable[[int], object]:
-    """Tells of a surrogate when so many dyads have drawn one."""
-    done = 0
-
-    def tell(more: int) -> None:
-        nonlocal done
-        told, done = done // dyads, done + more
-        progress(done // dyads - told)
-
-    return tell
 
 
 def _standard_error(values: np.ndarray) -> np.ndarray:
