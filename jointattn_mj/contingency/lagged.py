@@ -56,12 +56,15 @@ def timed(given: Steps, timing: Timing, reach: int | None = None) -> Steps:
             f"lag and histories reach back {lost + 1} steps; the longest recording has {int(np.diff(bounds).max())}. "
             "Choose a shorter lag"
         )
-    pieces = zip(bounds[:-1][kept], bounds[1:][kept], strict=True)
-    at = np.concatenate([np.arange(start + lost, stop) for start, stop in pieces])
+    pieces = list(zip(bounds[:-1][kept].tolist(), bounds[1:][kept].tolist(), strict=True))
     ends = np.concatenate([[0], np.cumsum(lengths[kept])])
 
+    def back_by(codes: np.ndarray, back: int) -> np.ndarray:
+        parts = [codes[start + lost - back : stop - back] for start, stop in pieces]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
     def taken(one: Coded, back: int, history: int) -> Coded:
-        columns = [one.codes[at - back - further] for further in range(history)]
+        columns = [back_by(one.codes, back + further) for further in range(history)]
         if history == 1:
             return replace(one, codes=columns[0], bounds=ends)
         codes, bound = combined(columns, [one.size] * history)
