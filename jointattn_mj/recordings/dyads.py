@@ -25,6 +25,8 @@ FEWEST = 2
 """Dyads of a group that can be compared."""
 DRAWS = 49_999
 """Times that a surrogate of each dyad is put together to a group by chance."""
+LEAST_P = 2 / (1 + DRAWS)
+"""No two-sided p over dyads is lower."""
 LEVEL = 0.95
 """Coverage of intervals over dyads."""
 ALL = "all"

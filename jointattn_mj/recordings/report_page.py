@@ -85,6 +85,7 @@ def write_page(report: RecordingReport, folder: Path) -> None:
         "bracket": lambda row: bracket((row["low"], row["high"])),
         "share": share,
         "short": _short,
+        "sentence": lambda words: words[:1].upper() + words[1:],
     }
     text = page("jointattn_mj.recordings", PAGE, values, p=lambda p: p_words(p)[2:].removeprefix("= "), **filters)
     write_text(folder / PAGE, text)

@@ -145,6 +145,15 @@ def test_the_paragraph_has_every_number_of_the_settings(report):
         assert f"{one.tier}: {one.kappa:.2f}" in said
 
 
+def test_too_few_surrogates_for_so_many_pairs_are_told(report, codings, tmp_path):
+    assert not report.out_of_reach("pair of tiers")
+    few = run_report(ReportOptions(codings / "second", out=tmp_path / "out", **{**FEW, "surrogates": 38}))
+    (note,) = few.out_of_reach("pair of tiers")
+    assert note.startswith("with 38 surrogates p is 0.026 or more") and note.endswith("; 39 surrogates would do")
+    assert not any(row["significant"] for row in few.ranking())
+    assert note in json.loads((tmp_path / "out" / "report.json").read_text("utf-8"))["notes"]
+
+
 def test_the_same_seed_gives_the_same_page(report, codings):
     again = recordings.read(codings / "first").report(
         codings / "again", second=codings / "second", by="age", groups=codings / "ages.csv", **FEW
@@ -162,6 +171,9 @@ def test_the_command_line_makes_it_from_two_tiers_of_other_names(codings, tmp_pa
     done = jointattn(*words, "--surrogates", "20", "--out", tmp_path / "out")
     assert done.code == 0, done.err
     assert "dad follows 1 of 2 looks of baby" in done.out and (tmp_path / "out" / "report.html").exists()
+    page = (tmp_path / "out" / "report.html").read_text("utf-8")
+    reach = "no pair of tiers can be significant at 0.05 after Holm&#39;s correction for 2 tests"
+    assert reach in page and reach.replace("&#39;", "'") in done.out
     assert "is there already" in jointattn(*words, "--out", tmp_path / "out").err
 
 
