@@ -95,7 +95,9 @@ class Agreement:
         if recordings or seconds:
             notes.append(f"left out, as only one coder has coded it: {' and '.join([*recordings, *seconds])}")
         if 0 < self.tolerance_s < self.step * (1 - 1e-6):
-            notes.append(f"a tolerance of {self.tolerance_s:g} s is less than a unit of {self.step:g} s: it changes nothing")
+            notes.append(
+                f"a tolerance of {self.tolerance_s:g} s is less than a unit of {self.step:g} s: it changes nothing"
+            )
         return tuple(notes)
 
     def row(self) -> dict[str, Any]:

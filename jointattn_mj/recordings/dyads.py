@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
-from math import comb
+from math import comb, factorial, prod
 from typing import Any
 
 import numpy as np
@@ -95,6 +95,17 @@ class DyadResult:
             }
             for i, (name, one) in enumerate(zip(self.names, self.values, strict=True))
         ]  # fmt: skip
+
+    def out_of_reach(self, alpha: float) -> list[str]:
+        """Why no comparison can be significant: there are too few ways to part so few dyads into these groups."""
+        sizes = [group.dyads for group in self.groups[1:]]
+        if len(sizes) < 2 or min(sizes) < FEWEST or least_p_of_groups(sizes) <= alpha:
+            return []
+        counts = f"{', '.join(map(str, sizes[:-1]))} and {sizes[-1]}"
+        return [
+            f"groups of {counts} recordings can be parted in so few ways that no p of their comparison is below "
+            f"{least_p_of_groups(sizes):.2g}; more recordings are needed"
+        ]
 
     def lines(self) -> list[str]:
         """The groups and their comparison, in words."""
@@ -235,6 +246,19 @@ def compare(
         p = _two_sided(a, b, permutations, rng) if min(len(a), len(b)) >= FEWEST else float("nan")
         comparisons.append(GroupComparison(first, second, float(a.mean() - b.mean()), p))
     return comparisons
+
+
+def least_p_of_groups(sizes: Sequence[int]) -> float:
+    """The lowest p of a comparison of groups of these sizes, where each way of parting the dyads counts once.
+
+    Args:
+        sizes: Dyads of each group.
+    """
+    ways, left = 1, sum(sizes)
+    for size in sizes:
+        ways, left = ways * comb(left, size), left - size
+    same = prod(factorial(sizes.count(size)) for size in set(sizes))  # groups of one size can change their names
+    return same / ways
 
 
 def _two_sided(a: np.ndarray, b: np.ndarray, permutations: int, rng: np.random.Generator) -> float:

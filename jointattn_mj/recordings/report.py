@@ -160,7 +160,7 @@ class RecordingReport:
     def text(self) -> str:
         """The main values, to read on a terminal."""
         page = [] if self.out is None else [f"Page: {self.out / PAGE}"]
-        reach = [*self.out_of_reach("pair of tiers"), *self.out_of_reach("event")]
+        reach = [*self.out_of_reach("pair of tiers"), *self.out_of_reach("event"), *self.groups_out_of_reach()]
         return "\n".join([*self.main(), *(f"Note: {note}." for note in reach), *page])
 
     def main(self) -> list[str]:
@@ -259,7 +259,14 @@ class RecordingReport:
 
     def all_notes(self) -> list[str]:
         """What was left out and why, where p-values come from, and what is out of their reach."""
-        return [*self.notes, *self.out_of_reach("pair of tiers"), *self.out_of_reach("event")]
+        reach = [*self.out_of_reach("pair of tiers"), *self.out_of_reach("event"), *self.groups_out_of_reach()]
+        return list(dict.fromkeys([*self.notes, *reach]))
+
+    def groups_out_of_reach(self) -> list[str]:
+        """Why groups of recordings cannot differ significantly: there are too few recordings."""
+        return [
+            note for dyad in self.pairs[self.options.looks].dyads[:1] for note in dyad.out_of_reach(self.options.alpha)
+        ]
 
     def following(self) -> list[str]:
         """Who follows whom, how often and how soon."""
@@ -282,7 +289,9 @@ class RecordingReport:
         lines = []
         for pair in (self.options.looks, self.options.looks[::-1]):
             result = self.pairs[pair]
-            lines += [lag_words(f"{pair[0]} -> {pair[1]}", scan, result.step) for _, scan in result.scans]
+            lines += [
+                lag_words(f"{pair[0]} -> {pair[1]}", scan, result.step, self.options.alpha) for _, scan in result.scans
+            ]
         return lines
 
     def _agreement(self) -> list[str]:

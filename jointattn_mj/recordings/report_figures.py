@@ -115,12 +115,13 @@ def timeline(
     return figure
 
 
-def transition_figure(tables: Mapping[tuple[str, str], LagTable], lag_s: float) -> Figure:
+def transition_figure(tables: Mapping[tuple[str, str], LagTable], lag_s: float, alpha: float = 0.05) -> Figure:
     """What each value leads to: shares and adjusted residuals, marked where shifts say that it is more than chance.
 
     Args:
         tables: By source and target.
         lag_s: Seconds between the two.
+        alpha: Level of significance.
     """
     size = max(max(len(table.given), len(table.target)) for table in tables.values())
     side = min(max(0.72 * size, 2.2), 7.0)
@@ -140,7 +141,7 @@ def transition_figure(tables: Mapping[tuple[str, str], LagTable], lag_s: float) 
             if one.possible[i, j] and one.conditional[i, j] == one.conditional[i, j] and size <= 12:
                 strong = abs(one.adjusted_residuals[i, j]) > 0.6 * limit
                 axes.text(
-                    j, i, f"{one.conditional[i, j]:.2f}{'*' if p <= 0.05 else ''}", ha="center", va="center",
+                    j, i, f"{one.conditional[i, j]:.2f}{'*' if p <= alpha else ''}", ha="center", va="center",
                     fontsize=8, color="white" if strong else "black",
                 )  # fmt: skip
     if image is not None:

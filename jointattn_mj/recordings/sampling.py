@@ -336,9 +336,9 @@ def _remarks(sampled: list[_Sampled], lacking: Collection[str], used: set[str], 
     }
     for tier, number in missed.items():
         if number:
-            are = "is" if number == 1 else "are"
+            are, them = ("is", "it") if number == 1 else ("are", "them")
             remarks.append(
-                f"{count(number, 'event')} of {tier!r} {are} in no step of {step:g} s; a shorter step has them"
+                f"{count(number, 'event')} of {tier!r} {are} in no step of {step:g} s; a shorter step has {them}"
             )
     return remarks
 

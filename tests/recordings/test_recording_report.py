@@ -141,6 +141,7 @@ def test_tables_lie_beside_it(report, codings):
 def test_the_paragraph_has_every_number_of_the_settings(report):
     said = report.methods()
     assert "steps of 0.5 s" in said and "60 surrogates" in said and "0.5 to 2 s (4 lags)" in said
+    assert "level of significance is 0.05" in said and "two coders of 1 recording" in said
     for one in report.agreements:
         assert f"{one.tier}: {one.kappa:.2f}" in said
 
