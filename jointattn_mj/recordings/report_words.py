@@ -49,8 +49,8 @@ def methods_paragraph(report: "RecordingReport") -> str:
         f"{r.follow_within_s:g} s after the partner began to look at the target{still}; looks that begin within "
         f"{r.together_s:g} s of each other begin together. "
         + (f"Mutual gaze lasts at least {r.least_mutual_s:g} s. " if r.least_mutual_s else "")
-        + f"Engagement is shared attention of at least {r.least_engagement_s:g} s with breaks of up to {r.bridge_s:g} s "
-        f"bridged (after Bakeman and Adamson, 1984); it is coordinated with at least "
+        + f"Engagement is shared attention of at least {r.least_engagement_s:g} s with breaks of up to {r.bridge_s:g} "
+        f"s bridged (after Bakeman and Adamson, 1984); it is coordinated with at least "
         f"{count(r.glances, 'look')} of {r.infant} at the partner's face.",
         f"Contingency is transfer entropy in bits (Schreiber, 2000) from one tier to another at a lag of "
         f"{lag * o.step:g} s ({count(lag, 'step')}), less the mean of {o.surrogates:,} surrogates. "
@@ -58,8 +58,8 @@ def methods_paragraph(report: "RecordingReport") -> str:
         + _unit_words(report)
         + f"P-values of {len(report.pairs)} pairs of tiers were corrected by Holm's method; over lags of {o.step:g} to "
         f"{o.lags * o.step:g} s ({count(o.lags, 'lag')}) by the maximum over lags in each surrogate (Westfall and "
-        f"Young, 1993). Transitions at the same lag are adjusted residuals (Bakeman and Quera, 2011), tested by {o.surrogates:,} "
-        "circular shifts"
+        f"Young, 1993). Transitions at the same lag are adjusted residuals (Bakeman and Quera, 2011), tested by "
+        f"{o.surrogates:,} circular shifts"
         + (", and means of the recordings' Yule's Q, with Student's t." if report.over_recordings else ".")
         + " Which look answers which are shares of transfer entropy; p of each is from the same surrogates, corrected "
         "by the maximum over all combinations of looks in each.",
