@@ -37,7 +37,7 @@ def lag_words(name: str, scan: LagScan, step: float | None, alpha: float = 0.05)
         alpha: Level of significance.
     """
     i, lag = scan.best, int(scan.lags[scan.best])
-    time = "" if step is None else f" ({lag * step:g} s)"
+    time = "" if step is None else f" ({lag * step:.4g} s)"
     tried = f"lags {scan.lags[0]} to {scan.lags[-1]}"
     steps = f"{lag} step{'s' * (lag != 1)}{time}"
     if scan.p_adjusted[i] > alpha:

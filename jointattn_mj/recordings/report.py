@@ -359,6 +359,9 @@ def analyse(
     asked = _events(options, tiers)
     every = dict.fromkeys([*tiers, *(tier for event in asked for tier in event)])
     steps = without_gaps(attention).steps(options.step, every, **how)
+    still = [tier for tier in every if tier not in options.looks and len(steps.labels[tier]) == 1]
+    tiers = [tier for tier in tiers if tier not in still]
+    asked = [event for event in asked if not set(event) & set(still)]
 
     def measured(source: str, target: str, action: str | None = None) -> MeasureResult:
         of_looks = action is None and {source, target} == set(options.looks)
@@ -387,7 +390,8 @@ def analyse(
         **{f"{source} -> {target}": one for (source, target), one in pairs.items()},
         **{f"({sensor}, {action}) -> {result}": one for (sensor, action, result), one in found.items()},
     }
-    notes = dict.fromkeys([*steps.notes(), *_notes(named, options)])
+    left_out = [f"tier {tier!r} is not ranked, as it has the same value in all steps" for tier in still]
+    notes = dict.fromkeys([*steps.notes(), *left_out, *_notes(named, options)])
     return RecordingReport(
         options, events, attention, steps, pairs, _adjusted(pairs), found, _adjusted(found), transitions, agreements,
         tuple(notes), over, group_of, options.out,

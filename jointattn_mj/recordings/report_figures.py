@@ -134,7 +134,7 @@ def transition_figure(tables: Mapping[tuple[str, str], LagTable], lag_s: float, 
         image = axes.imshow(one.adjusted_residuals, cmap="RdBu_r", vmin=-limit, vmax=limit, aspect="auto")
         axes.set_xticks(range(len(one.target)), one.target, rotation=40, ha="right", fontsize=8)
         axes.set_yticks(range(len(one.given)), one.given, fontsize=8)
-        axes.set_xlabel(f"{target}, {lag_s:g} s later", fontsize=9)
+        axes.set_xlabel(f"{target}, {lag_s:.4g} s later", fontsize=9)
         axes.set_ylabel(source, fontsize=9)
         for i, j in np.ndindex(one.counts.shape):
             p = 1.0 if one.p_shift is None else float(one.p_shift[i, j])

@@ -39,10 +39,11 @@ def methods_paragraph(report: "RecordingReport") -> str:
     value = "the code at its middle" if o.value_at == "middle" else "the code that lasted for most of it"
     nothing = "has a value of its own" if o.nothing == "none" else "is missing, and recordings were cut there"
     still = " while the partner still looked there" if r.still_looking else ""
+    least, most = f"{seconds.min():.0f}", f"{seconds.max():.0f}"
+    each = f"{least} s each" if least == most else f"{least} to {most} s each"
     parts = [
-        f"Coded events of {count(len(seconds), 'recording')} ({seconds.sum() / 60:.1f} min in all; {seconds.min():.0f} "
-        f"to {seconds.max():.0f} s each) on {count(len(report.events.tier_names), 'tier')} "
-        f"({', '.join(report.events.tier_names)}) were sampled to steps of {o.step:g} s; each step has {value}; where "
+        f"Coded events of {count(len(seconds), 'recording')} ({seconds.sum() / 60:.1f} min in all; {each}) on "
+        f"{count(len(report.events.tier_names), 'tier')} ({', '.join(report.events.tier_names)}) were sampled to steps of {o.step:g} s; each step has {value}; where "
         f"nothing was coded it {nothing} ({report.steps.transitions:,} transitions). {_span_words(report)}",
         f"Shared attention is looking of {r.infant} and {r.partner} at the same target, other than "
         f"{_some([r.infant_at_partner, r.partner_at_infant, *r.nowhere])}. A look follows if it begins within "
@@ -53,11 +54,11 @@ def methods_paragraph(report: "RecordingReport") -> str:
         f"s bridged (after Bakeman and Adamson, 1984); it is coordinated with at least "
         f"{count(r.glances, 'look')} of {r.infant} at the partner's face.",
         f"Contingency is transfer entropy in bits (Schreiber, 2000) from one tier to another at a lag of "
-        f"{lag * o.step:g} s ({count(lag, 'step')}), less the mean of {o.surrogates:,} surrogates. "
+        f"{lag * o.step:.4g} s ({count(lag, 'step')}), less the mean of {o.surrogates:,} surrogates. "
         f"{_surrogates(report)} "
         + _unit_words(report)
         + f"P-values of {len(report.pairs)} pairs of tiers were corrected by Holm's method; over lags of {o.step:g} to "
-        f"{o.lags * o.step:g} s ({count(o.lags, 'lag')}) by the maximum over lags in each surrogate (Westfall and "
+        f"{o.lags * o.step:.4g} s ({count(o.lags, 'lag')}) by the maximum over lags in each surrogate (Westfall and "
         f"Young, 1993). Transitions at the same lag are adjusted residuals (Bakeman and Quera, 2011), tested by "
         f"{o.surrogates:,} circular shifts"
         + (", and means of the recordings' Yule's Q, with Student's t." if report.over_recordings else ".")

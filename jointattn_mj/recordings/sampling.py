@@ -328,7 +328,7 @@ def _remarks(sampled: list[_Sampled], lacking: Collection[str], used: set[str], 
     outside = {recording.recording: recording.outside_s for recording in sampled if recording.outside_s >= step}
     if outside:
         remarks.append(
-            f"{_some(outside)} cut at the ends, by {sum(outside.values()):g} s in all, where a tier was not coded; "
+            f"{_some(outside)} cut at the ends, by {sum(outside.values()):.4g} s in all, where a tier was not coded; "
             "the span 'all' keeps them"
         )
     missed = {
