@@ -43,7 +43,8 @@ def methods_paragraph(report: "RecordingReport") -> str:
     each = f"{least} s each" if least == most else f"{least} to {most} s each"
     parts = [
         f"Coded events of {count(len(seconds), 'recording')} ({seconds.sum() / 60:.1f} min in all; {each}) on "
-        f"{count(len(report.events.tier_names), 'tier')} ({', '.join(report.events.tier_names)}) were sampled to steps of {o.step:g} s; each step has {value}; where "
+        f"{count(len(report.events.tier_names), 'tier')} ({', '.join(report.events.tier_names)}) were sampled to "
+        f"steps of {o.step:g} s; each step has {value}; where "
         f"nothing was coded it {nothing} ({report.steps.transitions:,} transitions). {_span_words(report)}",
         f"Shared attention is looking of {r.infant} and {r.partner} at the same target, other than "
         f"{_some([r.infant_at_partner, r.partner_at_infant, *r.nowhere])}. A look follows if it begins within "
