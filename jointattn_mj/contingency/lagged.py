@@ -63,11 +63,11 @@ def timed(given: Steps, timing: Timing, reach: int | None = None) -> Steps:
         parts = [codes[start + lost - back : stop - back] for start, stop in pieces]
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
-    def taken(one: Coded, back: int, history: int) -> Coded:
-        columns = [back_by(one.codes, back + further) for further in range(history)]
+    def taken(coded: Coded, back: int, history: int) -> Coded:
+        columns = [back_by(coded.codes, back + further) for further in range(history)]
         if history == 1:
-            return replace(one, codes=columns[0], bounds=ends)
-        codes, bound = combined(columns, [one.size] * history)
+            return replace(coded, codes=columns[0], bounds=ends)
+        codes, bound = combined(columns, [coded.size] * history)
         if bound > max(1024, len(codes)):
             values, codes = np.unique(codes, return_inverse=True)
             bound = len(values)
