@@ -15,7 +15,7 @@ bootstrap). ``recordings``: whole recordings. ``auto``: recordings where there a
 
 ENOUGH_RECORDINGS = 10
 
-MANY, MOST_COUNTS = 2**20, 2**22
+MANY = MOST_COUNTS = 2**20
 """Of more transitions, blocks are drawn that begin at multiples of their length: these are counted once, which takes a
 hundredth of the time. Together they have at most so many counts."""
 

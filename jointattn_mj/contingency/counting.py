@@ -91,7 +91,9 @@ def counter(rest: np.ndarray, source: np.ndarray, rests: int, sources: int) -> C
     if len(often) * words * PER_WORD + rare * PER_PLACE > changes * PER_RUN:
         return Runs(_runs(rest), _runs(source), (rests, sources))
     small = source.astype(np.uint8)
-    positions = np.flatnonzero(~np.isin(rest, often)).astype(np.int32)
+    is_rare = np.ones(rests, bool)
+    is_rare[often] = False
+    positions = np.flatnonzero(is_rare[rest]).astype(np.int32)
     bits = np.stack([_packed(rest == value, 0, 0) for value in often]) if len(often) else np.zeros((0, 0), np.uint64)
     of_source = [_packed(small == value, 64, 128) for value in range(sources - 1)]
     return Words(

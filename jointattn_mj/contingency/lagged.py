@@ -56,12 +56,15 @@ def timed(given: Steps, timing: Timing, reach: int | None = None) -> Steps:
             f"lag and histories reach back {lost + 1} steps; the longest recording has {int(np.diff(bounds).max())}. "
             "Choose a shorter lag"
         )
-    pieces = zip(bounds[:-1][kept], bounds[1:][kept], strict=True)
-    at = np.concatenate([np.arange(start + lost, stop) for start, stop in pieces])
+    pieces = list(zip(bounds[:-1][kept].tolist(), bounds[1:][kept].tolist(), strict=True))
     ends = np.concatenate([[0], np.cumsum(lengths[kept])])
 
+    def back_by(codes: np.ndarray, back: int) -> np.ndarray:
+        parts = [codes[start + lost - back : stop - back] for start, stop in pieces]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
     def taken(coded: Coded, back: int, history: int) -> Coded:
-        columns = [coded.codes[at - back - further] for further in range(history)]
+        columns = [back_by(coded.codes, back + further) for further in range(history)]
         if history == 1:
             return replace(coded, codes=columns[0], bounds=ends)
         codes, bound = combined(columns, [coded.size] * history)
@@ -79,17 +82,6 @@ def timed(given: Steps, timing: Timing, reach: int | None = None) -> Steps:
     )
 
 
-def scanned(given: Steps, lags: Sequence[int], timing: Timing) -> list[Steps]:
-    """The transitions at each of several lags, all with the same results.
-
-    Args:
-        given: Series, aligned as always.
-        lags: Steps from source to result.
-        timing: Its histories hold for all; its lag does not count.
-
-    Raises:
-        SeriesError: No recording is long enough for the longest lag.
-    """
-    timings = [replace(timing, lag=lag) for lag in lags]
-    reach = max(timing.reach for timing in timings)
-    return [timed(given, timing, reach) for timing in timings]
+def at_lags(lags: Sequence[int], timing: Timing) -> list[Timing]:
+    """``timing`` with each of several lags in place of its own; its histories hold for all."""
+    return [replace(timing, lag=int(lag)) for lag in lags]

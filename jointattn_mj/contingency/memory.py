@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from jointattn_mj.contingency.information import Measure
-from jointattn_mj.contingency.series import Coded, combined
+from jointattn_mj.contingency.series import Coded, combined, distinct
 from jointattn_mj.contingency.table import AXES, Steps
 
 MOST_STEPS = 2**19
@@ -54,15 +54,14 @@ def memory(steps: Steps, measure: Measure) -> Memory:
     chosen = [AXES.index(axis) for axis in measure.given]
     recording = steps.recordings()
     keys = [recording, *(columns[i] for i in chosen)]
-    joined = combined(keys, [int(recording[-1]) + 1, *(sizes[i] for i in chosen)])[0]
-    context = np.unique(joined, return_inverse=True)[1]
+    context = distinct(*combined(keys, [int(recording[-1]) + 1, *(sizes[i] for i in chosen)])).which
     source, after = columns[2], columns[3]
     longest = int(np.diff(spans).max())
     lags = max(1, min(longest // 4, 4096))
     whole = np.zeros(n, np.int64)
     situation = whole
     if chosen:
-        situation = np.unique(combined(keys[1:], [sizes[i] for i in chosen])[0], return_inverse=True)[1]
+        situation = distinct(*combined(keys[1:], [sizes[i] for i in chosen])).which
     of_source, source_values = _autocorrelation(whole, source, context, spans, lags)
     of_after, after_values = _autocorrelation(situation, after, context, spans, lags)
     share = 1 - np.arange(1, lags + 1) / longest
@@ -121,14 +120,14 @@ def _autocorrelation(
     order = np.argsort(-counts, kind="stable")[:MOST_PAIRS]
     sizes = np.maximum(np.bincount(context), 1)
     room = next_fast_len(int(np.diff(spans).max()) + lags + 1, real=True)
-    total = np.zeros(lags + 1)
+    power = np.zeros(room // 2 + 1)
     for pair, count in zip(pairs[order], counts[order], strict=True):
         indicator = (codes == pair % len(values)).astype(np.float64)
         indicator -= (np.bincount(context, indicator) / sizes)[context]
         indicator[within != pair // len(values)] = 0.0
         for start, stop in pairwise(spans.tolist()):
-            power = np.abs(rfft(indicator[start:stop], room)) ** 2
-            total += irfft(power, room)[: lags + 1] / count
+            power += np.abs(rfft(indicator[start:stop], room)) ** 2 / count
+    total = irfft(power, room)[: lags + 1]
     if total[0] <= 1e-9:
         total = np.zeros(lags + 1)
         total[0] = 1.0

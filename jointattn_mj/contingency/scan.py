@@ -1,19 +1,24 @@
 """A scan over lags: at which delay does the source say most, and is that more than chance over all lags tried?"""
 
 from collections.abc import Callable, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 
 import numpy as np
 
 from jointattn_mj.contingency.displaced import displaced, moves
 from jointattn_mj.contingency.information import Measure
-from jointattn_mj.contingency.lagged import Timing, scanned
+from jointattn_mj.contingency.lagged import Timing, at_lags, timed
 from jointattn_mj.contingency.memory import memory
 from jointattn_mj.contingency.names import full_name
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.significance import MEASURES, TestOptions, chosen_method, drawn, generator
 from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import SeriesError
+
+AT_ONCE = 2**23
+"""Transitions, of all lags together, that are prepared at a time. More lags are measured part by part, each with the
+same surrogates: all 30 lags of ten million steps would take 3 GB."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -193,20 +198,43 @@ def scan_surrogates(
     """
     if not len(lags) or any(int(lag) != lag or lag < 1 for lag in lags) or len(set(lags)) < len(lags):
         raise SeriesError(f"lags must be different whole numbers of 1 or more; got {list(lags)[:10]}")
-    at_lags = scanned(given, [int(lag) for lag in lags], timing)
-    first = at_lags[0]
+    timings = at_lags(lags, timing)
+    reach = max(one.reach for one in timings)
+    first = timed(given, timings[0], reach)
     remembered = memory(first, measure)
     method = chosen_method(first, remembered, options)
     how = "shift" if method == "permutation" else method
-    tables = [displaced(shifted, [measure]) for shifted in at_lags]
     moved = moves(first, how, max(remembered.fresh_after, max(lags) - min(lags)), remembered.block)
+    size = max(1, AT_ONCE // first.transitions)
+    parts = [timings[start : start + size] for start in range(0, len(timings), size)]
+    told, same = in_turn(progress, len(parts)), [deepcopy(rng) for _ in parts[1:]]
 
-    def values(pieces: np.ndarray) -> np.ndarray:
-        return np.concatenate([table.values(pieces) for table in tables])
+    def measured(part: Sequence[Timing], draws: np.random.Generator) -> tuple[list[float], np.ndarray]:
+        value, tables = [], []
+        for one in part:
+            shifted = timed(given, one, reach)
+            value.append(measure.value(shifted.entries()))
+            tables.append(displaced(shifted, [measure]))
 
-    null = drawn(moved, values, first.transitions * len(tables), options.surrogates, rng, progress) / unit
-    value = np.array([measure.value(one.entries()) for one in at_lags]) / unit
-    return ScanSurrogates(value, null, first.transitions, how)
+        def values(pieces: np.ndarray) -> np.ndarray:
+            return np.concatenate([table.values(pieces) for table in tables])
+
+        return value, drawn(moved, values, first.transitions * len(part), options.surrogates, draws, told)
+
+    value, null = zip(*(measured(part, draws) for part, draws in zip(parts, [*same, rng], strict=True)), strict=True)
+    return ScanSurrogates(np.concatenate(value) / unit, np.concatenate(null, 1) / unit, first.transitions, how)
+
+
+def in_turn(progress: Callable[[int], object], parts: int) -> Callable[[int], object]:
+    """Give a function that tells ``progress`` of a surrogate when so many parts have drawn one."""
+    done = 0
+
+    def tell(more: int) -> None:
+        nonlocal done
+        told, done = done // parts, done + more
+        progress(done // parts - told)
+
+    return tell
 
 
 def lag_scan(lags: Sequence[int], surrogates: ScanSurrogates, level: float, recordings: int = 0) -> LagScan:

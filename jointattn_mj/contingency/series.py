@@ -152,13 +152,16 @@ def combined(columns: Sequence[np.ndarray], sizes: Sequence[int]) -> tuple[np.nd
     """
     keys, bound = columns[0].astype(np.int64, copy=False), int(sizes[0])
     for column, size in zip(columns[1:], sizes[1:], strict=True):
+        if size == 1:
+            continue  # its one code is 0
         if bound * int(size) >= 2**62:
             occupied, keys = np.unique(keys, return_inverse=True)
             bound = len(occupied)
         if bound * int(size) >= 2**62:
             occupied, column = np.unique(column, return_inverse=True)
             size = len(occupied)
-        keys, bound = keys * size + column, bound * int(size)
+        keys, bound = keys * size, bound * int(size)
+        keys += column
     return keys, bound
 
 

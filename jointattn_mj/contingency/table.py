@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 from math import prod
 
 import numpy as np
@@ -96,12 +97,15 @@ class Steps:
 
     def columns(self) -> list[np.ndarray]:
         """Codes of r, a, s, n at each transition, each (n,)."""
-        first = np.ones(len(self.target.codes), bool)
-        first[self.target.bounds[1:] - 1] = False
-        nexts = np.flatnonzero(first) + 1
-        before = self.history or self.target
-        action = self.condition.codes[first] if self.condition else np.zeros(len(nexts), np.int64)
-        return [before.codes[first], action, self.source.codes[first], self.target.codes[nexts]]
+        bounds = self.target.bounds.tolist()
+
+        def taken(one: Coded, ahead: int) -> np.ndarray:
+            parts = [one.codes[start + ahead : stop - 1 + ahead] for start, stop in pairwise(bounds)]
+            return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+        source = taken(self.source, 0)
+        action = np.zeros(len(source), np.int64) if self.condition is None else taken(self.condition, 0)
+        return [taken(self.history or self.target, 0), action, source, taken(self.target, 1)]
 
     def spans(self, whole: bool) -> np.ndarray:
         """Where the transitions of each piece of a recording begin, or of each ``whole`` recording, and the end."""

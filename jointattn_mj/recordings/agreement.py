@@ -1,12 +1,13 @@
 """Agreement of two coders of the same recording: Cohen's kappa by units of time, with tolerance."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 import numpy as np
 
 from jointattn_mj.errors import SeriesError
+from jointattn_mj.io.progress import count
 from jointattn_mj.options import Checked, Real, Seed, Whole
 from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.intervals import at_times, intervals_of
@@ -46,6 +47,8 @@ class Agreement:
     """Seconds that only one of the two has coded: they are left out."""
     level: float = 0.95
     """Coverage of the interval."""
+    alone: tuple[str, ...] = ()
+    """Recordings that only one of the two has coded: they are left out."""
 
     def __repr__(self) -> str:
         return (
@@ -83,13 +86,27 @@ class Agreement:
             kappas[label] = kappa(np.array([[both, first - both], [second - both, rest]]))
         return kappas
 
+    def notes(self) -> tuple[str, ...]:
+        """What was left out, and a tolerance that changes nothing."""
+        notes = []
+        seconds = [f"{self.outside_s:.1f} s"] if self.outside_s else []
+        named = ", ".join(self.alone[:5]) + (" ..." if len(self.alone) > 5 else "")
+        recordings = [f"{count(len(self.alone), 'recording')} ({named})"] if self.alone else []
+        if recordings or seconds:
+            notes.append(f"left out, as only one coder has coded it: {' and '.join([*recordings, *seconds])}")
+        if 0 < self.tolerance_s < self.step * (1 - 1e-6):
+            notes.append(
+                f"a tolerance of {self.tolerance_s:g} s is less than a unit of {self.step:g} s: it changes nothing"
+            )
+        return tuple(notes)
+
     def row(self) -> dict[str, Any]:
         """In one row."""
         return {
             "tier": self.tier, "kappa": self.kappa, "low": self.interval[0], "high": self.interval[1],
             "observed": self.observed, "expected": self.expected, "kappa_max": self.kappa_max,
             "units": float(self.matrix.sum()), "step": self.step, "tolerance_s": self.tolerance_s,
-            "outside_s": self.outside_s,
+            "outside_s": self.outside_s, "left_out": ", ".join(self.alone),
         }  # fmt: skip
 
 
@@ -134,7 +151,9 @@ def agreement(
         raise SeriesError(
             f"the coders share no tier: {', '.join(first.tier_names)} against {', '.join(second.tier_names)}"
         )
-    return tuple(_of_tier(first, second, pairs, tier, options) for tier in chosen)
+    matched = {name for pair in pairs for name in pair}
+    alone = tuple(name for one in (first, second) for name in one.recordings if name not in matched)
+    return tuple(replace(_of_tier(first, second, pairs, tier, options), alone=alone) for tier in chosen)
 
 
 def _of_tier(
@@ -155,7 +174,7 @@ def _of_tier(
         raise SeriesError(f"the coders have no time of tier {tier!r} in common")
     labels = sorted({str(label) for pair in coded_pairs for codes in pair for label in np.unique(codes)})
     number = {label: i for i, label in enumerate(labels)}
-    reach = round(options.tolerance_s / options.step)
+    reach = int(options.tolerance_s / options.step + 1e-6)
     coded = [[np.array([number[label] for label in codes]) for codes in pair] for pair in coded_pairs]
     counted = [_tallied(a, b, reach) for a, b in coded]
     matrix = sum(_matrix(pair, len(labels)) for pair in counted) / 2

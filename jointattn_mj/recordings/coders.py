@@ -77,8 +77,7 @@ class AgreementResult:
             "",
             f"Units of {first.step:g} s, tolerance {first.tolerance_s:g} s; nothing coded is a code of its own.",
         ]
-        if first.outside_s:
-            lines.append(f"Note: {first.outside_s:.1f} s that only one coder has coded are left out.")
+        lines += [f"Note: {note}." for note in first.notes()]
         return "\n".join(lines)
 
     @property

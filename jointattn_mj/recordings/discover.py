@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from jointattn_mj.contingency.discovery import Finding, discover, least_surrogates
+from jointattn_mj.contingency.discovery import Finding, discover
 from jointattn_mj.contingency.names import OF_EVENTS, measure_choice
 from jointattn_mj.contingency.significance import Adjust
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.results import bracket, claimed_paths, number, share, write_results
 from jointattn_mj.options import Real, Whole
 from jointattn_mj.recordings.measure import notes_on_tests
+from jointattn_mj.recordings.methods import holm_notes
 from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
 from jointattn_mj.recordings.steps import Recordings
@@ -162,12 +163,10 @@ def _run(
     )
     tested = [(finding.event, finding.significance) for finding in findings]
     notes = [*coded.notes(), *notes_on_tests(tested, options.method, options.surrogates)]
-    needed = least_surrogates(options.tests, options.alpha)
-    if options.correction == "holm" and options.surrogates < needed:
-        notes.append(
-            f"with {options.surrogates} surrogates no single one of {options.tests} events can be significant; "
-            f"{needed} surrogates would do"
-        )
+    if options.correction == "holm":
+        drawn = max(finding.significance.surrogates for finding in findings)
+        least = [1 / (finding.significance.surrogates + 1) for finding in findings]
+        notes += holm_notes("event", least, drawn, options.surrogates, options.alpha)
     result = DiscoverResult(options, findings, coded.labels, tuple(notes))
     if paths is not None:
         write_results(paths, result.rows(), options, notes=result.notes)

@@ -7,14 +7,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
-from math import comb
+from math import comb, factorial, prod
 from typing import Any
 
 import numpy as np
 
 from jointattn_mj.contingency.information import Measure
 from jointattn_mj.contingency.lagged import Timing
-from jointattn_mj.contingency.scan import LagScan, ScanSurrogates, lag_scan, scan_surrogates
+from jointattn_mj.contingency.scan import LagScan, ScanSurrogates, in_turn, lag_scan, scan_surrogates
 from jointattn_mj.contingency.series import Coded
 from jointattn_mj.contingency.significance import Significance, TestOptions, assess_steps
 from jointattn_mj.contingency.table import Steps
@@ -25,6 +25,8 @@ FEWEST = 2
 """Dyads of a group that can be compared."""
 DRAWS = 49_999
 """Times that a surrogate of each dyad is put together to a group by chance."""
+LEAST_P = 2 / (1 + DRAWS)
+"""No two-sided p over dyads is lower."""
 LEVEL = 0.95
 """Coverage of intervals over dyads."""
 ALL = "all"
@@ -94,6 +96,17 @@ class DyadResult:
             }
             for i, (name, value) in enumerate(zip(self.names, self.values, strict=True))
         ]  # fmt: skip
+
+    def out_of_reach(self, alpha: float) -> list[str]:
+        """Why no comparison can be significant: there are too few ways to part so few dyads into these groups."""
+        sizes = [group.dyads for group in self.groups[1:]]
+        if len(sizes) < 2 or min(sizes) < FEWEST or least_p_of_groups(sizes) <= alpha:
+            return []
+        counts = f"{', '.join(map(str, sizes[:-1]))} and {sizes[-1]}"
+        return [
+            f"groups of {counts} recordings can be parted in so few ways that no p of their comparison is below "
+            f"{least_p_of_groups(sizes):.2g}; more recordings are needed"
+        ]
 
     def lines(self) -> list[str]:
         """The groups and their comparison, in words."""
@@ -236,6 +249,19 @@ def compare(
     return comparisons
 
 
+def least_p_of_groups(sizes: Sequence[int]) -> float:
+    """The lowest p of a comparison of groups of these sizes, where each way of parting the dyads counts once.
+
+    Args:
+        sizes: Dyads of each group.
+    """
+    ways, left = 1, sum(sizes)
+    for size in sizes:
+        ways, left = ways * comb(left, size), left - size
+    same = prod(factorial(sizes.count(size)) for size in set(sizes))  # groups of one size can change their names
+    return same / ways
+
+
 def _two_sided(a: np.ndarray, b: np.ndarray, permutations: int, rng: np.random.Generator) -> float:
     """p of the difference of two means; all ways are tried where they are few."""
     both, size = np.concatenate([a, b]), len(a)
@@ -319,7 +345,7 @@ def scan_over_dyads(
     """
     dyads = split(given)
     streams = seed.spawn(len(dyads) + 1)
-    told = _in_turn(progress, len(dyads))
+    told = in_turn(progress, len(dyads))
     scans = [
         scan_surrogates(dyad, measure, lags, timing, options, unit, np.random.default_rng(stream), told)
         for (_, dyad), stream in zip(dyads, streams, strict=False)
@@ -332,18 +358,6 @@ def scan_over_dyads(
         " or ".join(sorted({scan.method for scan in scans})),
     )  # fmt: skip
     return lag_scan(lags, together, options.level, len(scans))
-
-
-def _in_turn(progress: Callable[[int], object], dyads: int) -> Callable[[int], object]:
-    """Tells of a surrogate when so many dyads have drawn one."""
-    done = 0
-
-    def tell(more: int) -> None:
-        nonlocal done
-        told, done = done // dyads, done + more
-        progress(done // dyads - told)
-
-    return tell
 
 
 def _standard_error(values: np.ndarray) -> np.ndarray:

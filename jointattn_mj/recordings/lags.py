@@ -37,7 +37,7 @@ def lag_words(name: str, scan: LagScan, step: float | None, alpha: float = 0.05)
         alpha: Level of significance.
     """
     i, lag = scan.best, int(scan.lags[scan.best])
-    time = "" if step is None else f" ({lag * step:g} s)"
+    time = "" if step is None else f" ({lag * step:.4g} s)"
     tried = f"lags {scan.lags[0]} to {scan.lags[-1]}"
     steps = f"{lag} step{'s' * (lag != 1)}{time}"
     if scan.p_adjusted[i] > alpha:
@@ -64,7 +64,9 @@ def draw_lags(path: Path, scans: Sequence[tuple[str, LagScan]], step: float | No
     save(lag_figure(scans, step, title, unit), path)
 
 
-def lag_figure(scans: Sequence[tuple[str, LagScan]], step: float | None, title: str, unit: str) -> "Figure":
+def lag_figure(
+    scans: Sequence[tuple[str, LagScan]], step: float | None, title: str, unit: str, alpha: float = 0.05
+) -> "Figure":
     """Draw each measure over lags, with what stays below chance at one lag and at all together.
 
     Args:
@@ -72,6 +74,7 @@ def lag_figure(scans: Sequence[tuple[str, LagScan]], step: float | None, title: 
         step: Seconds of a step, if known; then the axis is in seconds.
         title: What is measured.
         unit: Of the values, such as bits.
+        alpha: Level of significance.
     """
     from matplotlib.figure import Figure
 
@@ -86,8 +89,10 @@ def lag_figure(scans: Sequence[tuple[str, LagScan]], step: float | None, title: 
         axes.plot(at, scan.chance, color=CHANCE, lw=1, ls="--", label=f"{tries}, each lag alone")
         mean = f", mean over {scan.recordings} recordings" if scan.recordings else ""
         axes.plot(at, scan.effective, color=INK, marker="o", ms=3.5, lw=1.6, label=f"effective value{mean}")
-        told = scan.p_adjusted <= 1 - scan.level
-        axes.plot(at[told], scan.effective[told], "o", color=BEST, ms=6, label="significant among all lags")
+        told = scan.p_adjusted <= alpha
+        axes.plot(
+            at[told], scan.effective[told], "o", color=BEST, ms=6, label=f"significant among all lags at {alpha:g}"
+        )
         axes.axhline(0, color="black", lw=0.6)
         axes.set_title(f"{name}: {title}" if name not in title else title, fontsize=11, loc="left")
         axes.set_ylabel(unit)

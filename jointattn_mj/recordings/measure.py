@@ -314,6 +314,7 @@ def _run(
             scans.append((measure.name, scan))
         notes.append(_scan_note(scans[0][1]))
     dyads = _by_recording(given, coded, options, group_of, streams[-1])
+    notes += [note for dyad in dyads[:1] for note in dyad.out_of_reach(ALPHA)]
     try:
         granger = float("nan") if options.measures else _granger(given, options.base)
     except SeriesError as error:

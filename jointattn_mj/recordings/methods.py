@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 
+from jointattn_mj.contingency.discovery import least_surrogates
 from jointattn_mj.contingency.significance import Significance
+from jointattn_mj.io.progress import count
 
 WORDS = {
     "permutation": "permutations of the source within its context",
@@ -47,6 +49,28 @@ def method_notes(named: Sequence[tuple[str, Significance]], asked: str, surrogat
             "is too small. Take the method shift"
         )
     return notes
+
+
+def holm_notes(what: str, least: Sequence[float], drawn: int, asked: int, alpha: float) -> list[str]:
+    """Say where Holm's correction leaves nothing that could be significant, whatever the values are.
+
+    Args:
+        what: One of those that are tested, such as ``event``.
+        least: The lowest p that each test can have.
+        drawn: Surrogates behind each.
+        asked: How many were asked for.
+        alpha: Level of significance.
+    """
+    if not least or min(least) * len(least) <= alpha * (1 + 1e-9):
+        return []
+    needed = least_surrogates(len(least), alpha)
+    way = f"{needed:,} surrogates would do"
+    if drawn < asked:
+        way = f"there are no more different shifts; longer recordings or the method bootstrap with {way}"
+    return [
+        f"with {drawn:,} surrogates p is {min(least):.2g} or more, so no {what} can be significant at {alpha:g} "
+        f"after Holm's correction for {count(len(least), 'test')}; {way}"
+    ]
 
 
 def _some(names: Sequence[str]) -> str:

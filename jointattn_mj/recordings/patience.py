@@ -43,7 +43,7 @@ def patient(
             begun, first, most = clock(), done, more
             return
         spent = clock() - begun
-        if known or spent < KNOWN_AFTER_S:
+        if known or spent < KNOWN_AFTER_S or done == first:
             return
         known = True
         left = (total - done) * spent / (done - first)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 import tyro
@@ -20,6 +20,7 @@ from jointattn_mj.io.results import without_nan
 from jointattn_mj.options import NotNegative, Real, Seed, Whole
 from jointattn_mj.recordings.agreement import Agreement, AgreementOptions, agreement
 from jointattn_mj.recordings.delays import check_delay, delay_in_steps
+from jointattn_mj.recordings.dyads import LEAST_P
 from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.groups import GroupOptions, groups_of
 from jointattn_mj.recordings.joint_attention import (
@@ -37,6 +38,7 @@ from jointattn_mj.recordings.measure import (
     notes_on_tests,
     run_measure,
 )
+from jointattn_mj.recordings.methods import holm_notes
 from jointattn_mj.recordings.reader import ReadOptions, read
 from jointattn_mj.recordings.sampling import SampleOptions
 from jointattn_mj.recordings.sequential import LagTable, OverRecordings, SequentialOptions, lag_table, yules_q_over
@@ -157,7 +159,9 @@ class RecordingReport:
 
     def text(self) -> str:
         """The main values, to read on a terminal."""
-        return "\n".join([*self.main(), *([] if self.out is None else [f"Page: {self.out / PAGE}"])])
+        page = [] if self.out is None else [f"Page: {self.out / PAGE}"]
+        reach = [*self.out_of_reach("pair of tiers"), *self.out_of_reach("event"), *self.groups_out_of_reach()]
+        return "\n".join([*self.main(), *(f"Note: {note}." for note in reach), *page])
 
     def main(self) -> list[str]:
         """A sentence for each main value."""
@@ -243,6 +247,27 @@ class RecordingReport:
 
         return methods_paragraph(self)
 
+    def out_of_reach(self, what: Literal["pair of tiers", "event"]) -> list[str]:
+        """Why no pair of tiers, or no event, can be significant: there are too few surrogates for so many of them."""
+        results = (self.pairs if what == "pair of tiers" else self.found).values()
+        drawn = [result.measured[0].significance.surrogates for result in results]
+        least = [
+            LEAST_P if result.dyads and result.dyads[0].groups[0].dyads > 1 else 1 / (1 + surrogates)
+            for result, surrogates in zip(results, drawn, strict=True)
+        ]
+        return holm_notes(what, least, max(drawn, default=0), self.options.surrogates, self.options.alpha)
+
+    def all_notes(self) -> list[str]:
+        """What was left out and why, where p-values come from, and what is out of their reach."""
+        reach = [*self.out_of_reach("pair of tiers"), *self.out_of_reach("event"), *self.groups_out_of_reach()]
+        return list(dict.fromkeys([*self.notes, *reach]))
+
+    def groups_out_of_reach(self) -> list[str]:
+        """Why groups of recordings cannot differ significantly: there are too few recordings."""
+        return [
+            note for dyad in self.pairs[self.options.looks].dyads[:1] for note in dyad.out_of_reach(self.options.alpha)
+        ]
+
     def following(self) -> list[str]:
         """Who follows whom, how often and how soon."""
         lines = []
@@ -264,7 +289,9 @@ class RecordingReport:
         lines = []
         for pair in (self.options.looks, self.options.looks[::-1]):
             result = self.pairs[pair]
-            lines += [lag_words(f"{pair[0]} -> {pair[1]}", scan, result.step) for _, scan in result.scans]
+            lines += [
+                lag_words(f"{pair[0]} -> {pair[1]}", scan, result.step, self.options.alpha) for _, scan in result.scans
+            ]
         return lines
 
     def _agreement(self) -> list[str]:
@@ -332,6 +359,9 @@ def analyse(
     asked = _events(options, tiers)
     every = dict.fromkeys([*tiers, *(tier for event in asked for tier in event)])
     steps = without_gaps(attention).steps(options.step, every, **how)
+    still = [tier for tier in every if tier not in options.looks and len(steps.labels[tier]) == 1]
+    tiers = [tier for tier in tiers if tier not in still]
+    asked = [event for event in asked if not set(event) & set(still)]
 
     def measured(source: str, target: str, action: str | None = None) -> MeasureResult:
         of_looks = action is None and {source, target} == set(options.looks)
@@ -360,7 +390,8 @@ def analyse(
         **{f"{source} -> {target}": result for (source, target), result in pairs.items()},
         **{f"({sensor}, {action}) -> {result}": tested for (sensor, action, result), tested in found.items()},
     }
-    notes = dict.fromkeys([*steps.notes(), *_notes(named, options)])
+    left_out = [f"tier {tier!r} is not ranked, as it has the same value in all steps" for tier in still]
+    notes = dict.fromkeys([*steps.notes(), *left_out, *_notes(named, options)])
     return RecordingReport(
         options, events, attention, steps, pairs, _adjusted(pairs), found, _adjusted(found), transitions, agreements,
         tuple(notes), over, group_of, options.out,
@@ -430,7 +461,7 @@ def write_tables(report: RecordingReport, folder: Path) -> list[str]:
     _write_csv(folder / "events.csv", list(events), zip(*events.values(), strict=True))
     document = {
         "config": plain(report.options), "versions": versions(), "main": report.main(), "methods": report.methods(),
-        "notes": list(report.notes), **plain(tables),
+        "notes": report.all_notes(), **plain(tables),
     }  # fmt: skip
     write_text(folder / "report.json", json.dumps(without_nan(document), indent=1, ensure_ascii=False) + "\n")
     write_text(folder / "methods.txt", report.methods() + "\n")

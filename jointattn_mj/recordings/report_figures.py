@@ -116,12 +116,13 @@ def timeline(
     return figure
 
 
-def transition_figure(tables: Mapping[tuple[str, str], LagTable], lag_s: float) -> Figure:
+def transition_figure(tables: Mapping[tuple[str, str], LagTable], lag_s: float, alpha: float = 0.05) -> Figure:
     """What each value leads to: shares and adjusted residuals, marked where shifts say that it is more than chance.
 
     Args:
         tables: By source and target.
         lag_s: Seconds between the two.
+        alpha: Level of significance.
     """
     size = max(max(len(table.given), len(table.target)) for table in tables.values())
     side = min(max(0.72 * size, 2.2), 7.0)
@@ -134,14 +135,14 @@ def transition_figure(tables: Mapping[tuple[str, str], LagTable], lag_s: float) 
         image = axes.imshow(table.adjusted_residuals, cmap="RdBu_r", vmin=-limit, vmax=limit, aspect="auto")
         axes.set_xticks(range(len(table.target)), table.target, rotation=40, ha="right", fontsize=8)
         axes.set_yticks(range(len(table.given)), table.given, fontsize=8)
-        axes.set_xlabel(f"{target}, {lag_s:g} s later", fontsize=9)
+        axes.set_xlabel(f"{target}, {lag_s:.4g} s later", fontsize=9)
         axes.set_ylabel(source, fontsize=9)
         for i, j in np.ndindex(table.counts.shape):
             p = 1.0 if table.p_shift is None else float(table.p_shift[i, j])
             if table.possible[i, j] and table.conditional[i, j] == table.conditional[i, j] and size <= 12:
                 strong = abs(table.adjusted_residuals[i, j]) > 0.6 * limit
                 axes.text(
-                    j, i, f"{table.conditional[i, j]:.2f}{'*' if p <= 0.05 else ''}", ha="center", va="center",
+                    j, i, f"{table.conditional[i, j]:.2f}{'*' if p <= alpha else ''}", ha="center", va="center",
                     fontsize=8, color="white" if strong else "black",
                 )  # fmt: skip
     if image is not None:

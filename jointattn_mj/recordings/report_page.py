@@ -83,8 +83,10 @@ def write_page(report: RecordingReport, folder: Path) -> None:
     filters: dict[str, Any] = {
         "number": number,
         "bracket": lambda row: bracket((row["low"], row["high"])),
+        "two_digits": lambda ends: "-" if ends[0] != ends[0] else "[{:.2f}, {:.2f}]".format(*ends),
         "share": share,
         "short": _short,
+        "sentence": lambda words: words[:1].upper() + words[1:],
     }
     text = page("jointattn_mj.recordings", PAGE, values, p=lambda p: p_words(p)[2:].removeprefix("= "), **filters)
     write_text(folder / PAGE, text)
@@ -105,13 +107,13 @@ def _figures(report: RecordingReport) -> dict[str, Figure]:
     lag_s = delay_in_steps("lag", options.lag, options.step) * options.step
     followers = options.infant, options.partner
     figures["latencies"] = latency_figure(report.attention.opportunities, followers, options.follow_within_s)
-    figures["transitions"] = transition_figure(report.transitions, lag_s)
+    figures["transitions"] = transition_figure(report.transitions, lag_s, options.alpha)
     pairs = [(f"{row['source']} → {row['target']}", row) for row in report.ranking()]
     figures["ranking"] = ranking_figure(pairs, "transfer entropy", UNIT)
     if report.found:
         figures["sac"] = ranking_figure([(_event(row), row) for row in report.events_ranked()], "SAC", UNIT)
     scans = [(f"{a} → {b}", scan) for (a, b), result in report.pairs.items() for _, scan in result.scans]
-    figures["lags"] = lag_figure(scans, options.step, "transfer entropy", UNIT)
+    figures["lags"] = lag_figure(scans, options.step, "transfer entropy", UNIT, options.alpha)
     ways = (options.looks, options.looks[::-1])
     dyads = {pair: report.pairs[pair].dyads[0] for pair in ways if report.pairs[pair].dyads}
     if dyads:

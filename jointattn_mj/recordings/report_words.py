@@ -39,46 +39,82 @@ def methods_paragraph(report: "RecordingReport") -> str:
     value = "the code at its middle" if o.value_at == "middle" else "the code that lasted for most of it"
     nothing = "has a value of its own" if o.nothing == "none" else "is missing, and recordings were cut there"
     still = " while the partner still looked there" if r.still_looking else ""
+    least, most = f"{seconds.min():.0f}", f"{seconds.max():.0f}"
+    each = f"{least} s each" if least == most else f"{least} to {most} s each"
     parts = [
-        f"Coded events of {count(len(seconds), 'recording')} ({seconds.sum() / 60:.1f} min in all; {seconds.min():.0f} "
-        f"to {seconds.max():.0f} s each) on {count(len(report.events.tier_names), 'tier')} "
-        f"({', '.join(report.events.tier_names)}) were sampled to steps of {o.step:g} s; each step has {value}; where "
-        f"nothing was coded it {nothing} ({report.steps.transitions:,} transitions).",
+        f"Coded events of {count(len(seconds), 'recording')} ({seconds.sum() / 60:.1f} min in all; {each}) on "
+        f"{count(len(report.events.tier_names), 'tier')} ({', '.join(report.events.tier_names)}) were sampled to "
+        f"steps of {o.step:g} s; each step has {value}; where "
+        f"nothing was coded it {nothing} ({report.steps.transitions:,} transitions). {_span_words(report)}",
         f"Shared attention is looking of {r.infant} and {r.partner} at the same target, other than "
         f"{_some([r.infant_at_partner, r.partner_at_infant, *r.nowhere])}. A look follows if it begins within "
         f"{r.follow_within_s:g} s after the partner began to look at the target{still}; looks that begin within "
-        f"{r.together_s:g} s of each other begin together. Mutual gaze lasts at least {r.least_mutual_s:g} s. "
-        f"Engagement is shared attention of at least {r.least_engagement_s:g} s with breaks of up to {r.bridge_s:g} s "
-        f"bridged (after Bakeman and Adamson, 1984); it is coordinated with at least "
+        f"{r.together_s:g} s of each other begin together. "
+        + (f"Mutual gaze lasts at least {r.least_mutual_s:g} s. " if r.least_mutual_s else "")
+        + f"Engagement is shared attention of at least {r.least_engagement_s:g} s with breaks of up to {r.bridge_s:g} "
+        f"s bridged (after Bakeman and Adamson, 1984); it is coordinated with at least "
         f"{count(r.glances, 'look')} of {r.infant} at the partner's face.",
         f"Contingency is transfer entropy in bits (Schreiber, 2000) from one tier to another at a lag of "
-        f"{lag * o.step:g} s ({count(lag, 'step')}), less the mean of {o.surrogates:,} surrogates. "
+        f"{lag * o.step:.4g} s ({count(lag, 'step')}), less the mean of {o.surrogates:,} surrogates. "
         f"{_surrogates(report)} "
         + _unit_words(report)
         + f"P-values of {len(report.pairs)} pairs of tiers were corrected by Holm's method; over lags of {o.step:g} to "
-        f"{o.lags * o.step:g} s ({count(o.lags, 'lag')}) by the maximum over lags in each surrogate (Westfall and "
-        f"Young, 1993). Transitions are adjusted residuals (Bakeman and Quera, 2011), tested by {o.surrogates:,} "
-        "circular shifts"
+        f"{o.lags * o.step:.4g} s ({count(o.lags, 'lag')}) by the maximum over lags in each surrogate (Westfall and "
+        f"Young, 1993). Transitions at the same lag are adjusted residuals (Bakeman and Quera, 2011), tested by "
+        f"{o.surrogates:,} circular shifts"
         + (", and means of the recordings' Yule's Q, with Student's t." if report.over_recordings else ".")
         + " Which look answers which are shares of transfer entropy; p of each is from the same surrogates, corrected "
         "by the maximum over all combinations of looks in each.",
         *_events_words(report),
         *_group_words(report),
+        f"The level of significance is {o.alpha:g}.",
         *_results(report),
     ]
     if report.agreements:
-        first = report.agreements[0]
-        kappas = "; ".join(
-            f"{agreed.tier}: {agreed.kappa:.2f} [{agreed.interval[0]:.2f}, {agreed.interval[1]:.2f}]"
-            for agreed in report.agreements
-        )
-        parts.append(
-            f"Agreement of two coders is Cohen's kappa by units of {first.step:g} s with a tolerance of "
-            f"{first.tolerance_s:g} s: {kappas}."
-        )
+        parts.append(_agreement_words(report))
     known = versions()
     parts.append(f"Computed by jointattn_mj {known.get('jointattn_mj', '')} (seed {o.seed}).".replace("  ", " "))
     return " ".join(parts)
+
+
+def _span_words(report: "RecordingReport") -> str:
+    """From when to when there are steps, and what happened to overlaps and gaps."""
+    o = report.options
+    spans = {
+        "all": "from the first onset to the last offset in a recording, or as its file says",
+        "coded": "from the first onset to the last offset in a recording, or as its file says, but no longer than each "
+        "tier that is coded without gaps",
+        "common": "as long as all tiers have events",
+    }
+    words = [f"There are steps {spans[o.span]}"]
+    if o.coded is not None:
+        words.append(f"only during events of {o.coded}")
+    slack = report.events.resolution if o.slack is None else o.slack
+    words.append(f"overlaps and gaps of up to {slack:g} s between events of one tier were closed")
+    if o.overlaps == "combine":
+        words.append("longer overlaps were combined into values of their own")
+    if o.absent != "error":
+        nothing = "were taken as if nothing happened on it" if o.absent == "nothing" else "were left out"
+        words.append(f"recordings without a tier {nothing}")
+    if o.missing == "break":
+        words.append("recordings were cut at missing codes")
+    return "; ".join(words) + "."
+
+
+def _agreement_words(report: "RecordingReport") -> str:
+    """Kappa of two coders: how, of how many recordings, and what was found."""
+    first = report.agreements[0]
+    kappas = "; ".join(
+        f"{agreed.tier}: {agreed.kappa:.2f}"
+        + ("" if np.isnan(agreed.interval[0]) else f" [{agreed.interval[0]:.2f}, {agreed.interval[1]:.2f}]")
+        for agreed in report.agreements
+    )
+    both = len(report.events.recordings) - len(set(first.alone) & set(report.events.recordings))
+    intervals = f", with {first.level:.0%} intervals from block bootstraps" if report.options.resamples else ""
+    return (
+        f"Agreement of two coders of {count(both, 'recording')} is Cohen's kappa by units of {first.step:g} s with a "
+        f"tolerance of {first.tolerance_s:g} s{intervals}: {kappas}."
+    )
 
 
 def _results(report: "RecordingReport") -> list[str]:

@@ -330,7 +330,7 @@ def _remarks(sampled: list[_Sampled], lacking: Collection[str], used: set[str], 
     outside = {recording.recording: recording.outside_s for recording in sampled if recording.outside_s >= step}
     if outside:
         remarks.append(
-            f"{_some(outside)} cut at the ends, by {sum(outside.values()):g} s in all, where a tier was not coded; "
+            f"{_some(outside)} cut at the ends, by {sum(outside.values()):.4g} s in all, where a tier was not coded; "
             "the span 'all' keeps them"
         )
     missed = {
@@ -338,9 +338,9 @@ def _remarks(sampled: list[_Sampled], lacking: Collection[str], used: set[str], 
     }
     for tier, number in missed.items():
         if number:
-            are = "is" if number == 1 else "are"
+            are, them = ("is", "it") if number == 1 else ("are", "them")
             remarks.append(
-                f"{count(number, 'event')} of {tier!r} {are} in no step of {step:g} s; a shorter step has them"
+                f"{count(number, 'event')} of {tier!r} {are} in no step of {step:g} s; a shorter step has {them}"
             )
     return remarks
 

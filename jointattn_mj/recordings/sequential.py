@@ -218,7 +218,7 @@ class OverRecordings:
             if n > 1:
                 error = float(known.std(ddof=1)) / np.sqrt(n)
                 half = float(t.ppf((1 + self.level) / 2, n - 1)) * error
-                low, high = mean - half, mean + half
+                low, high = max(mean - half, -1.0), min(mean + half, 1.0)  # as Q itself
                 p = float(2 * t.sf(abs(mean) / error, n - 1)) if error else float(mean == 0)
             rows.append(
                 {"recordings": n, "positive": int((known > 0).sum()), "q_mean": mean, "q_low": low, "q_high": high,

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import jointattn_mj.contingency as c
+from jointattn_mj.contingency import scan
 from jointattn_mj.contingency.information import COMBINED, TRANSFER
-from jointattn_mj.contingency.lagged import scanned, timed
+from jointattn_mj.contingency.lagged import timed
 from jointattn_mj.contingency.series import joint
 from jointattn_mj.contingency.significance import TestOptions
 from jointattn_mj.contingency.table import steps
@@ -79,8 +80,28 @@ def test_an_effect_two_steps_later_is_found_there():
     assert found.p_adjusted[1] == 0.01
     assert found.p_adjusted[np.arange(7) != 1].min() > 0.05
     assert found.effective[1] > found.chance_of_all[1] > found.chance[1]
-    assert len({one.transitions for one in scanned(steps(s, r), [1, 4, 7], c.Timing())}) == 1
+    assert found.transitions == 4000 - 7
     assert [row["lag"] for row in found.rows()] == list(range(1, 8))
+
+
+@pytest.mark.parametrize("method", ["shift", "bootstrap", "partners"])
+def test_lags_that_are_measured_part_by_part_have_the_same_surrogates(method, monkeypatch):
+    """Bit for bit, and what is drawn next from the same generator, too."""
+    s, r = later(400, 3)
+    cut = [slice(0, 90), slice(90, 210), slice(210, 400)]
+    scans, told, following = [], [], []
+    for most in (2**23, 1000, 1):
+        monkeypatch.setattr(scan, "AT_ONCE", most)
+        rng, done = np.random.default_rng(5), []
+        options = TestOptions(60, method=method)
+        series = [s[one] for one in cut], [r[one] for one in cut]
+        scans.append(c.scan_lags("te", *series, lags=range(1, 9), options=options, seed=rng, progress=done.append))
+        told.append(sum(done))
+        following.append(rng.random())
+    for other in scans[1:]:
+        assert other.rows() == scans[0].rows()
+    assert told == [60] * 3
+    assert len(set(following)) == 1
 
 
 def test_many_lags_do_not_find_more_by_chance():

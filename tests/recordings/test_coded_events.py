@@ -150,7 +150,7 @@ class TestWhatAStepIs:
         steps = on_one_tier(("x", 0, 1.01), ("y", 1.01, 1.1), ("x", 1.1, 2)).steps(1)
         assert values(steps) == [["x", "x"]]
         assert steps.labels["a"] == ("x",)
-        assert steps.notes() == ("1 event of 'a' is in no step of 1 s; a shorter step has them",)
+        assert steps.notes() == ("1 event of 'a' is in no step of 1 s; a shorter step has it",)
 
     def test_unknown_codes(self):
         events = on_one_tier(("x", 0, 1), (None, 1, 2), ("y", 2, 3))

@@ -13,7 +13,7 @@ from jointattn_mj.contingency.information import TRANSFER
 from jointattn_mj.contingency.table import steps
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.recordings.delays import check_delay, delay_in_steps
-from jointattn_mj.recordings.dyads import by_dyad, compare, over_dyads, scan_over_dyads, split
+from jointattn_mj.recordings.dyads import by_dyad, compare, least_p_of_groups, over_dyads, scan_over_dyads, split
 
 FEW = c.TestOptions(99, resamples=0)
 
@@ -161,3 +161,12 @@ def test_delays():
             check_delay("lag", text)
     with pytest.raises(ConfigError, match="half a step"):
         delay_in_steps("lag", "10ms", 0.1)
+
+
+def test_groups_of_two_can_differ_by_no_p_below_a_third():
+    assert least_p_of_groups([2, 2]) == pytest.approx(1 / 3)
+    assert least_p_of_groups([3, 4]) == pytest.approx(1 / 35)
+    assert least_p_of_groups([2, 2, 2]) == pytest.approx(6 / 90)
+    values = np.array([0.0, 1.0, 10.0, 11.0])
+    (pair,) = compare(values, np.array(["a", "a", "b", "b"]), ["a", "b"], "age", 99, np.random.default_rng(0))
+    assert pair.p == pytest.approx(1 / 3)

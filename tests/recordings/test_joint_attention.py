@@ -97,7 +97,12 @@ class TestAgreement:
         assert found.by_code() == pytest.approx({"face": 0.9, "toy": 0.9})
         (near,) = agreement(first, second, options=AgreementOptions(step=0.5, tolerance_s=0.5))
         (nearer,) = agreement(first, second, options=AgreementOptions(step=0.5, tolerance_s=1))
-        assert found.kappa < near.kappa < nearer.kappa == 1
+        assert nearer.kappa == 1
+        assert near.matrix.tolist() == [[20.5, 0], [1, 18.5]]  # each coder's last unit of the two is near enough
+        assert near.kappa == pytest.approx((0.975 - 801.5 / 1600) / (1 - 801.5 / 1600))
+        (same,) = agreement(first, second, options=AgreementOptions(step=0.5, tolerance_s=0.4))
+        assert same.kappa == found.kappa
+        assert same.notes() == ("a tolerance of 0.4 s is less than a unit of 0.5 s: it changes nothing",)
 
     def test_tolerance_is_the_same_from_both_sides(self):
         rng = np.random.default_rng(0)
@@ -112,6 +117,12 @@ class TestAgreement:
         assert forward.outside_s > 0
         assert forward.interval[0] < forward.kappa < forward.interval[1]
         assert forward.row()["kappa"] == forward.kappa
+
+    def test_recordings_of_one_coder_alone_are_told_of(self):
+        both = events([("gaze", "face", 0, 5), ("gaze", "toy", 5, 9)] * 2, recording=["a", "a", "b", "b"])
+        (found,) = agreement(both, events([("gaze", "face", 0, 6), ("gaze", "toy", 6, 8)], recording=["b", "b"]))
+        assert found.notes() == ("left out, as only one coder has coded it: 1 recording (a) and 1.0 s",)
+        assert (found.alone, found.row()["left_out"]) == (("a",), "a")
 
     def test_what_cannot_be_compared(self):
         first = events([("gaze", "face", 0, 10)])

@@ -33,6 +33,14 @@ def test_draws_that_were_not_needed_say_nothing_of_the_pace():
         watch(50)
 
 
+def test_reports_of_nothing_say_nothing_of_the_pace():
+    """Several parts that draw the same surrogates tell of one when all have drawn it."""
+    times = iter(range(100))
+    watch = patient(lambda done: None, 100, False, clock=lambda: 2 * next(times))
+    for done in (1, 0, 0, 1):
+        watch(done)
+
+
 def test_yes_is_yes():
     assert watched(1_000_000_000, 1.0, yes=True) == [50] * 3
 

@@ -142,8 +142,18 @@ def test_tables_lie_beside_it(report, codings):
 def test_the_paragraph_has_every_number_of_the_settings(report):
     said = report.methods()
     assert "steps of 0.5 s" in said and "60 surrogates" in said and "0.5 to 2 s (4 lags)" in said
+    assert "level of significance is 0.05" in said and "two coders of 1 recording" in said
     for compared in report.agreements:
         assert f"{compared.tier}: {compared.kappa:.2f}" in said
+
+
+def test_too_few_surrogates_for_so_many_pairs_are_told(report, codings, tmp_path):
+    assert not report.out_of_reach("pair of tiers")
+    few = run_report(ReportOptions(codings / "second", out=tmp_path / "out", **{**FEW, "surrogates": 38}))
+    (note,) = few.out_of_reach("pair of tiers")
+    assert note.startswith("with 38 surrogates p is 0.026 or more") and note.endswith("; 39 surrogates would do")
+    assert not any(row["significant"] for row in few.ranking())
+    assert note in json.loads((tmp_path / "out" / "report.json").read_text("utf-8"))["notes"]
 
 
 def test_the_same_seed_gives_the_same_page(report, codings):
@@ -163,6 +173,9 @@ def test_the_command_line_makes_it_from_two_tiers_of_other_names(codings, tmp_pa
     done = jointattn(*words, "--surrogates", "20", "--out", tmp_path / "out")
     assert done.code == 0, done.err
     assert "dad follows 1 of 2 looks of baby" in done.out and (tmp_path / "out" / "report.html").exists()
+    page = (tmp_path / "out" / "report.html").read_text("utf-8")
+    reach = "no pair of tiers can be significant at 0.05 after Holm&#39;s correction for 2 tests"
+    assert reach in page and reach.replace("&#39;", "'") in done.out
     assert "is there already" in jointattn(*words, "--out", tmp_path / "out").err
 
 
@@ -176,3 +189,12 @@ def test_what_cannot_be_reported_is_told(codings, report, tmp_path):
         run_report(ReportOptions(codings / "first", out=tmp_path / "x", by="age"))
     with pytest.raises(ConfigError, match="scan"):
         ReportOptions(codings / "first", out=tmp_path / "x", scan="soon")
+
+
+def test_tiers_without_change_are_not_ranked(codings, tmp_path):
+    """What never changes says nothing; counted among the tests it would only make p of the others larger."""
+    one = recordings.read(codings / "second").events
+    silent = one.joined(Events.of(["voice"], ["sings"], [0.0], [95.0], recording="a <b>"))
+    report = recordings.read(silent.to_pandas(), recording="recording").report(tmp_path / "out", **FEW)
+    assert {row["source"] for row in report.ranking()} == {"mother", "infant"}
+    assert "tier 'voice' is not ranked, as it has the same value in all steps" in report.notes

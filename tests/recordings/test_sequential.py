@@ -48,6 +48,36 @@ def test_odds_ratio_of_a_published_table():
     assert found.yules_q[0, 1] == -found.yules_q[0, 0]
 
 
+def test_a_table_worked_out_by_hand():
+    """30 x 45 / (10 x 15) = 9; its logarithm has the standard error sqrt(1/30 + 1/10 + 1/15 + 1/45) = sqrt(2/9)."""
+    found = table([[30, 10], [15, 45]])
+    low, high = found.odds_ratio_interval
+    assert found.odds_ratio[0, 0] == pytest.approx(9)
+    assert (low[0, 0], high[0, 0]) == pytest.approx((3.5726, 22.6727), abs=5e-5)
+    assert found.yules_q[0].tolist() == pytest.approx([0.8, -0.8])
+    assert found.expected.tolist() == [[18, 22], [27, 33]]
+    assert found.adjusted_residuals[0].tolist() == pytest.approx([4.9237, -4.9237], abs=1e-4)
+    assert found.chi_squared[0] == pytest.approx(144 * (1 / 18 + 1 / 22 + 1 / 27 + 1 / 33))
+    assert found.conditional.tolist() == [[0.75, 0.25], [0.25, 0.75]]
+
+
+def test_structural_zeros_worked_out_by_hand():
+    """Nothing follows itself. All margins are 15, so 7.5 are expected everywhere else; one degree of freedom is left.
+
+    Every adjusted residual is then the root of chi-squared, 6 x 2.5 ** 2 / 7.5 = 5. Taken as if anything could follow
+    itself, the same counts look as if repetitions were avoided.
+    """
+    counts, possible = [[0, 10, 5], [5, 0, 10], [10, 5, 0]], ~np.eye(3, dtype=bool)
+    found = table(counts, possible)
+    assert found.expected[possible].tolist() == pytest.approx([7.5] * 6)
+    assert (found.chi_squared[0], found.degrees_of_freedom) == (pytest.approx(5), 1)
+    signs = np.where(np.array(counts)[possible] == 10, 1, -1)
+    assert found.adjusted_residuals[possible].tolist() == pytest.approx((signs * np.sqrt(5)).tolist(), abs=1e-6)
+    assert table(counts).expected[0].tolist() == [5, 5, 5]
+    independent = np.array([[0, 5, 6], [8, 0, 12], [12, 15, 0]])  # rows 1, 2, 3 times columns 4, 5, 6
+    assert table(independent, possible).expected[possible].tolist() == pytest.approx(independent[possible].tolist())
+
+
 def test_of_published_codes(classroom):
     """75 activities have 74 transitions; two-by-two tables of each pair have Pearson's residual as theirs."""
     found = lag_table(classroom, "who", "who")
