@@ -88,6 +88,7 @@ PARTS: dict[str, dict[str, Any]] = {
     "not given modules": {"local": {"given_modules": False}},
     "unserved first": {"local": {"given_modules": False, "unserved_first": True}},
     "taking away counts": {"local": {"increasing_first": False}},
+    "clearly taking away": {"local": {"taking_away": 0.3}},
     "offers not needed": {"local": {"needs_offers": False}},
     "no hindsight": {"local": {"hindsight": False}},
     "maps frozen": {"local": {"maps": "frozen"}},

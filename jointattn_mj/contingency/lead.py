@@ -32,7 +32,12 @@ MOST_ENTRIES = 2**20
 
 @dataclass(frozen=True)
 class LeadOptions(Checked):
-    """How local contingency weighs situations."""
+    """How local contingency weighs situations.
+
+    Examples:
+        >>> LeadOptions(policy="reference", draws=200).smallest_share
+        0.05
+    """
 
     policy: Policy = "actual"
     """Over which actions a situation's contingency is taken: as often as each was done (actual), or each equally
@@ -67,7 +72,17 @@ class LeadSituation:
 
 @dataclass(frozen=True, repr=False)
 class Lead:
-    """Where an event is surest to be contingent, and what is known of it."""
+    """Where an event is surest to be contingent, and what is known of it.
+
+    Examples:
+        >>> from jointattn_mj.contingency import TestOptions, discover
+        >>> face, gaze = np.random.default_rng(0).integers(0, 3, (2, 600))
+        >>> toy = np.append(0, (face == gaze) & (face == 2))[:-1].astype(int)  # only the third face says something
+        >>> data = {"face": face, "gaze": gaze, "toy": toy}
+        >>> (found,) = discover(data, ["face"], ["gaze"], ["toy"], measure="local", options=TestOptions(surrogates=99))
+        >>> {situation.sensor for situation in found.lead.situations}
+        {2}
+    """
 
     significance: Significance
     """``value`` is the mean of the posterior, and ``interval`` its interval; the rest is of surrogates."""

@@ -146,7 +146,7 @@ class DiscoverResult:
         if local:
             lines += [
                 "",
-                f"{LOCAL.symbol}: mean of the posterior where an event is surest to be contingent; steps: share of these.",
+                f"{LOCAL.symbol}: mean of the posterior where an event is surest to be contingent; steps: their share.",
                 "effective: less the mean of surrogates of the sensor; first: probability that it is the highest.",
             ]
         lines += [
