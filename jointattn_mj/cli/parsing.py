@@ -67,7 +67,7 @@ def parsed(name: str, arguments: Sequence[str]) -> Callable[[], None]:
             start = module.defaults_for(words, start, get_type_hints(command)[CONFIG])
         command = command if start is None else with_defaults(command, **{CONFIG: start})
     with GIVEN:
-        words = with_names_of_today(words, command)
+        words = _gathered(with_names_of_today(words, command))
         if any(word in HELP for word in words):
             print(help_text(command, prog, words))
             raise SystemExit(0)
@@ -130,11 +130,32 @@ def with_defaults(command: Callable[..., None], **defaults: Any) -> Callable[...
 
     signature = inspect.signature(command)
     parameters = [
-        one.replace(default=defaults.get(one.name, one.default), kind=inspect.Parameter.KEYWORD_ONLY)
-        for one in signature.parameters.values()
+        parameter.replace(default=defaults.get(parameter.name, parameter.default), kind=inspect.Parameter.KEYWORD_ONLY)
+        for parameter in signature.parameters.values()
     ]
     same.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
     return same
+
+
+def _gathered(words: Sequence[str]) -> list[str]:
+    """Objects that are named one by one, ``--object a --object b``, in one option; tyro would take the last alone."""
+    one, all_of_them = "--object", "--objects"
+    if not any(word.partition("=")[0] == one for word in words):
+        return list(words)
+    rest: list[str] = []
+    objects: list[str] = []
+    place, inside = len(words), False
+    for word in words:
+        option, given, value = word.partition("=")
+        if option in (one, all_of_them):
+            place, inside = min(place, len(rest)), not given
+            objects += [value] if given else []
+        elif inside and not word.startswith("-"):
+            objects.append(word)
+        else:
+            inside = False
+            rest.append(word)
+    return [*rest[:place], all_of_them, *objects, *rest[place:]]
 
 
 def _config_file(arguments: Sequence[str]) -> tuple[Path | None, list[str]]:

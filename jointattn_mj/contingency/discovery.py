@@ -139,22 +139,22 @@ def discover(
         else:
             tested.append(_tested(data, event, groups, timing, chosen, given, unit, rng, progress))
     adjusted = adjust([finding.significance.p for finding in tested], how)
-    tested = [replace(one, p_adjusted=float(p)) for one, p in zip(tested, adjusted, strict=True)]
+    tested = [replace(finding, p_adjusted=float(p)) for finding, p in zip(tested, adjusted, strict=True)]
     tested = _with_chances(tested) if local else tested
-    ranked = sorted(tested, key=lambda one: -one.significance.corrected)
-    for i, one in enumerate(ranked[:explain]):
-        if one.p_adjusted <= alpha:
-            explained = timed(acted(data[one.sensor], data[one.action], data[one.result], groups), timing)
+    ranked = sorted(tested, key=lambda finding: -finding.significance.corrected)
+    for i, finding in enumerate(ranked[:explain]):
+        if finding.p_adjusted <= alpha:
+            explained = timed(acted(data[finding.sensor], data[finding.action], data[finding.result], groups), timing)
             counts = None
-            if one.significance.method != "permutation":
+            if finding.significance.method != "permutation":
                 rng = generator(_seeds(seed).spawn(len(events) + 1)[-1])
                 again = replace(given, resamples=0)  # the same method, as the memory is the same
                 counts = assess_steps(explained, chosen, again, unit, rng, local=True).counts
             entries = local_of_steps(explained, chosen, unit, counts=counts)
-            if one.lead is not None:
-                where = {(situation.result, situation.sensor) for situation in one.lead.situations}
+            if finding.lead is not None:
+                where = {(situation.result, situation.sensor) for situation in finding.lead.situations}
                 entries = tuple(entry for entry in entries if (entry.before, entry.sensor) in where)
-            ranked[i] = replace(one, values=carriers(entries, alpha))
+            ranked[i] = replace(finding, values=carriers(entries, alpha))
     return tuple(ranked)
 
 
@@ -211,10 +211,10 @@ def _led(
 def _with_chances(tested: Sequence[Finding]) -> list[Finding]:
     """How often each is the first in posterior draws of all."""
     effective = np.array([
-        one.lead.draws - one.significance.null_mean for one in tested if one.lead is not None
+        finding.lead.draws - finding.significance.null_mean for finding in tested if finding.lead is not None
     ])  # fmt: skip
     wins = np.bincount(effective.argmax(axis=0), minlength=len(effective)) / effective.shape[1]
-    return [replace(one, first=float(chance)) for one, chance in zip(tested, wins, strict=True)]
+    return [replace(finding, first=float(chance)) for finding, chance in zip(tested, wins, strict=True)]
 
 
 def _check(

@@ -226,7 +226,7 @@ def _surrogates(
     remembered = memory(given, CONTINGENCY)
     method = chosen_method(given, remembered, options)
     table = displaced(given, [CONTINGENCY])
-    (r, a, n), source = (np.unique(one, return_inverse=True)[1] for one in table.rest), np.arange(len(table.source))
+    (r, a, n), source = (np.unique(codes, return_inverse=True)[1] for codes in table.rest), np.arange(len(table.source))
     shape = int(r.max()) + 1, len(source), int(a.max()) + 1, int(n.max()) + 1
     weighing = Weighing(
         float(how.concentration), float(how.smallest_share), float(how.deviations), how.policy == "actual",

@@ -128,7 +128,7 @@ class FootageAreas:
         """Say that the eye has turned: ``moved`` gives the new pixel (2,) of a pixel (2,) of the last image."""
         for slot in self._slots:
             slot.px = None if slot.px is None else moved(slot.px)
-            slot.trail = [np.concatenate([moved(one[:2]), moved(one[2:])]) for one in slot.trail]
+            slot.trail = [np.concatenate([moved(point[:2]), moved(point[2:])]) for point in slot.trail]
 
     def find(self, image: np.ndarray, gray: np.ndarray, areas: Areas) -> None:
         """Find the objects in an image.
@@ -173,8 +173,7 @@ class FootageAreas:
         candidates: list[Part] = []
         parts = np.zeros(mask.shape, np.int32)
         if cv2.countNonZero(mask) >= self._least:
-            closed = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
-            _, parts, stats, centres = cv2.connectedComponentsWithStats(closed, connectivity=8)
+            stats, centres = _connected(mask, parts)
             for part in range(1, len(stats)):
                 area = int(stats[part, cv2.CC_STAT_AREA])
                 if area >= self._least and not self._is_too_large(area, labels.shape):
@@ -201,18 +200,18 @@ class FootageAreas:
         owners: dict[int, int] = {}
         left = set(range(len(candidates)))
         pairs = sorted(
-            (float(np.hypot(*(candidates[one][1] - px))), slot, one)
-            for slot in slots for one in left if (px := self._slots[slot].px) is not None
+            (float(np.hypot(*(candidates[candidate][1] - px))), slot, candidate)
+            for slot in slots for candidate in left if (px := self._slots[slot].px) is not None
         )  # fmt: skip
-        for off, slot, one in pairs:
+        for off, slot, candidate in pairs:
             reach = self.config.jump_px * min(1 + 0.2 * self._slots[slot].missing, 3.0)
-            if slot not in owners and one in left and off <= reach:
-                owners[slot] = one
-                left.discard(one)
+            if slot not in owners and candidate in left and off <= reach:
+                owners[slot] = candidate
+                left.discard(candidate)
         for slot in slots:
             state = self._slots[slot]
             if slot not in owners and left and (state.px is None or state.missing >= self.config.lost_images):
-                largest = max(left, key=lambda one: candidates[one][3])
+                largest = max(left, key=lambda candidate: candidates[candidate][3])
                 owners[slot] = largest
                 state.trail.clear()
                 left.discard(largest)
@@ -225,7 +224,7 @@ class FootageAreas:
             large = stats[:, cv2.CC_STAT_AREA] > self.config.worn_faces * float(face[3]) ** 2
             at_collar = np.flatnonzero(large & (stats[:, cv2.CC_STAT_TOP] < collar))
             if any(_is_below(face, centres[part]) for part in at_collar):
-                candidates = [one for one in candidates if not _is_below(face, one[1], SLEEVE)]
+                candidates = [candidate for candidate in candidates if not _is_below(face, candidate[1], SLEEVE)]
         return candidates
 
     def _is_too_large(self, area: int, shape: tuple[int, ...]) -> bool:
@@ -259,6 +258,25 @@ class FootageAreas:
         x1, y1 = min(left + 2 * reach + 1, mask.shape[1]), min(top + 2 * reach + 1, mask.shape[0])
         own = (parts[y0:y1, x0:x1] == part) & (mask[y0:y1, x0:x1] > 0)
         areas.mask[slot, y0 - top : y1 - top, x0 - left : x1 - left] = own
+
+
+def _connected(mask: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Find connected areas, only in the part of the image that has any, which takes a third of the time.
+
+    Args:
+        mask: (h, w) uint8, 1 in the areas.
+        parts: (h, w) int32 zeros; the number of each pixel's area is written to it, from 1.
+
+    Returns:
+        (k + 1, 5) x, y, width, height and area of each, and their middles (k + 1, 2); the first are of the rest.
+    """
+    x, y, wide, high = cv2.boundingRect(mask)
+    left, top = max(0, x - 2) & ~1, max(0, y - 2) & ~1  # so far away the border changes nothing; even as blocks are
+    within = np.s_[top : y + high + 2, left : x + wide + 2]
+    closed = cv2.morphologyEx(mask[within], cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
+    _, parts[within], stats, centres = cv2.connectedComponentsWithStats(closed, connectivity=8)
+    stats[:, [cv2.CC_STAT_LEFT, cv2.CC_STAT_TOP]] += (left, top)
+    return stats, centres + np.array((left, top))
 
 
 def _goes_along(trail: np.ndarray, high: float) -> bool:

@@ -82,7 +82,7 @@ class FrameMap:
         part = whole[cut_y : cut_y + high, cut_x : cut_x + wide]
         canvas = np.zeros((high, wide, 3), np.uint8)
         x, y = max(0, left), max(0, top)
-        canvas[y : y + part.shape[0], x : x + part.shape[1]] = part[..., ::-1]
+        cv2.cvtColor(part, cv2.COLOR_BGR2RGB, dst=canvas[y : y + part.shape[0], x : x + part.shape[1]])
         return canvas
 
     def to_video(self, px: np.ndarray) -> np.ndarray:

@@ -1,5 +1,7 @@
 """The colours of an object that the user has picked in one image of the video."""
 
+from itertools import combinations
+
 import cv2
 import numpy as np
 
@@ -12,6 +14,8 @@ TOLERANCE = 14
 """Difference from the picked pixel up to which its neighbours belong to the object at first (CIE Lab, 8 bits)."""
 LARGEST_SHARE = 0.15
 """Largest share of the image that a picked object takes."""
+SHARED = 0.5
+"""Share of the colours of one object from which another is taken to have the same."""
 LIKELIER = 3.0
 """How much likelier a colour must be on the object than elsewhere in the image."""
 
@@ -27,7 +31,8 @@ def picked_tables(footage: Footage, sought: tuple[Sought, ...]) -> dict[str, np.
         (64^3,) bool for each.
 
     Raises:
-        FootageError: The video has no such time or pixel, or no object can be told from what is around it.
+        FootageError: The video has no such time or pixel, an object cannot be told from what is around it, or two have
+            the same colours.
     """
     waiting = sorted((item.picked[0], item.name, item) for item in sought if item.picked is not None)
     tables: dict[str, np.ndarray] = {}
@@ -35,13 +40,31 @@ def picked_tables(footage: Footage, sought: tuple[Sought, ...]) -> dict[str, np.
         return tables
     for frame, still in enumerate(footage):
         while waiting and footage.time_of(frame) >= waiting[0][0] - 1e-6:
-            one = waiting.pop(0)[2]
-            tables[one.name] = colours_at(still.image, one)
+            wanted = waiting.pop(0)[2]
+            tables[wanted.name] = colours_at(still.image, wanted)
         if not waiting:
+            require_apart(tables)
             return tables
     raise FootageError(
         f"object {waiting[0][1]} was picked at {waiting[0][0]:g} s, and {footage.path} ends before; pick it earlier"
     )
+
+
+def require_apart(tables: dict[str, np.ndarray]) -> None:
+    """Check that no two objects have the same colours, by which alone they are told apart.
+
+    Args:
+        tables: The colours of each, (64^3,) bool, by name.
+
+    Raises:
+        FootageError: Two have.
+    """
+    for (name, own), (other, others) in combinations(tables.items(), 2):
+        if (own & others).sum() > SHARED * min(own.sum(), others.sum()):
+            raise FootageError(
+                f"objects {name} and {other} have the same colours: is one before the other at that time? Pick another "
+                "pixel or time; of things that look alike pick one, and follow several areas of it (`areas_each`)"
+            )
 
 
 def colours_at(image: np.ndarray, sought: Sought) -> np.ndarray:

@@ -43,6 +43,15 @@ def run(finished, tmp_path) -> Path:
     return shutil.copytree(finished, tmp_path / "run")
 
 
+@pytest.mark.parametrize(("words", "together"), [
+    ("a.mp4 --object x --seed 3 --object y --out o", "a.mp4 --objects x y --seed 3 --out o"),
+    ("--object=x --objects blue red", "--objects x blue red"),
+    ("--objects blue --objects red", "--objects blue --objects red"),  # the last holds, as of any option
+])  # fmt: skip
+def test_objects_one_by_one(words, together):
+    assert parsing._gathered(words.split()) == together.split()
+
+
 def content(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 

@@ -116,6 +116,32 @@ class TestPicked:
         with pytest.raises(FootageError, match=words):
             colours_at(table((100, 100, 30, 30, BLUE)), sought_objects((item,))[0])
 
+    def test_two_picks_of_one_thing(self, tmp_path):
+        """One thing lies before the other, say: neither may be taken for the other in silence."""
+        still = np.repeat(table((100, 100, 30, 30, BLUE), (200, 100, 30, 30, (200, 30, 30)))[None], 3, axis=0)
+        video = encode(tmp_path / "a.mkv", still)
+        config = PerceiveConfig(video, objects=("cup@0s:110,110", "toy@0s:120,120"), detector=DETECTOR)
+        with pytest.raises(FootageError, match="cup and toy have the same colours"):
+            next(percepts(config))
+        apart = PerceiveConfig(video, objects=("cup@0s:110,110", "toy@0s:210,110"), detector=DETECTOR)
+        assert [next(percepts(apart)).objects[name].detected for name in ("cup", "toy")] == [True, True]
+
+    def test_lost_where_hidden(self):
+        """It is not found elsewhere meanwhile, and where it comes out again."""
+        image = table((100, 100, 24, 24, (120, 122, 125)))
+        own = colours_at(np.ascontiguousarray(image[..., ::-1]), sought_objects(("cup@0s:110,110",))[0])
+        labels, _ = label_table(("cup@0s:110,110",), {"cup": own}, 1, ColourConfig())
+        areas = FootageAreas(labels, np.zeros(1, bool), 1, ColourConfig(), AreaConfig(), RATE)
+        said = []
+        for step in range(30):
+            hidden = [(90, 90, 60, 60, (210, 170, 140))] if 10 <= step < 20 else []
+            found = areas.nothing()
+            moved = table((100 + step, 100, 24, 24, (120, 122, 125)), *hidden)
+            areas.find(moved, np.zeros((240, 320), np.uint8), found)
+            said.append(found.px[0, 0])
+        assert np.isnan(said[10:20]).all()
+        np.testing.assert_allclose(np.delete(said, range(10, 20)), 111.5 + np.delete(np.arange(30), range(10, 20)))
+
     def test_later_than_the_video(self, tmp_path):
         video = encode(tmp_path / "a.mp4", counted(10), "-c:v", "libx264")
         with pytest.raises(FootageError, match=r"picked at 5 s.*ends before"):

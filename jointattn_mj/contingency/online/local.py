@@ -224,7 +224,7 @@ def _is_evident(
     event, series = events[number], columns.of(number)
     begin, enough = steps.begin(event), np.log(len(events) / config.false_alarm)
     least, overall = np.log(config.evidence_overall), series
-    if config.again == "beyond_last" and event.result in {one.result for one in served}:
+    if config.again == "beyond_last" and event.result in {earlier.result for earlier in served}:
         least, overall = enough, beyond_last(series)
     table = np.zeros(overall.sizes)
     count(*overall.columns, (begin, steps.n_steps), table)

@@ -74,7 +74,7 @@ def event_values(
         sensor, action, result, first = columns.events[e]
         sizes, new = columns.sizes[e], max(first, since)
         table = np.zeros((sizes[0], sizes[1], sizes[2], sizes[3]))
-        one, other = np.zeros(2), np.zeros(2)
+        own, rival = np.zeros(2), np.zeros(2)
         surest, best = -np.inf, -np.inf
         for by_reference in (False, True):
             count(
@@ -83,14 +83,14 @@ def event_values(
             )  # fmt: skip
             if not (how.reference if by_reference else how.actual):
                 continue
-            up = value_of(table, by_reference, how, one, other)
-            lower, upper = one[0] - how.deviations * one[1], other[0] + other[1]
+            up = value_of(table, by_reference, how, own, rival)
+            lower, upper = own[0] - how.deviations * own[1], rival[0] + rival[1]
             if lower > surest:
                 surest, rise[e] = lower, up
-                lead[e] = one
+                lead[e] = own
             if upper > best:
                 best = upper
-                hoped[e] = other
+                hoped[e] = rival
 
 
 @njit(cache=True)
@@ -203,10 +203,10 @@ def _situation(
             both. The first value of a result stands for its absence.
     """
     actions, outcomes = counts.shape
-    n, seen = 0.0, 0
+    n, tried = 0.0, 0
     for a in range(actions):
         n += times[a]
-        seen += times[a] > 0.0
+        tried += times[a] > 0.0
     mean, rise, moved, variance = 0.0, 0.0, 0.0, 0.0
     mixed, center, scatter = room[0], room[1], room[2]
     mixed[:] = 0.0
@@ -218,7 +218,7 @@ def _situation(
     for a in range(actions):
         if times[a] == 0.0:
             continue
-        weight, total = 1.0 / seen if by_reference else times[a] / n, times[a] + concentration
+        weight, total = 1.0 / tried if by_reference else times[a] / n, times[a] + concentration
         divergence = 0.0
         for k in range(outcomes):
             x = p[a, k] = (counts[a, k] + concentration * q[a, k]) / total
@@ -243,7 +243,7 @@ def _situation(
     for a in range(actions):
         if times[a] == 0.0:
             continue
-        weight, total = 1.0 / seen if by_reference else times[a] / n, times[a] + concentration
+        weight, total = 1.0 / tried if by_reference else times[a] / n, times[a] + concentration
         variance += weight * weight * _scatter(p[a], q[a], center, total, (1.0 - weight) ** 2)
     value[1], value[2], value[3], value[4] = mean, variance, rise, moved
 
@@ -275,9 +275,9 @@ def _scatter(p: np.ndarray, q: np.ndarray, center: np.ndarray, total: float, res
         for j in range(k):
             y = p[j]
             if 0.0 < y < 1.0:
-                one = digamma(a + 1.0) - top - shift
-                other = digamma(total * y + 1.0) - top - math.log(q[j]) - center[j]
-                square += 2.0 * x * y * total / (total + 1.0) * (one * other - slope)
+                term = digamma(a + 1.0) - top - shift
+                other_term = digamma(total * y + 1.0) - top - math.log(q[j]) - center[j]
+                square += 2.0 * x * y * total / (total + 1.0) * (term * other_term - slope)
     linear = (second - first * first) / (total + 1.0)
     whole = square - mean * mean
     return whole - (1.0 - rest) * max(whole - linear, 0.0)
@@ -359,7 +359,7 @@ def surely_lower(
 @njit(cache=True)
 def evidences(columns: EventColumns, chosen: np.ndarray) -> np.ndarray:
     """Log evidence of the chosen events (their numbers), from all steps; see ``log_evidence``."""
-    found = np.zeros(len(chosen))
+    logs = np.zeros(len(chosen))
     for i, e in enumerate(chosen):
         sensor, action, result, first = columns.events[e]
         sizes = columns.sizes[e]
@@ -368,8 +368,8 @@ def evidences(columns: EventColumns, chosen: np.ndarray) -> np.ndarray:
             columns.s[:, sensor], columns.a[:, action], columns.before[:, result], columns.r[:, result],
             (first, len(columns.s)), table,
         )  # fmt: skip
-        found[i] = log_evidence(table)
-    return found
+        logs[i] = log_evidence(table)
+    return logs
 
 
 @njit(cache=True)

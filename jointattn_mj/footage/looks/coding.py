@@ -71,8 +71,8 @@ class LooksCoded:
 
     def summary(self, config: LooksConfig) -> dict[str, Any]:
         """Numbers that say how far the codes can be trusted."""
-        seen = self.codes != self.labels.index(UNSEEN)
-        count = max(int(seen.sum()), 1)
+        visible = self.codes != self.labels.index(UNSEEN)
+        count = max(int(visible.sum()), 1)
         return {
             "looks": len(self.codes),
             "shares": {
@@ -80,8 +80,8 @@ class LooksCoded:
                 for code, label in enumerate(self.labels)
             },
             "placements": dict(zip(self.labels, self.placements.tolist(), strict=False)),
-            "sure": round(float((self.posterior[seen] > config.sure).any(axis=1).sum() / count), 4),
-            "sure_by_a_look_alone": round(float((self.alone[seen] > config.sure).sum() / count), 4),
+            "sure": round(float((self.posterior[visible] > config.sure).any(axis=1).sum() / count), 4),
+            "sure_by_a_look_alone": round(float((self.alone[visible] > config.sure).sum() / count), 4),
             "coded": not self.doubt,
             "why_not": self.doubt or None,
         }
@@ -97,21 +97,21 @@ def code_looks(looks: ObservedLooks, config: LooksConfig, labels: np.ndarray | N
             -1 where nobody has. Learning takes these for granted.
     """
     n, k = looks.px.shape[:2]
-    seen = np.isfinite(looks.face_px).all(-1)
+    visible = np.isfinite(looks.face_px).all(-1)
     face = last_locations(looks.face_px[:, None], looks.cut)
     locations = (known_locations(looks.px, looks.cut, MOVED_HEIGHTS * looks.height_px) - face) / looks.height_px
-    given = labels is not None and bool((labels[seen] >= 0).any())
+    given = labels is not None and bool((labels[visible] >= 0).any())
     evidence = np.zeros((n, k + 1))
-    if seen.any():
-        first = aside(looks.yaw_deg[seen], locations[seen]) if config.start == "yaw" else None
-        coded = labels[seen] if labels is not None and given else None
-        evidence[seen, :k] = learn_evidence(looks.faces[seen], locations[seen], config, first, coded)
+    if visible.any():
+        first = aside(looks.yaw_deg[visible], locations[visible]) if config.start == "yaw" else None
+        coded = labels[visible] if labels is not None and given else None
+        evidence[visible, :k] = learn_evidence(looks.faces[visible], locations[visible], config, first, coded)
     alone = posterior(evidence[:, :k]).max(axis=1, initial=0)
-    hidden = seen[:, None] & ~np.isfinite(locations).all(-1) & np.isfinite(looks.px).all(-1).any(axis=0)
+    hidden = visible[:, None] & ~np.isfinite(locations).all(-1) & np.isfinite(looks.px).all(-1).any(axis=0)
     stay = max(1 - looks.step_s / config.dwell_s, 1 / (k + 1))
-    likely = _likely(evidence, seen, hidden, stay, config, labels if given else None)
+    likely = _likely(evidence, visible, hidden, stay, config, labels if given else None)
     best = likely.argmax(axis=1)
-    lost = _long_runs(~seen, max(1, round(config.lost_s / looks.step_s)))
+    lost = _long_runs(~visible, max(1, round(config.lost_s / looks.step_s)))
     # locations of the image, not from the face: a person who moves puts nothing down
     counts = placements(looks.px / looks.height_px)
     moved = int(counts[: k - (PARTNER in looks.names)].sum())
@@ -119,17 +119,17 @@ def code_looks(looks: ObservedLooks, config: LooksConfig, labels: np.ndarray | N
         believed = moved / (moved + config.half_sure)
         likely = believed * likely + (1 - believed) / max(k + (config.away is not None), 1)
     names = (*looks.names, AWAY, UNSURE, UNSEEN)
-    doubt = _doubt(moved, alone[seen], config, given)
+    doubt = _doubt(moved, alone[visible], config, given)
     codes = np.where((likely.max(axis=1, initial=0) < config.least) | bool(doubt), names.index(UNSURE), best)
     codes[lost] = names.index(UNSEEN)
     likely[lost | bool(doubt)] = np.nan
-    alone[~seen] = np.nan
+    alone[~visible] = np.nan
     return LooksCoded(names, codes, best, likely, alone, counts, doubt)
 
 
 def _likely(
     evidence: np.ndarray,
-    seen: np.ndarray,
+    visible: np.ndarray,
     hidden: np.ndarray,
     stay: float,
     config: LooksConfig,
@@ -143,30 +143,30 @@ def _likely(
         return np.zeros(evidence.shape)
     k = evidence.shape[1] - 1
 
-    typical = max(float(np.median(evidence[seen, :k].max(axis=1))), 0.0) if k and seen.any() else 0.0
+    typical = max(float(np.median(evidence[visible, :k].max(axis=1))), 0.0) if k and visible.any() else 0.0
 
     def with_level(share: float) -> np.ndarray:
         level = share * typical
         filled = evidence.copy()
         filled[:, :k][hidden] = level + config.hidden
-        filled[:, k] = np.where(seen, level, 0.0)
+        filled[:, k] = np.where(visible, level, 0.0)
         return filled
 
     if config.away is None:
         if k == 0:
             return np.zeros(evidence.shape)
         return np.column_stack([smoothed(with_level(0.0)[:, :k], stay, config.trust), np.zeros(len(evidence))])
-    found, away = [], 1 / (k + 1)
+    tried, away = [], 1 / (k + 1)
     for level in (config.away,) if labels is None else LEVELS:
         for _ in range(AWAY_ROUNDS):
             prior = np.append(np.full(k, (1 - away) / max(k, 1)), away)
             likely = smoothed(with_level(level), stay, config.trust, prior)
-            away = float(np.clip(likely[seen, k].mean() if seen.any() else 0.0, *AWAY_SHARES))
-        found.append(likely)
+            away = float(np.clip(likely[visible, k].mean() if visible.any() else 0.0, *AWAY_SHARES))
+        tried.append(likely)
     if labels is None:
-        return found[0]
-    told = np.flatnonzero((labels >= 0) & seen)
-    return max(found, key=lambda likely: float(np.log(np.maximum(likely[told, labels[told]], 1e-3)).mean()))
+        return tried[0]
+    told = np.flatnonzero((labels >= 0) & visible)
+    return max(tried, key=lambda likely: float(np.log(np.maximum(likely[told, labels[told]], 1e-3)).mean()))
 
 
 def _doubt(moved: int, alone: np.ndarray, config: LooksConfig, labelled: bool) -> str:

@@ -80,9 +80,9 @@ def learn_evidence(
     code = LocationCode(locations, config.tuning)
     shares = [code.shares(locations[:, k]) for k in range(count)]
     smoothing = config.smoothing / code.units
-    with_any = sum(np.asarray(one.sum(axis=0)).ravel().astype(float) for one in shares) / known.sum() + smoothing
-    base = np.stack([np.log(np.maximum(one @ with_any, 1e-12)) for one in shares], axis=1)
-    spread = np.stack([np.asarray(one.sum(axis=1)).ravel() for one in shares], axis=1)
+    with_any = sum(np.asarray(share.sum(axis=0)).ravel().astype(float) for share in shares) / known.sum() + smoothing
+    base = np.stack([np.log(np.maximum(share @ with_any, 1e-12)) for share in shares], axis=1)
+    spread = np.stack([np.asarray(share.sum(axis=1)).ravel() for share in shares], axis=1)
     weights = known.astype(float) if first is None else first * known
     weights = weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-12)
     evidence = np.zeros(known.shape)
@@ -90,11 +90,11 @@ def learn_evidence(
         if labels is not None:
             weights[labels >= 0] = np.eye(count + 1)[labels[labels >= 0], :count] * known[labels >= 0]
         weights = weights.astype(np.float32)
-        counts = sum(one.T @ (weights[:, k, None] * faces) for k, one in enumerate(shares))  # (units, u)
+        counts = sum(share.T @ (weights[:, k, None] * faces) for k, share in enumerate(shares))  # (units, u)
         total = np.maximum(faces @ counts.sum(axis=0), 1e-9)
-        with_face = np.stack([np.einsum("nu,nu->n", one @ counts, faces) for one in shares], axis=1)
-        found = with_face / total[:, None] + smoothing * spread
-        evidence = np.where(known, np.log(np.maximum(found, 1e-12)) - base, NEVER)
+        with_face = np.stack([np.einsum("nu,nu->n", share @ counts, faces) for share in shares], axis=1)
+        likely = with_face / total[:, None] + smoothing * spread
+        evidence = np.where(known, np.log(np.maximum(likely, 1e-12)) - base, NEVER)
         weights = posterior(config.sharpness * evidence) * known
     return evidence
 
@@ -157,5 +157,5 @@ def smoothed(evidence: np.ndarray, stay: float, trust: float, prior: np.ndarray 
         future = leave * (shares * future).sum() + (1 - leave) * future
         backward[i] = future / future.sum()
     both = forward * backward
-    found: np.ndarray = both / both.sum(axis=1, keepdims=True)
-    return found
+    posterior: np.ndarray = both / both.sum(axis=1, keepdims=True)
+    return posterior

@@ -16,7 +16,7 @@ import numpy as np
 
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.colours import sought_objects
-from jointattn_mj.footage.picked import colours_at
+from jointattn_mj.footage.picked import colours_at, require_apart
 from jointattn_mj.footage.reader import RATE, Footage
 from jointattn_mj.footage.sessions.config import CameraSessionConfig
 from jointattn_mj.footage.sessions.latency import CameraCount
@@ -200,12 +200,17 @@ class CameraSessionRun(FootageSessionRun):
 
     def picked(self) -> dict[str, np.ndarray]:
         """See ``FootageSessionRun``: objects are picked in the image at their time after the camera was opened."""
-        waiting = sorted((one.picked[0], one.name, one) for one in sought_objects(self.config.objects) if one.picked)
+        waiting = sorted(
+            (wanted.picked[0], wanted.name, wanted) for wanted in sought_objects(self.config.objects) if wanted.picked
+        )
         tables = {}
-        for seconds, name, one in waiting:
+        for seconds, name, wanted in waiting:
             while self.wide.wide_frame.time_s < seconds and not self.wide.ended:
                 self.wide.step(np.zeros(2))
-            tables[name] = colours_at(self.wide.wide_frame.image, one)
+            if self.wide.wide_frame.time_s < seconds:
+                raise FootageError(f"object {name} was picked at {seconds:g} s, and the camera's images end before")
+            tables[name] = colours_at(self.wide.wide_frame.image, wanted)
+        require_apart(tables)
         return tables
 
 
