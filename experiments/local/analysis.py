@@ -25,7 +25,11 @@ LATER = {
     "later/3 spots": "3 spots",
     "later/2 spots": "2 spots, p_r .5, p_i .75",
     "later/silent": "a caregiver who neither follows nor answers",
+    "later/never answers": "p_e = 0",
+    "later/two hours": "two hours of real time from the state",
 }
+LITTLE_KNOWN = ("later/silent", "later/never answers")
+"""Where everything but gaze following is held against other steps."""
 ORACLES = {"oracle/random": "random gaze", "oracle/face": "at the face half of the time"}
 CAREGIVERS = {
     "another temper": "a caregiver who follows is replaced by one who leads",
@@ -152,7 +156,7 @@ def _later(name: str, words: str, runs: Results) -> list[Comparison]:
     """Whether what comes after the three modules, or where there seems to be nothing, is true of other steps."""
     if not runs:
         return []
-    known = set(STAGES[:1] if name == "later/silent" else STAGES)
+    known = set(STAGES[:1] if name in LITTLE_KNOWN else STAGES)
     evidence = [
         (symbol, nats)
         for result in runs

@@ -18,16 +18,18 @@ from jointattn_mj.contingency.online.local import LocalConfig
 from jointattn_mj.contingency.online.local_values import count, log_evidence
 from jointattn_mj.development.agent import DeveloperConfig
 from jointattn_mj.development.config import DevelopmentConfig
-from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.options import Checked, Whole
 
 OTHER = 10_000_000
-"""Added to the seed of a run: that of the other robot."""
+"""Added to the seed of a run at the table: that of the other robot. In real time both have the same, and with it the
+same caregiver, whose faces the maps of the first are about."""
+AT_A_TIME = {"min": 1}
+"""Steps between two looks at the clock of a run that has one."""
 
 
 @dataclass(frozen=True)
 class Later(Checked):
-    """A run at the table, and how long another robot looks about at random."""
+    """A run, and how long another robot looks about at random."""
 
     development: DevelopmentConfig
     random_steps: Annotated[int, Whole("[1000, 1e8]")] = 300_000
@@ -46,11 +48,13 @@ def later(config: Later, seed: int) -> dict[str, Any]:
         many found it frontal, after gaze was followed and else.
     """
     run = replace(config.development, seed=seed).new_run()
-    run.advance(run.n_steps)
+    while run.steps_done < run.n_steps and run.spent < config.development.length:
+        run.advance(AT_A_TIME.get(config.development.unit, run.n_steps))
     made = [detection for detection in run.detections if detection.module is not None]
     agent, n = run.agent, config.random_steps
     looks_never = DeveloperConfig(DetectorConfig(stop_rule="local"), LocalConfig(first_look=n + 1))
-    other = TableRun(config.development.table, looks_never, seed + OTHER, n, sample_every=n)
+    world = replace(config.development, agent=looks_never, reactive="random", steps=n, sample_every=n)
+    other = replace(world, seed=seed + OTHER * (world.world == "table")).new_run()
     other.advance(n)
     steps = other.agent.steps(agent.variables, agent.modules)
     events = [detection.event for detection in made]

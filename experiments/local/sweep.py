@@ -88,6 +88,7 @@ PARTS: dict[str, dict[str, Any]] = {
     "not given modules": {"local": {"given_modules": False}},
     "unserved first": {"local": {"given_modules": False, "unserved_first": True}},
     "taking away counts": {"local": {"increasing_first": False}},
+    "clearly taking away": {"local": {"taking_away": 0.3}},
     "offers not needed": {"local": {"needs_offers": False}},
     "no hindsight": {"local": {"hindsight": False}},
     "maps frozen": {"local": {"maps": "frozen"}},
@@ -142,6 +143,10 @@ SETTINGS = {
     "later/3 spots": Setting(Later(_table().development), runs=20),
     "later/2 spots": Setting(Later(_table(2, caregiver={"follow": 0.5, "lead": 0.75}).development), runs=20),
     "later/silent": Setting(Later(_table(steps=NULL_STEPS, caregiver=SILENT).development), runs=20),
+    "later/never answers": Setting(Later(_table(caregiver={"answer": 0.0}).development), runs=20),
+    "later/two hours": Setting(
+        Later(_realtime("state", 120.0, modules=20).development, random_steps=20_000), runs=10
+    ),
     "answer/0.5": Setting(_table(caregiver={"answer": 0.5}), runs=20),
     "answer/0": Setting(_table(caregiver={"answer": 0.0}), runs=20),
     "realtime/pixels, no cues": Setting(

@@ -7,6 +7,7 @@ from typing import Any
 from jointattn_mj.contingency.discovery import Finding, discover
 from jointattn_mj.contingency.granger import linear_granger
 from jointattn_mj.contingency.lagged import Timing
+from jointattn_mj.contingency.lead import Lead, LeadOptions
 from jointattn_mj.contingency.local import LocalContingency, local_contingency
 from jointattn_mj.contingency.measures import (
     combined_transfer_entropy,
@@ -36,6 +37,8 @@ from jointattn_mj.contingency.situations import PosteriorOptions, Situations, si
 __all__ = [
     "Finding",
     "LagScan",
+    "Lead",
+    "LeadOptions",
     "LocalContingency",
     "PosteriorOptions",
     "Significance",

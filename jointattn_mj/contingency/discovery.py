@@ -6,10 +6,11 @@ from itertools import product
 
 import numpy as np
 
-from jointattn_mj.contingency.information import Measure
+from jointattn_mj.contingency.information import CONTINGENCY, Measure
 from jointattn_mj.contingency.lagged import Timing, timed
+from jointattn_mj.contingency.lead import Lead, LeadOptions, lead_of_steps
 from jointattn_mj.contingency.local import LocalContingency, carriers, local_of_steps
-from jointattn_mj.contingency.names import OF_EVENTS, full_name
+from jointattn_mj.contingency.names import LOCAL, OF_RECORDED_EVENTS, full_name
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.significance import (
     MEASURES,
@@ -46,6 +47,10 @@ class Finding:
     """Effective value, less the mean of surrogates, divided by the bound ``smallest`` (see ``information``)."""
     values: tuple[LocalContingency, ...] = ()
     """Values that carry the contingency, those that add most first; left out of events that are not significant."""
+    lead: Lead | None = None
+    """Measure local: where the event is surest to be contingent."""
+    first: float = float("nan")
+    """Measure local: probability, by the posterior, that no other event has a higher effective value."""
 
     @property
     def event(self) -> str:
@@ -72,6 +77,7 @@ def discover(
     groups: Sequence[int] | None = None,
     timing: Timing | None = None,
     progress: Callable[[int], object] = lambda done: None,
+    lead: LeadOptions | None = None,
 ) -> tuple[Finding, ...]:
     """Test every event (sensor, action) -> result, and rank them by their effective value (section 5.2.1).
 
@@ -84,7 +90,8 @@ def discover(
         sensors: Names of what is sensed, S.
         actions: Names of what is done, A.
         results: Names of what may come of it, R.
-        measure: ``sac`` or ``tc``, by any of their names (``names.NAMES``).
+        measure: ``sac`` or ``tc``, by any of their names (``names.NAMES``); or ``local``, SAC where an event is surest
+            to be contingent (see ``lead``), so that strong and rare ones come before weak and frequent ones.
         options: Number and kind of surrogates and resamples; None: the defaults of ``TestOptions``.
         how: Correction of p for the number of events.
         alpha: Level of significance, after the correction.
@@ -95,6 +102,7 @@ def discover(
         timing: Delay from sensor and action to result, and histories; None: one step. Values are told only where
             histories are of one step.
         progress: Called with the number of surrogates or resamples drawn since the last call.
+        lead: Measure local: how situations are weighed, and posterior draws; None: the defaults of ``LeadOptions``.
 
     Returns:
         The events, the highest effective value first.
@@ -112,16 +120,27 @@ def discover(
         >>> first.event, first.p_adjusted
         ('(face, gaze) -> object', 0.01)
     """
-    chosen = MEASURES[full_name(measure, OF_EVENTS)]
+    name = full_name(measure, OF_RECORDED_EVENTS)
+    local, chosen = name == LOCAL.full, MEASURES.get(name, CONTINGENCY)
     _check(data, sensors, actions, results, alpha)
     given, unit, tested = options or TestOptions(), check_base(base), []
     timing = timing or Timing()
+    if local and not timing.source_history == timing.target_history == 1:
+        raise SeriesError(
+            "measure local tells situations apart by one value each of sensor and result; got histories of "
+            f"{timing.source_history} and {timing.target_history}. Leave these out, or take sac"
+        )
     explain = explain if timing.source_history == timing.target_history == 1 else 0
     events = list(product(sensors, actions, results))
     for event, stream in zip(events, _seeds(seed).spawn(len(events)), strict=True):
-        tested.append(_tested(data, event, groups, timing, chosen, given, unit, generator(stream), progress))
+        rng = generator(stream)
+        if local:
+            tested.append(_led(data, event, groups, timing, lead or LeadOptions(), given, unit, rng, progress))
+        else:
+            tested.append(_tested(data, event, groups, timing, chosen, given, unit, rng, progress))
     adjusted = adjust([finding.significance.p for finding in tested], how)
     tested = [replace(finding, p_adjusted=float(p)) for finding, p in zip(tested, adjusted, strict=True)]
+    tested = _with_chances(tested) if local else tested
     ranked = sorted(tested, key=lambda finding: -finding.significance.corrected)
     for i, finding in enumerate(ranked[:explain]):
         if finding.p_adjusted <= alpha:
@@ -132,6 +151,9 @@ def discover(
                 again = replace(given, resamples=0)  # the same method, as the memory is the same
                 counts = assess_steps(explained, chosen, again, unit, rng, local=True).counts
             entries = local_of_steps(explained, chosen, unit, counts=counts)
+            if finding.lead is not None:
+                where = {(situation.result, situation.sensor) for situation in finding.lead.situations}
+                entries = tuple(entry for entry in entries if (entry.before, entry.sensor) in where)
             ranked[i] = replace(finding, values=carriers(entries, alpha))
     return tuple(ranked)
 
@@ -161,6 +183,38 @@ def _tested(
     bound = measure.bound(given.entries(), "smallest") / unit
     normalised = significance.corrected / bound if bound > 1e-12 else 0.0
     return Finding(sensor, action, result, significance, 1.0, normalised)
+
+
+def _led(
+    data: Mapping[str, Series],
+    event: tuple[str, str, str],
+    groups: Sequence[int] | None,
+    timing: Timing,
+    how: LeadOptions,
+    options: TestOptions,
+    unit: float,
+    rng: np.random.Generator,
+    progress: Callable[[int], object],
+) -> Finding:
+    """As ``_tested``, by the measure local."""
+    sensor, action, result = event
+    try:
+        given = timed(acted(data[sensor], data[action], data[result], groups), timing)
+        lead = lead_of_steps(given, how, options, unit, rng, progress)
+    except SeriesError as error:
+        raise SeriesError(f"({sensor}, {action}) -> {result}: {error}") from error
+    bound = CONTINGENCY.bound(given.entries(), "smallest") / unit
+    normalised = lead.significance.corrected / bound if bound > 1e-12 else 0.0
+    return Finding(sensor, action, result, lead.significance, 1.0, normalised, lead=lead)
+
+
+def _with_chances(tested: Sequence[Finding]) -> list[Finding]:
+    """How often each is the first in posterior draws of all."""
+    effective = np.array([
+        finding.lead.draws - finding.significance.null_mean for finding in tested if finding.lead is not None
+    ])  # fmt: skip
+    wins = np.bincount(effective.argmax(axis=0), minlength=len(effective)) / effective.shape[1]
+    return [replace(finding, first=float(chance)) for finding, chance in zip(tested, wins, strict=True)]
 
 
 def _check(

@@ -24,8 +24,12 @@ NAMES = (
     MeasureName("mutual_information", "mi", "I(s; r')"),
     MeasureName("conditional_mutual_information", "cmi", "I(s; r' | a)"),
 )
+LOCAL = MeasureName("situation_contingency", "local", "local SAC")
+"""SAC in the situations where an event is surest to be contingent; it has a posterior in place of resamples."""
 OF_EVENTS = ("sac", "tc")
 """Short names of the measures that rank events (sensor, action) -> result."""
+OF_RECORDED_EVENTS = (*OF_EVENTS, LOCAL.short)
+"""Those that rank the events of whole series."""
 
 
 def full_name(name: str, among: Iterable[str] | None = None) -> str:
@@ -38,7 +42,7 @@ def full_name(name: str, among: Iterable[str] | None = None) -> str:
     Raises:
         SeriesError: No such measure, or not one of those that are allowed.
     """
-    allowed = [names for names in NAMES if among is None or names.short in among]
+    allowed = list(NAMES) if among is None else [names for names in (*NAMES, LOCAL) if names.short in among]
     for names in allowed:
         if isinstance(name, str) and name.lower() in {each.lower() for each in names}:
             return names.full
@@ -53,7 +57,7 @@ def measure_choice(names: Iterable[str]) -> Choice:
     Args:
         names: Short names of the measures that are allowed.
     """
-    chosen = [name for name in NAMES if name.short in names]
+    chosen = [name for name in (*NAMES, LOCAL) if name.short in names]
     return Choice(
         [measure.short for measure in chosen],
         other_names={each: measure.short for measure in chosen for each in measure},

@@ -1,18 +1,18 @@
 """Whether a measure says more than chance, how far it can be trusted, and what holds when many events are tested."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Literal, Protocol, get_args
 
 import numpy as np
 
 from jointattn_mj.contingency import bootstrap, information
 from jointattn_mj.contingency.bootstrap import Resample
 from jointattn_mj.contingency.combinations import SurrogateCounts
-from jointattn_mj.contingency.displaced import FEWEST_RECORDINGS, Displacement, Moves, displaced, moves
+from jointattn_mj.contingency.displaced import FEWEST_RECORDINGS, Displacement, displaced, moves
 from jointattn_mj.contingency.information import Measure
 from jointattn_mj.contingency.lagged import Timing, timed
 from jointattn_mj.contingency.memory import Memory, memory
@@ -331,8 +331,16 @@ def chosen_method(given: Steps, remembered: Memory, options: TestOptions) -> Lit
     return "partners" if short and len(lengths) >= max(ENOUGH_PARTNERS, FEWEST_RECORDINGS) else "shift"
 
 
+class Surrogate(Protocol):
+    """Makes surrogates of a source."""
+
+    def draw(self, count: int, rng: np.random.Generator) -> Iterator[np.ndarray]:
+        """See ``displaced.Moves``."""
+        ...
+
+
 def drawn(
-    moved: Moves,
+    moved: Surrogate,
     values: Callable[[np.ndarray], np.ndarray],
     transitions: int,
     count: int,

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
 from jointattn_mj.contingency.discovery import Finding, discover
-from jointattn_mj.contingency.names import OF_EVENTS, measure_choice
+from jointattn_mj.contingency.lead import LeadOptions
+from jointattn_mj.contingency.names import LOCAL, OF_RECORDED_EVENTS, measure_choice
 from jointattn_mj.contingency.significance import Adjust
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.results import bracket, claimed_paths, number, share, write_results
@@ -17,6 +18,9 @@ from jointattn_mj.recordings.methods import holm_notes
 from jointattn_mj.recordings.options import RecordingTestOptions
 from jointattn_mj.recordings.patience import patient
 from jointattn_mj.recordings.steps import Recordings
+
+MOST_SITUATIONS = 5
+"""So many are printed of the situations in which an event is contingent."""
 
 
 @dataclass(frozen=True)
@@ -29,14 +33,17 @@ class DiscoverOptions(RecordingTestOptions):
     """Columns of what is done, A."""
     results: tuple[str, ...]
     """Columns of what may come of it, R."""
-    measure: Annotated[str, measure_choice(OF_EVENTS)] = "sac"
-    """Measure of contingency: sac (eq. 5.2) or tc (T^C, eq. 4.3)."""
+    measure: Annotated[str, measure_choice(OF_RECORDED_EVENTS)] = "sac"
+    """Measure of contingency: sac (eq. 5.2) or tc (T^C, eq. 4.3), means over all steps; or local, SAC where an event is
+    surest to be contingent, so that what is rare but strong comes before what is frequent but weak."""
     correction: Adjust = "holm"
     """Correction of p for the number of events."""
     alpha: Annotated[float, Real("[1e-9, 1)")] = 0.05
     """Level of significance."""
     explain: Annotated[int, Whole("[0, 1e6]")] = 3
     """So many of the first events, if significant, also tell which values carry them."""
+    local: LeadOptions = field(default_factory=LeadOptions)
+    """Measure local: how situations are weighed, and what is drawn from their posterior."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -47,6 +54,11 @@ class DiscoverOptions(RecordingTestOptions):
     def tests(self) -> int:
         """Number of events."""
         return len(self.sensors) * len(self.actions) * len(self.results)
+
+    @property
+    def draws(self) -> int:
+        """Surrogates and resamples of all tests; the measure local needs no resamples."""
+        return self.surrogates * self.tests if self.measure == LOCAL.short else super().draws
 
 
 @dataclass(frozen=True, repr=False)
@@ -82,35 +94,83 @@ class DiscoverResult:
                 "transitions": finding.significance.transitions,
                 "method": finding.significance.method,
                 "inflation": finding.significance.inflation,
+                **({} if finding.lead is None else {"first": finding.first, "share_of_steps": finding.lead.share}),
                 "values": "; ".join(self._values(finding)),
             }
             for rank, finding in enumerate(self.findings, 1)
         ]
 
+    def situation_rows(self) -> list[dict[str, Any]]:
+        """A row an event and situation in which it is surest to be contingent, with measure local; none else."""
+        return [
+            {
+                "rank": rank,
+                "sensor": finding.sensor,
+                "action": finding.action,
+                "result": finding.result,
+                "before": self._label(finding.result, situation.result),
+                "sensed": self._label(finding.sensor, situation.sensor),
+                "transitions": situation.transitions,
+                "value": situation.value,
+                "low": situation.interval[0],
+                "high": situation.interval[1],
+            }
+            for rank, finding in enumerate(self.findings, 1)
+            for situation in (() if finding.lead is None else finding.lead.situations)
+        ]
+
     def text(self) -> str:
         """A table to read, and the values in words."""
         width = max(len(finding.event) for finding in self.findings)
-        name = "SAC" if self.options.measure == "sac" else "T^C"
+        local = self.options.measure == LOCAL.short
+        name = {"sac": "SAC", "tc": "T^C"}.get(self.options.measure, LOCAL.symbol)
+        interval, part = f"{self.findings[0].significance.level:.0%} interval", "steps" if local else "share"
+        first = f"{'first':>7}" if local else ""
         lines = [
-            f"{'event':{width}}{name:>10}{'effective':>11}{'95% interval':>22}{'share':>9}{'z':>8}{'p':>9}{'p adj.':>9}"
+            f"{'event':{width}}{name:>10}{'effective':>11}{interval:>22}{part:>9}{first}{'z':>8}{'p':>9}{'p adj.':>9}"
         ]
         for finding in self.findings:
-            significance = finding.significance
+            significance, lead = finding.significance, finding.lead
             mark = " *" if finding.p_adjusted <= self.options.alpha else ""
+            parts = f"{share(finding.normalised if lead is None else lead.share):>9}"
             lines.append(
                 f"{finding.event:{width}}{number(significance.value):>10}{number(significance.corrected):>11}{bracket(significance.interval):>22}"
-                f"{share(finding.normalised):>9}{significance.z:8.1f}{significance.p:9.4f}{finding.p_adjusted:9.4f}{mark}"
+                f"{parts}{'' if lead is None else f'{finding.first:7.0%}'}"
+                f"{significance.z:8.1f}{significance.p:9.4f}{finding.p_adjusted:9.4f}{mark}"
             )
         for finding in self.findings:
             if finding.values:
                 lines += ["", f"{finding.event} is carried by", *(f"  {words}" for words in self._values(finding))]
+                lines += self._where(finding)
         how = {"holm": "by Holm", "benjamini_hochberg": "by Benjamini and Hochberg", "none": "not corrected"}
         adjusted = how[self.options.correction]
+        if local:
+            lines += [
+                "",
+                f"{LOCAL.symbol}: mean of the posterior where an event is surest to be contingent; steps: their share.",
+                "effective: less the mean of surrogates of the sensor; first: probability that it is the highest.",
+            ]
         lines += [
             "",
             f"* significant at {self.options.alpha:g}; p adj.: for {self.options.tests} events, {adjusted}.",
         ]
         return "\n".join([*lines, *(f"Note: {note}." for note in self.notes)])
+
+    def _where(self, finding: Finding) -> list[str]:
+        """In which situations it is contingent, and how much; of many the first."""
+        some = () if finding.lead is None else finding.lead.situations
+        lines = [
+            f"  {finding.result} {self._label(finding.result, where.result)}, {finding.sensor} "
+            f"{self._label(finding.sensor, where.sensor)}: {number(where.value)} {bracket(where.interval)} "
+            f"in {where.transitions} steps"
+            for where in some[:MOST_SITUATIONS]
+        ]
+        more = len(some) - len(lines)
+        return [*(["and is contingent where"] if some else []), *lines, *([f"  and in {more} others"] if more else [])]
+
+    def _label(self, name: str, value: int) -> str:
+        labels = self.labels.get(name)
+        return labels[value] if labels else str(value)
 
     def _values(self, finding: Finding) -> list[str]:
         return [value.words((finding.sensor, finding.action, finding.result), self.labels) for value in finding.values]
@@ -160,6 +220,7 @@ def _run(
         groups=coded.groups,
         timing=options.timing(coded.step),
         progress=patient(progress, options.draws, options.yes),
+        lead=options.local,
     )
     tested = [(finding.event, finding.significance) for finding in findings]
     notes = [*coded.notes(), *notes_on_tests(tested, options.method, options.surrogates)]
@@ -169,5 +230,6 @@ def _run(
         notes += holm_notes("event", least, drawn, options.surrogates, options.alpha)
     result = DiscoverResult(options, findings, coded.labels, tuple(notes))
     if paths is not None:
-        write_results(paths, result.rows(), options, notes=result.notes)
+        situations = {"situations": result.situation_rows()} if options.measure == LOCAL.short else {}
+        write_results(paths, result.rows(), options, notes=result.notes, **situations)
     return result

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jointattn_mj import contingency as c
-from jointattn_mj.contingency.names import NAMES, OF_EVENTS, full_name
+from jointattn_mj.contingency.names import LOCAL, NAMES, OF_EVENTS, full_name
 from jointattn_mj.contingency.online.detector import DetectorConfig
 from jointattn_mj.contingency.significance import MEASURES, TestOptions
 from jointattn_mj.errors import ConfigError, SeriesError
@@ -53,6 +53,16 @@ def test_accepted_everywhere(name, measure):
         repr(c.discover(data, ["s"], ["a"], ["r"], measure=each, options=few)) for each in measure
     }  # with NaN in it
     assert len(found) == 1
+
+
+def test_the_local_measure_ranks_recorded_events_only():
+    for name in LOCAL:
+        assert DiscoverOptions("f.csv", ("s",), ("a",), ("r",), measure=name).measure == "local"
+    assert hasattr(c, LOCAL.full)
+    with pytest.raises(SeriesError, match="got 'local'"):
+        full_name("local")
+    with pytest.raises(ConfigError, match="expected one of sac, tc; got 'local'"):
+        DetectorConfig(measure="local")
 
 
 def test_a_config_refuses_others():

@@ -162,6 +162,21 @@ class TestDiscover:
         assert document["config"]["sensors"] == ["gaze", "colour"]
         assert document["rows"][0]["p_adjusted"] == pytest.approx(4 / 200)
 
+    def test_local(self, jointattn, coding, tmp_path):
+        outcome = jointattn("discover", coding, *PARTS, "--surrogates", 99, "--measure", "local", "--out", tmp_path)
+        assert (outcome.code, outcome.err) == (0, "")
+        lines = outcome.out.splitlines()
+        assert lines[0].split()[:3] == ["event", "local", "SAC"] and " first " in lines[0]
+        assert lines[1].startswith("(gaze, turn) -> object") and lines[1].endswith("*") and "100%" in lines[1]
+        assert "and is contingent where" in outcome.out and "  object none, gaze left: " in outcome.out
+        document = json.loads((tmp_path / "events.json").read_text())
+        first, where = document["rows"][0], document["situations"]
+        assert first["first"] == 1 and first["low"] < first["plug_in"] < first["high"]
+        mine = [row for row in where if row["rank"] == 1]
+        assert sum(row["transitions"] for row in mine) == pytest.approx(first["share_of_steps"] * first["transitions"])
+        assert {row["sensed"] for row in mine} <= {"left", "middle", "right"}
+        assert document["config"]["local"]["smallest_share"] == 0.05
+
     def test_other_measure_and_correction(self, coding):
         options = DiscoverOptions(
             coding,

@@ -86,6 +86,10 @@ class LocalConfig(Checked):
     increasing_first: bool = True
     """Whether an event that makes its result rarer waits for events of the same sensor and action that make another
     result more frequent, and is no rival to any."""
+    taking_away: Annotated[float, Real("[0, 1]")] = 0.0
+    """With ``increasing_first``: an event makes its result rarer if what it contributes by that exceeds what it
+    contributes by making it more frequent, by more than this share of both. With two spots, looking at one finds what
+    looking at the other misses; the sign of so small a difference is chance, and at 0 it decides who waits."""
     needs_offers: bool = True
     """Whether an event is passed over as long as its module would offer nothing."""
     hindsight: bool = True
@@ -130,15 +134,16 @@ def search(
     """
     columns = steps.columns(events, config.condition == "joint", _alike(steps, served, config))
     lead, hoped = np.zeros((2, len(events), 2))
-    rises = np.zeros(len(events), np.bool_)
-    event_values(columns, since, _weighing(config), lead, hoped, rises)
+    rise = np.zeros(len(events))
+    event_values(columns, since, _weighing(config), lead, hoped, rise)
+    rises = rise > -config.taking_away
     values = lead[:, 0].copy()
+    evidence = np.full(len(events), np.nan)
     ranked = _candidates(events, served, rises, config)
     ranked = ranked[np.argsort(-values[ranked], kind="stable")]
     if config.needs_offers:
         while len(ranked) and not offers(events[ranked[0]]):
             ranked = ranked[1:]
-    evidence = np.full(len(events), np.nan)
     limits = float(config.tolerance), float(config.doubt), float(config.best)
     for number in ranked[values[ranked] > config.deviations * lead[ranked, 1]]:
         rivals = ranked[ranked != number]
@@ -193,11 +198,17 @@ def _is_first(
     exceeding(first, hoped[rivals], config.tolerance, higher)
     if config.doubt:
         doubted = np.flatnonzero(higher.mean(axis=1) > NEGLIGIBLE)
-        numbers = rivals[doubted]
-        new = numbers[np.isnan(evidence[numbers])]
-        evidence[new] = evidences(columns, new)
-        higher[doubted] /= 1 + config.doubt * np.exp(-np.clip(evidence[numbers], -500, 500))[:, None]
+        known = np.clip(_evidence_of(columns, rivals[doubted], evidence), -500, 500)
+        higher[doubted] /= 1 + config.doubt * np.exp(-known)[:, None]
     return bool((1 - higher).prod(axis=0).mean() >= config.best)
+
+
+def _evidence_of(columns: EventColumns, numbers: np.ndarray, evidence: np.ndarray) -> np.ndarray:
+    """Log evidence of some events (their numbers); ``evidence`` (E,) keeps what was counted, NaN else."""
+    new = numbers[np.isnan(evidence[numbers])]
+    evidence[new] = evidences(columns, new)
+    known: np.ndarray = evidence[numbers]
+    return known
 
 
 def _is_evident(

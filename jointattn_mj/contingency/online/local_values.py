@@ -56,7 +56,7 @@ def count(
 
 @njit(cache=True)
 def event_values(
-    columns: EventColumns, since: int, how: Weighing, lead: np.ndarray, hoped: np.ndarray, rises: np.ndarray
+    columns: EventColumns, since: int, how: Weighing, lead: np.ndarray, hoped: np.ndarray, rise: np.ndarray
 ) -> None:
     """The value of each event: as the first, and as a rival of the first.
 
@@ -67,7 +67,8 @@ def event_values(
         lead: (E, 2) is written: mean and standard deviation of D, over the situations that are surest to be
             contingent, nats.
         hoped: (E, 2) is written: those over the situations that are best if luck will have it.
-        rises: (E,) is written: whether the result becomes more frequent where the event is most contingent.
+        rise: (E,) is written: whether the result becomes more frequent where the event is most contingent, or rarer:
+            from 1, only more frequent, to -1, only rarer.
     """
     for e in range(len(columns.events)):
         sensor, action, result, first = columns.events[e]
@@ -85,7 +86,7 @@ def event_values(
             up = value_of(table, by_reference, how, own, rival)
             lower, upper = own[0] - how.deviations * own[1], rival[0] + rival[1]
             if lower > surest:
-                surest, rises[e] = lower, up
+                surest, rise[e] = lower, up
                 lead[e] = own
             if upper > best:
                 best = upper
@@ -93,7 +94,7 @@ def event_values(
 
 
 @njit(cache=True)
-def value_of(table: np.ndarray, by_reference: bool, how: Weighing, lead: np.ndarray, hoped: np.ndarray) -> bool:
+def value_of(table: np.ndarray, by_reference: bool, how: Weighing, lead: np.ndarray, hoped: np.ndarray) -> float:
     """The value of an event under one policy.
 
     Args:
@@ -104,10 +105,10 @@ def value_of(table: np.ndarray, by_reference: bool, how: Weighing, lead: np.ndar
         hoped: (2,) is written, likewise.
 
     Returns:
-        Whether the result becomes more frequent in the situations of ``lead``.
+        Whether the result becomes more frequent in the situations of ``lead``, or rarer, see ``event_values``.
     """
     results, sensors, actions, outcomes = table.shape
-    value = np.zeros((results * sensors, 4))  # share, mean, variance, and by how much the result rises
+    value = np.zeros((results * sensors, 5))  # share, mean, variance, rise, and the rise whatever its sign
     q, base, times = np.zeros((actions, outcomes)), np.zeros(outcomes), np.zeros((sensors, actions))
     p, room = np.zeros((actions, outcomes)), np.zeros((3, outcomes))
     m, total = 0, 0.0
@@ -122,20 +123,21 @@ def value_of(table: np.ndarray, by_reference: bool, how: Weighing, lead: np.ndar
                 total += n
                 m += 1
     order = np.argsort(-value[:m, 1])
-    lower, upper, up = -np.inf, -np.inf, True
+    lower, upper, up = -np.inf, -np.inf, 1.0
     lead[:], hoped[:] = 0.0, 0.0
-    filled = mean = variance = risen = 0.0
+    filled = mean = variance = risen = moved = 0.0
     for i in order:
         share = value[i, 0] / total
         filled += share
         mean += share * value[i, 1]
         variance += share * share * value[i, 2]
         risen += share * value[i, 3]
+        moved += share * value[i, 4]
         if filled < how.smallest_share - 1e-12:
             continue
         now, spread = mean / filled, math.sqrt(variance) / filled
         if now - how.deviations * spread > lower:
-            lower, up = now - how.deviations * spread, risen > 0.0
+            lower, up = now - how.deviations * spread, risen / moved if moved > 0.0 else np.sign(risen)
             lead[0], lead[1] = now, spread
         if now + spread > upper:
             upper = now + spread
@@ -196,16 +198,16 @@ def _situation(
         concentration: Transitions that the prior is worth.
         p: (A, R') working space.
         room: (3, R') working space.
-        value: (4,) its second is the mean of D, nats, its third the variance, its fourth what the actions contribute
-            to D by making a result more frequent, less what they contribute by making it rarer. The first value of a
-            result stands for its absence.
+        value: (5,) its second is the mean of D, nats, its third the variance, its fourth what the actions contribute
+            to D by making a result more frequent, less what they contribute by making it rarer, its fifth the sum of
+            both. The first value of a result stands for its absence.
     """
     actions, outcomes = counts.shape
     n, tried = 0.0, 0
     for a in range(actions):
         n += times[a]
         tried += times[a] > 0.0
-    mean, rise, variance = 0.0, 0.0, 0.0
+    mean, rise, moved, variance = 0.0, 0.0, 0.0, 0.0
     mixed, center, scatter = room[0], room[1], room[2]
     mixed[:] = 0.0
     scatter[:] = 0.0
@@ -228,6 +230,7 @@ def _situation(
                 divergence += x * math.log(x / q[a, k])
                 mean += weight * x * (digamma(total * x + 1.0) - digamma(total + 1.0) - math.log(q[a, k]))
         rise += weight * divergence * (1.0 if p[a, 0] < q[a, 0] else -1.0)
+        moved += weight * divergence
     for k in range(outcomes):
         x = mixed[k]
         if x > 0.0:
@@ -242,7 +245,7 @@ def _situation(
             continue
         weight, total = 1.0 / tried if by_reference else times[a] / n, times[a] + concentration
         variance += weight * weight * _scatter(p[a], q[a], center, total, (1.0 - weight) ** 2)
-    value[1], value[2], value[3] = mean, variance, rise
+    value[1], value[2], value[3], value[4] = mean, variance, rise, moved
 
 
 @njit(cache=True)
