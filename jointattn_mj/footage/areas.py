@@ -276,7 +276,7 @@ def _connected(mask: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndar
     closed = cv2.morphologyEx(mask[within], cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
     _, parts[within], stats, centres = cv2.connectedComponentsWithStats(closed, connectivity=8)
     stats[:, [cv2.CC_STAT_LEFT, cv2.CC_STAT_TOP]] += (left, top)
-    return stats, centres + (left, top)
+    return stats, centres + np.array([left, top])
 
 
 def _goes_along(trail: np.ndarray, high: float) -> bool:

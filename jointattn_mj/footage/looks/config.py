@@ -8,7 +8,8 @@ from jointattn_mj.options import Checked, Real, Share, Whole
 
 @dataclass(frozen=True)
 class LooksConfig(Checked):
-    """How looks are learned and coded. Numbers were chosen on sessions with seeds 40 to 43, 100 and 101, and tested on others."""
+    """How looks are learned and coded. Numbers were chosen on sessions with seeds 40 to 43, 100 and 101, and tested on
+    others."""
 
     every: Annotated[int, Whole("[1, 300]")] = 6
     """Take a look at every N-th frame: five a second. One a second codes as well; more date changes better."""
