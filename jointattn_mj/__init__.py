@@ -22,19 +22,19 @@ if TYPE_CHECKING:
     from typing import Any
 
     from jointattn_mj import contingency, recordings
+    from jointattn_mj.api.claim_result import ClaimResult
     from jointattn_mj.api.experiment import run_claim
     from jointattn_mj.api.perceive import perceive
     from jointattn_mj.api.session import Session
+    from jointattn_mj.api.session_result import SessionResult
     from jointattn_mj.development.result import DevelopmentResult
     from jointattn_mj.development.run import Development
     from jointattn_mj.footage.frames import PerceivedFrame
     from jointattn_mj.footage.result import PerceptionResult
-    from jointattn_mj.gaze_following.result import SessionResult
     from jointattn_mj.gaze_following.summary import SessionSummary
     from jointattn_mj.io.table import Table
     from jointattn_mj.recordings.reader import read_recordings
     from jointattn_mj.recordings.steps import Recordings
-    from jointattn_mj.sweeps.result import ClaimResult
     from jointattn_mj.tasks import ALL_TASKS, BENCHMARKING, EASY, HARD, TASKS_BY_DOMAIN, load
 
 _gl.choose_when_needed()
@@ -76,7 +76,7 @@ _HOMES = {
     "TASKS_BY_DOMAIN": "tasks",
     "load": "tasks",
     "Session": "api.session",
-    "SessionResult": "gaze_following.result",
+    "SessionResult": "api.session_result",
     "SessionSummary": "gaze_following.summary",
     "Development": "development.run",
     "DevelopmentResult": "development.result",
@@ -86,7 +86,7 @@ _HOMES = {
     "read_recordings": "recordings.reader",
     "Recordings": "recordings.steps",
     "run_claim": "api.experiment",
-    "ClaimResult": "sweeps.result",
+    "ClaimResult": "api.claim_result",
     "Table": "io.table",
 }
 """The module of each public name; it is imported when the name is first asked for."""

@@ -212,9 +212,9 @@ class Checked(metaclass=_ConfigType):
                 object.__setattr__(self, name, kept)
 
 
-def _is_default(config: Checked, one: Field[Any]) -> bool:
-    default = one.default if one.default_factory is MISSING else one.default_factory()
-    value = getattr(config, one.name)
+def _is_default(config: Checked, field: Field[Any]) -> bool:
+    default = field.default if field.default_factory is MISSING else field.default_factory()
+    value = getattr(config, field.name)
     return type(value) is type(default) and bool(value == default)
 
 
@@ -258,7 +258,11 @@ def with_new_choice(config: type, name: str, value: Any, location: str | None = 
     for part in value if isinstance(value, tuple) else (value,):
         if isinstance(part, str) and part in old:
             warn_renamed(f"{before}{name} {part!r}", repr(old[part]))
-            value = tuple(old[part] if one == part else one for one in value) if isinstance(value, tuple) else old[part]
+            value = (
+                tuple(old[part] if choice == part else choice for choice in value)
+                if isinstance(value, tuple)
+                else old[part]
+            )
     return value
 
 

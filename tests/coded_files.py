@@ -58,7 +58,7 @@ def elan() -> bytes:
                     "</ALIGNABLE_ANNOTATION></ANNOTATION>"
                 )
         tiers.append(f'<TIER LINGUISTIC_TYPE_REF="plain" TIER_ID="{tier}">{"".join(annotations)}</TIER>')
-    times = "".join(f'<TIME_SLOT TIME_SLOT_ID="ts{i}" TIME_VALUE="{_ms(one)}"/>' for i, one in enumerate(slots, 1))
+    times = "".join(f'<TIME_SLOT TIME_SLOT_ID="ts{i}" TIME_VALUE="{_ms(slot)}"/>' for i, slot in enumerate(slots, 1))
     return elan_document(times, "\n".join(tiers))
 
 

@@ -21,10 +21,10 @@ def looks(steps: int, rng: np.random.Generator, spread: float, median: float = 1
 
 def dyad(rng: np.random.Generator, spread: float, share: float = 0.5) -> Pair:
     """Somebody, and a partner who follows this share of looks after some 8 steps."""
-    one, other = looks(STEPS, rng, spread), looks(STEPS, rng, spread)
-    for t in np.flatnonzero(np.diff(one)) + 1:
+    leader, follower = looks(STEPS, rng, spread), looks(STEPS, rng, spread)
+    for t in np.flatnonzero(np.diff(leader)) + 1:
         then = t + 1 + int(rng.gamma(4, 2))
         if then < STEPS and rng.random() < share:
-            stop = then + int(np.argmax(np.append(other[then:] != other[then], True)))
-            other[then:stop] = one[t]
-    return one, other
+            stop = then + int(np.argmax(np.append(follower[then:] != follower[then], True)))
+            follower[then:stop] = leader[t]
+    return leader, follower

@@ -24,13 +24,13 @@ def variables(sensors, actions, results) -> Variables:
 def series(of: Variables, length: int, rng: np.random.Generator) -> Series:
     """Random sensors and actions; each result follows from some of them half of the time."""
     s, a, r = (
-        np.column_stack([rng.integers(0, len(one.values), length) for one in group]).astype(np.int64)
+        np.column_stack([rng.integers(0, len(variable.values), length) for variable in group]).astype(np.int64)
         for group in (of.sensors, of.actions, of.results)
     )
-    for k, one in enumerate(of.results):
+    for k, variable in enumerate(of.results):
         follows = np.flatnonzero(rng.random(length - 1) < 0.5)
         said = s[follows, k % s.shape[1]] + a[follows, k % a.shape[1]] + r[follows, k]
-        r[follows + 1, k] = said % len(one.values)
+        r[follows + 1, k] = said % len(variable.values)
     return s, a, r
 
 

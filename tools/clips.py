@@ -87,7 +87,7 @@ def measured(path: Path, faces: dict[int, list[Face]], every: int = 5) -> Score:
         if still.number == last or still.number % every:
             continue
         last = still.number
-        seen = [(one.face[:4], one.yaw_deg, one.yaw_error_deg) for one in viewing.visible_faces]
+        seen = [(face.face[:4], face.yaw_deg, face.yaw_error_deg) for face in viewing.visible_faces]
         real = faces.get(last, [])
         there += sum(face.whole for face in real)
         boxes += len(seen)
@@ -111,9 +111,10 @@ def _on(box: np.ndarray, face: np.ndarray) -> bool:
 def total(scores: list[Score]) -> Score:
     """All clips together."""
     sums = {
-        name: sum(getattr(one, name) for one in scores) for name in ("faces", "found", "boxes", "elsewhere", "covered")
+        name: sum(getattr(score, name) for score in scores)
+        for name in ("faces", "found", "boxes", "elsewhere", "covered")
     }
-    return Score("all", yaw_errors=tuple(error for one in scores for error in one.yaw_errors), **sums)
+    return Score("all", yaw_errors=tuple(error for score in scores for error in score.yaw_errors), **sums)
 
 
 def main() -> None:

@@ -136,6 +136,12 @@ def seconds(work: Callable[[], None], wait: Callable[[], None], blocks: int, lea
 def measured(eye: BatchedEye, poses: SessionPoses, blocks: int = BLOCKS, least: float = BLOCK_S) -> dict[str, Any]:
     """Microseconds an image of each part, and images a second: medians and quartiles over blocks.
 
+    Args:
+        eye: What draws the images.
+        poses: Of all worlds, from sessions.
+        blocks: Number of blocks that are timed.
+        least: Least length of a block, seconds.
+
     Returns:
         pose_us, refit_us, cast_us: of the parts of ``draw``, each alone. draw_us: of all three in a row; graph_us: by a
         graph, on a card. copy_us: of bringing the image to the host. images_per_s, graph_images_per_s: from draw_us and
@@ -162,12 +168,12 @@ def _figures(name: str, times: list[float], worlds: int) -> dict[str, list[float
     return row | ({whole: (1 / np.percentile(each, (50, 75, 25))).tolist()} if whole else {})
 
 
-def difference(ours: np.ndarray, theirs: np.ndarray) -> dict[str, float]:
+def difference(first: np.ndarray, second: np.ndarray) -> dict[str, float]:
     """How far images (n, h, w, 3) uint8 lie apart: mean |difference| in grey levels, shares of pixels off by more."""
-    apart = np.abs(ours.astype(int) - theirs.astype(int))
+    apart = np.abs(first.astype(int) - second.astype(int))
     most = apart.max(axis=3)
     return {
-        "images": len(ours),
+        "images": len(first),
         "mean": float(apart.mean()),
         "off_by_more_than_2": float((most > 2).mean()),
         "off_by_more_than_16": float((most > 16).mean()),

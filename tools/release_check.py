@@ -82,7 +82,13 @@ class Machine:
         self.run("root", f"chown -R {who}: {self.home(who)}/project", self.folder.with_suffix(".chown.log"))
 
     def run(self, who: str, command: str, log: Path) -> int:
-        """Exit code of a command in the clone, or else at home, without anything of this process's environment."""
+        """Exit code of a command in the clone, or else at home, without anything of this process's environment.
+
+        Args:
+            who: User who runs it.
+            command: Line for a shell.
+            log: File for all that it says.
+        """
         kept = {name: value for name, value in os.environ.items() if name.lower().endswith("_proxy")}
         given = {
             "HOME": self.home(who), "USER": who, "LANG": "C.UTF-8", "PIP_CERT": "/etc/ssl/certs/ca-certificates.crt",
@@ -104,7 +110,13 @@ class Machine:
 
 
 def tried(machine: Machine, trial: MachineTrial, log: Path) -> str:
-    """A row of the table."""
+    """A row of the table.
+
+    Args:
+        machine: Where it is tried.
+        trial: What is tried.
+        log: File for all that is said.
+    """
     started = time.monotonic()
     code = machine.run(trial.who, trial.command, log)
     minutes = (time.monotonic() - started) / 60

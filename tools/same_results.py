@@ -107,7 +107,13 @@ def leaves(value: Any, path: str) -> Iterator[tuple[str, Any]]:
 
 
 def parts(path: Path, name: str, scratch: str) -> Iterator[tuple[str, str]]:
-    """What a file holds, a digest for each of its parts; ``scratch``, where runs work, does not count."""
+    """What a file holds, a digest for each of its parts; ``scratch``, where runs work, does not count.
+
+    Args:
+        path: The file.
+        name: Of the file in its run's folder.
+        scratch: Folder where runs work.
+    """
     if path.suffix == ".parquet":
         table = pq.read_table(path)
         for column in table.column_names:

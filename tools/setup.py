@@ -235,7 +235,14 @@ def install(kind: str, missing: list[Part]) -> None:
 
 
 def watch(command: list[str], log: Path, how_far: Callable[[], str], **environment: str) -> bool:
-    """Run a command, all that it says into ``log``, and say now and then how far it is."""
+    """Run a command, all that it says into ``log``, and say now and then how far it is.
+
+    Args:
+        command: Program and arguments.
+        log: File for all that it says.
+        how_far: Gives words on how far it is.
+        environment: Further variables.
+    """
     with log.open("w") as file:
         inherited = os.environ | environment
         run = subprocess.Popen(command, stdout=file, stderr=file, stdin=subprocess.DEVNULL, env=inherited)

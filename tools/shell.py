@@ -62,7 +62,13 @@ class Shell:
         return self._ask(arguments=asked, env=env, limit=file_limit, seconds=seconds, memory=memory)
 
     def python(self, source: str, seconds: float | None = None, memory: int | None = None) -> Outcome:
-        """Run lines of Python, as if they were a program."""
+        """Run lines of Python, as if they were a program.
+
+        Args:
+            source: The lines.
+            seconds: Most that it may take.
+            memory: Most bytes that it may take.
+        """
         return self._ask(source=source, seconds=seconds, memory=memory)
 
     def _ask(self, **request: object) -> Outcome:

@@ -113,7 +113,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         handles = {label: h for axes in grid.flat for h, label in zip(*axes.get_legend_handles_labels(), strict=True)}
         figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=5, fontsize=7)
         figure.suptitle(
-            f"When modules are made by the caregiver's probabilities, $p_e$ = {answer} (steps, mean and deviation)",
+            f"When modules are made, by probabilities of the caregiver; $p_e$ = {answer} (steps, mean and deviation)",
             fontsize=10,
         )
         figures[f"caregiver_settings_{answer}"] = figure

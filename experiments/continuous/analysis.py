@@ -135,8 +135,8 @@ def _interval(estimate: Estimate) -> tuple[float, float]:
     return (estimate.low, estimate.high) if np.isfinite(estimate.low) else (estimate.mean, estimate.mean)
 
 
-def _difference(results: Sequence[Result], one: tuple[str, int], other: tuple[str, int], key: str) -> Estimate:
-    first, second = ([_value(result, *which, key) for result in results] for which in (one, other))
+def _difference(results: Sequence[Result], minuend: tuple[str, int], subtrahend: tuple[str, int], key: str) -> Estimate:
+    first, second = ([_value(result, *which, key) for result in results] for which in (minuend, subtrahend))
     return paired_difference(first, second)
 
 

@@ -10,7 +10,7 @@ from jointattn_mj.gaze_following.summary import LATE_MINUTES
 from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import Estimate, mean_interval, paired_difference, proportion
 
-from ..sessions.analysis import MINUTES, WITHIN_DEG, half_way, within
+from ..sessions.analysis import WITHIN_DEG, draw_landings, half_way, within
 from ..wrong_map.analysis import WRONG_DEG
 from .sweep import COMPLETE, SETTINGS, Strangers
 
@@ -31,6 +31,11 @@ EARLY_MINUTES = 10
 AT_ONCE_S = 75.0
 """Beginning of the time with a stranger, before much can have been learned of the new face."""
 COLOURS = {"no_cues": "#2471a3", "cues": "#c0392b", "no_cues_thesis": "#85c1e9", "cues_thesis": "#f1948a"}
+LONGER = {
+    "watching": "after watching only",
+    "watching_thesis": "after watching only, the dissertation's rule",
+    "hour": "an hour",
+}
 WORDS = {"no_cues": "without motion cues", "cues": "with motion cues", "thesis": "the dissertation's rule"}
 
 
@@ -77,7 +82,13 @@ def curves(trials: Sequence[Trial]) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def minute_of(level: float, times: np.ndarray, rate: np.ndarray) -> float:
-    """First of ``times`` (m,) from which a rate (m,) stays at ``level`` for ``KEEPS_MINUTES``; infinite if never."""
+    """First of ``times`` (m,) from which a rate (m,) stays at ``level`` for ``KEEPS_MINUTES``; infinite if never.
+
+    Args:
+        level: Rate that is to be kept, 0 to 1.
+        times: (m,) minutes.
+        rate: (m,) at these times.
+    """
     length = round(KEEPS_MINUTES / STEP) + 1
     above = np.lib.stride_tricks.sliding_window_view(rate >= level, length).all(axis=1)
     return float(times[np.argmax(above)]) if above.any() else np.inf
@@ -115,7 +126,7 @@ def in_words(name: str) -> str:
         return f"{in_words(f'{seen}/{cues}' + '_thesis' * rest.endswith('thesis'))}, objects in an upright square"
     if group == "ablation":
         return "with " + ", ".join(rest.replace("in_view", "all in view").replace("again", "reading again").split("+"))
-    return f"{group}, {rest}".replace("_", " ").strip(", ")
+    return LONGER.get(name) or f"{group}, {rest}".replace("_", " ").strip(", ")
 
 
 def _row(what: str, ours: Estimate, note: str = "") -> Comparison:
@@ -163,7 +174,7 @@ def details(part: Sequence[Trial], words: str) -> list[Comparison]:
 def axes(part: Sequence[Trial], words: str) -> list[Comparison]:
     """Whether pan is followed before tilt, where both have the same spread."""
     early, half = (
-        [[measure(one, axis) for one in part] for axis in ("pan", "tilt")] for measure in (_early_share, half_way)
+        [[measure(trial, axis) for trial in part] for axis in ("pan", "tilt")] for measure in (_early_share, half_way)
     )
     near = f"landings within {WITHIN_DEG} deg of the target in pan, less those in tilt, first {EARLY_MINUTES} minutes, "
     apart = "minutes by which half of the gain in tilt comes after half of that in pan, "
@@ -189,18 +200,18 @@ def _minutes(level: float, part: Sequence[Trial], words: str) -> Comparison:
 def differences(trials: Trials) -> list[Comparison]:
     """Cues against none, and this learner against the dissertation's, on the same seeds."""
     findings = []
-    for one, other in (
+    for first, second in (
         ("state/cues", "state/no_cues"),
         ("state/cues_thesis", "state/no_cues_thesis"),
         ("state/no_cues", "state/no_cues_thesis"),
         ("state/cues", "state/cues_thesis"),
         *((name, "pixels/no_cues") for name in SETTINGS if name.startswith("told")),
     ):
-        rates = [{trial.seed: late(trial) for trial in trials.get(name, ())} for name in (one, other)]
+        rates = [{trial.seed: late(trial) for trial in trials.get(name, ())} for name in (first, second)]
         seeds = sorted(rates[0].keys() & rates[1].keys())
         if seeds:
             gain = paired_difference(*([rate[seed] for seed in seeds] for rate in rates))
-            findings.append(_row(f"late rate, {in_words(one)}, less {in_words(other)}", gain))
+            findings.append(_row(f"late rate, {in_words(first)}, less {in_words(second)}", gain))
     return findings
 
 
@@ -211,7 +222,7 @@ def strangers(trials: Sequence[Trial], words: str) -> list[Comparison]:
     spans = {"at once": (0.0, AT_ONCE_S), "after five minutes": (last_s, np.inf)}
     findings = []
     for when, (first, last) in spans.items():
-        each = {name: [shares(one, first, last) for one in _of(trials, name)] for name in asked.strangers}
+        each = {name: [shares(trial, first, last) for trial in _of(trials, name)] for name in asked.strangers}
         note = "; ".join(f"{name} {np.nanmean(rates):.2f}" for name, rates in each.items())
         means = [float(np.nanmean(rates)) for rates in zip(*each.values(), strict=True)]
         what = f"rate with {len(each)} strangers {when}, {words}"
@@ -258,7 +269,7 @@ def draw_success(trials: Trials) -> Figure:
                 axes.plot(times, good.sum(0) / shifts.sum(0), color=colour, label=label)
                 numbers.append(len(part))
         axes.axhline(0.25, ls=":", color="#7f8c8d", lw=0.8)
-        axes.text(26, 0.26, "one of four objects at random", ha="right", fontsize=8, color="#7f8c8d")
+        axes.text(25.7, 0.26, "one of four objects at random", ha="right", fontsize=8, color="#7f8c8d")
         axes.set(xlabel="time (simulated minutes)", xlim=(0, 26), ylim=(0, 1))
         origin = "from the simulator's state" if perception == "state" else "from rendered images"
         axes.set_title(f"{origin} ({' and '.join(map(str, sorted(set(numbers))))} sessions each)", fontsize=10)
@@ -288,7 +299,7 @@ def draw_ablation(trials: Trials) -> Figure:
         has = [row for row, part in enumerate(parts) if part in named[name]]
         below.plot([at] * len(parts), range(len(parts)), "o", ms=5, color="#e5e7e9")
         below.plot([at] * len(has), has, "o", ms=5, color="#1b2631")
-    above.set(ylabel="rate of the last 6 minutes", ylim=(0, 1))
+    above.set(ylabel="share of right gaze shifts, last 6 min", ylim=(0, 1))
     above.set_title("What each part is worth, without motion cues, from the state (dots: sessions; bars: mean, 95%)")
     above.grid(alpha=0.3, axis="y")
     below.set_yticks(range(len(parts)), labels, fontsize=8)
@@ -307,8 +318,11 @@ def draw_conditions(trials: Trials) -> Figure:
         axes.plot(rates, np.full(len(rates), at), "o", ms=2.5, color="#aeb6bf")
         axes.errorbar(mean.mean, at, xerr=[[mean.mean - mean.low], [mean.high - mean.mean]], fmt="|", color="#1b2631")
     axes.set_yticks(range(len(names)), [f"{in_words(name)} ({len(trials[name])})" for name in names], fontsize=8)
-    axes.set(xlim=(0, 1), ylim=(len(names) - 0.5, -0.5), xlabel="rate of the last 6 minutes")
-    figure.suptitle("Other settings and harder conditions (sessions in brackets; bars: mean, 95%)", fontsize=10)
+    axes.set(xlim=(0, 1), ylim=(len(names) - 0.5, -0.5), xlabel="share of right gaze shifts, last 6 min")
+    figure.suptitle(
+        "How often the robot looked right in other conditions (sessions in brackets; bars: mean, 95%)",
+        fontsize=10,
+    )
     axes.grid(alpha=0.3, axis="x")
     return figure
 
@@ -332,7 +346,9 @@ def draw_images(trials: Trials) -> Figure:
             _bars(left, np.arange(len(PHASES)) + shift, rates, colour, filled, label)
     left.set_xticks(range(len(PHASES)), PHASES)
     left.set(
-        xlabel="what the caregiver did when the shift began", ylabel="rate of the last 6 minutes", ylim=(0.4, 1.02)
+        xlabel="what the caregiver did when the shift began",
+        ylabel="share of right gaze shifts, last 6 min",
+        ylim=(0.4, 1.02),
     )
     left.legend(fontsize=8, loc="lower right")
     if names:
@@ -341,7 +357,7 @@ def draw_images(trials: Trials) -> Figure:
         )
     for axes in panels:
         axes.grid(alpha=0.3, axis="y")
-    figure.suptitle("What images cost (sessions in brackets; bars: mean, 95%)", fontsize=11)
+    figure.suptitle("What images cost in success (sessions in brackets; bars: mean, 95%)", fontsize=11)
     return figure
 
 
@@ -368,18 +384,13 @@ def draw_axes(trials: Trials) -> Figure:
     figure = Figure(figsize=(10, 3.4 * ((len(names) + 1) // 2)), layout="constrained")
     panels = figure.subplots((len(names) + 1) // 2, 2, sharex=True, sharey=True, squeeze=False).ravel()
     for panel, name in zip(panels, names, strict=False):
-        for axis, colour in (("pan", "#6c3483"), ("tilt", "#b7950b")):
-            rates = [mean_interval(column) for column in np.array([within(one, axis) for one in trials[name]]).T]
-            panel.fill_between(
-                MINUTES, [rate.low for rate in rates], [rate.high for rate in rates], color=colour, alpha=0.2, lw=0
-            )
-            panel.plot(MINUTES, [rate.mean for rate in rates], color=colour, label=axis)
+        draw_landings(panel, trials[name])
         words = in_words(name).removesuffix(", objects in an upright square")
         panel.set_title(f"{words} ({len(trials[name])})", fontsize=9)
-        panel.set(xlim=(0, 26), ylim=(0, 1))
-        panel.grid(alpha=0.3)
     panels[0].legend(fontsize=8, loc="lower right")
     figure.supxlabel("time (simulated minutes)", fontsize=10)
     figure.supylabel(f"landings within {WITHIN_DEG} deg\nof the caregiver's object", fontsize=10)
-    figure.suptitle("Pan and tilt, objects in an upright square (sessions in brackets; bands: 95%)", fontsize=11)
+    figure.suptitle(
+        "How often gaze shifts end near the caregiver's object, objects in an upright square (bands: 95%)", fontsize=11
+    )
     return figure

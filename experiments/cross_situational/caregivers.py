@@ -117,7 +117,13 @@ class CarelessWorld(World):
 
 
 def world_with(looks_away: float, looks_at_others: bool, handled: int | None) -> type[World]:
-    """A class of worlds, whose caregiver has these attributes of ``CarelessScript``; ``World`` itself for none."""
+    """A class of worlds, whose caregiver has these attributes of ``CarelessScript``; ``World`` itself for none.
+
+    Args:
+        looks_away: Share of looks at no object, 0 to 1.
+        looks_at_others: Whether the gaze rests on an object that stays on the table, whatever is handled.
+        handled: How many of the objects are transferred, the first ones; None for all.
+    """
     if not looks_away and not looks_at_others and handled is None:
         return World
     attributes = {"looks_away": looks_away, "looks_at_others": looks_at_others, "handled": handled}

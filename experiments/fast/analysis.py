@@ -83,7 +83,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     ticks = (4_000, 7_000, 10_000, 20_000, 40_000)
     left.set_xticks(ticks, [f"{tick // 1000}k" for tick in ticks], minor=False)
     left.set_xticks([], minor=True)
-    left.legend(fontsize=8, loc="lower right")
+    left.legend(fontsize=8, loc="upper left")
     left.grid(alpha=0.3)
     for number, preset in enumerate(("fast", "thesis")):
         shares = [

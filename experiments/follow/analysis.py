@@ -57,6 +57,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     figure.legend(
         entries.values(), entries, fontsize=8, loc="outside lower center", ncols=2 * len(visible), frameon=False
     )
+    figure.suptitle("How much reward PPO learns to earn, by what it sees")
     return {"follow": figure}
 
 

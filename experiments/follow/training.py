@@ -43,14 +43,27 @@ def train(config: "Training", seed: int) -> dict[str, Any]:
 
 
 def tested(learner: PPO, environment: VecEnv, seed: int, episodes: int) -> float:
-    """Mean reward a step in the first ``episodes`` of a seed, of the most likely actions."""
+    """Mean reward a step in the first ``episodes`` of a seed, of the most likely actions.
+
+    Args:
+        learner: A trained agent.
+        environment: Many worlds of the task.
+        seed: Of the episodes.
+        episodes: Number of episodes.
+    """
     environment.seed(seed)
     returns, lengths = evaluate_policy(learner, environment, episodes, return_episode_rewards=True, warn=False)
     return float(sum(returns) / sum(lengths))
 
 
 def earned(config: "Training", agent: str, seed: int) -> float:
-    """The same of an agent of ``jointattn play``, in the same episodes; none of the baselines needs an image."""
+    """The same of an agent of ``jointattn play``, in the same episodes; none of the baselines needs an image.
+
+    Args:
+        config: Task and number of episodes.
+        agent: Name of the agent.
+        seed: Of the episodes.
+    """
     task = IDS[config.environment]
     environment = load("joint_attention", task, task_kwargs={"random": seed, "camera": False})
     played = play_episodes(environment, AGENTS[agent](environment, seed), config.episodes)

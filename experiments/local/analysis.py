@@ -57,9 +57,9 @@ def grid(trials: Trials, spots: int) -> list[dict[str, Any]]:
     return [trial.result for name in names for trial in trials.get(name, ())[: SETTINGS[name].runs]]
 
 
-def third(some: Results, unit: str = "turns") -> list[float]:
+def third(runs: Results, unit: str = "turns") -> list[float]:
     """Step, or minute, of gaze alternation in each run; infinite where the three modules are not there in order."""
-    return [result[unit][2] if in_order(dict(result)) else np.inf for result in some]
+    return [result[unit][2] if in_order(dict(result)) else np.inf for result in runs]
 
 
 def analyse(trials: Trials) -> list[Comparison]:
@@ -75,8 +75,8 @@ def analyse(trials: Trials) -> list[Comparison]:
     for name, words in LATER.items():
         rows += _later(name, words, results(trials, name))
     for name, words in ORACLES.items():
-        some = results(trials, name)
-        rows += [_row(f"steps that a test needs that knows the truth, {words}", _median(some))] if some else []
+        runs = results(trials, name)
+        rows += [_row(f"steps that a test needs that knows the ground truth, {words}", _median(runs))] if runs else []
     for name in REPLACED:
         for kept in FORGETTING:
             rows += _replaced(name, kept, results(trials, f"replaced/{name}/{kept}"))
@@ -97,18 +97,18 @@ def _row(what: str, ours: Any, note: str = "", dissertation: str = "not tried") 
     return Comparison(what, dissertation, ours, Verdict.EXTENSION, note)
 
 
-def _both(words: str, some: Results, unit: str = "turns") -> list[Comparison]:
+def _both(words: str, runs: Results, unit: str = "turns") -> list[Comparison]:
     """Order and time of gaze alternation."""
-    if not some:
+    if not runs:
         return []
-    others = [" ".join(result["modules"][:3]) or "nothing" for result in some if not in_order(dict(result))]
-    times = third(some, unit)
+    others = [" ".join(result["modules"][:3]) or "nothing" for result in runs if not in_order(dict(result))]
+    times = third(runs, unit)
     late = float(np.quantile(times, 0.9, method="higher"))
     name = "minutes" if unit == "minutes" else "step"
     return [
         _row(
             f"the three modules in order, {words}",
-            proportion(len(some) - len(others), len(some)),
+            proportion(len(runs) - len(others), len(runs)),
             "else " + ", ".join(sorted(set(others))) if others else "",
             "90% of ten runs",
         ),
@@ -121,42 +121,42 @@ def _both(words: str, some: Results, unit: str = "turns") -> list[Comparison]:
     ]
 
 
-def _null(words: str, some: Results, silent: bool) -> list[Comparison]:
+def _null(words: str, runs: Results, silent: bool) -> list[Comparison]:
     """Modules where there is nothing to find, or nothing but gaze following."""
-    if not some:
+    if not runs:
         return []
     if not silent:
-        return [_row(f"any module, {words}", proportion(sum(bool(result["modules"]) for result in some), len(some)))]
-    more = proportion(sum(result["modules"] != [STAGES[0]] for result in some), len(some))
+        return [_row(f"any module, {words}", proportion(sum(bool(result["modules"]) for result in runs), len(runs)))]
+    more = proportion(sum(result["modules"] != [STAGES[0]] for result in runs), len(runs))
     note = "such a caregiver looks at the robot between two objects only, so that having followed does say something"
     return [_row(f"modules besides gaze following, a caregiver who {words}", more, note)]
 
 
-def _answering(answer: str, some: Results) -> list[Comparison]:
+def _answering(answer: str, runs: Results) -> list[Comparison]:
     """What is found with a caregiver who seldom or never looks up after joint attention."""
-    if not some:
+    if not runs:
         return []
     rows = []
     for number, name in enumerate(("gaze following", "looking back after it")):
-        right = sum(result["modules"][: number + 1] == list(STAGES[: number + 1]) for result in some)
-        rows.append(_row(f"{name} found, p_e = {answer}", proportion(right, len(some))))
+        right = sum(result["modules"][: number + 1] == list(STAGES[: number + 1]) for result in runs)
+        rows.append(_row(f"{name} found, p_e = {answer}", proportion(right, len(runs))))
     return rows
 
 
-def _median(some: Results) -> Any:
+def _median(runs: Results) -> Any:
     """Steps to the last of three events."""
-    return median_interval([one["turns"][2] for one in some])
+    return median_interval([result["turns"][2] for result in runs])
 
 
-def _later(name: str, words: str, some: Results) -> list[Comparison]:
+def _later(name: str, words: str, runs: Results) -> list[Comparison]:
     """Whether what comes after the three modules, or where there seems to be nothing, is true of other steps."""
-    if not some:
+    if not runs:
         return []
     known = set(STAGES[:1] if name == "later/silent" else STAGES)
     evidence = [
         (symbol, nats)
-        for one in some
-        for symbol, nats in zip(one["modules"], one["evidence"], strict=True)
+        for result in runs
+        for symbol, nats in zip(result["modules"], result["evidence"], strict=True)
         if symbol not in known
     ]
     rows = []
@@ -169,37 +169,37 @@ def _later(name: str, words: str, some: Results) -> list[Comparison]:
                 f"{names}; evidence {np.median([nats for _, nats in evidence]):,.0f} nats (median)",
             )
         )
-    pairs = [dict(zip(one["modules"], one["evidence"], strict=True)) for one in some]
-    both = [one for one in pairs if {STAGES[2], RIVAL} <= one.keys()]
+    pairs = [dict(zip(result["modules"], result["evidence"], strict=True)) for result in runs]
+    both = [evidence for evidence in pairs if {STAGES[2], RIVAL} <= evidence.keys()]
     if both:
-        higher = proportion(sum(one[RIVAL] > one[STAGES[2]] for one in both), len(both))
+        higher = proportion(sum(evidence[RIVAL] > evidence[STAGES[2]] for evidence in both), len(both))
         rows.append(_row(f"more evidence of {RIVAL} than of gaze alternation, {words}", higher))
     for part, what in enumerate(("after gaze was followed", "else")):
-        n, k = np.sum([one["looks"][part] for one in some if one["modules"]], axis=0).tolist()
+        n, k = np.sum([result["looks"][part] for result in runs if result["modules"]], axis=0).tolist()
         rows.append(_row(f"face frontal in looks from an object, {what}, {words}", proportion(k, n)))
     return rows
 
 
-def _replaced(name: str, kept: str, some: Results) -> list[Comparison]:
+def _replaced(name: str, kept: str, runs: Results) -> list[Comparison]:
     """What is found of a second caregiver, and what stays of the first."""
-    if not some:
+    if not runs:
         return []
     words = f"{CAREGIVERS[name]}, {kept} kept"
     if name == "silent first":
-        right = sum(set(STAGES) <= set(one["modules"]) for one in some)
-        times = [max(one["turns"][one["modules"].index(stage)] for stage in STAGES) - STEPS // 2
-                 if set(STAGES) <= set(one["modules"]) else np.inf for one in some]  # fmt: skip
+        right = sum(set(STAGES) <= set(result["modules"]) for result in runs)
+        times = [max(result["turns"][result["modules"].index(stage)] for stage in STAGES) - STEPS // 2
+                 if set(STAGES) <= set(result["modules"]) else np.inf for result in runs]  # fmt: skip
         return [
-            _row(f"all three events found, {words}", proportion(right, len(some))),
+            _row(f"all three events found, {words}", proportion(right, len(runs))),
             _row(f"steps from the change to the last of them (median), {words}", median_interval(times)),
         ]
-    right = sum(in_order(dict(one)) and all(RIGHT[n] in one["offers"][n] for n in (1, 2)) for one in some)
-    return [_row(f"looking back and alternation still offered at the end, {words}", proportion(right, len(some)))]
+    right = sum(in_order(dict(result)) and all(RIGHT[n] in result["offers"][n] for n in (1, 2)) for result in runs)
+    return [_row(f"looking back and alternation still offered at the end, {words}", proportion(right, len(runs)))]
 
 
-def _behaviour(words: str, some: Results) -> list[Comparison]:
+def _behaviour(words: str, runs: Results) -> list[Comparison]:
     """Whether gaze alternation shows in behaviour."""
-    kept = [result["phases"][3][2] if len(result["phases"]) > 3 else 0.0 for result in some]
+    kept = [result["phases"][3][2] if len(result["phases"]) > 3 else 0.0 for result in runs]
     if not kept:
         return []
     note = f"rate {np.mean([rate for rate in kept if rate]):.2f} (mean); Fig. 5.5 as reproduced: .49"
@@ -212,12 +212,12 @@ def _behaviour(words: str, some: Results) -> list[Comparison]:
     ]
 
 
-def _two_hours(some: Results) -> list[Comparison]:
+def _two_hours(runs: Results) -> list[Comparison]:
     """What comes after the third module."""
-    if not some:
+    if not runs:
         return []
-    right = sum(in_order(dict(result)) and len(result["modules"]) == 3 for result in some)
-    return [_row("no module but the three in two hours, from the state", proportion(right, len(some)))]
+    right = sum(in_order(dict(result)) and len(result["modules"]) == 3 for result in runs)
+    return [_row("no module but the three in two hours, from the state", proportion(right, len(runs)))]
 
 
 def draw(trials: Trials) -> Mapping[str, Figure]:
@@ -230,7 +230,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     for spots in SPOTS:
         _curve(left, third(grid(trials, spots)), f"{spots} spots")
     for name, words in ORACLES.items():
-        _curve(left, [one["turns"][2] for one in results(trials, name)], f"truth known, {words}", "--")
+        _curve(left, [result["turns"][2] for result in results(trials, name)], f"ground truth known, {words}", "--")
     left.set(xlabel="step", ylabel="share of runs", title="Gaze alternation at the table", xlim=(0, 8_000))
     for name, words in REALTIME.items():
         if name in trials:
@@ -253,7 +253,7 @@ def _curve(axes: Any, times: Sequence[float], label: str, line: str = "-") -> No
             ordered,
             (np.arange(len(ordered)) + 1) / len(ordered),
             where="post",
-            label=f"{label} ({len(ordered)})",
+            label=f"{label} ({len(ordered)})".replace(", ", ",\n"),
             linestyle=line,
         )
 
@@ -262,10 +262,10 @@ def _parts(axes: Any, trials: Trials) -> None:
     """Order and time with one part changed."""
     names = [name for name in PARTS if results(trials, f"part/{name}")]
     for at, name in enumerate(names):
-        some = results(trials, f"part/{name}")
-        share = proportion(sum(map(in_order, some)), len(some))
+        runs = results(trials, f"part/{name}")
+        share = proportion(sum(map(in_order, runs)), len(runs))
         axes.errorbar(share.mean, at, xerr=[[share.mean - share.low], [share.high - share.mean]], fmt="o", color="C0")
-        median = np.median(third(some))
+        median = np.median(third(runs))
         axes.text(1.03, at, f"{median:,.0f}" if np.isfinite(median) else "-", va="center", fontsize=7)
     axes.set_yticks(range(len(names)), names, fontsize=7)
     axes.invert_yaxis()
@@ -275,9 +275,9 @@ def _parts(axes: Any, trials: Trials) -> None:
 
 def _rates(axes: Any, trials: Trials) -> None:
     """Rates of behaviour before and after the modules, in real time from images."""
-    some = [result for result in results(trials, "realtime/pixels") if len(result["phases"]) > 3]
-    if some:
-        rates = np.mean([[result["phases"][0], result["phases"][3]] for result in some], axis=0)
+    runs = [result for result in results(trials, "realtime/pixels") if len(result["phases"]) > 3]
+    if runs:
+        rates = np.mean([[result["phases"][0], result["phases"][3]] for result in runs], axis=0)
         columns = np.arange(rates.shape[1])
         axes.bar(columns - 0.2, rates[0], 0.4, label="before the first module")
         axes.bar(columns + 0.2, rates[1], 0.4, label="after gaze alternation")

@@ -47,24 +47,24 @@ def later(config: Later, seed: int) -> dict[str, Any]:
     """
     run = replace(config.development, seed=seed).new_run()
     run.advance(run.n_steps)
-    made = [one for one in run.detections if one.module is not None]
+    made = [detection for detection in run.detections if detection.module is not None]
     agent, n = run.agent, config.random_steps
     looks_never = DeveloperConfig(DetectorConfig(stop_rule="local"), LocalConfig(first_look=n + 1))
     other = TableRun(config.development.table, looks_never, seed + OTHER, n, sample_every=n)
     other.advance(n)
     steps = other.agent.steps(agent.variables, agent.modules)
-    events = [one.event for one in made]
+    events = [detection.event for detection in made]
     evidence, beyond = [], []
     for number, event in enumerate(events):
         alike = [steps.of_world + earlier for earlier in range(number) if events[earlier].result == event.result]
         series = steps.columns([event], True, {event.result: alike}).of(0)
-        for one, found in ((series, evidence), (beyond_last(series), beyond)):
-            table = np.zeros(one.sizes)
-            count(*one.columns, (0, n), table)
-            found.append(log_evidence(table))
+        for columns, logs in ((series, evidence), (beyond_last(series), beyond)):
+            table = np.zeros(columns.sizes)
+            count(*columns.columns, (0, n), table)
+            logs.append(log_evidence(table))
     return {
         "modules": [agent.variables.symbol(event) for event in events],
-        "turns": [one.step for one in made],
+        "turns": [detection.step for detection in made],
         "evidence": evidence,
         "beyond": beyond,
         "looks": _looks(steps, other.spots) if made else [],

@@ -28,7 +28,7 @@ EVENTS = (Event(0, 0, 2), Event(2, 0, 0), Event(2, 0, 1))
 
 @dataclass(frozen=True)
 class SequentialTest(Checked):
-    """A test that knows the truth."""
+    """A test that knows the ground truth."""
 
     table: TableConfig
     gaze: Literal["random", "face"] = "random"
@@ -49,7 +49,7 @@ class FaceModule:
 
     def table(self, variables: Variables) -> ReactiveTable:
         """See ``ReactiveModule``."""
-        joint = next(one for one in variables.joints if one.name == self.joint)
+        joint = next(event for event in variables.joints if event.name == self.joint)
         odds = np.array([0.5 if value == CAREGIVER else 0.5 / (len(joint.values) - 1) for value in joint.values])
         sensor = variables.sensors[0]
         return ReactiveTable(self.joint, sensor.name, np.tile(odds, (len(sensor.values), 1)), 1.0)

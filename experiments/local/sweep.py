@@ -154,7 +154,7 @@ SETTINGS = {
 
 
 def trial(config: LocalRun | SequentialTest | Later, seed: int) -> dict[str, Any]:
-    """What a run found, or what a test of the truth needs, or whether what was found is true."""
+    """What a run found, or what a test of the ground truth needs, or whether what was found is true."""
     if isinstance(config, SequentialTest):
         return needed(config, seed)
     return later(config, seed) if isinstance(config, Later) else watched(config, seed)
@@ -165,10 +165,10 @@ def watched(config: LocalRun, seed: int) -> dict[str, Any]:
     run = replace(config.development, seed=seed).new_run()
     try:
         _go(run, config)
-        made = [one for one in run.detections if one.module is not None]
-        steps = [one.step for one in made]
+        made = [detection for detection in run.detections if detection.module is not None]
+        steps = [detection.step for detection in made]
         return {
-            "modules": [run.agent.variables.symbol(one.event) for one in made],
+            "modules": [run.agent.variables.symbol(detection.event) for detection in made],
             "turns": steps,
             "minutes": [run.minutes_at(step) for step in steps] if isinstance(run, RealtimeRun) else None,
             "done": run.steps_done,

@@ -15,7 +15,13 @@ COLOURS = {"kappa": "#c0392b", "last_moved": "#2471a3", "yaw": "#7d6608", "neare
 
 
 def values(trials: Sequence[Trial], minutes: float, name: str) -> list[float]:
-    """One number of every session, where it has it."""
+    """One number of every session, where it has it.
+
+    Args:
+        trials: Sessions of one setting.
+        minutes: Of video that the coder had.
+        name: Of the number.
+    """
     results = [trial.result[f"{minutes:g}"][name] for trial in trials]
     return [float(result) for result in results if result is not None]
 
@@ -78,16 +84,17 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
             [estimate.high - estimate.mean for estimate in means],
         ]
         left.errorbar(MINUTES, middle, errors, marker="o", ms=4, capsize=3, color=COLOURS[name], label=label)
-    left.set(xscale="log", xlabel="minutes of video", ylabel="kappa by seconds, outside turns", ylim=(0, 1.02))
+    left.set(xscale="log", xlabel="minutes of video", ylabel="kappa by seconds, head still", ylim=(0, 1.02))
     left.set_xticks(MINUTES, [f"{minutes:g}" for minutes in MINUTES])
+    left.minorticks_off()
     left.legend(fontsize=8)
     left.grid(alpha=0.3)
     names = [name for name in SETTINGS if trials.get(name)]
     for name in CODERS:
-        middles = [float(np.mean(values(trials[one], MINUTES[-1], name))) for one in names]
+        middles = [float(np.mean(values(trials[setting], MINUTES[-1], name))) for setting in names]
         right.plot(middles, range(len(names)), "o", ms=5, color=COLOURS[name])
     right.set_yticks(range(len(names)), [name.replace("_", " ") for name in names], fontsize=8)
     right.set(xlabel=f"kappa, {MINUTES[-1]:g} minutes", ylim=(len(names) - 0.5, -0.5))
     right.grid(alpha=0.3)
-    figure.suptitle(f"Coding where a person looks, from the state (n = {len(part)}; bars: mean, 95%)")
+    figure.suptitle(f"How well each way tells where a person looks, from the state (n = {len(part)}; bars: mean, 95%)")
     return {"looks": figure}

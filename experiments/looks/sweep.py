@@ -155,7 +155,7 @@ class FilmedSession:
         px: (n, k + 1, 2) candidates and, last, the face; NaN where hidden.
         moves: (n, k) whether each candidate was seen to move.
         target: (n,) number of the candidate that was looked at; k for away.
-        settled: (n,) outside turns, to objects and to elsewhere.
+        settled: (n,) while the head is still, turned to objects and to elsewhere.
         apart_deg: (n,) angle between the line of sight and the nearest object.
     """
 
@@ -212,14 +212,21 @@ def watch(asked: FilmedTable, seed: int, minutes: float) -> FilmedSession:
 
 
 def hidden(rng: np.random.Generator, looks: int, objects: int, share: float) -> np.ndarray:
-    """When each object is hidden, (looks, objects), in spells of ``HIDDEN_LOOKS`` that make up ``share``."""
+    """When each object is hidden, (looks, objects), in spells of ``HIDDEN_LOOKS`` that make up ``share``.
+
+    Args:
+        rng: Draws when.
+        looks: Number of looks.
+        objects: Number of objects.
+        share: Of the time in which an object is hidden, 0 to 1.
+    """
     starts = rng.random((looks, objects)) < -np.log1p(-share) / HIDDEN_LOOKS
     kernel = np.ones(HIDDEN_LOOKS)
-    return np.stack([np.convolve(one, kernel)[:looks] > 0 for one in starts.T], axis=1)
+    return np.stack([np.convolve(start, kernel)[:looks] > 0 for start in starts.T], axis=1)
 
 
 def trial(asked: FilmedTable | Webcam, seed: int) -> dict[str, Any]:
-    """Trial: by minutes of video, how the codes of all coders agree with where the caregiver looked, outside turns.
+    """Trial: by minutes of video, how the codes of all coders agree with where the caregiver looked, head still.
 
     Of each coder ``kappa`` by seconds; of the coder of looks also how many of the seconds were ``sure``, how many of
     those were ``right``, hits and false alarms of away, hits ``apart`` from all objects, ``placements`` in all, whether
@@ -235,7 +242,13 @@ def trial(asked: FilmedTable | Webcam, seed: int) -> dict[str, Any]:
 
 
 def filmed(asked: Webcam, seed: int, video: Path) -> dict[float, tuple[ObservedLooks, FilmedSession]]:
-    """Film a caregiver, and watch the video with ``perceive --looks``; by minutes, what was seen and what was so."""
+    """Film a caregiver, and watch the video with ``perceive --looks``; by minutes, what was seen and what was so.
+
+    Args:
+        asked: Scene, objects and options.
+        seed: Of the session; it also chooses the caregiver.
+        video: File that is written.
+    """
     seeds = np.random.SeedSequence(seed).spawn(2)
     scene = replace(asked.world.scene, caregiver=sorted(IDENTITIES)[seed % len(IDENTITIES)])
     world = world_of(FilmedTable()).build(replace(asked.world, scene=scene), seeds[0])
@@ -273,7 +286,13 @@ def _coded(asked: FilmedTable, seed: int, session: FilmedSession) -> dict[str, A
 
 
 def compared(seen: ObservedLooks, session: FilmedSession, config: LooksConfig) -> dict[str, Any]:
-    """How all coders agree with where the caregiver looked; see ``trial``."""
+    """How all coders agree with where the caregiver looked; see ``trial``.
+
+    Args:
+        seen: What was perceived of the caregiver.
+        session: Where the caregiver looked, and when the head was still.
+        config: Options of the coder.
+    """
     coded, count = code_looks(seen, config), seen.px.shape[1]
     settled = np.flatnonzero(session.settled)
     seconds = settled[settled % round(1 / seen.step_s) == 0]
@@ -310,7 +329,14 @@ def compared(seen: ObservedLooks, session: FilmedSession, config: LooksConfig) -
 
 
 def agreed(codes: np.ndarray, target: np.ndarray, where: np.ndarray, objects: int) -> float:
-    """Cohen's kappa of codes (n,) and targets (n,) at some indices; codes are 0 to ``objects``."""
+    """Cohen's kappa of codes (n,) and targets (n,) at some indices; codes are 0 to ``objects``.
+
+    Args:
+        codes: (n,) codes, 0 to ``objects``.
+        target: (n,) where the caregiver looked, likewise.
+        where: Indices that count.
+        objects: Number of objects, the highest code.
+    """
     size = objects + 1
     counts = np.bincount(codes[where] * size + target[where], minlength=size * size)
     return kappa(counts.reshape(size, size))

@@ -21,9 +21,9 @@ def _leads(trials: Trials, objects: int, follow: float | None = None, lead: floa
     ])  # fmt: skip
 
 
-def _difference(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    count = min(len(one), len(other))
-    return one[:count] - other[:count]
+def _difference(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    count = min(len(first), len(second))
+    return first[:count] - second[:count]
 
 
 def analyse(trials: Trials) -> list[Comparison]:

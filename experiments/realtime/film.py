@@ -17,7 +17,13 @@ SECONDS = 10.0
 
 
 def film(path: Path = FILM, seed: int = FILMED, minutes: float = 90.0) -> None:
-    """Run the setting pixels/cues and film some of its moments."""
+    """Run the setting pixels/cues and film some of its moments.
+
+    Args:
+        path: Of the video.
+        seed: Of the run.
+        minutes: Simulated minutes of the run.
+    """
     preset = PRESETS["fast"]
     run = RealtimeRun(preset.world, RealtimeConfig(), preset.agent, seed, MOST_STEPS, sample_every=MOST_STEPS)
     filmed(run, path, minutes)

@@ -85,10 +85,13 @@ def sessions_of(seed: int, out: Path, detectors: Sequence[str], minutes: float) 
 
 def table(sessions: Sequence[Compared]) -> str:
     """Means with their intervals, one row a number, and the differences of the same seeds."""
-    wheres = list(dict.fromkeys(one.where for one in sessions))
+    wheres = list(dict.fromkeys(session.where for session in sessions))
     lines = ["".join([f"{'':24}", *(f"{where:>28}" for where in wheres)])]
     for name in NUMBERS:
-        values = {where: {one.seed: one.numbers[name] for one in sessions if one.where == where} for where in wheres}
+        values = {
+            where: {session.seed: session.numbers[name] for session in sessions if session.where == where}
+            for where in wheres
+        }
         cells = [str(mean_interval([v for v in values[where].values() if v is not None])) for where in wheres]
         lines.append("".join([f"{name:24}", *(f"{cell:>28}" for cell in cells)]))
         for where in wheres:
@@ -109,8 +112,10 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=SessionConfig.minutes, help="length of the sessions")
     parser.add_argument("--out", type=Path, required=True, help="folder; made when missing")
     given = parser.parse_args()
-    found = [one for seed in given.seeds for one in sessions_of(seed, given.out, given.detectors, given.minutes)]
-    rows = [vars(one) for one in found]
+    found = [
+        session for seed in given.seeds for session in sessions_of(seed, given.out, given.detectors, given.minutes)
+    ]
+    rows = [vars(session) for session in found]
     write_whole(given.out / "compared.json", lambda path: path.write_text(json.dumps(rows, indent=1) + "\n"))
     print(table(found))
 

@@ -76,7 +76,13 @@ def write_video(
 
 
 def targets(seed: int, frames: int, config: WorldConfig) -> list[int | None]:
-    """Number of the object at which the caregiver looks in each frame; None for the robot. Nothing is rendered."""
+    """Number of the object at which the caregiver looks in each frame; None for the robot. Nothing is rendered.
+
+    Args:
+        seed: Of the session.
+        frames: Number of frames, 30 a second.
+        config: Scene and caregiver.
+    """
     world, command, found = _world(seed, config), np.zeros(2), list[int | None]()
     for _ in range(frames):
         found.append(world.caregiver.target)

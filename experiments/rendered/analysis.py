@@ -73,7 +73,7 @@ def _time(setting: str, results: list[dict[str, Any]], stage: int, name: str) ->
     """When a module was made, if all up to it came in order, and how much later than at the symbolic table."""
     first = [*STAGES[: stage + 1]]
     times = [time_of(result, stage) if result["modules"][: stage + 1] == first else np.inf for result in results]
-    ratios = [at / time_of(one["symbolic"], stage) for at, one in zip(times, results, strict=True)]
+    ratios = [at / time_of(result["symbolic"], stage) for at, result in zip(times, results, strict=True)]
     published = {0: "5,748 in the example", 2: "47,686 in the example"}[stage]
     return Comparison(
         f"step of {name} (median), from images: {setting}", published, median_interval(times),
@@ -88,7 +88,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         return {}
     figure = Figure(figsize=(11, 3.9), layout="constrained")
     times, confusion, order = figure.subplots(1, 3, width_ratios=(1.3, 1, 1))
-    for number, setting in enumerate(one for one in ("fast", "thesis") if one in shown):
+    for number, setting in enumerate(name for name in ("fast", "thesis") if name in shown):
         results = _results(trials, setting)
         for stage, name in enumerate(NAMES):
             made = [

@@ -83,8 +83,18 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         title="Contingency grows with resolution",
         ylim=(0, None),
     )
-    count.set(xlabel="spots on the table (the robot is not told)", ylabel="values after 40,000 steps", xticks=ticks)
-    time.set(xlabel="steps of babbling", ylabel="values of S (mean, 80% of runs)", xscale="log")
+    count.set(
+        xlabel="spots on the table (the robot is not told)",
+        ylabel="values after 40,000 steps",
+        title="How many values are told apart in the end",
+        xticks=ticks,
+    )
+    time.set(
+        xlabel="steps of babbling",
+        ylabel="values of S (mean, 80% of runs)",
+        title="How many faces are told apart over time",
+        xscale="log",
+    )
     plane.set(xlabel="pan, deg", ylabel="spots", yticks=list(by_spots), ylim=(1.4, 5.6))
     plane.set_title("Regions of gaze of the first robot\n(dots: spots)", fontsize=10)
     plane.invert_xaxis()

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointattn_mj.gaze_following.summary import LATE_MINUTES, rate_of_success
@@ -83,14 +84,21 @@ def analyse(trials: Trials) -> list[Comparison]:
 
 
 def published(part: Sequence[Trial], perception: str, condition: str, key: str) -> Comparison:
-    """A number of the dissertation beside ours."""
-    theirs, ours = PUBLISHED[condition].get(key), estimate(part, key)
+    """A number of the dissertation beside ours.
+
+    Args:
+        part: Sessions of one setting.
+        perception: ``pixels`` or ``state``.
+        condition: ``cues`` or ``no_cues``.
+        key: Name of the number.
+    """
+    stated, ours = PUBLISHED[condition].get(key), estimate(part, key)
     what = f"{QUANTITIES[key]}, {WORDS[condition]}, from {WORDS[perception]}"
-    if theirs is None:
+    if stated is None:
         return Comparison(what, "only drawn", ours, Verdict.EXTENSION)
-    verdict = near(ours, theirs)
+    verdict = near(ours, stated)
     note = f"within {REPRODUCED:.0%} of the published mean of five" if verdict is Verdict.REPRODUCED else ""
-    return Comparison(what, f"{theirs:g}", ours, verdict, note)
+    return Comparison(what, f"{stated:g}", ours, verdict, note)
 
 
 def differences(trials: Trials, perception: str) -> list[Comparison]:
@@ -100,7 +108,7 @@ def differences(trials: Trials, perception: str) -> list[Comparison]:
     if not seeds:
         return []
     findings = []
-    for key, theirs in (("successes", PUBLISHED_GAIN), ("late_rate", None)):
+    for key, stated in (("successes", PUBLISHED_GAIN), ("late_rate", None)):
         with_cues, without = ({trial.seed: value(trial, key) for trial in part} for part in both)
         a, b = [with_cues[seed] for seed in seeds], [without[seed] for seed in seeds]
         ours, note = paired_difference(a, b), ""
@@ -109,15 +117,22 @@ def differences(trials: Trials, perception: str) -> list[Comparison]:
             verdict, note = Verdict.UNDECIDED, "one pair of sessions"
         elif verdict is Verdict.UNDECIDED:
             note = too_few(len(seeds), float(np.nanmean(a)), float(np.nanmean(b)), ours.sd)
-        elif theirs is not None and ours.high < theirs:
+        elif stated is not None and ours.high < stated:
             note = "higher with cues, by less than there"
         what = f"{QUANTITIES[key]}, with motion cues less without, from {WORDS[perception]}"
-        findings.append(Comparison(what, "higher" if theirs is None else f"{theirs:g}", ours, verdict, note))
+        findings.append(Comparison(what, "higher" if stated is None else f"{stated:g}", ours, verdict, note))
     return findings
 
 
 def extension(part: Sequence[Trial], name: str, key: str, words: str) -> Comparison:
-    """A number that the dissertation does not give."""
+    """A number that the dissertation does not give.
+
+    Args:
+        part: Sessions of one setting.
+        name: Of the setting.
+        key: Name of the number.
+        words: What it is.
+    """
     return Comparison(f"{words}, {in_words(name)}", "not given", estimate(part, key), Verdict.EXTENSION)
 
 
@@ -135,7 +150,13 @@ def axes_apart(part: Sequence[Trial], name: str) -> Comparison:
 
 
 def within(trial: Trial, axis: str, minutes: float = 1.0) -> np.ndarray:
-    """Share of landings within 3.5 deg of the caregiver's object in pan or tilt, around every minute of ``MINUTES``."""
+    """Share of landings within 3.5 deg of the caregiver's object in pan or tilt, around every minute of ``MINUTES``.
+
+    Args:
+        trial: A session.
+        axis: ``pan`` or ``tilt``.
+        minutes: Half of the time around each minute in which landings count.
+    """
     shifts = trial.result["shifts"]
     error = np.array(shifts[f"{axis}_error_deg"], float)
     at = np.array(shifts["landing_s"], float) / 60
@@ -201,17 +222,23 @@ def draw_axes(trials: Trials) -> Figure:
     panels = figure.subplots(1, 2, sharey=True)
     for panel, condition in zip(panels, COLOURS, strict=True):
         part = trials.get(f"state/{condition}", ())
-        for axis, colour in (("pan", "#6c3483"), ("tilt", "#b7950b")) if part else ():
-            shares = np.array([within(trial, axis) for trial in part])
-            estimates = [mean_interval(column) for column in shares.T]
-            panel.fill_between(
-                MINUTES, [e.low for e in estimates], [e.high for e in estimates], color=colour, alpha=0.2, lw=0
-            )
-            panel.plot(MINUTES, [e.mean for e in estimates], color=colour, label=axis)
-        panel.set(xlabel="time (simulated minutes)", xlim=(0, 26), ylim=(0, 1))
+        panel.set(xlabel="time (simulated minutes)")
         panel.set_title(f"{WORDS[condition]} ({len(part)} sessions from the state)")
-        panel.grid(alpha=0.3)
         if part:
+            draw_landings(panel, part)
             panel.legend(fontsize=8, loc="lower right")
     panels[0].set_ylabel(f"landings within {WITHIN_DEG} deg\nof the caregiver's object")
+    figure.suptitle("How often gaze shifts end near the caregiver's object, in pan and in tilt (bands: 95%)")
     return figure
+
+
+def draw_landings(panel: Axes, part: Sequence[Trial]) -> None:
+    """Share of landings near the caregiver's object over time, in pan and in tilt, with bands of 95%."""
+    for axis, colour in (("pan", "#6c3483"), ("tilt", "#b7950b")):
+        estimates = [mean_interval(column) for column in np.array([within(trial, axis) for trial in part]).T]
+        panel.fill_between(
+            MINUTES, [e.low for e in estimates], [e.high for e in estimates], color=colour, alpha=0.2, lw=0
+        )
+        panel.plot(MINUTES, [e.mean for e in estimates], color=colour, label=axis)
+    panel.set(xlim=(0, 26), ylim=(0, 1))
+    panel.grid(alpha=0.3)

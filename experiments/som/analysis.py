@@ -57,4 +57,5 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
         rows, columns, side, _ = faces.shape
         axes.imshow(faces.transpose(0, 2, 1, 3).reshape(rows * side, columns * side), cmap="gray")
         axes.set_title(f"{name}, seed {trial.seed}", fontsize=10)
+    figure.suptitle("Faces that the robot knows after it has looked at each caregiver")
     return {"som": figure}

@@ -77,7 +77,13 @@ def apart(pairs: np.ndarray, columns: int) -> float:
 
 
 def explained(rows: np.ndarray, columns: np.ndarray, angle: np.ndarray) -> float:
-    """R^2 of a quadratic function of the position on the map, (n,) each."""
+    """R^2 of a quadratic function of the position on the map, (n,) each.
+
+    Args:
+        rows: (n,) rows of the units.
+        columns: (n,) their columns.
+        angle: (n,) angle of the head whose face each unit stands for, deg.
+    """
     terms = np.stack([np.ones(len(rows)), rows, columns, rows * columns, rows**2, columns**2], axis=1)
     rest = angle - terms @ np.linalg.lstsq(terms, angle, rcond=None)[0]
     return float(1 - rest.var() / angle.var())
@@ -91,7 +97,13 @@ def packed(images: np.ndarray) -> str:
 
 
 def unpacked(text: str, rows: int, columns: int) -> np.ndarray:
-    """What :func:`packed` was given, as grey values."""
+    """What :func:`packed` was given, as grey values.
+
+    Args:
+        text: Base64 of the compressed grey values.
+        rows: Of the map.
+        columns: Of the map.
+    """
     grey = np.frombuffer(zlib.decompress(base64.b64decode(text)), np.uint8)
     side = round((len(grey) / (rows * columns)) ** 0.5)
     return grey.reshape(rows, columns, side, side)

@@ -30,6 +30,11 @@ def reaches(iterations: np.ndarray, accuracy: np.ndarray, share: float) -> np.nd
     """(runs,) the first l at which a run's accuracy, averaged over three tests, is ``share`` of its final one.
 
     Infinite for a run that never gets there.
+
+    Args:
+        iterations: (m,) l at which accuracy was measured.
+        accuracy: (runs, m) shares; NaN where a run did not get.
+        share: Of the final accuracy, 0 to 1.
     """
     smooth = np.stack([np.convolve(np.pad(run, 1, "edge"), np.ones(3) / 3, "valid") for run in accuracy])
     late = (iterations >= LATE_FROM) & ~np.isnan(accuracy)

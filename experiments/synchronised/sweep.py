@@ -44,6 +44,11 @@ def learning_curve(
     """Accuracy and error (deg) of the learner at each of ``iterations``; NaN for those that were not reached.
 
     Also, of the pairs from face to object until then, the share in which the object was the caregiver's.
+
+    Args:
+        config: Scene, robot and seed.
+        iterations: (m,) l at which the learner is tested.
+        gazes: Number of gazes of each test.
     """
     session = SynchronisedSession(config)
     session.begin()

@@ -142,8 +142,8 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     titles = {
         by_number: "How often the right object is reached (dotted: chance)",
         by_location: "The same, by where objects lie (thin: single runs)",
-        five: "three stages, five objects on the table",
-        ten: "three stages, ten objects",
+        five: "What is reached in three stages, five objects on the table",
+        ten: "What is reached in three stages, ten objects",
     }
     for axes, title in titles.items():
         axes.set_title(title, fontsize=10)
@@ -159,7 +159,14 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
 
 
 def band(axes: Axes, rate: np.ndarray, label: str, colour: str) -> None:
-    """A curve over learning time: mean of all runs with its 95% interval."""
+    """A curve over learning time: mean of all runs with its 95% interval.
+
+    Args:
+        axes: Where it is drawn.
+        rate: (runs, m) shares over learning time.
+        label: For the legend.
+        colour: Of line and band.
+    """
     estimates = [mean_interval(column) for column in rate.T]
     at = _times(rate)
     axes.fill_between(at, [e.low for e in estimates], [e.high for e in estimates], color=colour, alpha=0.2, lw=0)
@@ -172,7 +179,13 @@ def _times(rate: np.ndarray) -> np.ndarray:
 
 
 def draw_stages(axes: Axes, trials: Trials, name: str) -> None:
-    """Any object; the right one where it was in the first view and where it was not; the gate."""
+    """Any object; the right one where it was in the first view and where it was not; the gate.
+
+    Args:
+        axes: Where they are drawn.
+        trials: Runs by setting.
+        name: Of the setting.
+    """
     if not trials.get(name):
         return
     rate = rates(columns(trials[name]))

@@ -46,7 +46,13 @@ class VariationOptions(Checked):
 
 
 def detected(image: np.ndarray, world: World, colours: ColourAreas) -> tuple[bool, int, int]:
-    """Whether OpenCV's cascade finds the face, how many objects their colours find, and how many are in view."""
+    """Whether OpenCV's cascade finds the face, how many objects their colours find, and how many are in view.
+
+    Args:
+        image: RGB image (240, 320, 3) uint8 of the robot's eye.
+        world: The scene, for the ground truth.
+        colours: What finds the objects.
+    """
     truth = pixels_of_points(world.candidate_points(), np.degrees(world.head_angles()))
     faces = haar_faces(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), FaceDetectorConfig())
     areas = colours.nothing()

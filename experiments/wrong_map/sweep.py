@@ -33,7 +33,15 @@ def exact(**noise: float) -> SessionConfig:
 def only_right_pairs(
     session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, locations: Locations
 ) -> None:
-    """Leave out the pairs that lead elsewhere than to the caregiver's target."""
+    """Leave out the pairs that lead elsewhere than to the caregiver's target.
+
+    Args:
+        session: The session.
+        pair: What gives a pair to the learner.
+        shift: The gaze shift that has ended.
+        face: (d,) description of the face at launch.
+        locations: Where it ended, and where objects were in view.
+    """
     if _is_right(session, locations):
         pair(shift, face, locations)
 
@@ -41,7 +49,10 @@ def only_right_pairs(
 def only_still_pairs(
     session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, locations: Locations
 ) -> None:
-    """Leave out the pairs whose face was turning, or whose object was moving, when they were learned."""
+    """Leave out the pairs whose face was turning, or whose object was moving, when they were learned.
+
+    Arguments are those of :func:`only_right_pairs`.
+    """
     state = session.config.state
     moving = session.world.moving(state.face_moves_above_deg_s, state.object_moves_above_m_s)
     if not moving.any():
@@ -51,7 +62,10 @@ def only_still_pairs(
 def wrong_pairs_scattered(
     session: SessionRun, pair: Callable, shift: GazeShift, face: np.ndarray, locations: Locations
 ) -> None:
-    """Send each wrong pair to a random position on the table: as many wrong pairs, but none that repeats."""
+    """Send each wrong pair to a random position on the table: as many wrong pairs, but none that repeats.
+
+    Arguments are those of :func:`only_right_pairs`.
+    """
     if not _is_right(session, locations):
         layout = session.config.world.layout
         spot = np.random.default_rng([session.config.seed, session.frame]).random(2)

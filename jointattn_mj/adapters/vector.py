@@ -142,7 +142,7 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
 
     def _earned(self) -> np.ndarray:
         """Rewards (num_envs,) now."""
-        targets = [-1 if one.script.target is None else one.script.target for one in self._episodes]
+        targets = [-1 if episode.script.target is None else episode.script.target for episode in self._episodes]
         pan, tilt = self._angles.T
         ahead = np.stack([np.cos(tilt) * np.cos(pan), np.cos(tilt) * np.sin(pan), np.sin(tilt)], axis=1)
         across = np.linalg.norm(np.cross(self._points, ahead[:, None]), axis=2)
@@ -155,7 +155,7 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
         if not {"camera", "face_patch"} & names.keys():
             observed = {"head_angles": self._angles.copy(), "truth": self._gazes()}
         else:
-            parts = [one.observe(head) for one, head in zip(self._episodes, self._angles, strict=True)]
+            parts = [episode.observe(head) for episode, head in zip(self._episodes, self._angles, strict=True)]
             observed = {name: np.stack([part[name] for part in parts]) for name in names}
         if "face_visible" in names:
             observed["face_visible"] = observed["face_visible"][:, None].astype(np.int8)
@@ -163,7 +163,7 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
 
     def _gazes(self) -> np.ndarray:
         """Yaw and pitch of the caregivers' heads, (num_envs, 2), rad."""
-        return np.stack([one.script.joints[:2] for one in self._episodes])
+        return np.stack([episode.script.joints[:2] for episode in self._episodes])
 
 
 class _Episodes:

@@ -5,8 +5,9 @@ from dataclasses import dataclass, fields
 from os import PathLike
 from pathlib import Path
 
+from jointattn_mj.api.session_result import SessionResult
 from jointattn_mj.errors import ConfigError, OutputError
-from jointattn_mj.gaze_following.result import SessionResult
+from jointattn_mj.gaze_following.result import SessionFolder
 from jointattn_mj.gaze_following.run import SessionOptions, Watcher, run_in_memory, run_session
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.gaze_following.summary import SessionSummary
@@ -113,7 +114,7 @@ class Session(VariedSessionConfig):
         if out is None:
             if resume or video:
                 raise ConfigError("resume and video need the folder out; got out=None")
-            return run_in_memory(self.config, progress, kind, _rerun_log(log, False))
+            return SessionResult(self.config, *run_in_memory(self.config, progress, kind, _rerun_log(log, False)))
         options = LoggedSessionOptions(
             path_of(out, "out"),
             resume,
@@ -122,8 +123,8 @@ class Session(VariedSessionConfig):
             checkpoint_minutes,
             log,
         )
-        run_logged(self.config, options, progress, kind)
-        return SessionResult.open(options.out)
+        summary = run_logged(self.config, options, progress, kind)
+        return SessionResult(self.config, summary, SessionFolder(options.out))
 
 
 def run_logged(

@@ -56,18 +56,20 @@ def run_contingency_benchmark(blocks: int) -> Figures:
         None where pyinform is not installed.
     """
     detecting = {triples: _Detecting(modules) for triples, modules in MODULES.items()}
-    works: dict[str, Callable[[], object]] = {f"detector {triples}": one.run for triples, one in detecting.items()}
+    works: dict[str, Callable[[], object]] = {
+        f"detector {triples}": detector.run for triples, detector in detecting.items()
+    }
     for triples in (12, 300):
         series = tuple(part[: RECOMPUTED + 1] for part in detecting[triples].series)
         for padded in (False, True):
             works[f"numpy {triples} {padded}"] = partial(Recomputing(detecting[triples].variables, padded).run, *series)
     for name in ("thesis", "fast"):
         works[name] = partial(_advance, PRESETS[name], count())
-    theirs = _pyinform()
+    external = _pyinform()
     for name, (ours, pyinform) in _transfers().items():
         works[name] = ours
-        if theirs:
-            works[f"pyinform {name}"] = partial(pyinform, theirs)
+        if external:
+            works[f"pyinform {name}"] = partial(pyinform, external)
     times: dict[str, list[tuple[float, float]]] = {name: [] for name in works}
     for _ in range(blocks + 1):
         for name, work in works.items():
@@ -81,7 +83,7 @@ def run_contingency_benchmark(blocks: int) -> Figures:
         figures.add(f"detector_steps_per_s_{triples}", 1 / step[triples])
     for triples in (12, 300):  # beside the layout that suits numpy better at this size
         ratios = [cpu[f"numpy {triples} {padded}"] / RECOMPUTED / step[triples] for padded in (False, True)]
-        figures.add(f"detector_to_numpy_{triples}", min(ratios, key=lambda one: float(np.median(one))))
+        figures.add(f"detector_to_numpy_{triples}", min(ratios, key=lambda repeats: float(np.median(repeats))))
     for triples in detecting:
         figures.add(f"ns_per_triple_{triples}", 1e9 * step[triples] / triples)
     for name in ("thesis", "fast"):
@@ -90,9 +92,9 @@ def run_contingency_benchmark(blocks: int) -> Figures:
     for name, seconds in zip(("compile_s", "compile_wall_s"), compile_seconds(), strict=True):
         figures.add(name, seconds)
     figures.add("transfer_entropy_ms", 1000 * cpu["transfer_entropy"])
-    figures.add("pyinform_ms", 1000 * cpu["pyinform transfer_entropy"] if theirs else None)
+    figures.add("pyinform_ms", 1000 * cpu["pyinform transfer_entropy"] if external else None)
     for name in _transfers():
-        figures.add(f"{name}_to_pyinform", cpu[name] / cpu[f"pyinform {name}"] if theirs else None)
+        figures.add(f"{name}_to_pyinform", cpu[name] / cpu[f"pyinform {name}"] if external else None)
     return figures
 
 
@@ -106,20 +108,20 @@ def _transfers() -> dict[str, tuple[Callable[[], object], Callable[..., object]]
     again = 1 + SAMPLES // 10_000
     return {
         "transfer_entropy": (
-            partial(transfer_entropy, source, target), lambda theirs: theirs(source, target, k=1),
+            partial(transfer_entropy, source, target), lambda external: external(source, target, k=1),
         ),
         "int64": (
-            partial(transfer_entropy, wide, wide_target), lambda theirs: theirs(wide, wide_target, k=1),
+            partial(transfer_entropy, wide, wide_target), lambda external: external(wide, wide_target, k=1),
         ),
         "conditional": (
             partial(transfer_entropy, source, target, known),
-            lambda theirs: theirs(source, target, k=1, condition=known),
+            lambda external: external(source, target, k=1, condition=known),
         ),
         "short": (
             lambda: [transfer_entropy(short, short_target) for _ in range(again)],
-            lambda theirs: [theirs(short, short_target, k=1) for _ in range(again)],
+            lambda external: [external(short, short_target, k=1) for _ in range(again)],
         ),
-        "many_short": (lambda: transfer_entropy(lists[0], lists[1]), lambda theirs: theirs(*many, k=1)),
+        "many_short": (lambda: transfer_entropy(lists[0], lists[1]), lambda external: external(*many, k=1)),
     }  # fmt: skip
 
 
@@ -223,8 +225,8 @@ def _pyinform() -> Callable[..., float] | None:
         import pyinform
     except ImportError:
         return None
-    theirs: Callable[..., float] = pyinform.transfer_entropy
-    return theirs
+    function: Callable[..., float] = pyinform.transfer_entropy
+    return function
 
 
 def _advance(preset: Preset, seeds: Iterator[int]) -> None:

@@ -7,9 +7,10 @@ from typing import Annotated, Literal
 
 import tyro
 
+from jointattn_mj.api.claims import experiments_registry
 from jointattn_mj.errors import ConfigError, SweepError
 from jointattn_mj.options import FLAT, Checked, Seed, Whole
-from jointattn_mj.sweeps.registry import Registry, experiments_registry, registry_of
+from jointattn_mj.sweeps.registry import Registry, registry_of
 
 EXPERIMENTS = "experiments.registry"
 LONGEST_NAME = 200

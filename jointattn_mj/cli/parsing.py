@@ -130,8 +130,8 @@ def with_defaults(command: Callable[..., None], **defaults: Any) -> Callable[...
 
     signature = inspect.signature(command)
     parameters = [
-        one.replace(default=defaults.get(one.name, one.default), kind=inspect.Parameter.KEYWORD_ONLY)
-        for one in signature.parameters.values()
+        parameter.replace(default=defaults.get(parameter.name, parameter.default), kind=inspect.Parameter.KEYWORD_ONLY)
+        for parameter in signature.parameters.values()
     ]
     same.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
     return same

@@ -52,7 +52,9 @@ def perceive(config: Annotated[PerceiveConfig, FLAT], options: Annotated[Perceiv
     for note in summary["notes"]:
         print(f"Note: {note}.")
     if summary["checks"]:
-        shown_first = [f"{one['from_s']:.1f} to {one['to_s']:.1f} {one['what']}" for one in summary["check"][:SHOWN]]
+        shown_first = [
+            f"{span['from_s']:.1f} to {span['to_s']:.1f} {span['what']}" for span in summary["check"][:SHOWN]
+        ]
         more = f", and {summary['checks'] - SHOWN} more in checks.csv" if summary["checks"] > SHOWN else ""
         print(f"Check these seconds: {'; '.join(shown_first)}{more}.")
     if "looks" in summary:

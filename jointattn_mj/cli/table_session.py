@@ -81,7 +81,7 @@ def video(
     one_thread()
     length = Footage(config.video_file, config.fps).declared_s
     wanted = None if length is None else length / 60 - config.robot.familiarise.minutes * (config.start_from is None)
-    minutes = min((one for one in (config.minutes, wanted) if one is not None), default=None)
+    minutes = min((limit for limit in (config.minutes, wanted) if limit is not None), default=None)
     with going_on_from(options.out, "the session"):
         summary = _run(config, options, minutes)
     _print(summary, options.out)
@@ -118,7 +118,7 @@ def _run(
         new = [row.success for row in session.shifts[of_all:] if row.face_to_object]
         recent.extend(new)
         counted, of_all = counted + len(new), len(session.shifts)
-        judged = [bool(one) for one in recent if one is not None]
+        judged = [bool(success) for success in recent if success is not None]
         rate = f", success {sum(judged) / len(judged):.0%} of the last {len(judged)}" if judged else ""
         bar.doing("session")
         bar.to(session.frame / FRAMES_PER_MINUTE, f"{count(counted, 'gaze shift')}{rate}")

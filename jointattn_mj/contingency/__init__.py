@@ -68,7 +68,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Names that have moved to ``jointattn_mj``."""
+    """Names that have moved up to ``jointattn_mj``, for one version more; nothing here needs them."""
     if name in ("Recordings", "read_recordings"):
         warnings.warn(f"contingency.{name} is now called jointattn_mj.{name}", DeprecationWarning, stacklevel=2)
         return getattr(import_module("jointattn_mj.recordings.reader"), name)

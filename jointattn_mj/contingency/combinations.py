@@ -31,7 +31,7 @@ class SurrogateCounts:
             combinations reaches it (max-T, Westfall and Young 1993).
         """
         sizes = np.maximum(self.columns.max(1), columns.max(1)) + 1
-        known, asked = (np.ravel_multi_index(tuple(one), tuple(sizes)) for one in (self.columns, columns))
+        known, asked = (np.ravel_multi_index(tuple(indices), tuple(sizes)) for indices in (self.columns, columns))
         order = np.argsort(known)
         counts = self.counts[:, order[np.searchsorted(known, asked, sorter=order)]].astype(float)
         mean, sd = counts.mean(0), counts.std(0)

@@ -52,7 +52,7 @@ class Words:
     """int64 (d,): frequent values of the rest."""
     bits: np.ndarray
     """uint64 (d, words): where each is."""
-    places: np.ndarray
+    positions: np.ndarray
     """int32 (k,): transitions with other values, ascending."""
     others: np.ndarray
     """int32 (k,): these values."""
@@ -67,7 +67,7 @@ class Words:
         """See ``Counter``."""
         table = np.zeros((len(self.counts), len(self.source_bits) + 1), np.int64)
         _by_words(pieces, self.often, self.bits, self.source_bits, table)
-        _by_place(pieces, self.places, self.others, self.source, table)
+        _by_position(pieces, self.positions, self.others, self.source, table)
         table[self.often, -1] = self.counts[self.often] - table[self.often, :-1].sum(1)
         return table
 
@@ -85,17 +85,17 @@ def counter(rest: np.ndarray, source: np.ndarray, rests: int, sources: int) -> C
     words = len(rest) / 64 * (sources - 1)
     often = np.flatnonzero(counts * PER_PLACE > words * PER_WORD)
     rare = len(rest) - int(counts[often].sum())
-    changes = sum(1 + np.count_nonzero(one[1:] != one[:-1]) for one in (rest, source))
+    changes = sum(1 + np.count_nonzero(codes[1:] != codes[:-1]) for codes in (rest, source))
     if len(rest) < WORTH or sources > 256 or len(rest) >= 2**31:
         return Runs(_runs(rest), _runs(source), (rests, sources))
     if len(often) * words * PER_WORD + rare * PER_PLACE > changes * PER_RUN:
         return Runs(_runs(rest), _runs(source), (rests, sources))
     small = source.astype(np.uint8)
-    places = np.flatnonzero(~np.isin(rest, often)).astype(np.int32)
+    positions = np.flatnonzero(~np.isin(rest, often)).astype(np.int32)
     bits = np.stack([_packed(rest == value, 0, 0) for value in often]) if len(often) else np.zeros((0, 0), np.uint64)
     of_source = [_packed(small == value, 64, 128) for value in range(sources - 1)]
     return Words(
-        often, bits, places, rest[places], small,
+        often, bits, positions, rest[positions], small,
         np.stack(of_source) if of_source else np.zeros((0, 0), np.uint64), counts,
     )  # fmt: skip
 
@@ -175,20 +175,20 @@ def _by_words(
                 if start + count > last:
                     moved[count - 1] &= tail
                 for d in range(len(often)):
-                    found = np.uint64(0)
+                    together = np.uint64(0)
                     row = bits[d, start : start + count]
                     for i in range(count):
-                        found += _ones(moved[i] & row[i])
-                    table[often[d], s] += np.int64(found)
+                        together += _ones(moved[i] & row[i])
+                    table[often[d], s] += np.int64(together)
 
 
 @njit(cache=True, nogil=True)
-def _by_place(
-    pieces: np.ndarray, places: np.ndarray, others: np.ndarray, source: np.ndarray, table: np.ndarray
+def _by_position(
+    pieces: np.ndarray, positions: np.ndarray, others: np.ndarray, source: np.ndarray, table: np.ndarray
 ) -> None:
     """Add what the other values of the rest meet."""
     for piece in range(len(pieces)):
         t, length = pieces[piece, 0], pieces[piece, 2]
         ahead = pieces[piece, 1] - t
-        for i in range(np.searchsorted(places, t), np.searchsorted(places, t + length)):
-            table[others[i], source[places[i] + ahead]] += 1
+        for i in range(np.searchsorted(positions, t), np.searchsorted(positions, t + length)):
+            table[others[i], source[positions[i] + ahead]] += 1

@@ -121,18 +121,18 @@ def discover(
     for event, stream in zip(events, _seeds(seed).spawn(len(events)), strict=True):
         tested.append(_tested(data, event, groups, timing, chosen, given, unit, generator(stream), progress))
     adjusted = adjust([finding.significance.p for finding in tested], how)
-    tested = [replace(one, p_adjusted=float(p)) for one, p in zip(tested, adjusted, strict=True)]
-    ranked = sorted(tested, key=lambda one: -one.significance.corrected)
-    for i, one in enumerate(ranked[:explain]):
-        if one.p_adjusted <= alpha:
-            explained = timed(acted(data[one.sensor], data[one.action], data[one.result], groups), timing)
+    tested = [replace(finding, p_adjusted=float(p)) for finding, p in zip(tested, adjusted, strict=True)]
+    ranked = sorted(tested, key=lambda finding: -finding.significance.corrected)
+    for i, finding in enumerate(ranked[:explain]):
+        if finding.p_adjusted <= alpha:
+            explained = timed(acted(data[finding.sensor], data[finding.action], data[finding.result], groups), timing)
             counts = None
-            if one.significance.method != "permutation":
+            if finding.significance.method != "permutation":
                 rng = generator(_seeds(seed).spawn(len(events) + 1)[-1])
                 again = replace(given, resamples=0)  # the same method, as the memory is the same
                 counts = assess_steps(explained, chosen, again, unit, rng, local=True).counts
             entries = local_of_steps(explained, chosen, unit, counts=counts)
-            ranked[i] = replace(one, values=carriers(entries, alpha))
+            ranked[i] = replace(finding, values=carriers(entries, alpha))
     return tuple(ranked)
 
 

@@ -153,7 +153,7 @@ def displaced(steps: Steps, measures: Sequence[Measure]) -> Displaced:
             "for surrogates; sort the values into fewer bins"
         )
     signs = [_signs(measure) for measure in measures]
-    names = list(dict.fromkeys(axes for one in signs for axes in one))
+    names = list(dict.fromkeys(axes for terms in signs for axes in terms))
     groups = np.zeros((len(names), rests), np.int64)
     counts = np.bincount(rest, minlength=rests)
     alone = np.empty(len(names))
@@ -164,7 +164,7 @@ def displaced(steps: Steps, measures: Sequence[Measure]) -> Displaced:
             groups[i] = np.unique(keys, return_inverse=True)[1]
         of_group = np.bincount(groups[i], counts)
         alone[i] = of_group @ np.log(of_group)
-    weights = np.array([[float(one.get(axes, 0)) for axes in names] for one in signs])
+    weights = np.array([[float(terms.get(axes, 0)) for axes in names] for terms in signs])
     spans = steps.spans(whole=True)
     lowest, highest = (extreme.reduceat(source, spans[:-1]) for extreme in (np.minimum, np.maximum))
     return Displaced(

@@ -64,11 +64,11 @@ def _products(entries: Entries, axes: str) -> tuple[np.ndarray, dict[str, np.nda
     if start > MOST_VALUES:
         raise SeriesError(f"linear Granger takes up to {MOST_VALUES} values of all variables; got {start}: use bins")
     products = np.empty((start, start))
-    for one in axes:
+    for axis in axes:
         for other in axes:
-            shape = len(column[one]), len(column[other])
-            counts = np.bincount(codes[one] * shape[1] + codes[other], entries.counts, shape[0] * shape[1])
-            products[np.ix_(column[one], column[other])] = counts.reshape(shape)
+            shape = len(column[axis]), len(column[other])
+            counts = np.bincount(codes[axis] * shape[1] + codes[other], entries.counts, shape[0] * shape[1])
+            products[np.ix_(column[axis], column[other])] = counts.reshape(shape)
     return products / entries.transitions, column
 
 

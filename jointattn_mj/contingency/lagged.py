@@ -60,11 +60,11 @@ def timed(given: Steps, timing: Timing, reach: int | None = None) -> Steps:
     at = np.concatenate([np.arange(start + lost, stop) for start, stop in pieces])
     ends = np.concatenate([[0], np.cumsum(lengths[kept])])
 
-    def taken(one: Coded, back: int, history: int) -> Coded:
-        columns = [one.codes[at - back - further] for further in range(history)]
+    def taken(coded: Coded, back: int, history: int) -> Coded:
+        columns = [coded.codes[at - back - further] for further in range(history)]
         if history == 1:
-            return replace(one, codes=columns[0], bounds=ends)
-        codes, bound = combined(columns, [one.size] * history)
+            return replace(coded, codes=columns[0], bounds=ends)
+        codes, bound = combined(columns, [coded.size] * history)
         if bound > max(1024, len(codes)):
             values, codes = np.unique(codes, return_inverse=True)
             bound = len(values)
@@ -91,5 +91,5 @@ def scanned(given: Steps, lags: Sequence[int], timing: Timing) -> list[Steps]:
         SeriesError: No recording is long enough for the longest lag.
     """
     timings = [replace(timing, lag=lag) for lag in lags]
-    reach = max(one.reach for one in timings)
-    return [timed(given, one, reach) for one in timings]
+    reach = max(timing.reach for timing in timings)
+    return [timed(given, timing, reach) for timing in timings]

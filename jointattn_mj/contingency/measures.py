@@ -365,7 +365,7 @@ def contingent_saliency(s: Series, a: Series, r: Series, base: float = 2) -> np.
     given, unit = acted(s, a, r), check_base(base)
     results, actions, sources, _ = given.sizes
     renumbered = any(
-        one is not None and one.values is not None for one in (given.source, given.target, given.condition)
+        coded is not None and coded.values is not None for coded in (given.source, given.target, given.condition)
     )
     if renumbered or results * results * actions * sources > LARGEST_SALIENCY:
         raise SeriesError("codes are too large to index an array of saliencies; number them anew with recode() first")

@@ -86,8 +86,8 @@ def _head(steps: Steps) -> Steps:
     last = int(np.searchsorted(bounds, MOST_STEPS - 1))
     bounds = np.append(bounds[:last], MOST_STEPS)
 
-    def cut(one: Coded) -> Coded:
-        return replace(one, codes=one.codes[:MOST_STEPS], bounds=bounds)
+    def cut(coded: Coded) -> Coded:
+        return replace(coded, codes=coded.codes[:MOST_STEPS], bounds=bounds)
 
     return Steps(
         cut(steps.source),

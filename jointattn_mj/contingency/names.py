@@ -53,7 +53,7 @@ def measure_choice(names: Iterable[str]) -> Choice:
     Args:
         names: Short names of the measures that are allowed.
     """
-    chosen = [one for one in NAMES if one.short in names]
+    chosen = [name for name in NAMES if name.short in names]
     return Choice(
         [measure.short for measure in chosen],
         other_names={each: measure.short for measure in chosen for each in measure},

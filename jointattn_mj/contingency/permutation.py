@@ -53,7 +53,15 @@ def _check_draw(good: int, bad: int, drawn: int, log_factorial: np.ndarray, u: f
 @checked_by(_check_draw)
 @njit(cache=True)
 def hypergeometric(good: int, bad: int, drawn: int, log_factorial: np.ndarray, u: float) -> int:
-    """How many of ``drawn`` are good: the quantile for u in 0..1, counted from the mode outwards."""
+    """How many of ``drawn`` are good: the quantile for u in 0..1, counted from the mode outwards.
+
+    Args:
+        good: Number of good ones there are.
+        bad: Number of others.
+        drawn: How many are drawn of both.
+        log_factorial: (n + 1,) log k! for k from 0 to the sum of both.
+        u: Uniform in 0..1.
+    """
     low, high = max(0, drawn - bad), min(good, drawn)
     if low == high:
         return low
@@ -160,7 +168,27 @@ def within(
     source_values: np.ndarray, source_counts: np.ndarray, source_bounds: np.ndarray,
     after_values: np.ndarray, after_counts: np.ndarray, after_bounds: np.ndarray,
 ) -> None:  # fmt: skip
-    """Fill ``values`` with surrogates permuted within the strata."""
+    """Fill ``values`` with surrogates permuted within the strata.
+
+    Args:
+        values: (count,) is filled: plug-in values, nats.
+        rng: Draws the surrogates.
+        source: (n,) values of s, sorted by stratum.
+        after: (n,) values of the next r, likewise.
+        sources: Number of values of s.
+        afters: Number of values of the next r.
+        bounds: (k + 1,) where the strata begin and end.
+        contexts: (k, 2) finer and coarser context of each stratum.
+        fixed: The part that no permutation changes, nats times transitions.
+        with_less: Whether the measure takes the coarser context away.
+        tables: As ``tables`` gives them, for tables drawn from their margins.
+        source_values: Values of s that occur in each stratum, one stratum after the other.
+        source_counts: How often each of them does.
+        source_bounds: (k + 1,) where those of a stratum begin and end.
+        after_values: Likewise of the next r.
+        after_counts: Likewise.
+        after_bounds: Likewise.
+    """
     n = bounds[-1]
     fine, coarse = _room(n, sources, afters), _room(n, sources, afters)
     rows, used, shuffled = np.zeros(sources, np.int64), np.zeros(2, np.int64), source.copy()
@@ -201,7 +229,23 @@ def plain(
     bounds: np.ndarray, contexts: np.ndarray, fixed: float, with_less: bool, tables: np.ndarray,
     groups: np.ndarray, group_bounds: np.ndarray,
 ) -> None:  # fmt: skip
-    """Fill ``values`` with surrogates permuted within the groups, whatever their contexts."""
+    """Fill ``values`` with surrogates permuted within the groups, whatever their contexts.
+
+    Args:
+        values: (count,) is filled: plug-in values, nats.
+        rng: Draws the surrogates.
+        source: (n,) values of s, sorted by stratum.
+        after: (n,) values of the next r, likewise.
+        sources: Number of values of s.
+        afters: Number of values of the next r.
+        bounds: (k + 1,) where the strata begin and end.
+        contexts: (k, 2) finer and coarser context of each stratum.
+        fixed: The part that no permutation changes, nats times transitions.
+        with_less: Whether the measure takes the coarser context away.
+        tables: As ``tables`` gives them, for tables drawn from their margins.
+        groups: (n,) positions of the transitions that change places with each other, group by group.
+        group_bounds: (m + 1,) where the groups begin and end.
+    """
     n = len(source)
     fine, coarse = _room(n, sources, afters), _room(n, sources, afters)
     rows, used = np.zeros(sources, np.int64), np.zeros(2, np.int64)

@@ -84,7 +84,7 @@ def aligned(**series: Series | None) -> list[Coded | None]:
         SeriesError: As ``code``, or the lengths of their recordings differ.
     """
     coded = {name: None if given is None else code(given, name) for name, given in series.items()}
-    present = [(name, one) for name, one in coded.items() if one is not None]
+    present = [(name, column) for name, column in coded.items() if column is not None]
     first_name, first = present[0]
     for name, other in present[1:]:
         alone = len(other.bounds) == len(first.bounds) == 2
@@ -93,8 +93,8 @@ def aligned(**series: Series | None) -> list[Coded | None]:
             raise SeriesError(
                 f"{first_name} and {name} must be equally long; got {_lengths(first)} and {_lengths(other)} steps"
             )
-    if len({one.codes.dtype for _, one in present}) > 1:
-        wide = {name: replace(one, codes=one.codes.astype(np.int64)) for name, one in present}
+    if len({column.codes.dtype for _, column in present}) > 1:
+        wide = {name: replace(column, codes=column.codes.astype(np.int64)) for name, column in present}
         return [wide.get(name) for name in coded]
     return list(coded.values())
 
@@ -117,8 +117,9 @@ def joint(*series: Series) -> np.ndarray | list[np.ndarray]:
     """
     if not series or any(single is None for single in series):
         raise SeriesError("joint needs at least one series, and no None among them")
-    coded = [one for one in aligned(**{f"series {i + 1}": one for i, one in enumerate(series)}) if one is not None]
-    codes = distinct(*combined([one.codes for one in coded], [one.size for one in coded])).which
+    named = {f"series {i + 1}": values for i, values in enumerate(series)}
+    coded = [column for column in aligned(**named) if column is not None]
+    codes = distinct(*combined([column.codes for column in coded], [column.size for column in coded])).which
     return coded[0].split(codes) if len(coded[0].bounds) > 2 else codes
 
 
@@ -215,8 +216,8 @@ def _plain(given: Sequence[Any]) -> list[int] | None:
     if set(map(type, given)) != {np.ndarray}:
         return None
     kinds, lengths = set(map(_DTYPE, given)), list(map(len, given)) if given[0].ndim else [0]
-    one = kinds.pop() in _PLAIN and not kinds and min(lengths) >= 2
-    return lengths if one and set(map(_NDIM, given)) == {1} else None
+    plain = kinds.pop() in _PLAIN and not kinds and min(lengths) >= 2
+    return lengths if plain and set(map(_NDIM, given)) == {1} else None
 
 
 def _as_codes(array: np.ndarray) -> np.ndarray:

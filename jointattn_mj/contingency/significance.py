@@ -233,7 +233,7 @@ def assess_measures(
         local: Also keep how often each combination of values comes in the surrogates.
     """
     remembered = [memory(given, measure) for measure in measures]
-    methods = [chosen_method(given, one, options) for one in remembered]
+    methods = [chosen_method(given, columns, options) for columns in remembered]
     moved: dict[int, tuple[np.ndarray, int, SurrogateCounts | None]] = {}
     for how in dict.fromkeys(methods):
         if how == "permutation":

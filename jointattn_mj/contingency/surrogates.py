@@ -69,6 +69,11 @@ class Surrogates:
         """Plug-in values (count,), in nats, of so many surrogates.
 
         ``progress`` is told how many were done since its last call.
+
+        Args:
+            count: Number of surrogates.
+            rng: Draws them.
+            progress: Is told how many were drawn since its last call.
         """
         values = np.empty(count)
         shared = (
@@ -88,6 +93,12 @@ class Surrogates:
 def plan(steps: Steps, measure: Measure, permute: Permute = "context", across_recordings: bool = False) -> Surrogates:
     """Sort transitions for ``measure``. The source is permuted within each recording, or among all of them.
 
+    Args:
+        steps: Transitions of all recordings.
+        measure: What the surrogates are for.
+        permute: Among which transitions the source changes places: those of one context, or all.
+        across_recordings: Whether it may change places between recordings.
+
     Raises:
         SeriesError: Source and target have too many values.
     """
@@ -96,7 +107,11 @@ def plan(steps: Steps, measure: Measure, permute: Permute = "context", across_re
     recording = np.zeros(n, np.int32) if across_recordings else steps.recordings()
     # everything but the order of transitions follows from how often each combination comes
     entries = distinct(*combined([recording, *columns], [int(recording[-1]) + 1, *sizes]))
-    combinations, weights, parts = [one[entries.first] for one in columns], entries.counts, recording[entries.first]
+    combinations, weights, parts = (
+        [column[entries.first] for column in columns],
+        entries.counts,
+        recording[entries.first],
+    )
 
     def contexts_of(axes: str) -> np.ndarray:
         chosen = [AXES.index(axis) for axis in axes]
@@ -116,11 +131,11 @@ def plan(steps: Steps, measure: Measure, permute: Permute = "context", across_re
     bounds = np.concatenate([[0], np.cumsum(_summed(stratum, weights))])
     contexts = np.stack([fine, coarse])[:, first].T.copy()
     fixed = _fixed(fine, after, weights) - (0.0 if measure.less is None else _fixed(coarse, after, weights))
-    of_source, of_after = (_margin(stratum, one, weights) for one in (source, after))
+    of_source, of_after = (_margin(stratum, codes, weights) for codes in (source, after))
     in_order = groups = np.zeros(0, np.int64)
     if permute == "plain" or shuffles(bounds, of_source[2], of_after[2]).any():
         in_order = _stable_order(stratum[entries.which])
-        source, after = (one[entries.which[in_order]] for one in (source, after))
+        source, after = (codes[entries.which[in_order]] for codes in (source, after))
     if permute == "plain":
         groups = _stable_order(recording[in_order])
     empty = not len(in_order)

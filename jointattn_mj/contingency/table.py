@@ -163,6 +163,12 @@ def steps(
 ) -> Steps:
     """Check series that belong together; ``groups`` as in ``Steps``.
 
+    Args:
+        source: Series of the source: (T,) codes, or a list of such arrays, one a recording.
+        target: Of what may depend on it, as long.
+        condition: Of what was done, or of what else is known; None for none.
+        groups: Number of the group of each recording; recordings of one group belong together.
+
     Raises:
         SeriesError: See ``series.code`` and ``series.aligned``.
     """
@@ -185,6 +191,12 @@ def steps(
 
 def acted(source: Series, condition: Series, target: Series, groups: Sequence[int] | None = None) -> Steps:
     """``steps`` with a condition that must be there: what was done.
+
+    Args:
+        source: Series of the source: (T,) codes, or a list of such arrays, one a recording.
+        condition: Of what was done, as long.
+        target: Of what may depend on both, as long.
+        groups: Number of the group of each recording.
 
     Raises:
         SeriesError: As ``steps``, or there is none.

@@ -393,7 +393,7 @@ class Developer:
         state, config = self.state, self.config
         self.variables = self.variables.with_module(f"module {len(self.modules) + 1}")
         known = set(self.events)
-        new = [one for one in self.variables.events(of_joints=self.local) if one not in known]
+        new = [added for added in self.variables.events(of_joints=self.local) if added not in known]
         self.events += new
         self._looks.made_at.append(int(state.n_steps[0]))
         anew = config.memory == "reset"
@@ -404,8 +404,8 @@ class Developer:
         else:
             counts = joined(state.counts, empty_counts(self.variables, new))
         if config.history == "full" and not self.local:
-            for one in new:
-                set_joint_table(counts, self.events.index(one), self._unused(one))
+            for added in new:
+                set_joint_table(counts, self.events.index(added), self._unused(added))
         self.state = state._replace(
             counts=counts,
             watch=grown(state.watch, len(self.events), event, anew),

@@ -150,7 +150,7 @@ def changed(config: Config, given: Mapping[str, Any], location: str = "") -> Con
     Raises:
         ConfigError: No such field, or a value that is not allowed.
     """
-    known = [one.name for one in fields(config)]  # type: ignore[arg-type]
+    known = [field.name for field in fields(config)]  # type: ignore[arg-type]
     given = with_new_names(type(config), given)
     for name in given:
         if name not in known:

@@ -95,7 +95,7 @@ class Looks:
         since = max(0, self.made_at[-1] - steps.forgotten) if self.made_at else 0
         if steps.n_steps < 2:
             return NOTHING, np.zeros(len(events))
-        return search(steps, events, served, since, self._config, lambda one: self._offers(one, steps))
+        return search(steps, events, served, since, self._config, lambda event: self._offers(event, steps))
 
     def check(self, modules: int) -> None:
         """Refuse looks that an agent with so many modules cannot have.

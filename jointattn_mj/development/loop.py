@@ -34,6 +34,17 @@ class Detection:
     """The module that was made of it; None where there were ``most_modules`` already."""
 
 
+def streams(seed: int, number: int) -> list[np.random.SeedSequence]:
+    """Independent random streams of a run, one a component.
+
+    Raises:
+        ConfigError: The seed is negative.
+    """
+    if seed < 0:
+        raise ConfigError(f"seed must be 0 or more; got {seed}")
+    return np.random.SeedSequence(seed).spawn(number)
+
+
 class DevelopmentRun(ABC):
     """An agent in some world, and the log of all steps. A run can be stopped, stored and continued after any step.
 
@@ -70,7 +81,7 @@ class DevelopmentRun(ABC):
         self.steps_done = 0
         self.detections: list[Detection] = []
         variables = agent.variables
-        sizes = [len(one.values) for one in (*variables.sensors, *variables.actions, *variables.results)]
+        sizes = [len(variable.values) for variable in (*variables.sensors, *variables.actions, *variables.results)]
         most = max(*sizes, agent.config.most_modules + len(agent.reactive))
         if most > np.iinfo(np.int8).max:
             raise ConfigError(f"a variable can have at most 127 values, and an agent 127 modules; got {most}")

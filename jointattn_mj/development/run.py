@@ -288,4 +288,4 @@ def _with_meanings(run: DevelopmentRun, detections: Sequence[Detection]) -> list
         return []
     known = zip(run.agent.modules, meanings(run.named_variables(), run.agent.modules), strict=True)
     by_module = {id(module): meaning for module, meaning in known}
-    return [(one, by_module.get(id(one.module))) for one in detections]
+    return [(detection, by_module.get(id(detection.module))) for detection in detections]

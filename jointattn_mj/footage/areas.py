@@ -128,7 +128,7 @@ class FootageAreas:
         """Say that the eye has turned: ``moved`` gives the new pixel (2,) of a pixel (2,) of the last image."""
         for slot in self._slots:
             slot.px = None if slot.px is None else moved(slot.px)
-            slot.trail = [np.concatenate([moved(one[:2]), moved(one[2:])]) for one in slot.trail]
+            slot.trail = [np.concatenate([moved(point[:2]), moved(point[2:])]) for point in slot.trail]
 
     def find(self, image: np.ndarray, gray: np.ndarray, areas: Areas) -> None:
         """Find the objects in an image.
@@ -200,18 +200,18 @@ class FootageAreas:
         owners: dict[int, int] = {}
         left = set(range(len(candidates)))
         pairs = sorted(
-            (float(np.hypot(*(candidates[one][1] - px))), slot, one)
-            for slot in slots for one in left if (px := self._slots[slot].px) is not None
+            (float(np.hypot(*(candidates[candidate][1] - px))), slot, candidate)
+            for slot in slots for candidate in left if (px := self._slots[slot].px) is not None
         )  # fmt: skip
-        for off, slot, one in pairs:
+        for off, slot, candidate in pairs:
             reach = self.config.jump_px * min(1 + 0.2 * self._slots[slot].missing, 3.0)
-            if slot not in owners and one in left and off <= reach:
-                owners[slot] = one
-                left.discard(one)
+            if slot not in owners and candidate in left and off <= reach:
+                owners[slot] = candidate
+                left.discard(candidate)
         for slot in slots:
             state = self._slots[slot]
             if slot not in owners and left and (state.px is None or state.missing >= self.config.lost_images):
-                largest = max(left, key=lambda one: candidates[one][3])
+                largest = max(left, key=lambda candidate: candidates[candidate][3])
                 owners[slot] = largest
                 state.trail.clear()
                 left.discard(largest)
@@ -224,7 +224,7 @@ class FootageAreas:
             large = stats[:, cv2.CC_STAT_AREA] > self.config.worn_faces * float(face[3]) ** 2
             at_collar = np.flatnonzero(large & (stats[:, cv2.CC_STAT_TOP] < collar))
             if any(_is_below(face, centres[part]) for part in at_collar):
-                candidates = [one for one in candidates if not _is_below(face, one[1], SLEEVE)]
+                candidates = [candidate for candidate in candidates if not _is_below(face, candidate[1], SLEEVE)]
         return candidates
 
     def _is_too_large(self, area: int, shape: tuple[int, ...]) -> bool:
@@ -276,7 +276,7 @@ def _connected(mask: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndar
     closed = cv2.morphologyEx(mask[within], cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
     _, parts[within], stats, centres = cv2.connectedComponentsWithStats(closed, connectivity=8)
     stats[:, [cv2.CC_STAT_LEFT, cv2.CC_STAT_TOP]] += (left, top)
-    return stats, centres + np.array([left, top])
+    return stats, centres + np.array((left, top))
 
 
 def _goes_along(trail: np.ndarray, high: float) -> bool:

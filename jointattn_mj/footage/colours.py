@@ -35,10 +35,10 @@ def sought_objects(objects: tuple[str, ...]) -> tuple[Sought, ...]:
     """
     sought: list[Sought] = []
     for item in objects:
-        one = _sought(item)
-        if not one.name or one.name == "face" or one.name in [other.name for other in sought]:
+        wanted = _sought(item)
+        if not wanted.name or wanted.name == "face" or wanted.name in [other.name for other in sought]:
             raise ConfigError(f"objects: each needs a name of its own, and none is called face; got {item!r}")
-        sought.append(one)
+        sought.append(wanted)
     if not sought:
         raise ConfigError("objects: at least one is needed")
     return tuple(sought)

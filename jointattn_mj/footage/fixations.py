@@ -85,25 +85,27 @@ class Fixations:
         schema = pa.schema(
             [(name, pa.string() if name == "candidate" else pa.float64()) for name in MEANINGS],
         )
-        return described(pa.Table.from_pylist([_row(one, names, start_s) for one in self.all], schema=schema), MEANINGS)
+        return described(
+            pa.Table.from_pylist([_row(fixation, names, start_s) for fixation in self.all], schema=schema), MEANINGS
+        )
 
     def shares(self, names: tuple[str, ...]) -> dict[str, dict[str, float]]:
         """Number of fixations, and their time in seconds, by candidate."""
-        chosen = {name: [one for one in self.all if names[one.candidate] == name] for name in names}
+        chosen = {name: [fixation for fixation in self.all if names[fixation.candidate] == name] for name in names}
         return {
             name: {"fixations": len(fixations), "seconds": round(sum(fixation.seconds for fixation in fixations), 3)}
             for name, fixations in chosen.items()
         }
 
 
-def _row(one: Fixation, names: tuple[str, ...], start_s: float) -> dict[str, float | str | None]:
-    frames = one.end - one.start
+def _row(fixation: Fixation, names: tuple[str, ...], start_s: float) -> dict[str, float | str | None]:
+    frames = fixation.end - fixation.start
     px, video_px = (
-        [float(value) for value in total / one.frames_visible] if one.frames_visible else [None, None]
-        for total in (one.px_sum, one.video_px_sum)
+        [float(value) for value in total / fixation.frames_visible] if fixation.frames_visible else [None, None]
+        for total in (fixation.px_sum, fixation.video_px_sum)
     )
     values = (
-        start_s + one.start / RATE, start_s + one.end / RATE, names[one.candidate], *px, *video_px,
-        one.frames_visible / frames, one.frames_moving / frames,
+        start_s + fixation.start / RATE, start_s + fixation.end / RATE, names[fixation.candidate], *px, *video_px,
+        fixation.frames_visible / frames, fixation.frames_moving / frames,
     )  # fmt: skip
     return dict(zip(MEANINGS, values, strict=True))

@@ -62,7 +62,13 @@ class FollowedFace:
         self._pattern = pattern(image, face.centre, side)
 
     def detect(self, gray: np.ndarray, expected_px: tuple[float, float] | None, complete: object) -> FaceFix:
-        """The face that was shown last."""
+        """The face that was shown last.
+
+        Args:
+            gray: Grey image (h, w) uint8, which is not looked at: faces were found before.
+            expected_px: Where a face is expected, pixels; not used.
+            complete: Finishes the grey image; not called.
+        """
         return self._fix
 
     def patch(self, gray: np.ndarray, fix: FaceFix) -> np.ndarray:

@@ -101,7 +101,9 @@ class PerceivedFrame:
 
     def __repr__(self) -> str:
         everything = {"face": self.face, **self.objects}
-        detected = ", ".join(f"{name}{' moves' * one.moves}" for name, one in everything.items() if one.detected)
+        detected = ", ".join(
+            f"{name}{' moves' * percept.moves}" for name, percept in everything.items() if percept.detected
+        )
         return f"PerceivedFrame({self.time_s:.2f} s, detected: {detected or 'nothing'}; fixates {self.fixation})"
 
 
@@ -143,10 +145,10 @@ def frame_now(viewing: Viewing, still: Still) -> PerceivedFrame:
     )
 
 
-def _person(one: Sighting, chosen: bool) -> PerceivedPerson:
-    x, y, wide, high = (float(value) for value in one.face[BOX])
-    yaw, error = single(one.yaw_deg), single(one.yaw_error_deg)
-    return PerceivedPerson(one.person, one.sure, (x, y, wide, high), one.score, yaw, error, chosen)
+def _person(sighting: Sighting, chosen: bool) -> PerceivedPerson:
+    x, y, wide, high = (float(value) for value in sighting.face[BOX])
+    yaw, error = single(sighting.yaw_deg), single(sighting.yaw_error_deg)
+    return PerceivedPerson(sighting.person, sighting.sure, (x, y, wide, high), sighting.score, yaw, error, chosen)
 
 
 def frames_of(percepts: Table, names: tuple[str, ...]) -> Iterator[PerceivedFrame]:

@@ -26,14 +26,14 @@ def label_table(
     """
     sought = sought_objects(objects)
     table = np.zeros(64**3, np.uint8)
-    coloured = [k for k, one in enumerate(sought) if one.rgb is not None]
+    coloured = [k for k, wanted in enumerate(sought) if wanted.rgb is not None]
     rgb = np.array([item.rgb if item.rgb is not None else (0.5, 0.5, 0.5) for item in sought], float)
     if coloured:
         labels = colour_table(rgb[coloured], config)
         table = np.concatenate([[0], np.array(coloured) + 1])[labels].astype(np.uint8)
-    for k, one in enumerate(sought):
-        if one.name in picked:
-            own = picked[one.name]
+    for k, wanted in enumerate(sought):
+        if wanted.name in picked:
+            own = picked[wanted.name]
             table[own] = k + 1
             cells = np.flatnonzero(own)
             rgb[k] = [_LEVELS[cells >> shift & 63].mean() for shift in (12, 6, 0)]

@@ -63,12 +63,12 @@ def appearance(image: np.ndarray, face: np.ndarray) -> Appearance:
     return Appearance(shape / max(float(np.linalg.norm(shape)), 1e-6), head, clothes)
 
 
-def likeness(one: Appearance, other: Appearance) -> float:
+def likeness(first: Appearance, second: Appearance) -> float:
     """How alike two faces are, 0 to 1."""
     low, high = SHAPE_SPAN
-    shape = min(max((float(one.shape @ other.shape) - low) / (high - low), 0.0), 1.0)
-    head, clothes = float(one.head @ other.head), float(one.clothes @ other.clothes)
-    weights = np.array(WEIGHTS) if one.clothes.any() and other.clothes.any() else np.array([*WEIGHTS[:2], 0.0])
+    shape = min(max((float(first.shape @ second.shape) - low) / (high - low), 0.0), 1.0)
+    head, clothes = float(first.head @ second.head), float(first.clothes @ second.clothes)
+    weights = np.array(WEIGHTS) if first.clothes.any() and second.clothes.any() else np.array([*WEIGHTS[:2], 0.0])
     return float(weights @ (shape, head, clothes) / weights.sum())
 
 

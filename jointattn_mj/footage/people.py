@@ -23,6 +23,10 @@ STRANGE = 0.6
 """Likeness to its own person below which a followed face is perhaps another; one person has .74 over half a turn."""
 CROWDED = 1.5
 """Distance of two faces, in face heights, below which positions alone do not tell them apart."""
+CUT_WEIGHT = 0.1
+"""Weight of a sighting that the border cuts, in judging who it is: the network guesses what lies beyond."""
+WHOLE = 0.95
+"""Share of a face's box in the image from which the border does not cut it."""
 MOST_PEOPLE = 64
 """Most people of a video that are told apart."""
 
@@ -56,7 +60,7 @@ class PeopleConfig(Checked):
     size_follow: Share = 0.2
     """Weight of each image in the smoothed size of a face, from which its pattern is cut."""
     judged_sightings: Annotated[int, Whole("[1, 1000]")] = 8
-    """Sightings of a new face from which it is judged who it is."""
+    """Sightings of a new face from which it is judged who it is; those that the border cuts count less."""
     compare_every: Annotated[int, Whole("[1, 10000]")] = 6
     """Images from one look at what a known person looks like to the next."""
 
@@ -115,8 +119,10 @@ class Track:
     judged: bool = False
     odd: int = 0
     """Looks in a row at which it was not like its person."""
-    evidence: dict[int, list[float]] = field(default_factory=dict)
-    """Likeness to each person who may be meant, by sighting."""
+    weighed: float = 0.0
+    """Sum of the weights of the sightings from which it is judged."""
+    evidence: dict[int, list[tuple[float, float]]] = field(default_factory=dict)
+    """Likeness to each person who may be meant, and its weight, by sighting."""
 
 
 @dataclass
@@ -157,6 +163,18 @@ def _middle_visible(faces: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     border; of one that is mostly beyond it, it guesses place and size."""
     middle = faces[:, :2] + faces[:, 2:4] / 2
     return np.asarray((middle >= 0).all(axis=1) & (middle < (shape[1], shape[0])).all(axis=1))
+
+
+def _weighed_mean(alike: list[tuple[float, float]]) -> float:
+    """Mean of values with their weights."""
+    values, weights = np.transpose(alike)
+    return float(np.average(values, weights=weights))
+
+
+def _share_visible(box: np.ndarray, shape: tuple[int, ...]) -> float:
+    """Share of a box (4,) that lies in the image."""
+    shown = np.minimum(box[:2] + box[2:], (shape[1], shape[0])) - np.maximum(box[:2], 0)
+    return float(np.prod(np.maximum(shown, 0) / box[2:]))
 
 
 class People:
@@ -204,7 +222,7 @@ class People:
         for track in now:
             self._believe(track)
         sightings = [self._sighting(image, track, frame) for track in now if track.believed]
-        return sorted(sightings, key=lambda one: -float(one.smooth[3]))
+        return sorted(sightings, key=lambda sighting: -float(sighting.smooth[3]))
 
     def _goes_on(self, track: Track, frame: int) -> bool:
         return frame - track.last <= (self._gap if track.believed else 0)
@@ -281,7 +299,8 @@ class People:
     def _sighting(self, image: np.ndarray, track: Track, frame: int) -> Sighting:
         yaw, error = yaw_of(track.face[LANDMARKS].reshape(5, 2), float(track.face[3]))
         if not track.judged:
-            self._judge(track, appearance(image, track.face), yaw, frame)
+            whole = _share_visible(track.face[BOX], image.shape) >= WHOLE
+            self._judge(track, appearance(image, track.face), 1.0 if whole else CUT_WEIGHT, yaw, frame)
         elif self._images % self.config.compare_every == 0:
             self._compare(track, appearance(image, track.face), yaw)
         self.owner[track.number] = (track.person, track.sure)
@@ -291,7 +310,7 @@ class People:
             person.unsure += not track.sure
         return Sighting(track.number, track.person, track.sure, track.judged, track.face, track.smooth, yaw, error)
 
-    def _judge(self, track: Track, appeared: Appearance, yaw: float, frame: int) -> None:
+    def _judge(self, track: Track, appeared: Appearance, weight: float, yaw: float, frame: int) -> None:
         """Find out who a new face is."""
         present = {other.person for other in self.tracks if other is not track and other.last == frame}
         absent = [person for number, person in self.people.items() if number not in present]
@@ -299,16 +318,17 @@ class People:
             self._is_new(track, appeared, yaw, frame, True)
             return
         for person in absent:
-            track.evidence.setdefault(person.number, []).append(person.likeness(appeared))
-        likely = sorted(((float(np.mean(values)), number) for number, values in track.evidence.items()), reverse=True)
+            track.evidence.setdefault(person.number, []).append((person.likeness(appeared), weight))
+        track.weighed += weight
+        likely = sorted(((_weighed_mean(alike), number) for number, alike in track.evidence.items()), reverse=True)
         (best, number), second = likely[0], likely[1][0] if len(likely) > 1 else 0.0
         track.person = number if best >= SAME else 0
-        if track.sightings < self.config.judged_sightings:
+        if track.weighed < self.config.judged_sightings:
             return
         track.evidence.clear()
         if best >= SAME and best - second > 0.03:
             track.judged = track.sure = True
-            self.tracks = [one for one in self.tracks if one is track or one.person != number]  # lost elsewhere
+            self.tracks = [other for other in self.tracks if other is track or other.person != number]  # lost elsewhere
         else:
             self._is_new(track, appeared, yaw, frame, best <= OTHER)
             if best > OTHER and track.person:
@@ -332,7 +352,7 @@ class People:
         track.odd = track.odd + 1 if alike < STRANGE else 0
         if track.odd >= 3:
             track.judged = track.sure = False
-            track.odd, track.person, track.sightings = 0, 0, 1
+            track.odd, track.person, track.sightings, track.weighed = 0, 0, 1, 0.0
             self._number += 1
             track.number = self._number
         elif track.odd == 0 and track.sure and not self._crowded(track):

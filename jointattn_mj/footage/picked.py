@@ -40,8 +40,8 @@ def picked_tables(footage: Footage, sought: tuple[Sought, ...]) -> dict[str, np.
         return tables
     for frame, still in enumerate(footage):
         while waiting and footage.time_of(frame) >= waiting[0][0] - 1e-6:
-            one = waiting.pop(0)[2]
-            tables[one.name] = colours_at(still.image, one)
+            wanted = waiting.pop(0)[2]
+            tables[wanted.name] = colours_at(still.image, wanted)
         if not waiting:
             require_apart(tables)
             return tables

@@ -111,7 +111,7 @@ class PerceptionResult:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, PerceptionResult):
             return NotImplemented
-        numbers = [{**one.summary, "wall_seconds": 0.0} for one in (self, other)]
+        numbers = [{**result.summary, "wall_seconds": 0.0} for result in (self, other)]
         return (
             self.config == other.config
             and numbers[0] == numbers[1]

@@ -86,11 +86,11 @@ class Shots:
         return False
 
 
-def _correlation(one: np.ndarray, other: np.ndarray) -> float:
+def _correlation(first: np.ndarray, second: np.ndarray) -> float:
     """Correlation of two grey images at their best shift of up to an eighth of their size."""
     margin_x, margin_y = WIDTH // 8, HEIGHT // 8
-    part = other[margin_y:-margin_y, margin_x:-margin_x]
-    return float(cv2.matchTemplate(one, part, cv2.TM_CCOEFF_NORMED).max())
+    part = second[margin_y:-margin_y, margin_x:-margin_x]
+    return float(cv2.matchTemplate(first, part, cv2.TM_CCOEFF_NORMED).max())
 
 
 def _border_shift(before: np.ndarray, now: np.ndarray) -> np.ndarray:

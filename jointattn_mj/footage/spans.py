@@ -81,7 +81,7 @@ def write_spans(path: Path, spans: list[Span], start_s: float) -> None:
         with to.open("w", newline="", encoding="utf-8") as file:
             rows = csv.writer(file, lineterminator="\n")
             rows.writerow(COLUMNS)
-            for span in sorted(spans, key=lambda one: (one.start, one.tier, one.code)):
+            for span in sorted(spans, key=lambda span: (span.start, span.tier, span.code)):
                 score = "" if span.score is None else f"{span.score:.3f}"
                 onset, offset = (f"{start_s + at / RATE:.3f}" for at in (span.start, span.end))
                 rows.writerow((onset, offset, span.tier, span.code, score))

@@ -203,7 +203,7 @@ class Viewing:
 
     def _boxes(self, mapped: FrameMap) -> np.ndarray:
         """(k, 4) x, y, width and height of all faces, pixels of the robot's image, the face of interest first."""
-        faces = sorted(self.visible_faces, key=lambda one: one is not self.chosen)
+        faces = sorted(self.visible_faces, key=lambda face: face is not self.chosen)
         boxes = np.array([face.smooth for face in faces]).reshape(-1, 4)
         corners = mapped.to_image(boxes[:, :2] - 0.5)
         return np.hstack([corners, boxes[:, 2:] * (mapped.scale_x, mapped.scale_y)])

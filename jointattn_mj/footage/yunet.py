@@ -139,10 +139,10 @@ def square(image: np.ndarray, left: int, top: int, side: int) -> np.ndarray:
     return part
 
 
-def overlaps(one: np.ndarray, others: np.ndarray) -> np.ndarray:
+def overlaps(face: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Area in common over area of both, (n,), of a box (4,) and others (n, 4): x, y, width, height."""
-    low = np.maximum(one[:2], others[:, :2])
-    high = np.minimum(one[:2] + one[2:4], others[:, :2] + others[:, 2:4])
+    low = np.maximum(face[:2], others[:, :2])
+    high = np.minimum(face[:2] + face[2:4], others[:, :2] + others[:, 2:4])
     common = np.prod(np.maximum(high - low, 0), axis=1)
-    shares: np.ndarray = common / np.maximum(np.prod(one[2:4]) + np.prod(others[:, 2:4], axis=1) - common, 1e-9)
+    shares: np.ndarray = common / np.maximum(np.prod(face[2:4]) + np.prod(others[:, 2:4], axis=1) - common, 1e-9)
     return shares

@@ -85,7 +85,7 @@ class HeadShift:
     """Minimum-jerk reference of one gaze shift for the head's servos; its aim may change on the way.
 
     Attributes:
-        frame: References that were given out.
+        frame: References that were given out; the end, which is held until the head stands still, counts once.
     """
 
     def __init__(self, start: np.ndarray, end: np.ndarray, frames: int):
@@ -124,8 +124,9 @@ class HeadShift:
 
     def next_reference(self) -> np.ndarray:
         """The reference (2,) for the coming frame; the end when the movement is over."""
-        reference = self._reference(min(self.frame, len(self._progress) - 1))
-        self.frame += 1
+        frames = len(self._progress)
+        reference = self._reference(min(self.frame, frames - 1))
+        self.frame = min(self.frame + 1, frames)
         return reference
 
     @property

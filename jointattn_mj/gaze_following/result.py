@@ -2,21 +2,16 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
 from os import PathLike
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Generic, Protocol, TypeVar
 
 import numpy as np
 
-from jointattn_mj.gaze_following.session import SessionConfig
+from jointattn_mj.gaze_following.agent import RobotConfig
 from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts
-from jointattn_mj.gaze_following.summary import SessionSummary
-from jointattn_mj.gaze_following.varied_session import VariedSessionConfig
-from jointattn_mj.io.configs import read_config, values_in
 from jointattn_mj.io.files import claimed
 from jointattn_mj.io.former_columns import present_name
-from jointattn_mj.io.kinds import check_kind
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.table import Table
@@ -24,8 +19,40 @@ from jointattn_mj.io.weights import read_weights, write_weights
 from jointattn_mj.options import path_of
 from jointattn_mj.perception.som import SOM
 
-FOOTAGE = "jointattn_mj.footage.sessions.result"
-"""Module for folders of sessions before a person. It lies above this one, and is looked up when it is needed."""
+
+class AnySessionConfig(Protocol):
+    """What the configs of all sessions have."""
+
+    @property
+    def robot(self) -> RobotConfig:
+        """The robot's attention, learning and gaze control."""
+
+
+class AnySessionSummary(Protocol):
+    """What the summaries of all sessions have."""
+
+    @property
+    def minutes(self) -> float:
+        """Length of the session."""
+
+    @property
+    def gaze_shifts(self) -> int:
+        """Gaze shifts from the face to an object."""
+
+    @property
+    def successes(self) -> int | None:
+        """How many of them were a success; None where that is not known."""
+
+    @property
+    def success_rate(self) -> float | None:
+        """Their share."""
+
+    def write(self, path: Path) -> None:
+        """Write ``summary.json``."""
+
+
+SessionConfigT = TypeVar("SessionConfigT", bound=AnySessionConfig)
+SessionSummaryT = TypeVar("SessionSummaryT", bound=AnySessionSummary)
 
 
 @dataclass(frozen=True)
@@ -46,78 +73,35 @@ class SessionFolder:
 
     @cached_property
     def frames(self) -> Table:
-        """See ``SessionResult``."""
+        """See ``FinishedSession``."""
         return Table.read(self.folder / "frames.parquet", present_name)
 
     @cached_property
     def shifts(self) -> Table:
-        """See ``SessionResult``."""
+        """See ``FinishedSession``."""
         return Table.read(self.folder / "gaze_shifts.parquet", present_name)
 
     @cached_property
     def weights(self) -> dict[str, np.ndarray]:
-        """See ``SessionResult``."""
+        """See ``FinishedSession``."""
         return read_weights(self.folder / "weights.npz")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SessionResult:
-    """A finished session of gaze following: summary, tables, and what the robot learned.
+class FinishedSession(Generic[SessionConfigT, SessionSummaryT]):
+    """Base of the results of sessions: what the caregiver is decides the classes of config and summary.
 
-    Tables and weights of a result that lies in a folder are read from there when they are first asked for. Two results
-    are equal if config, summary, tables and weights are; the computing time does not count.
+    Two results are equal if config, summary, tables and weights are; the computing time does not count.
 
     Attributes:
         config: What decided the session.
         summary: The session in numbers.
         folder: Where the results lie; None for a result in memory.
-
-    Examples:
-        >>> from jointattn_mj import Session, SessionResult
-        >>> result = Session(minutes=0.5, perception="state").run()
-        >>> result.save("out/half_a_minute")
-        >>> SessionResult.open("out/half_a_minute") == result
-        True
-        >>> len(result.frames)
-        900
-        >>> result.frames.to_pandas()["phase"].iloc[0]
-        'observe'
     """
 
-    config: SessionConfig
-    summary: SessionSummary
+    config: SessionConfigT
+    summary: SessionSummaryT
     _parts: SessionInMemory | SessionFolder
-
-    @classmethod
-    def open(cls, folder: str | PathLike[str]) -> "SessionResult":
-        """The result of a session that has finished in ``folder``.
-
-        Args:
-            folder: What ``--out`` or ``run(out=...)`` named, or ``save``; of a session with ``--world video`` or
-                ``--world camera``, too.
-
-        Returns:
-            The result, equal to the one that the session returned. Of a session before a person it is a
-            ``FootageSessionResult``, with config and summary of their own.
-
-        Raises:
-            OutputError: The folder holds no finished session.
-            ConfigError: Its config.yaml cannot be read.
-
-        Examples:
-            >>> from jointattn_mj import Session, SessionResult
-            >>> result = Session(minutes=0.1, perception="state").run(out="out/session")
-            >>> SessionResult.open("out/session") == result
-            True
-        """
-        path = path_of(folder, "folder")
-        check_kind(path, SessionResult.__name__)
-        config = path / "config.yaml"
-        if config.exists() and {"video_file", "camera"} & values_in(config).keys():
-            footage: SessionResult = import_module(FOOTAGE).footage_result(path)
-            return footage
-        summary = SessionSummary.read(path / "summary.json")
-        return cls(read_config(config, VariedSessionConfig), summary, SessionFolder(path))
 
     @property
     def folder(self) -> Path | None:
@@ -178,15 +162,15 @@ class SessionResult:
         return shifts
 
     def _object_names(self) -> tuple[str, ...]:
-        """Of the objects."""
-        return tuple(item.name for item in self.config.world.scene.objects)
+        """Names of the objects that the robot can look at."""
+        raise NotImplementedError
 
     def _last_minute(self) -> float:
-        """When the session ended."""
-        return self.config.minutes
+        """When the session ended, minutes on the clock of its tables."""
+        raise NotImplementedError
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, SessionResult):
+        if not isinstance(other, FinishedSession):
             return NotImplemented
         return (
             (self.config, self.summary) == (other.config, other.summary)

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from jointattn_mj.gaze_following.result import SessionInMemory, SessionResult
+from jointattn_mj.gaze_following.result import SessionInMemory
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, FRAMES_PER_SECOND, SessionConfig, SessionRun
 from jointattn_mj.gaze_following.shifts import write_shifts
 from jointattn_mj.gaze_following.summary import SessionSummary
 from jointattn_mj.gaze_following.tables import write_frames
-from jointattn_mj.guards.fitting import check_attributes, check_fits
 from jointattn_mj.io import checkpoint
 from jointattn_mj.io.files import claimed, free_name
+from jointattn_mj.io.fitting import check_attributes, check_fits
 from jointattn_mj.io.interrupts import deferred
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.rows import forget_log, log_folder, summary_of_ended
@@ -82,8 +82,8 @@ def run_session(
     if not options.resume:
         needed = round(BYTES_A_FRAME * config.most_minutes * FRAMES_PER_MINUTE)
         check_free(options.out, needed, f"{config.most_minutes:,g} minutes", "fewer minutes")
-    frozen, theirs = options.out / "checkpoint.bin", (kind, progress, *watchers)
-    with claimed(options.out, options.resume), checkpoint.gone_on_with(frozen, options.resume, *theirs):
+    frozen, parts = options.out / "checkpoint.bin", (kind, progress, *watchers)
+    with claimed(options.out, options.resume), checkpoint.gone_on_with(frozen, options.resume, *parts):
         return _run(config, options, progress, kind, watchers, prepare)
 
 
@@ -92,8 +92,10 @@ def run_in_memory(
     progress: Callable[[SessionRun], object] = lambda session: None,
     kind: type[SessionRun] = SessionRun,
     watchers: Sequence[Watcher] = (),
-) -> SessionResult:
-    """Run a session without a folder; arguments are those of :func:`run_session`.
+) -> tuple[SessionSummary, SessionInMemory]:
+    """Run a session without a folder: its summary, and its tables and weights.
+
+    Arguments are those of :func:`run_session`.
 
     Raises:
         GLError: Images are needed and cannot be rendered.
@@ -109,8 +111,7 @@ def run_in_memory(
                     progress(session)
         session.check()
         frames, shifts, weights = Table(session.frames.table()), Table(session.shifts.table()), session.weights()
-        summary = session.summary(time.perf_counter() - started)
-        return SessionResult(config, summary, SessionInMemory(frames, shifts, weights))
+        return session.summary(time.perf_counter() - started), SessionInMemory(frames, shifts, weights)
     finally:
         session.close()
 

@@ -70,6 +70,11 @@ def require_array(
 def numbers(name: str, given: Any, shape: tuple[int, ...] | None = None) -> np.ndarray:
     """``given`` as an array of finite numbers; -1 in ``shape`` stands for any length, no shape for any.
 
+    Args:
+        name: Of the argument, for messages.
+        given: What came.
+        shape: Expected shape; -1 stands for any length. None: any shape.
+
     Raises:
         ObservationError: It is none, or has another shape.
     """

@@ -44,6 +44,12 @@ def check_array(
 def check_whole(name: str, value: Any, least: int, most: int) -> None:
     """Refuse what is no whole number from ``least`` to ``most``.
 
+    Args:
+        name: Of the value, for messages.
+        value: What a checkpoint held.
+        least: Lowest that is allowed.
+        most: Highest that is allowed.
+
     Raises:
         ValueError: It is none.
     """
@@ -54,6 +60,11 @@ def check_whole(name: str, value: Any, least: int, most: int) -> None:
 def check_alike(given: Any, model: Any, name: str = "") -> None:
     """Refuse a named tuple that is not laid out as ``model``: types, shapes, dtypes and whole numbers are compared.
 
+    Args:
+        given: What a checkpoint held.
+        model: The same of a new run.
+        name: Of the tuple, for messages.
+
     Raises:
         ValueError: Something differs; its name is in the message.
     """
@@ -61,8 +72,8 @@ def check_alike(given: Any, model: Any, name: str = "") -> None:
         raise ValueError(f"{name} must be of type {type(model).__name__}; got {type(given).__name__}")
     if isinstance(model, tuple):
         names = getattr(model, "_fields", range(len(model)))
-        for field, one, other in zip(names, given, model, strict=True):
-            check_alike(one, other, f"{name}.{field}" if name else str(field))
+        for field, part, model_part in zip(names, given, model, strict=True):
+            check_alike(part, model_part, f"{name}.{field}" if name else str(field))
     elif isinstance(model, np.ndarray):
         check_array(name, given, model.shape, model.dtype)
     elif type(model) in (bool, int) and given != model:

@@ -20,6 +20,11 @@ _VERSIONS = {
 def write_array(archive: zipfile.ZipFile, name: str, array: np.ndarray) -> None:
     """Add ``array`` to ``archive``, not compressed; the same array gives the same bytes.
 
+    Args:
+        archive: ZIP file that is open for writing.
+        name: Of the member.
+        array: Of any shape, and of a dtype of plain data.
+
     Raises:
         TypeError: It is a subclass of ndarray, or holds Python objects or values without bytes.
     """

@@ -129,7 +129,7 @@ def load(
 
 
 @contextmanager
-def gone_on_with(path: Path, resumed: bool, *theirs: Any) -> Iterator[None]:
+def gone_on_with(path: Path, resumed: bool, *parts: Any) -> Iterator[None]:
     """Name the checkpoint where the block breaks in a way that no code has foreseen.
 
     Not every number in a checkpoint is checked: one that was changed by hand can break a run much later.
@@ -137,7 +137,7 @@ def gone_on_with(path: Path, resumed: bool, *theirs: Any) -> Iterator[None]:
     Args:
         path: The checkpoint.
         resumed: Whether the run in the block was read from it; nothing is done otherwise.
-        theirs: Classes and functions of the caller: what is raised in their modules passes as it is.
+        parts: Classes and functions of the caller: what is raised in their modules passes as it is.
 
     Raises:
         CheckpointError: The run has broken so.
@@ -147,7 +147,7 @@ def gone_on_with(path: Path, resumed: bool, *theirs: Any) -> Iterator[None]:
     except (JointAttnError, OSError, MemoryError):
         raise
     except Exception as error:  # the kinds of compiled code, OpenCV and MuJoCo have nothing in common
-        modules = {getattr(one, "__module__", "") for one in theirs}
+        modules = {getattr(part, "__module__", "") for part in parts}
         met = {frame.f_globals.get("__name__", "") for frame, _ in walk_tb(error.__traceback__)}
         if not resumed or any(name in met and name.partition(".")[0] != PACKAGE for name in modules):
             raise

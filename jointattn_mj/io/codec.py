@@ -93,10 +93,13 @@ class Encoder:
         return ["object", name, *self._flat(attributes)]
 
     def _flat(self, mapping: dict[Any, Any]) -> Entry:
-        return [self.value(one) for key, value in mapping.items() for one in (_key(key), value)]
+        return [self.value(part) for key, value in mapping.items() for part in (_key(key), value)]
 
     def _sorted(self, values: Iterable[Any]) -> Entry:
-        return [self.value(_key(value)) for value in sorted(values, key=lambda one: (type(one).__name__, repr(one)))]
+        return [
+            self.value(_key(value))
+            for value in sorted(values, key=lambda member: (type(member).__name__, repr(member)))
+        ]
 
     def _generator(self, generator: np.random.Generator) -> Entry:
         bits = generator.bit_generator

@@ -89,7 +89,7 @@ def _value(hint: Any, value: Any, location: str) -> Any:
     if origin is tuple and isinstance(value, list):
         parts = get_args(hint)
         every = parts[-1] is Ellipsis or len(parts) != len(value)
-        return tuple(_value(parts[0] if every else parts[place], part, location) for place, part in enumerate(value))
+        return tuple(_value(parts[0] if every else parts[index], part, location) for index, part in enumerate(value))
     if isinstance(hint, type) and is_dataclass(hint) and isinstance(value, Mapping):
         return config_of(hint, value, location)
     return value

@@ -144,5 +144,11 @@ def may_set(kind: type, name: Any) -> bool:
 
 
 def is_own(kind: type, method: str, own: str) -> bool:
-    """Whether the method of a class was written in the module ``own``."""
+    """Whether the method of a class was written in the module ``own``.
+
+    Args:
+        kind: The class.
+        method: Name of the method.
+        own: Dotted name of the module.
+    """
     return any(method in vars(base) and base.__module__ == own for base in kind.__mro__)

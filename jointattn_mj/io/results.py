@@ -56,6 +56,12 @@ def claimed_paths(out: Path, name: str) -> Iterator[tuple[Path, Path]]:
 def write_results(paths: tuple[Path, Path], rows: Sequence[dict[str, Any]], config: Any, **more: Any) -> None:
     """Write ``rows`` to both files or to none; ``more`` goes into the JSON file beside config and versions.
 
+    Args:
+        paths: Table (CSV or parquet) and JSON document.
+        rows: A mapping a row.
+        config: What decided the run.
+        more: What else goes into the JSON file, by name.
+
     Raises:
         OutputError: A file cannot be written.
     """

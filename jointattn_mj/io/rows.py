@@ -138,7 +138,13 @@ class RowStore:
         return rows
 
     def column(self, number: int, first: int = 0, last: int | None = None) -> np.ndarray:
-        """Values (last - first,) of a column."""
+        """Values (last - first,) of a column.
+
+        Args:
+            number: Of the column.
+            first: First row.
+            last: Row before which it ends; by default all that there are.
+        """
         last = len(self) if last is None else last
         values = np.empty(last - first, self._buffer.dtype)
         for start, end in spans(last - first, max(1, PART_BYTES // self._row_bytes)):

@@ -18,6 +18,12 @@ def free_bytes(folder: Path) -> int | None:
 def check_free(folder: Path, needed: int, what: str, advice: str) -> None:
     """Refuse a run whose log would not fit; ``advice`` says what to ask for instead.
 
+    Args:
+        folder: Into which the run writes.
+        needed: Bytes that it will write.
+        what: The run in words, which begins the message.
+        advice: What to ask for instead.
+
     Raises:
         ConfigError: ``what`` needs more bytes than are free.
     """

@@ -30,8 +30,20 @@ class Summary:
     def of(cls, values: Mapping[str, Any]) -> Self:
         """The summary whose :meth:`plain` values are given, by names of this version or of the last.
 
+        Args:
+            values: A value for every field.
+
+        Returns:
+            The summary.
+
         Raises:
             OutputError: A field is missing, or there is one too many.
+
+        Examples:
+            >>> from jointattn_mj import Session, SessionSummary
+            >>> summary = Session(minutes=0.1, perception="state").run().summary
+            >>> SessionSummary.of(summary.plain()) == summary
+            True
         """
         hints, known = get_type_hints(cls), {field.name for field in fields(cls)}  # type: ignore[arg-type]
         named = {cls.RENAMED.get(name, name): value for name, value in values.items()}
@@ -44,8 +56,20 @@ class Summary:
     def read(cls, path: Path) -> Self:
         """The summary in a ``summary.json``.
 
+        Args:
+            path: The file.
+
+        Returns:
+            The summary, equal to the one that was written.
+
         Raises:
             OutputError: There is no such file, or it holds no such summary.
+
+        Examples:
+            >>> from jointattn_mj import Session, SessionSummary
+            >>> result = Session(minutes=0.1, perception="state").run(out="out/summarised")
+            >>> SessionSummary.read(result.folder / "summary.json") == result.summary
+            True
         """
         try:
             return cls.of(json.loads(path.read_text("utf-8")))
@@ -57,19 +81,45 @@ class Summary:
     def write(self, path: Path) -> None:
         """Write ``summary.json``, whole or not at all.
 
+        Args:
+            path: The file.
+
         Raises:
             OutputError: The file cannot be written.
+
+        Examples:
+            >>> from pathlib import Path
+            >>> from jointattn_mj import Session
+            >>> Session(minutes=0.1, perception="state").run().summary.write(Path("out/numbers.json"))
         """
         text = json.dumps(self.plain(), indent=1) + "\n"
         write_whole(path, lambda temporary: temporary.write_text(text))
 
     def plain(self) -> dict[str, Any]:
-        """Numbers, texts and nested dictionaries: what ``summary.json`` holds."""
+        """Give the summary as plain data.
+
+        Returns:
+            Numbers, texts and nested dictionaries: what ``summary.json`` holds.
+
+        Examples:
+            >>> from jointattn_mj import Session
+            >>> Session(minutes=0.1, perception="state").run().summary.plain()["frames"]
+            180
+        """
         values: dict[str, Any] = plain(self)
         return values
 
     def by_old_keys(self) -> dict[str, Any]:
-        """The same under the keys of the last version, as trials are stored."""
+        """Give the summary as plain data under the keys of the last version, as trials are stored.
+
+        Returns:
+            What ``plain`` gives, by its former names.
+
+        Examples:
+            >>> from jointattn_mj import Session
+            >>> "late_rate" in Session(minutes=0.1, perception="state").run().summary.by_old_keys()
+            True
+        """
         old = {new: key for key, new in self.RENAMED.items()}
         values = {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
         return {old.get(name, name): _by_old_keys(value) for name, value in values.items()}

@@ -210,10 +210,10 @@ def _decoded(values: pa.ChunkedArray) -> pa.ChunkedArray:
     return values.cast(values.type.value_type) if pa.types.is_dictionary(values.type) else values
 
 
-def _same(some: pa.ChunkedArray, others: pa.ChunkedArray) -> bool:
-    if some.equals(others):
+def _same(column: pa.ChunkedArray, other: pa.ChunkedArray) -> bool:
+    if column.equals(other):
         return True
-    if not (pa.types.is_floating(some.type) and some.type == others.type):
+    if not (pa.types.is_floating(column.type) and column.type == other.type):
         return False
-    missing = some.is_null().equals(others.is_null())
-    return missing and np.array_equal(some.to_numpy(), others.to_numpy(), equal_nan=True)
+    missing = column.is_null().equals(other.is_null())
+    return missing and np.array_equal(column.to_numpy(), other.to_numpy(), equal_nan=True)

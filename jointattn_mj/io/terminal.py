@@ -140,6 +140,8 @@ def stopped_like_ctrl_c() -> Iterator[None]:
         sys.unraisablehook = report
         for number, handler in kept.items():
             signal.signal(number, _end_at_once if ended else handler)
+        if ended:
+            eval("None")  # if the last code from text was interrupted, as in a dataclass, python -m ends by the signal
 
 
 def stopped_at_once() -> None:

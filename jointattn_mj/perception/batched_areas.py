@@ -103,8 +103,8 @@ class BatchedColourAreas:
         rows = cells[..., :-1, :] + cells[..., 1:, :]
         squares = (rows[..., :-1] + rows[..., 1:]).flatten(-2)
         fullest = squares[:, :, 0].argmax(-1)  # the first of equal ones
-        found = squares.gather(-1, fullest[..., None, None].expand(*fullest.shape, 3, 1))[..., 0]
-        return found[..., 0], found[..., 1:] // found[..., :1].clamp(min=1)
+        sums = squares.gather(-1, fullest[..., None, None].expand(*fullest.shape, 3, 1))[..., 0]
+        return sums[..., 0], sums[..., 1:] // sums[..., :1].clamp(min=1)
 
     def _surround(self, hits: Any, x: Any, y: Any, centre: Any) -> tuple[Any, Any]:
         """First and last pixel (b, n, 2), the last exclusive, of a box around the hits near each centre."""

@@ -153,12 +153,12 @@ def _of_tier(
             )
     if not coded_pairs:
         raise SeriesError(f"the coders have no time of tier {tier!r} in common")
-    labels = sorted({str(label) for pair in coded_pairs for one in pair for label in np.unique(one)})
+    labels = sorted({str(label) for pair in coded_pairs for codes in pair for label in np.unique(codes)})
     number = {label: i for i, label in enumerate(labels)}
     reach = round(options.tolerance_s / options.step)
-    coded = [[np.array([number[label] for label in one]) for one in pair] for pair in coded_pairs]
+    coded = [[np.array([number[label] for label in codes]) for codes in pair] for pair in coded_pairs]
     counted = [_tallied(a, b, reach) for a, b in coded]
-    matrix = sum(_matrix(one, len(labels)) for one in counted) / 2
+    matrix = sum(_matrix(pair, len(labels)) for pair in counted) / 2
     interval = _interval(counted, len(labels), options)
     return Agreement(
         tier, tuple(labels), np.asarray(matrix), interval, options.step, options.tolerance_s,
@@ -174,7 +174,7 @@ def _tallied(first: np.ndarray, second: np.ndarray, reach: int) -> np.ndarray:
     return np.stack([first, _nearby(first, second, reach), _nearby(second, first, reach), second], 1)
 
 
-def _nearby(one: np.ndarray, other: np.ndarray, reach: int) -> np.ndarray:
+def _nearby(own: np.ndarray, other: np.ndarray, reach: int) -> np.ndarray:
     """The other's codes (units,), replaced by this one's wherever the other has that within ``reach``."""
     taken = other.copy()
     for shift in range(1, reach + 1):
@@ -185,8 +185,8 @@ def _nearby(one: np.ndarray, other: np.ndarray, reach: int) -> np.ndarray:
                     moved[shift:] = other[:-shift]
                 else:
                     moved[:-shift] = other[shift:]
-            taken = np.where(moved == one, one, taken)
-    return np.where(other == one, one, taken)
+            taken = np.where(moved == own, own, taken)
+    return np.where(other == own, own, taken)
 
 
 def _matrix(tallied: np.ndarray, size: int) -> np.ndarray:
@@ -199,7 +199,7 @@ def _interval(counted: list[np.ndarray], size: int, options: AgreementOptions) -
         return float("nan"), float("nan")
     length = max(1, round(options.block_s / options.step))
     blocks = np.array(
-        [_matrix(one[at : at + length], size) for one in counted for at in range(0, len(one), length)]
+        [_matrix(pair[at : at + length], size) for pair in counted for at in range(0, len(pair), length)]
     )  # (blocks, codes, codes)
     rng = np.random.default_rng(options.seed)
     draws = rng.multinomial(len(blocks), np.full(len(blocks), 1 / len(blocks)), options.resamples)

@@ -45,7 +45,7 @@ class CoderOptions(SourceOptions):
 
     def events(self, path: Path) -> Events:
         """The events of one coder."""
-        return read(path, **{one.name: getattr(self, one.name) for one in fields(SourceOptions)}).events
+        return read(path, **{field.name: getattr(self, field.name) for field in fields(SourceOptions)}).events
 
 
 @dataclass(frozen=True)
@@ -56,22 +56,22 @@ class AgreementResult:
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a tier."""
-        return [one.row() for one in self.tiers]
+        return [compared.row() for compared in self.tiers]
 
     def text(self) -> str:
         """A table to read, and for each tier kappa by code and what was taken for what."""
-        width = max(len(one.tier) for one in self.tiers)
+        width = max(len(compared.tier) for compared in self.tiers)
         lines = [f"{'tier':{width}}{'kappa':>8}{'95% interval'.replace('95', str(self._percent)):>16}{'observed':>10}"
                  f"{'by chance':>11}{'highest':>9}{'units':>9}"]  # fmt: skip
-        for one in self.tiers:
-            bounds = f"[{one.interval[0]:.2f}, {one.interval[1]:.2f}]"
+        for compared in self.tiers:
+            bounds = f"[{compared.interval[0]:.2f}, {compared.interval[1]:.2f}]"
             lines.append(
-                f"{one.tier:{width}}{one.kappa:8.3f}{bounds:>16}{share(one.observed):>10}{share(one.expected):>11}"
-                f"{one.kappa_max:9.3f}{one.matrix.sum():9,.0f}"
+                f"{compared.tier:{width}}{compared.kappa:8.3f}{bounds:>16}{share(compared.observed):>10}{share(compared.expected):>11}"
+                f"{compared.kappa_max:9.3f}{compared.matrix.sum():9,.0f}"
             )
-        for one in self.tiers:
-            codes = ", ".join(f"{code} {value:.2f}" for code, value in one.by_code().items())
-            lines += ["", f"{one.tier}, kappa by code: {codes}", *_confusions(one)]
+        for compared in self.tiers:
+            codes = ", ".join(f"{code} {value:.2f}" for code, value in compared.by_code().items())
+            lines += ["", f"{compared.tier}, kappa by code: {codes}", *_confusions(compared)]
         first = self.tiers[0]
         lines += [
             "",
@@ -94,19 +94,21 @@ def run_agreement(options: CoderOptions) -> AgreementResult:
         OutputError: ``out`` is there already or cannot be written.
     """
     with nullcontext() if options.out is None else claimed_paths(options.out, "agreement") as paths:
-        how = AgreementOptions(**{one.name: getattr(options, one.name) for one in fields(AgreementOptions)})
+        how = AgreementOptions(**{field.name: getattr(options, field.name) for field in fields(AgreementOptions)})
         tiers = agreement(options.events(options.first), options.events(options.second), options.tiers or None, how)
         result = AgreementResult(tiers)
         if paths is not None:
-            matrices = {one.tier: {"codes": one.labels, "units": one.matrix.tolist()} for one in tiers}
+            matrices = {
+                compared.tier: {"codes": compared.labels, "units": compared.matrix.tolist()} for compared in tiers
+            }
             write_results(paths, result.rows(), options, matrices=matrices)
     return result
 
 
-def _confusions(one: Agreement) -> list[str]:
+def _confusions(compared: Agreement) -> list[str]:
     """The table of codes: first coder's in rows, second coder's in columns."""
-    width = max(8, *(len(label) + 2 for label in one.labels))
-    lines = [" " * width + "".join(f"{label:>{width}}" for label in one.labels) + "  (second coder)"]
-    for label, row in zip(one.labels, one.matrix, strict=True):
+    width = max(8, *(len(label) + 2 for label in compared.labels))
+    lines = [" " * width + "".join(f"{label:>{width}}" for label in compared.labels) + "  (second coder)"]
+    for label, row in zip(compared.labels, compared.matrix, strict=True):
         lines.append(f"{label:{width}}" + "".join(f"{units:{width}.0f}" for units in row))
     return lines

@@ -66,24 +66,24 @@ class DiscoverResult:
         return [
             {
                 "rank": rank,
-                "sensor": one.sensor,
-                "action": one.action,
-                "result": one.result,
-                "plug_in": one.significance.value,
-                "effective": one.significance.corrected,
-                "low": one.significance.interval[0],
-                "high": one.significance.interval[1],
-                "normalised": one.normalised,
-                "z": one.significance.z,
-                "p": one.significance.p,
-                "p_adjusted": one.p_adjusted,
-                "significant": one.p_adjusted <= self.options.alpha,
-                "transitions": one.significance.transitions,
-                "method": one.significance.method,
-                "inflation": one.significance.inflation,
-                "values": "; ".join(self._values(one)),
+                "sensor": finding.sensor,
+                "action": finding.action,
+                "result": finding.result,
+                "plug_in": finding.significance.value,
+                "effective": finding.significance.corrected,
+                "low": finding.significance.interval[0],
+                "high": finding.significance.interval[1],
+                "normalised": finding.normalised,
+                "z": finding.significance.z,
+                "p": finding.significance.p,
+                "p_adjusted": finding.p_adjusted,
+                "significant": finding.p_adjusted <= self.options.alpha,
+                "transitions": finding.significance.transitions,
+                "method": finding.significance.method,
+                "inflation": finding.significance.inflation,
+                "values": "; ".join(self._values(finding)),
             }
-            for rank, one in enumerate(self.findings, 1)
+            for rank, finding in enumerate(self.findings, 1)
         ]
 
     def text(self) -> str:
@@ -111,16 +111,21 @@ class DiscoverResult:
         ]
         return "\n".join([*lines, *(f"Note: {note}." for note in self.notes)])
 
-    def _values(self, one: Finding) -> list[str]:
-        return [value.words((one.sensor, one.action, one.result), self.labels) for value in one.values]
+    def _values(self, finding: Finding) -> list[str]:
+        return [value.words((finding.sensor, finding.action, finding.result), self.labels) for value in finding.values]
 
 
 def run_discover(
-    options: DiscoverOptions, progress: Callable[[int], object] = lambda done: None, data: Recordings | None = None
+    options: DiscoverOptions, progress: Callable[[int], object] = lambda done: None, coded: Recordings | None = None
 ) -> DiscoverResult:
     """Read the file, measure and test every event; ``progress`` is told of surrogates and resamples as they are drawn.
 
-    ``data`` is what the file has, where it is read already.
+    ``coded`` is what the file has, where it is read already.
+
+    Args:
+        options: Events, tests, and where the results go.
+        progress: Is told of surrogates and resamples as they are drawn.
+        coded: What the file has, where it is read already.
 
     Raises:
         SeriesError: The file or a column cannot be measured.
@@ -128,19 +133,19 @@ def run_discover(
         OutputError: ``out`` is there already, is about to be, or cannot be written.
     """
     with nullcontext() if options.out is None else claimed_paths(options.out, "events") as paths:
-        return _run(options, progress, data, paths)
+        return _run(options, progress, coded, paths)
 
 
 def _run(
     options: DiscoverOptions,
     progress: Callable[[int], object],
-    data: Recordings | None,
+    coded: Recordings | None,
     paths: tuple[Path, Path] | None,
 ) -> DiscoverResult:
     """Measure, test, and write where ``paths`` says."""
-    data = data or options.read(options.file, [*options.sensors, *options.actions, *options.results])
+    coded = coded or options.read(options.file, [*options.sensors, *options.actions, *options.results])
     findings = discover(
-        data.columns,
+        coded.columns,
         options.sensors,
         options.actions,
         options.results,
@@ -151,19 +156,19 @@ def _run(
         base=options.base,
         seed=options.seed,
         explain=options.explain,
-        groups=data.groups,
-        timing=options.timing(data.step),
+        groups=coded.groups,
+        timing=options.timing(coded.step),
         progress=patient(progress, options.draws, options.yes),
     )
     tested = [(finding.event, finding.significance) for finding in findings]
-    notes = [*data.notes(), *notes_on_tests(tested, options.method, options.surrogates)]
+    notes = [*coded.notes(), *notes_on_tests(tested, options.method, options.surrogates)]
     needed = least_surrogates(options.tests, options.alpha)
     if options.correction == "holm" and options.surrogates < needed:
         notes.append(
             f"with {options.surrogates} surrogates no single one of {options.tests} events can be significant; "
             f"{needed} surrogates would do"
         )
-    result = DiscoverResult(options, findings, data.labels, tuple(notes))
+    result = DiscoverResult(options, findings, coded.labels, tuple(notes))
     if paths is not None:
         write_results(paths, result.rows(), options, notes=result.notes)
     return result

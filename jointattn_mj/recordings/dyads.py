@@ -88,10 +88,11 @@ class DyadResult:
         return [
             {
                 "measure": self.measure, "recording": name, **({"group": self.group_of[i]} if self.group_of else {}),
-                "plug_in": one.value, "effective": one.corrected, "low": one.interval[0], "high": one.interval[1],
-                "z": one.z, "p": one.p, "transitions": one.transitions, "method": one.method,
+                "plug_in": value.value, "effective": value.corrected,
+                "low": value.interval[0], "high": value.interval[1],
+                "z": value.z, "p": value.p, "transitions": value.transitions, "method": value.method,
             }
-            for i, (name, one) in enumerate(zip(self.names, self.values, strict=True))
+            for i, (name, value) in enumerate(zip(self.names, self.values, strict=True))
         ]  # fmt: skip
 
     def lines(self) -> list[str]:
@@ -157,15 +158,15 @@ def by_dyad(
         if without:
             raise SeriesError(f"recording {without[0]!r} has no {by}; there is one for {', '.join(list(group_of)[:5])}")
         of = tuple(group_of[name] for name in called)
-    effective = np.array([one.corrected for one in values])
+    effective = np.array([value.corrected for value in values])
     kinds = kinds_of(of)
     labels = np.array(of)
     members = {ALL: np.ones(len(values), bool)}
     if len(kinds) > 1:
         members |= {f"{by} {kind}": labels == kind for kind in kinds}
-    chance, permuted = (np.random.default_rng(one) for one in streams[-2:])
+    chance, permuted = (np.random.default_rng(stream) for stream in streams[-2:])
     groups = [
-        _group(name, [one for one, its in zip(values, of_group, strict=True) if its], chance)
+        _group(name, [value for value, its in zip(values, of_group, strict=True) if its], chance)
         for name, of_group in members.items()
     ]
     comparisons = compare(effective, labels, kinds, by, options.surrogates, permuted)
@@ -188,8 +189,8 @@ def split(given: Steps) -> list[tuple[int, Steps]]:
     return parts
 
 
-def _cut(one: Coded, bounds: np.ndarray) -> Coded:
-    return replace(one, codes=one.codes[bounds[0] : bounds[-1]], bounds=bounds - bounds[0])
+def _cut(coded: Coded, bounds: np.ndarray) -> Coded:
+    return replace(coded, codes=coded.codes[bounds[0] : bounds[-1]], bounds=bounds - bounds[0])
 
 
 def kinds_of(groups: Iterable[str]) -> list[str]:
@@ -323,12 +324,12 @@ def scan_over_dyads(
         scan_surrogates(dyad, measure, lags, timing, options, unit, np.random.default_rng(stream), told)
         for (_, dyad), stream in zip(dyads, streams, strict=False)
     ]
-    count = max(len(one.null) for one in scans)
+    count = max(len(scan.null) for scan in scans)
     rng = np.random.default_rng(streams[-1])
-    nulls = [one.null if len(one.null) == count else rng.choice(one.null, count) for one in scans]
+    nulls = [scan.null if len(scan.null) == count else rng.choice(scan.null, count) for scan in scans]
     together = ScanSurrogates(
-        np.mean([one.value for one in scans], 0), np.mean(nulls, 0), sum(one.transitions for one in scans),
-        " or ".join(sorted({one.method for one in scans})),
+        np.mean([scan.value for scan in scans], 0), np.mean(nulls, 0), sum(scan.transitions for scan in scans),
+        " or ".join(sorted({scan.method for scan in scans})),
     )  # fmt: skip
     return lag_scan(lags, together, options.level, len(scans))
 
@@ -360,10 +361,10 @@ def _in_errors(values: np.ndarray) -> np.ndarray:
 
 
 def _group(name: str, dyads: Sequence[Significance], rng: np.random.Generator) -> Group:
-    values = np.array([one.corrected for one in dyads])
+    values = np.array([dyad.corrected for dyad in dyads])
     if len(dyads) == 1:
         return Group(name, 1, float(values[0]), float("nan"), (float("nan"), float("nan")), dyads[0].p)
-    interval, p = over_dyads(values, [one.null - one.null_mean for one in dyads], rng)
+    interval, p = over_dyads(values, [dyad.null - dyad.null_mean for dyad in dyads], rng)
     return Group(name, len(dyads), float(values.mean()), float(values.std(ddof=1)), interval, p)
 
 

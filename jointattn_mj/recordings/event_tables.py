@@ -56,7 +56,7 @@ class _Columns:
     def unit(self, location: int, unit: TimeUnit, layout: EventLayout) -> TimeUnit:
         """Unit of a column of times: as is said, its header, or the kind of table."""
         told: tuple[TimeUnit, ...] = unit, unit_of(self.table.header[location]), layout.unit
-        return next((one for one in told if one != "auto"), "auto")
+        return next((choice for choice in told if choice != "auto"), "auto")
 
     def has_fractions(self, location: int) -> bool:
         """Whether a column has numbers that are not whole."""
@@ -104,16 +104,18 @@ def read_event_table(
     """
     tracks = layout.tracks
     used = {
-        i for one in tracks for i in (one.onset, one.offset, one.duration, one.kind, one.moment, *one.code, *one.tier)
+        i
+        for track in tracks
+        for i in (track.onset, track.offset, track.duration, track.kind, track.moment, *track.code, *track.tier)
     }
     about = about or {}
     wanted = {i for i in (*used, *layout.recording, layout.level, *about.values()) if i is not None}
     columns = _Columns(table, wanted, missing)
     recordings, kept = _recordings(columns, layout, name)
-    when = {i for one in tracks for i in (one.onset, one.offset, one.duration) if i is not None}
+    when = {i for track in tracks for i in (track.onset, track.offset, track.duration) if i is not None}
     units = {i: columns.unit(i, unit, layout) for i in when}
     if any(units[i] == "auto" and columns.has_fractions(i) for i in when):
-        units = {i: "s" if one == "auto" else one for i, one in units.items()}
+        units = {i: "s" if choice == "auto" else choice for i, choice in units.items()}
     times = {i: columns.times(i, units[i], rate) for i in when}
     bare = _without_codes(columns, tracks, times, kept)
     gathered = [_gathered(columns, track, times, recordings, kept) for track in tracks]
@@ -122,7 +124,7 @@ def read_event_table(
         raise SeriesError(f"{table.path} has no events below its header")
     tier = Texts.stacked([part.tier for part in gathered])
     recording = recordings.take(rows)
-    tiers = tuple(one.name for one in tracks if not one.tier)
+    tiers = tuple(track.name for track in tracks if not track.tier)
     try:
         return Events.of(
             tier,
@@ -225,17 +227,19 @@ def _paired(
     begun: list[int] = []
     running: dict[tuple[str, ...], int] = {}
     for row in rows.tolist():
-        kind, one = kinds.at(row).casefold(), tuple(column.at(row) for column in what)
+        kind, event = kinds.at(row).casefold(), tuple(column.at(row) for column in what)
         if kind in START:
-            if one in running:
-                raise SeriesError(f"{path} starts {shown(one[2])} twice, in data rows {running[one] + 1} and {row + 1}")
-            running[one] = row
-        elif kind in STOP:
-            if one not in running:
+            if event in running:
                 raise SeriesError(
-                    f"{path} stops {shown(one[2])} on {one[1]!r} in data row {row + 1}, and never starts it"
+                    f"{path} starts {shown(event[2])} twice, in data rows {running[event] + 1} and {row + 1}"
                 )
-            offset[running.pop(one)] = onset[row]
+            running[event] = row
+        elif kind in STOP:
+            if event not in running:
+                raise SeriesError(
+                    f"{path} stops {shown(event[2])} on {event[1]!r} in data row {row + 1}, and never starts it"
+                )
+            offset[running.pop(event)] = onset[row]
             continue
         elif kind not in POINT:
             raise SeriesError(
@@ -243,9 +247,9 @@ def _paired(
             )
         begun.append(row)
     if running:
-        one, row = next(iter(running.items()))
+        event, row = next(iter(running.items()))
         raise SeriesError(
-            f"{path} does not say when {shown(one[2])} on {one[1]!r} of {one[0]!r} stops that starts in data row "
+            f"{path} does not say when {shown(event[2])} on {event[1]!r} of {event[0]!r} stops that starts in data row "
             f"{row + 1}; add where it stops"
         )
     return np.array(begun, np.int64), offset
@@ -257,7 +261,7 @@ def _same_numbers(tier: Texts, code: Texts) -> Texts:
     pairs, numbers = np.unique(tier.numbers * width + code.numbers + 1, return_inverse=True)
     names = [(int(pair) // width, code.names[pair % width - 1] if pair % width else "") for pair in pairs]
     by_tier: dict[int, set[str]] = {}
-    for one, name in names:
-        by_tier.setdefault(one, set()).update([name] if name else [])
-    same = {one: ordered(known, "code", fractions=True) for one, known in by_tier.items()}
-    return Texts.numbered(numbers, [same[one][name] if name else "" for one, name in names])
+    for number, name in names:
+        by_tier.setdefault(number, set()).update([name] if name else [])
+    same = {number: ordered(known, "code", fractions=True) for number, known in by_tier.items()}
+    return Texts.numbered(numbers, [same[number][name] if name else "" for number, name in names])

@@ -101,7 +101,7 @@ class Events:
         names = _tiers(
             ((texts[0].at(row), texts[1].at(row)) for row in first_met(pairs, rows=True)), more.pop("tiers", {})
         )
-        every = list(dict.fromkeys(result for some in names.values() for result in some))
+        every = list(dict.fromkeys(tier for tiers in names.values() for tier in tiers))
         numbers = [texts[0].among(list(names)), texts[1].among(every), texts[2].numbers]
         order = np.lexsort((times[1], times[0], *reversed(numbers[:2])))
         columns = [
@@ -152,8 +152,8 @@ class Events:
         """
         kept = self._known(tiers, self.tier_names, "tier"), self._known(recordings, self.recordings, "recording")
         rows = np.isin(self.table["tier"], kept[0]) & np.isin(self.table["recording"], kept[1])
-        names = {one: tuple(name for name in self.tiers[one] if name in kept[0]) for one in kept[1]}
-        spans = {one: span for one, span in self.spans.items() if one in kept[1]}
+        names = {recording: tuple(name for name in self.tiers[recording] if name in kept[0]) for recording in kept[1]}
+        spans = {recording: span for recording, span in self.spans.items() if recording in kept[1]}
         return replace(self, table=Table(self.table.arrow.filter(rows)), tiers=names, spans=spans)
 
     def joined(self, *others: "Events") -> "Events":
@@ -271,8 +271,8 @@ def _times(values: Sequence[float] | np.ndarray, name: str) -> np.ndarray:
 def _tiers(rows: Iterable[tuple[str, str]], *given: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
     """Tiers by recording: those that are given, then those of the rows."""
     names: dict[str, dict[str, None]] = {}
-    for some in given:
-        for recording, tiers in some.items():
+    for part in given:
+        for recording, tiers in part.items():
             names.setdefault(recording, {}).update(dict.fromkeys(tiers))
     for recording, tier in rows:
         names.setdefault(recording, {}).setdefault(tier)
@@ -282,8 +282,8 @@ def _tiers(rows: Iterable[tuple[str, str]], *given: Mapping[str, Sequence[str]])
 def _merged(every: Iterable[Mapping[str, Mapping[str, str]]]) -> dict[str, dict[str, str]]:
     """What is true of recordings, from several parts."""
     about: dict[str, dict[str, str]] = {}
-    for one in every:
-        for column, values in one.items():
+    for part in every:
+        for column, values in part.items():
             about.setdefault(column, {}).update(values)
     return about
 
@@ -292,4 +292,4 @@ def first_met(numbers: np.ndarray, rows: bool = False) -> list[int]:
     """Different numbers in the order in which they are first met, or their first rows."""
     values, first = np.unique(numbers, return_index=True)
     order = np.argsort(first)
-    return [int(one) for one in (first if rows else values)[order]]
+    return [int(number) for number in (first if rows else values)[order]]

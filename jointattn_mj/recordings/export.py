@@ -101,8 +101,8 @@ def _datavyu(path: Path, tiers: Sequence[str], rows: Sequence[Row]) -> None:
     lines = []
     for i in range(max(map(len, cells.values()))):
         line: list[Any] = []
-        for some in cells.values():
-            line += [i + 1, _ms(some[i][1]), _ms(some[i][2]), some[i][0]] if i < len(some) else [""] * 4
+        for events in cells.values():
+            line += [i + 1, _ms(events[i][1]), _ms(events[i][2]), events[i][0]] if i < len(events) else [""] * 4
         lines.append(line)
     _csv(path, header, lines)
 

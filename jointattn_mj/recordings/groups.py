@@ -105,11 +105,11 @@ def of_tier(events: "Events", tier: str) -> dict[str, str]:
     return one_value(tier, [(str(recording), str(code)) for recording, code in pairs if code is not None])
 
 
-def of_column(data: Recordings, column: str) -> dict[str, str]:
+def of_column(coded: Recordings, column: str) -> dict[str, str]:
     """What a column of steps says of each recording; arguments and errors as of ``of_tier``."""
     pairs = [
-        (data.names[group] if data.names else str(group), data.labels[column][code])
-        for group, part in zip(data.groups, data.columns[column], strict=True)
+        (coded.names[group] if coded.names else str(group), coded.labels[column][code])
+        for group, part in zip(coded.groups, coded.columns[column], strict=True)
         for code in np.unique(part)
     ]
     return one_value(column, pairs)
@@ -128,11 +128,11 @@ def one_value(name: str, pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
     values: dict[str, dict[str, None]] = {}
     for recording, value in pairs:
         values.setdefault(recording, {})[value] = None
-    for recording, some in values.items():
-        if len(some) > 1:
-            there = ", ".join(sorted(some)[:5])
+    for recording, groups in values.items():
+        if len(groups) > 1:
+            there = ", ".join(sorted(groups)[:5])
             raise SeriesError(
                 f"{name!r} changes within recording {recording!r}: {there}; it must have one value in each. "
                 "`recording` names a column that tells recordings apart"
             )
-    return {recording: next(iter(some)) for recording, some in values.items()}
+    return {recording: next(iter(groups)) for recording, groups in values.items()}

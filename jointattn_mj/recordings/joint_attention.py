@@ -165,10 +165,10 @@ def joint_attention(events: Events, rules: JointAttentionRules | None = None) ->
         seconds[recording] = _seconds(events, recording, infant, partner)
         for tier, rows in _tiers(infant, partner, rules):
             derived += [(recording, tier, *row) for row in rows]
-        for follower, one, other in ((rules.infant, infant, partner), (rules.partner, partner, infant)):
-            chances = list(_followed(recording, follower, one, other, rules))
+        for follower, own, other in ((rules.infant, infant, partner), (rules.partner, partner, infant)):
+            chances = list(_followed(recording, follower, own, other, rules))
             opportunities += chances
-            derived += _follow_rows(chances, one)
+            derived += _follow_rows(chances, own)
     names = (MUTUAL, SHARED, LEADER, ENGAGEMENT, f"{rules.infant} follows", f"{rules.partner} follows")
     added = Events.of(
         [tier for _, tier, *_ in derived],
@@ -196,8 +196,8 @@ def without_gaps(attention: JointAttention) -> Events:
         times = attention.events.table["onset"][of], attention.events.table["offset"][of]
         first, last = attention.events.spans.get(recording, (times[0].min(), times[1].max())) if of.any() else (0, 0)
         for tier in (MUTUAL, SHARED):
-            one = intervals_of(attention.events, recording, tier)
-            starts, ends = np.append(first, one.offset), np.append(one.onset, last)
+            intervals = intervals_of(attention.events, recording, tier)
+            starts, ends = np.append(first, intervals.offset), np.append(intervals.onset, last)
             rows += [(recording, tier, a, b) for a, b in zip(starts, ends, strict=True) if b > a]
     recordings, tiers, onset, offset = zip(*rows, strict=True) if rows else ((), (), (), ())
     return attention.events.joined(Events.of(tiers, [NONE] * len(rows), onset, offset, recordings))
@@ -244,15 +244,15 @@ def _engagement(
 
 
 def _followed(
-    recording: str, follower: str, one: Intervals, other: Intervals, rules: JointAttentionRules
+    recording: str, follower: str, own: Intervals, other: Intervals, rules: JointAttentionRules
 ) -> Iterator[GazeFollowing]:
-    """Each look of ``other`` at a target that ``one`` does not look at yet."""
+    """Each look of ``other`` at a target that ``own`` does not look at yet."""
     nothing = {rules.infant_at_partner, rules.partner_at_infant, *rules.nowhere}
-    already = at_times(one, other.onset) == other.code
-    looks = {target: one.coded(target).onset for target in {str(code) for code in other.code} - nothing}
-    for onset, offset, code, seen in zip(other.onset, other.offset, other.code, already, strict=True):
+    already = at_times(own, other.onset) == other.code
+    looks = {target: own.coded(target).onset for target in {str(code) for code in other.code} - nothing}
+    for onset, offset, code, there_already in zip(other.onset, other.offset, other.code, already, strict=True):
         target = str(code)
-        if target in nothing or seen:
+        if target in nothing or there_already:
             continue
         until = min(onset + rules.follow_within_s, offset if rules.still_looking else np.inf)
         following = int(np.searchsorted(looks[target], onset, "right"))
@@ -261,15 +261,15 @@ def _followed(
         yield GazeFollowing(recording, follower, target, float(onset), latency)
 
 
-def _follow_rows(chances: Sequence[GazeFollowing], one: Intervals) -> list[tuple[str, str, str, float, float]]:
+def _follow_rows(chances: Sequence[GazeFollowing], own: Intervals) -> list[tuple[str, str, str, float, float]]:
     """The looks that follow, as events; a look that follows two is one event."""
     rows = {}
     for chance in chances:
         if chance.latency == chance.latency:
-            look = int(np.searchsorted(one.onset, chance.onset + chance.latency - ROUNDING_S))
+            look = int(np.searchsorted(own.onset, chance.onset + chance.latency - ROUNDING_S))
             rows[look] = (
                 chance.recording, f"{chance.follower} follows", chance.target,
-                float(one.onset[look]), float(one.offset[look]),
+                float(own.onset[look]), float(own.offset[look]),
             )  # fmt: skip
     return [rows[look] for look in sorted(rows)]
 

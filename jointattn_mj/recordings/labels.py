@@ -65,11 +65,16 @@ def ordered(labels: set[str], name: str, fractions: bool = False) -> dict[str, s
     """From labels as written to labels as they count, in order.
 
     Numbers with an exponent, such as 2E1, and with zeros in front, such as 01, are names and stay as they are written.
+
+    Args:
+        labels: Different labels as written.
+        name: Of what they are labels of, for messages.
+        fractions: Take numbers with fractions, such as 1.5, for names; they are refused otherwise.
     """
     if labels and all(_WHOLE.fullmatch(label) for label in labels):
         return {label: label for label in sorted(labels, key=int)}
     as_written = {label: label for label in sorted(labels)}
-    if not all(_NUMBER.fullmatch(label) for label in labels) or any(re.match(r"[+-]?0\d", one) for one in labels):
+    if not all(_NUMBER.fullmatch(label) for label in labels) or any(re.match(r"[+-]?0\d", label) for label in labels):
         return as_written
     numbers = {label: Decimal(label.replace(",", ".")) for label in as_written}
     for label, value in numbers.items():

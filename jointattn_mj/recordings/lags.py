@@ -50,7 +50,15 @@ def lag_words(name: str, scan: LagScan, step: float | None, alpha: float = 0.05)
 
 
 def draw_lags(path: Path, scans: Sequence[tuple[str, LagScan]], step: float | None, title: str, unit: str) -> None:
-    """Write the figure of ``lag_figure`` as PNG to ``path``."""
+    """Write the figure of ``lag_figure`` as PNG to ``path``.
+
+    Args:
+        path: Of the PNG file.
+        scans: Name and values of each curve.
+        step: Length of a step, seconds; None if it is not known.
+        title: Of the figure.
+        unit: Of the values.
+    """
     from jointattn_mj.io.figures import save
 
     save(lag_figure(scans, step, title, unit), path)

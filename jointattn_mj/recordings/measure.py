@@ -58,7 +58,7 @@ class MeasureOptions(RecordingTestOptions, GroupOptions):
     """Column that may be influenced, the result."""
     condition: tuple[str, ...] = ()
     """Column that is known anyway, such as an action: gives T^C (eq. 4.3) and SAC (eq. 5.2) too."""
-    measures: tuple[Annotated[str, measure_choice(one.short for one in NAMES)], ...] = ()
+    measures: tuple[Annotated[str, measure_choice(name.short for name in NAMES)], ...] = ()
     """Which measures: te, mi, and with a condition sac, tc, cmi. None named: all of these, and linear Granger."""
     scan: str | None = None
     """Also measure at all lags from 1 to this one, in steps or as a time such as 3s, and correct p for their number."""
@@ -79,7 +79,7 @@ class MeasureOptions(RecordingTestOptions, GroupOptions):
         if without:
             raise ConfigError(f"`measures` names {without[0]}, which needs a `condition`, such as an action; got none")
         if (self.by or self.scan or self.over == "recordings") and not self.scanned:
-            names = ", ".join(sorted(full_name(one) for one in ("sac", "tc", "te")))
+            names = ", ".join(sorted(full_name(name) for name in ("sac", "tc", "te")))
             raise ConfigError(f"`scan`, `by` and `over='recordings'` need one of {names} among `measures`")
         if self.by is not None and self.over == "steps":
             raise ConfigError("`by` compares recordings, so there must be values for each: leave out `over='steps'`")
@@ -255,7 +255,7 @@ class MeasureResult:
 def run_measure(
     options: MeasureOptions,
     progress: Callable[[int], object] = lambda done: None,
-    data: Recordings | None = None,
+    coded: Recordings | None = None,
     group_of: Mapping[str, str] | None = None,
     source: Any = None,
 ) -> MeasureResult:
@@ -264,7 +264,7 @@ def run_measure(
     Args:
         options: What is measured, and how.
         progress: Called with the number of surrogates and resamples drawn since the last call.
-        data: What the file has, where it is read already.
+        coded: What the file has, where it is read already.
         group_of: Group of each recording by its name, where that is known already.
         source: A table of pandas, polars or pyarrow in place of ``options.file``.
 
@@ -278,33 +278,33 @@ def run_measure(
         coding = Coding(
             options.file if source is None else source, options, tuple(dict.fromkeys(names)), options.group_columns
         )
-        data = data or coding.steps(options.step)
-        return _run(options, progress, data, groups_of(options, coding) if group_of is None else group_of, paths)
+        coded = coded or coding.steps(options.step)
+        return _run(options, progress, coded, groups_of(options, coding) if group_of is None else group_of, paths)
 
 
 def _run(
     options: MeasureOptions,
     progress: Callable[[int], object],
-    data: Recordings,
+    coded: Recordings,
     group_of: Mapping[str, str] | None,
     paths: tuple[Path, Path] | None,
 ) -> MeasureResult:
     """Measure, test, and write where ``paths`` says."""
-    (source, of_source), (target, of_target) = data.joined(options.source), data.joined(options.target)
-    condition, of_condition = data.joined(options.condition) if options.condition else (None, ())
-    timing = options.timing(data.step)
-    whole = steps(source, target, condition, data.groups)
+    (source, of_source), (target, of_target) = coded.joined(options.source), coded.joined(options.target)
+    condition, of_condition = coded.joined(options.condition) if options.condition else (None, ())
+    timing = options.timing(coded.step)
+    whole = steps(source, target, condition, coded.groups)
     given = timed(whole, timing)
     progress = patient(progress, options.draws, options.yes)
     streams = np.random.SeedSequence(options.seed).spawn(len(CONDITIONED) + 2)
     measured = _measured(given, options, streams, progress)
-    tested = [(one.name, one.significance) for one in measured]
-    notes = [*data.notes(), *notes_on_tests(tested, options.method, options.surrogates)]
+    tested = [(value.name, value.significance) for value in measured]
+    notes = [*coded.notes(), *notes_on_tests(tested, options.method, options.surrogates)]
     scans: list[tuple[str, LagScan]] = []
     if options.scan is not None:
-        lags = range(1, delay_in_steps("scan", options.scan, data.step) + 1)
+        lags = range(1, delay_in_steps("scan", options.scan, coded.step) + 1)
         unit, rng = check_base(options.base), np.random.default_rng(streams[len(CONDITIONED)])
-        each = _over_recordings(data, options)
+        each = _over_recordings(coded, options)
         for measure in options.scanned:
             if each:
                 stream = streams[len(CONDITIONED)].spawn(1)[0]
@@ -313,7 +313,7 @@ def _run(
                 scan = scan_steps(whole, measure, lags, timing, options.test(), unit, rng, progress)
             scans.append((measure.name, scan))
         notes.append(_scan_note(scans[0][1]))
-    dyads = _by_recording(given, data, options, group_of, streams[-1])
+    dyads = _by_recording(given, coded, options, group_of, streams[-1])
     try:
         granger = float("nan") if options.measures else _granger(given, options.base)
     except SeriesError as error:
@@ -322,20 +322,20 @@ def _run(
     names = " & ".join(options.source), " & ".join(options.condition), " & ".join(options.target)
     labels = dict(zip(names, (of_source, of_condition, of_target), strict=True))
     result = MeasureResult(
-        _title(options, data),
+        _title(options, coded),
         measured,
         granger,
         tuple(notes),
         tuple(scans),
         dyads,
-        data.step,
+        coded.step,
         names,
         labels,
         options.explain,
     )
     if paths is not None:
         if scans:
-            draw_lags(_beside(paths[0], "lags"), scans, data.step, result.title.split(":")[0], _unit(options))
+            draw_lags(_beside(paths[0], "lags"), scans, coded.step, result.title.split(":")[0], _unit(options))
         lags_and_values = {"lags": result.lag_rows()} if scans else {}
         if dyads:
             lags_and_values["recordings"] = result.dyad_rows()
@@ -346,8 +346,14 @@ def _run(
 
 
 def notes_on_tests(named: Sequence[tuple[str, Significance]], asked: str, surrogates: int) -> list[str]:
-    """What to know about p: whether surrogates could change much, and how they were made (see ``method_notes``)."""
-    return [*_exchange_notes([one for _, one in named]), *method_notes(named, asked, surrogates)]
+    """What to know about p: whether surrogates could change much, and how they were made (see ``method_notes``).
+
+    Args:
+        named: Name and test of each measure.
+        asked: Method of surrogates that was asked for.
+        surrogates: Number of surrogates that was asked for.
+    """
+    return [*_exchange_notes([significance for _, significance in named]), *method_notes(named, asked, surrogates)]
 
 
 def _exchange_notes(significances: list[Significance]) -> list[str]:
@@ -370,7 +376,7 @@ def _measured(
     unit = check_base(options.base)
     entries = given.entries()
     measures, possible = options.chosen, CONDITIONED if options.condition else ALONE
-    rngs = [np.random.default_rng(streams[possible.index(one)]) for one in measures]
+    rngs = [np.random.default_rng(streams[possible.index(measure)]) for measure in measures]
     plain = options.source_history == options.target_history == 1 and len(entries.counts) <= MOST_COMBINATIONS
     assessed = assess_measures(given, measures, options.test(), unit, rngs, progress, plain)
     measured = []
@@ -389,10 +395,10 @@ def _measured(
     return tuple(measured)
 
 
-def _over_recordings(data: Recordings, options: MeasureOptions) -> bool:
+def _over_recordings(coded: Recordings, options: MeasureOptions) -> bool:
     """Whether there are values for each recording."""
     if options.over == "auto":
-        return options.by is not None or len(set(data.groups)) >= ENOUGH_RECORDINGS
+        return options.by is not None or len(set(coded.groups)) >= ENOUGH_RECORDINGS
     return options.over == "recordings"
 
 
@@ -415,19 +421,19 @@ def _scan_note(scan: LagScan) -> str:
 
 def _by_recording(
     given: Steps,
-    data: Recordings,
+    coded: Recordings,
     options: MeasureOptions,
     group_of: Mapping[str, str] | None,
     stream: np.random.SeedSequence,
 ) -> tuple[DyadResult, ...]:
     """Values for each recording, where there are several."""
-    if not options.scanned or not _over_recordings(data, options):
+    if not options.scanned or not _over_recordings(coded, options):
         return ()
-    names = {number: data.names[number] if data.names else str(number) for number in set(data.groups)}
+    names = {number: coded.names[number] if coded.names else str(number) for number in set(coded.groups)}
     unit, streams = check_base(options.base), stream.spawn(len(options.scanned))
     return tuple(
-        by_dyad(given, measure, names, _of_one(options), unit, one, group_of, options.by or "")
-        for measure, one in zip(options.scanned, streams, strict=True)
+        by_dyad(given, measure, names, _of_one(options), unit, stream, group_of, options.by or "")
+        for measure, stream in zip(options.scanned, streams, strict=True)
     )
 
 
@@ -448,11 +454,11 @@ def _unit(options: MeasureOptions) -> str:
     return "bits" if options.base == 2 else f"units of base {options.base:g}"
 
 
-def _title(options: MeasureOptions, data: Recordings) -> str:
+def _title(options: MeasureOptions, coded: Recordings) -> str:
     given = f" | {' & '.join(options.condition)}" if options.condition else ""
-    recordings = len(set(data.groups))
+    recordings = len(set(coded.groups))
     lag = "" if options.lag.strip() == "1" else f", lag {options.lag}"
     return (
-        f"{' & '.join(options.source)} -> {' & '.join(options.target)}{given}: {data.transitions} steps in "
+        f"{' & '.join(options.source)} -> {' & '.join(options.target)}{given}: {coded.transitions} steps in "
         f"{recordings} recording{'s' * (recordings != 1)}{lag}, {_unit(options)}"
     )

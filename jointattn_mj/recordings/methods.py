@@ -24,10 +24,10 @@ def method_notes(named: Sequence[tuple[str, Significance]], asked: str, surrogat
         surrogates: How many were asked for.
     """
     notes = []
-    for method in dict.fromkeys(one.method for _, one in named):
-        of_method = [(name, one) for name, one in named if one.method == method]
+    for method in dict.fromkeys(significance.method for _, significance in named):
+        of_method = [(name, significance) for name, significance in named if significance.method == method]
         which = "" if len(of_method) == len(named) else f" of {_some([name for name, _ in of_method])}"
-        low, high = (extreme(one.inflation for _, one in of_method) for extreme in (min, max))
+        low, high = (extreme(significance.inflation for _, significance in of_method) for extreme in (min, max))
         times = f"{low:.2f}" if f"{low:.2f}" == f"{high:.2f}" else f"{low:.2f} to {high:.2f}"
         why = ""
         if asked == "auto":
@@ -37,11 +37,11 @@ def method_notes(named: Sequence[tuple[str, Significance]], asked: str, surrogat
                 else f"; measured autocorrelation does not forbid it (variance by chance {times} times as large)"
             )
         notes.append(f"p and effective values{which} come from {WORDS[method]}{why}")
-        few = min(one.surrogates for _, one in of_method)
+        few = min(significance.surrogates for _, significance in of_method)
         if few < min(surrogates, ENOUGH_SHIFTS):
             notes.append(f"there are only {few} different shifts, so p{which} cannot be below {1 / (few + 1):.3f}")
-    if asked == "permutation" and any(one.inflation > 1.1 for _, one in named):
-        worst = max(one.inflation for _, one in named)
+    if asked == "permutation" and any(significance.inflation > 1.1 for _, significance in named):
+        worst = max(significance.inflation for _, significance in named)
         notes.append(
             f"looks are so long that by chance the measure varies {worst:.2f} times as much as permutations let it; p "
             "is too small. Take the method shift"

@@ -20,6 +20,12 @@ def patient(
     The first report says when drawing has begun: what was compiled before does not count. A report of more than ever
     before is of draws that were not needed, such as shifts beyond all that there are, and the pace is taken after it.
 
+    Args:
+        progress: Is told of each draw.
+        total: Number of all draws.
+        yes: Go on however long it takes.
+        clock: Gives seconds.
+
     Raises:
         ConfigError: From the progress call, where the rest would take longer than LONG_S.
     """

@@ -96,13 +96,13 @@ class Coding:
             SeriesError: It cannot be read, or it has a row for every step.
         """
         content, remarks = self._content
-        events = [one for one in content if isinstance(one, Events)]
+        events = [part for part in content if isinstance(part, Events)]
         if len(events) < len(content):
-            path = next(one.path for one in content if isinstance(one, TableFile))
+            path = next(part.path for part in content if isinstance(part, TableFile))
             raise SeriesError(f"{path} has a row for every step, and no events; take steps()")
         known: set[tuple[str, str]] = set()
-        for one in events:
-            tiers = {(recording, tier) for recording, tiers in one.tiers.items() for tier in tiers}
+        for part in events:
+            tiers = {(recording, tier) for recording, tiers in part.tiers.items() for tier in tiers}
             if known & tiers:
                 recording, tier = min(known & tiers)
                 raise SeriesError(
@@ -140,11 +140,11 @@ class Coding:
         names = self.columns if columns is None else _tuple(columns)
         same = replace(self, options=options, columns=names)
         content, remarks = same._content
-        if step is None and any(isinstance(one, Events) for one in content):
+        if step is None and any(isinstance(part, Events) for part in content):
             raise SeriesError(f"{same._name} is of events; say how long a step is, such as `step=0.1` (seconds)")
         if step is None:
             return read_steps(
-                [one for one in content if isinstance(one, TableFile)],
+                [part for part in content if isinstance(part, TableFile)],
                 names,
                 options.recording,
                 options.missing,
@@ -177,7 +177,7 @@ class Coding:
         of_steps = self.options.step is None and self.columns is not None
         coding = replace(self, by=(column,), columns=(column,) if of_steps else None)
         content, _ = coding._content
-        if not all(isinstance(one, Events) for one in content):
+        if not all(isinstance(part, Events) for part in content):
             return of_column(coding.steps(columns=(column,)), column)
         events = coding.events
         return dict(events.about[column]) if column in events.about else of_tier(events, column)
@@ -257,7 +257,7 @@ class Coding:
 
         names = _tuple(sensors), _tuple(actions), _tuple(results)
         options = DiscoverOptions(**self._told(step, how), sensors=names[0], actions=names[1], results=names[2])
-        return run_discover(options, data=Coding(self.source, options, (*names[0], *names[1], *names[2])).steps(step))
+        return run_discover(options, coded=Coding(self.source, options, (*names[0], *names[1], *names[2])).steps(step))
 
     def transitions(
         self, given: str, target: str | None = None, step: float | None = None, **how: Any
@@ -465,4 +465,4 @@ def _tuple(names: str | Iterable[str]) -> tuple[str, ...]:
 
 def _names(options: type[SampleOptions]) -> list[str]:
     """Names of the options of a class, without what it knows about them."""
-    return [one.name for one in fields(options)]
+    return [field.name for field in fields(options)]

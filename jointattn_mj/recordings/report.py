@@ -104,7 +104,7 @@ class ReportOptions(ReadOptions, JointAttentionRules, GroupOptions):
     @property
     def rules(self) -> JointAttentionRules:
         """What counts as joint attention."""
-        return JointAttentionRules(**{one.name: getattr(self, one.name) for one in fields(JointAttentionRules)})
+        return JointAttentionRules(**{field.name: getattr(self, field.name) for field in fields(JointAttentionRules)})
 
     @property
     def looks(self) -> tuple[str, str]:
@@ -214,15 +214,15 @@ class RecordingReport:
             "joint_attention": self.attention.rows(),
             "following": [vars(opportunity) for opportunity in self.attention.opportunities],
             "ranking": self.ranking(),
-            "lags": [row for pair, one in pairs for row in named(pair, one.lag_rows())],
-            "values": [row for pair, one in pairs for row in named(pair, _first_measure(one.value_rows()))],
+            "lags": [row for pair, result in pairs for row in named(pair, result.lag_rows())],
+            "values": [row for pair, result in pairs for row in named(pair, _first_measure(result.value_rows()))],
             "sac": self.events_ranked(),
             "sac_values": [
                 {"event": f"({s}, {a}) -> {r}", **row}
-                for (s, a, r), one in self.found.items()
-                for row in one.value_rows()
+                for (s, a, r), result in self.found.items()
+                for row in result.value_rows()
             ],
-            "dyads": [row for pair, one in pairs for row in named(pair, one.dyad_rows())],
+            "dyads": [row for pair, result in pairs for row in named(pair, result.dyad_rows())],
             "groups": groups,
             "comparisons": comparisons,
             "transitions": [row for pair in self.transitions for row in named(pair, self.transition_rows(pair))],
@@ -290,7 +290,7 @@ def run_report(
 
     if (options.out / PAGE).exists():
         raise OutputError(f"{options.out / PAGE} is there already; choose another folder")
-    reading = {one.name: getattr(options, one.name) for one in fields(ReadOptions)}
+    reading = {field.name: getattr(options, field.name) for field in fields(ReadOptions)}
     coding = replace(read(options.file if source is None else source, **reading), by=options.group_columns)
     events, group_of = coding.events, groups_of(options, coding)
     second = None if options.second is None else read(options.second, **reading).events
@@ -327,7 +327,7 @@ def analyse(
         SeriesError: A tier is not there, or the events cannot be sampled or measured.
     """
     attention = joint_attention(events, options.rules)
-    how = {one.name: getattr(options, one.name) for one in fields(SampleOptions)}
+    how = {field.name: getattr(options, field.name) for field in fields(SampleOptions)}
     tiers = list(dict.fromkeys([*options.looks, *(options.tiers or events.tier_names)]))
     asked = _events(options, tiers)
     every = dict.fromkeys([*tiers, *(tier for event in asked for tier in event)])
@@ -357,8 +357,8 @@ def analyse(
         )
         agreements = agreement(events, second, None, same)
     named = {
-        **{f"{source} -> {target}": one for (source, target), one in pairs.items()},
-        **{f"({sensor}, {action}) -> {result}": one for (sensor, action, result), one in found.items()},
+        **{f"{source} -> {target}": result for (source, target), result in pairs.items()},
+        **{f"({sensor}, {action}) -> {result}": tested for (sensor, action, result), tested in found.items()},
     }
     notes = dict.fromkeys([*steps.notes(), *_notes(named, options)])
     return RecordingReport(
@@ -370,7 +370,7 @@ def analyse(
 def _notes(results: Mapping[str, MeasureResult], options: ReportOptions) -> list[str]:
     """Notes on all results: on tests once for all of them together, then what else is said of any."""
     asked = options.method, options.surrogates
-    tested = {name: one.measured[0].significance for name, one in results.items()}
+    tested = {name: result.measured[0].significance for name, result in results.items()}
     alone = {
         note
         for test in tested.items()
@@ -395,7 +395,7 @@ def _events(options: ReportOptions, tiers: Sequence[str]) -> list[Event]:
 
 def _adjusted(results: Mapping[Of, MeasureResult]) -> dict[Of, float]:
     """p of each, corrected by Holm for their number."""
-    p = adjust([_value(one)["p"] for one in results.values()], "holm")
+    p = adjust([_value(result)["p"] for result in results.values()], "holm")
     return dict(zip(results, map(float, p), strict=True))
 
 

@@ -66,26 +66,27 @@ def timeline(
     drawn = onsets <= stop  # of a long recording a small part
     onsets, offsets, codes, of_tier = onsets[drawn], offsets[drawn], codes[drawn], of_tier[drawn]
     shared, mutual, engaged = (
-        one.kept(one.onset <= stop)
-        for one in (intervals_of(attention.events, recording, tier) for tier in (SHARED, MUTUAL, ENGAGEMENT))
+        intervals.kept(intervals.onset <= stop)
+        for intervals in (intervals_of(attention.events, recording, tier) for tier in (SHARED, MUTUAL, ENGAGEMENT))
     )
     names = [*tiers, ENGAGEMENT]
     used: dict[str, str] = {}
     for row, axes in enumerate(every):
         begin = start + row * row_s
-        seen = (onsets < begin + row_s) & (offsets >= begin)
+        within = (onsets < begin + row_s) & (offsets >= begin)
         together, faced, states = (
-            one.kept((one.onset < begin + row_s) & (one.offset > begin)) for one in (shared, mutual, engaged)
+            intervals.kept((intervals.onset < begin + row_s) & (intervals.offset > begin))
+            for intervals in (shared, mutual, engaged)
         )
         for onset, offset in zip(together.onset, together.offset, strict=True):
             axes.axvspan(onset, offset, color=TOGETHER_INK, alpha=0.45, lw=0, zorder=0)
         axes.hlines(np.full(len(faced), -0.62), faced.onset, faced.offset, color=MUTUAL_INK, lw=3.5, zorder=3)
         for line, tier in enumerate(tiers):
-            inside = np.flatnonzero(seen)
+            inside = np.flatnonzero(within)
             inside = inside[of_tier[inside] == tier]
             for code in dict.fromkeys(codes[inside]):
-                these = inside[codes[inside] == code]
-                onset, length = onsets[these], offsets[these] - onsets[these]
+                of_code = inside[codes[inside] == code]
+                onset, length = onsets[of_code], offsets[of_code] - onsets[of_code]
                 ink = colours.get(str(code), OTHER)
                 used[str(code)] = ink
                 lasting = length > 0
@@ -127,20 +128,20 @@ def transition_figure(tables: Mapping[tuple[str, str], LagTable], lag_s: float) 
     figure = Figure((2 * side + 2.6, side + 1.3), layout="constrained")
     limit = max(float(np.nanmax(np.abs(table.adjusted_residuals), initial=1.0)) for table in tables.values())
     image = None
-    for axes, ((source, target), one) in zip(
+    for axes, ((source, target), table) in zip(
         figure.subplots(1, len(tables), squeeze=False)[0], tables.items(), strict=True
     ):
-        image = axes.imshow(one.adjusted_residuals, cmap="RdBu_r", vmin=-limit, vmax=limit, aspect="auto")
-        axes.set_xticks(range(len(one.target)), one.target, rotation=40, ha="right", fontsize=8)
-        axes.set_yticks(range(len(one.given)), one.given, fontsize=8)
+        image = axes.imshow(table.adjusted_residuals, cmap="RdBu_r", vmin=-limit, vmax=limit, aspect="auto")
+        axes.set_xticks(range(len(table.target)), table.target, rotation=40, ha="right", fontsize=8)
+        axes.set_yticks(range(len(table.given)), table.given, fontsize=8)
         axes.set_xlabel(f"{target}, {lag_s:g} s later", fontsize=9)
         axes.set_ylabel(source, fontsize=9)
-        for i, j in np.ndindex(one.counts.shape):
-            p = 1.0 if one.p_shift is None else float(one.p_shift[i, j])
-            if one.possible[i, j] and one.conditional[i, j] == one.conditional[i, j] and size <= 12:
-                strong = abs(one.adjusted_residuals[i, j]) > 0.6 * limit
+        for i, j in np.ndindex(table.counts.shape):
+            p = 1.0 if table.p_shift is None else float(table.p_shift[i, j])
+            if table.possible[i, j] and table.conditional[i, j] == table.conditional[i, j] and size <= 12:
+                strong = abs(table.adjusted_residuals[i, j]) > 0.6 * limit
                 axes.text(
-                    j, i, f"{one.conditional[i, j]:.2f}{'*' if p <= 0.05 else ''}", ha="center", va="center",
+                    j, i, f"{table.conditional[i, j]:.2f}{'*' if p <= 0.05 else ''}", ha="center", va="center",
                     fontsize=8, color="white" if strong else "black",
                 )  # fmt: skip
     if image is not None:
@@ -180,14 +181,14 @@ def dyad_figure(results: Mapping[tuple[str, str], DyadResult], unit: str) -> Fig
         unit: Of the values.
     """
     lines = [
-        (f"{a} → {b}" + (f", {group.name}" if group.name != "all" else ""), one, group)
-        for (a, b), one in results.items()
-        for group in one.groups[len(one.groups) > 1 :]
+        (f"{a} → {b}" + (f", {group.name}" if group.name != "all" else ""), result, group)
+        for (a, b), result in results.items()
+        for group in result.groups[len(result.groups) > 1 :]
     ]
     figure = Figure((7.5, 1.0 + 0.45 * len(lines)), layout="constrained")
     axes = figure.subplots()
-    for at, (_, one, group) in enumerate(lines):
-        values = [value.corrected for value in one.of_group(group)]
+    for at, (_, result, group) in enumerate(lines):
+        values = [value.corrected for value in result.of_group(group)]
         spread = np.linspace(-0.16, 0.16, len(values)) if len(values) > 1 else np.zeros(1)
         axes.plot(values, at + spread, "o", color="#4c78a8", ms=4, alpha=0.6)
         axes.plot(group.interval, [at, at], color="#c0392b", lw=2)

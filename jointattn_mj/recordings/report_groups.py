@@ -1,5 +1,6 @@
 """Groups of recordings on the page about coded interaction: joint attention and contingency of each, compared."""
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,20 +27,17 @@ def compared(report: "RecordingReport") -> tuple[Rows, Rows]:
         return [], []
     groups, comparisons = _joint_attention(report)
     named: list[tuple[str, MeasureResult]] = [
-        *((f"transfer entropy: {a} → {b}", one) for (a, b), one in report.pairs.items()),
-        *((f"SAC: ({s}, {a}) → {r}", one) for (s, a, r), one in report.found.items()),
+        *((f"transfer entropy: {a} → {b}", result) for (a, b), result in report.pairs.items()),
+        *((f"SAC: ({s}, {a}) → {r}", result) for (s, a, r), result in report.found.items()),
     ]
     for name, result in named:
         for of_dyads in result.dyads[:1]:
             groups += [
-                {"value": name, "group": one.name, "recordings": one.dyads, "mean": one.mean, "sd": one.sd,
-                 "low": one.interval[0], "high": one.interval[1]}
-                for one in of_dyads.groups[1:]
+                {"value": name, "group": of_group.name, "recordings": of_group.dyads, "mean": of_group.mean,
+                 "sd": of_group.sd, "low": of_group.interval[0], "high": of_group.interval[1]}
+                for of_group in of_dyads.groups[1:]
             ]  # fmt: skip
-            comparisons += [
-                {"value": name, "first": one.first, "second": one.second, "difference": one.difference, "p": one.p}
-                for one in of_dyads.comparisons
-            ]
+            comparisons += [{"value": name} | asdict(comparison) for comparison in of_dyads.comparisons]
     return groups, comparisons
 
 
@@ -65,7 +63,7 @@ def _joint_attention(report: "RecordingReport") -> tuple[Rows, Rows]:
                 {"value": name, "group": f"{by} {kind}", "recordings": len(own), "mean": float(own.mean()), "sd": sd}
             )
         comparisons += [
-            {"value": name, "first": one.first, "second": one.second, "difference": one.difference, "p": one.p}
-            for one in compare(values[known], labels[known], kinds, by, report.options.surrogates, rng)
+            {"value": name} | asdict(comparison)
+            for comparison in compare(values[known], labels[known], kinds, by, report.options.surrogates, rng)
         ]
     return groups, comparisons

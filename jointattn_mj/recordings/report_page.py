@@ -57,7 +57,7 @@ def write_page(report: RecordingReport, folder: Path) -> None:
         (folder / "figures").mkdir(exist_ok=True)
         write_whole(folder / "figures" / f"{stem}.png", lambda path, content=content: path.write_bytes(content))  # type: ignore[misc]
     shown = [recording for recording in report.events.recordings][:MOST_TIMELINES]
-    timelines = {recording: images[f"timeline_{place}"] for place, recording in enumerate(shown, 1)}
+    timelines = {recording: images[f"timeline_{number}"] for number, recording in enumerate(shown, 1)}
     values = {
         "report": report,
         "options": report.options,
@@ -93,14 +93,14 @@ def write_page(report: RecordingReport, folder: Path) -> None:
 def _figures(report: RecordingReport) -> dict[str, Figure]:
     options, colours = report.options, code_colours(report.events)
     figures = {
-        f"timeline_{place}": timeline(
+        f"timeline_{number}": timeline(
             report.attention,
             [tier for tier in report.events.tier_names if tier in report.events.tiers[recording]],
             recording,
             options.row_s,
             colours,
         )
-        for place, recording in enumerate(report.events.recordings[:MOST_TIMELINES], 1)
+        for number, recording in enumerate(report.events.recordings[:MOST_TIMELINES], 1)
     }
     lag_s = delay_in_steps("lag", options.lag, options.step) * options.step
     followers = options.infant, options.partner
@@ -110,7 +110,7 @@ def _figures(report: RecordingReport) -> dict[str, Figure]:
     figures["ranking"] = ranking_figure(pairs, "transfer entropy", UNIT)
     if report.found:
         figures["sac"] = ranking_figure([(_event(row), row) for row in report.events_ranked()], "SAC", UNIT)
-    scans = [(f"{a} → {b}", scan) for (a, b), one in report.pairs.items() for _, scan in one.scans]
+    scans = [(f"{a} → {b}", scan) for (a, b), result in report.pairs.items() for _, scan in result.scans]
     figures["lags"] = lag_figure(scans, options.step, "transfer entropy", UNIT)
     ways = (options.looks, options.looks[::-1])
     dyads = {pair: report.pairs[pair].dyads[0] for pair in ways if report.pairs[pair].dyads}
@@ -136,14 +136,15 @@ def _answers(report: RecordingReport) -> list[dict[str, Any]]:
     for source, target in _directions(report, True):
         result = report.pairs[source, target]
         labels = result.labels
-        for one in result.measured[0].values:
-            if one.before != one.result and one.contribution > 0 and one.p_adjusted <= report.options.alpha:
-                low, high = wilson(one.count, one.occasions)
+        for value in result.measured[0].values:
+            if value.before != value.result and value.contribution > 0 and value.p_adjusted <= report.options.alpha:
+                low, high = wilson(value.count, value.occasions)
                 answers.append(
-                    {"source": source, "look": labels[source][one.sensor], "target": target,
-                     "before": labels[target][one.before], "after": labels[target][one.result], "count": one.count,
-                     "occasions": one.occasions, "rate": one.rate, "low": low, "high": high, "usual": one.usual,
-                     "contribution": one.contribution, "p_adjusted": one.p_adjusted}
+                    {"source": source, "look": labels[source][value.sensor], "target": target,
+                     "before": labels[target][value.before], "after": labels[target][value.result],
+                     "count": value.count, "occasions": value.occasions,
+                     "rate": value.rate, "low": low, "high": high, "usual": value.usual,
+                     "contribution": value.contribution, "p_adjusted": value.p_adjusted}
                 )  # fmt: skip
     return sorted(answers, key=lambda row: -row["contribution"])[:MOST_TRANSITIONS]
 
@@ -195,11 +196,11 @@ def _by_recording(report: RecordingReport) -> list[dict[str, Any]]:
 def _of_dyads(pairs: "Mapping[tuple[str, str], MeasureResult]") -> list[str]:
     """Mean values over recordings, in words."""
     named = [
-        replace(one, measure=f"{a} → {b}")
+        replace(dyads, measure=f"{a} → {b}")
         for (a, b), result in pairs.items()
-        for one in (result.dyads[:1] if result.scans else ())
+        for dyads in (result.dyads[:1] if result.scans else ())
     ]
-    return [line for one in named for line in one.lines()]
+    return [line for dyads in named for line in dyads.lines()]
 
 
 def _settings(options: ReportOptions) -> list[tuple[str, str]]:

@@ -85,7 +85,7 @@ def _results(report: "RecordingReport") -> list[str]:
     """The values of the two directions of looks."""
     sentences = []
     for source, target in (report.options.looks, report.options.looks[::-1]):
-        row = next(one for one in report.ranking() if (one["source"], one["target"]) == (source, target))
+        row = next(entry for entry in report.ranking() if (entry["source"], entry["target"]) == (source, target))
         p = report.p_adjusted[source, target]
         sentences.append(
             f"{source} to {target}: {number(row['effective'])} bits {bracket((row['low'], row['high']))}, {p_words(p)}"

@@ -82,9 +82,9 @@ def sample(events: "Events", step: float, tiers: Sequence[str], options: SampleO
     sampled: list[_Sampled] = []
     for recording in events.recordings:
         if recording not in lacking:
-            room = MOST_STEPS - sum(len(one.absent) for one in sampled)
+            room = MOST_STEPS - sum(len(sample.absent) for sample in sampled)
             sampled.append(_sample_one(codes, recording, step, tiers, options, room))
-    stretches = [(i, stretch) for i, one in enumerate(sampled) for stretch in pieces(one.absent)]
+    stretches = [(i, stretch) for i, sample in enumerate(sampled) for stretch in pieces(sample.absent)]
     long = [(i, stretch) for i, stretch in stretches if len(stretch) > 1]
     if not long:
         raise SeriesError(f"no two coded steps of {step:g} s follow each other in one recording; take a shorter step")
@@ -95,10 +95,10 @@ def sample(events: "Events", step: float, tiers: Sequence[str], options: SampleO
         columns,
         labels,
         [i for i, _ in long],
-        sum(len(one.absent) for one in sampled),
-        sum(int(one.absent.sum()) for one in sampled),
+        sum(len(sample.absent) for sample in sampled),
+        sum(int(sample.absent.sum()) for sample in sampled),
         len(stretches) - len(long),
-        tuple(one.recording for one in sampled),
+        tuple(sample.recording for sample in sampled),
         float(step),
         (*events.remarks, *_remarks(sampled, lacking, {sampled[i].recording for i, _ in long}, step)),
     )
@@ -121,8 +121,10 @@ class _Sampled:
 def _lacking(events: "Events", tiers: Sequence[str], options: SampleOptions) -> dict[str, list[str]]:
     """Recordings to leave out, and the tiers that they lack."""
     wanted = [*tiers, *([] if options.coded is None else [options.coded])]
-    without = {one: [tier for tier in wanted if tier not in events.tiers[one]] for one in events.recordings}
-    without = {one: tiers for one, tiers in without.items() if tiers}
+    without = {
+        recording: [tier for tier in wanted if tier not in events.tiers[recording]] for recording in events.recordings
+    }
+    without = {recording: tiers for recording, tiers in without.items() if tiers}
     if without and options.absent == "error":
         recording, (tier, *_) = next(iter(without.items()))
         raise SeriesError(
@@ -131,7 +133,7 @@ def _lacking(events: "Events", tiers: Sequence[str], options: SampleOptions) -> 
             + "; say `absent='nothing'` if nothing happened on it, or `absent='leave_out'` if it was not coded"
         )
     if options.absent == "nothing":
-        return {one: tiers for one, tiers in without.items() if options.coded in tiers}
+        return {recording: tiers for recording, tiers in without.items() if options.coded in tiers}
     return without
 
 
@@ -180,7 +182,7 @@ def _span(whole: tuple[int, int], lines: list[TierLine], step: float, span: Span
         limits = [end for end in ends if end is not None]
     elif span == "coded":
         least = (whole[1] - whole[0]) * GAPLESS_SHARE
-        limits = [one for line, one in zip(lines, ends, strict=True) if one is not None and _gapless(line, step, least)]
+        limits = [end for line, end in zip(lines, ends, strict=True) if end is not None and _gapless(line, step, least)]
     else:
         limits = []
     return max([whole[0], *(limit[0] for limit in limits)]), min([whole[1], *(limit[1] for limit in limits)])
@@ -237,7 +239,7 @@ def _for_most(line: TierLine, edges: np.ndarray) -> np.ndarray:
     length = np.concatenate(
         [(offset - onset)[within], edges[first[ahead]] - onset[ahead], offset[behind] - edges[last[behind]]]
     )
-    code, began = (np.concatenate([one[within], one[ahead], one[behind]]) for one in (codes, onset))
+    code, began = (np.concatenate([values[within], values[ahead], values[behind]]) for values in (codes, onset))
     if len(step):
         order = np.lexsort((began, code, step))
         step, length, code, began = step[order], length[order], code[order], began[order]
@@ -298,8 +300,8 @@ def _inside(line: TierLine, edges: np.ndarray) -> np.ndarray:
     """Which steps lie within an interval as a whole."""
     first, last = np.searchsorted(edges, line.onset), np.searchsorted(edges, line.offset, "right") - 1
     n = len(edges) - 1
-    some = last > first
-    kept: np.ndarray = _filled(first[some], last[some], np.zeros(int(some.sum()), np.int64), n) == 0
+    not_empty = last > first
+    kept: np.ndarray = _filled(first[not_empty], last[not_empty], np.zeros(int(not_empty.sum()), np.int64), n) == 0
     return kept
 
 
@@ -311,10 +313,10 @@ def _numbered(parts: list[np.ndarray], names: Sequence[str]) -> tuple[list[np.nd
     numbers = np.flatnonzero(used) - 2
     label = {number: NONE if number == NOTHING else names[number] for number in numbers.tolist()}
     labels = sorted_names(set(label.values()))
-    place = np.zeros(len(used), np.int32)
+    code_of = np.zeros(len(used), np.int32)
     for number, name in label.items():
-        place[number + 2] = labels.index(name)
-    return [place[part + 2] for part in parts], tuple(labels)
+        code_of[number + 2] = labels.index(name)
+    return [code_of[part + 2] for part in parts], tuple(labels)
 
 
 def _remarks(sampled: list[_Sampled], lacking: Collection[str], used: set[str], step: float) -> list[str]:

@@ -149,8 +149,8 @@ class LagTable:
         sound = self.possible & (self.expected > 0)
         observed, expected = self.counts[sound], self.expected[sound]
         pearson = float(((observed - expected) ** 2 / expected).sum())
-        some = observed > 0
-        return pearson, float(2 * (observed[some] * np.log(observed[some] / expected[some])).sum())
+        occurs = observed > 0
+        return pearson, float(2 * (observed[occurs] * np.log(observed[occurs] / expected[occurs])).sum())
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a combination that can occur."""
@@ -251,10 +251,10 @@ def yules_q_over(
     for number in dict.fromkeys(recordings.groups):
         kept = [i for i, group in enumerate(recordings.groups) if group == number]
         columns = {name: [parts[i] for i in kept] for name, parts in recordings.columns.items()}
-        one = replace(recordings, columns=columns, groups=[number] * len(kept))
+        single = replace(recordings, columns=columns, groups=[number] * len(kept))
         if max(len(part) for part in columns[given]) > options.lag:
             with suppress(SeriesError):  # nothing to count in this recording
-                values.append(lag_table(one, given, target, alone, impossible).yules_q)
+                values.append(lag_table(single, given, target, alone, impossible).yules_q)
     size = len(recordings.labels[given]), len(recordings.labels[target])
     return OverRecordings(np.array(values).reshape(-1, *size), options.level)
 
@@ -296,7 +296,7 @@ def lag_table(
             raise SeriesError(f"there is no variable {name!r}; there are {', '.join(recordings.columns)}")
     labels = recordings.labels[given], recordings.labels[target]
     pairs = [_pairs(*parts, options) for parts in _parts(recordings, given, target, options.unit)]
-    counts = np.zeros([len(one) for one in labels], np.int64)
+    counts = np.zeros([len(names) for names in labels], np.int64)
     for earlier, later in pairs:
         np.add.at(counts, (earlier, later), 1)
     if not counts.any():
@@ -353,7 +353,7 @@ def _p_by_shifts(
     table = displaced(moved, [MUTUAL])
     columns = moved.columns()
     sources, afters = np.unique(columns[2]), np.unique(columns[3])
-    place = np.ix_(sources, afters)
+    entries = np.ix_(sources, afters)
     tails = np.zeros((2, *counts.shape))
     drawn = 0
     own = np.zeros(counts.shape, np.int64)
@@ -363,7 +363,7 @@ def _p_by_shifts(
         of_result = np.zeros((len(afters), len(sources)), np.int64)
         np.add.at(of_result, group, table.counter.table(pieces))
         surrogate = np.zeros(counts.shape, np.int64)
-        surrogate[place] = of_result.T
+        surrogate[entries] = of_result.T
         tails += np.stack([surrogate >= own, surrogate <= own])
         drawn += 1
     p: np.ndarray = np.minimum(1, 2 * (1 + tails.min(0)) / (1 + drawn))

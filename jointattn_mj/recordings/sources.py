@@ -66,11 +66,11 @@ def files_of(path: Path) -> tuple[list[Path], list[str]]:
     try:
         if not path.is_dir():
             return [path], []
-        inside = sorted(one for one in path.iterdir() if one.is_file() and not one.name.startswith("."))
+        inside = sorted(file for file in path.iterdir() if file.is_file() and not file.name.startswith("."))
     except (OSError, ValueError) as error:
         raise SeriesError(f"cannot read {str(path)[:200]!r}: {getattr(error, 'strerror', None) or error}") from error
-    files = [one for one in inside if one.suffix.lower() in SUFFIXES]
-    others = [one.name for one in inside if one not in files]
+    files = [file for file in inside if file.suffix.lower() in SUFFIXES]
+    others = [file.name for file in inside if file not in files]
     if not files:
         raise SeriesError(f"cannot read the folder {path}: it has no file that ends in {', '.join(sorted(SUFFIXES))}")
     more = ", ..." if len(others) > 3 else ""
@@ -135,7 +135,16 @@ def open_table_as(
     sampled: bool,
     about: Sequence[str] = (),
 ) -> Events | TableFile:
-    """Take a table as events or as steps (see :func:`open_source`); ``data`` is the whole file, if there is one."""
+    """Take a table as events or as steps (see :func:`open_source`); ``data`` is the whole file, if there is one.
+
+    Args:
+        table: The file's header and rows.
+        data: The whole file, if there is one.
+        options: How the file is read.
+        wanted: Variables that are asked for; None for all.
+        sampled: Whether events are going to be sampled at steps.
+        about: Columns that say what each recording is, which a table of events may have.
+    """
     if options.of_steps:
         if sampled:
             raise SeriesError(f"{table.path} is said to have a row for every step; leave `step` out")
@@ -173,6 +182,13 @@ def open_frame(
     frame: object, options: SourceOptions, wanted: Sequence[str] | None, sampled: bool, about: Sequence[str] = ()
 ) -> Events | TableFile:
     """Open a table of pandas, polars or pyarrow (see :func:`open_source`).
+
+    Args:
+        frame: The table.
+        options: How it is read.
+        wanted: Variables that are asked for; None for all.
+        sampled: Whether events are going to be sampled at steps.
+        about: Columns that say what each recording is, which a table of events may have.
 
     Raises:
         SeriesError: As ``open_source``, or it is no table.

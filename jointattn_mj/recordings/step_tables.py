@@ -50,7 +50,7 @@ def read_steps(
         for i, name in enumerate(wanted)
         if name in columns
     }
-    marks, names = None, tuple(one.path.stem for one in tables)
+    marks, names = None, tuple(table.path.stem for table in tables)
     if recording is not None:
         marks, names = coded(table.column(wanted.index(recording)), recording, True, missing_values)
     elif len(tables) > 1:

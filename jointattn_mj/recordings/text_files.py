@@ -53,6 +53,11 @@ class TextLayout:
 def as_utf8(data: bytes, path: Path, encoding: str | None = None) -> bytes:
     """The text of a file as UTF-8 without a byte order mark; ``encoding`` is told, or taken from the mark.
 
+    Args:
+        data: The whole file.
+        path: Of the file, for messages.
+        encoding: As told by the caller; None takes it from the file's byte order mark.
+
     Raises:
         SeriesError: No text, or text in another encoding.
     """
@@ -142,7 +147,7 @@ def layout(
         if above and line.strip():
             candidate = _layout_at(text, at, path, told[1] if told else delimiter)
             if heads(candidate.header):
-                rows = [_cells(one, candidate.delimiter) for one in above]
+                rows = [_cells(line, candidate.delimiter) for line in above]
                 return (
                     candidate if are_above(rows, candidate.header) else replace(first, named_in=skip_rows + len(above))
                 )

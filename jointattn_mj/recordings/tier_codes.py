@@ -128,9 +128,9 @@ class TierCodes:
         edges = np.unique(np.concatenate([onset, offset]))
         first, last = np.searchsorted(edges, onset), np.searchsorted(edges, offset)
         sets: list[set[int]] = [set() for _ in edges[1:]]
-        for one, start, end in zip(code.tolist(), first.tolist(), last.tolist(), strict=True):
+        for number, start, end in zip(code.tolist(), first.tolist(), last.tolist(), strict=True):
             for i in range(start, end):
-                sets[i].add(one)
+                sets[i].add(number)
         kept = [i for i, codes in enumerate(sets) if codes]
         return edges[kept], edges[[i + 1 for i in kept]], np.array([self.combined(sets[i]) for i in kept], np.int64)
 

@@ -124,32 +124,32 @@ class TransitionResult:
         return "\n".join([*lines, *(f"Note: {note}." for note in self.notes)])
 
 
-def run_transitions(options: TransitionOptions, data: Recordings | None = None) -> TransitionResult:
+def run_transitions(options: TransitionOptions, coded: Recordings | None = None) -> TransitionResult:
     """Read the file, count what follows what, and write the rows if asked for.
 
     Args:
         options: What is read and counted.
-        data: What the file has, where it is read already.
+        coded: What the file has, where it is read already.
 
     Raises:
         SeriesError: The file cannot be read, or there is nothing to count.
         OutputError: ``out`` is there already or cannot be written.
     """
     with nullcontext() if options.out is None else claimed_paths(options.out, "transitions") as paths:
-        data = data or options.read(options.file, options.both)
-        how = options.sequential(data.step)
+        coded = coded or options.read(options.file, options.both)
+        how = options.sequential(coded.step)
         pairs = [tuple(code.strip() for code in pair.split(BETWEEN)) for pair in options.impossible]
         impossible = [(first, second) for first, second in pairs]
-        table = lag_table(data, *options.both, how, impossible)
-        recordings = len(set(data.groups))
+        table = lag_table(coded, *options.both, how, impossible)
+        recordings = len(set(coded.groups))
         whole = bool(table.possible.all())
-        over = yules_q_over(data, *options.both, how, impossible) if recordings > 1 and whole else None
+        over = yules_q_over(coded, *options.both, how, impossible) if recordings > 1 and whole else None
         lag = "together" if how.lag == 0 else f"lag {options.lag}"
         title = (
             f"{options.both[0]} -> {options.both[1]}: {table.total:,} pairs of {options.unit}, {lag}, "
             f"{count(recordings, 'recording')}"
         )
-        notes = list(data.notes())
+        notes = list(coded.notes())
         if options.unit == "steps":
             notes.append(
                 "residuals and odds ratios take steps as independent; p by shifts holds for long looks, too"

@@ -69,7 +69,13 @@ def _back(z: np.ndarray) -> np.ndarray:
 
 
 def relief(config: FaceConfig, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """How far, metres, the features of the face stand out along x at (y, z) of the average face."""
+    """How far, metres, the features of the face stand out along x at (y, z) of the average face.
+
+    Args:
+        config: Shape of the face.
+        y: Sideways, metres from the middle, of any shape.
+        z: Height on the average face, metres, as many.
+    """
     side = np.abs(y)
     nose_height = curve(z, [
         (-0.050, 0.0), (-0.0455, 0.002), (-0.041, 0.011), (-0.036, 0.0205), (-0.030, 0.0215), (-0.020, 0.017),
@@ -106,7 +112,13 @@ def lid_rims(config: FaceConfig, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def hair_thickness(config: FaceConfig, azimuth: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """0 on skin, 1 well inside the hair; azimuth in degrees, z on the average face."""
+    """0 on skin, 1 well inside the hair; azimuth in degrees, z on the average face.
+
+    Args:
+        config: Shape of the face and its hair.
+        azimuth: Degrees from the front, of any shape.
+        z: Height on the average face, metres, as many.
+    """
     side = np.abs(azimuth)
     front = {"short": 0.066, "bob": 0.062, "bun": 0.068, "curly": 0.070, "receding": 0.082}[config.hair_style]
     receding = 0.014 if config.hair_style == "receding" else 0.0
@@ -137,7 +149,13 @@ def _hair_depth(config: FaceConfig, azimuth: np.ndarray, z: np.ndarray) -> np.nd
 
 
 def surface(config: FaceConfig, azimuth: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Points (..., 3), metres, of skin or hair at azimuth, degrees, and height z of the average face; without eyes."""
+    """Points (..., 3), metres, of skin or hair at azimuth, degrees, and height z of the average face; without eyes.
+
+    Args:
+        config: Shape of the face and its hair.
+        azimuth: Degrees from the front, of any shape.
+        z: Height on the average face, metres, as many.
+    """
     a = np.radians(azimuth)
     breadth, front, back = half_breadth(config, z), _front(z), _back(z)
     middle = np.maximum(np.minimum(0.0, front - 0.01), back)  # where front and back halves meet

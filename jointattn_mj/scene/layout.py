@@ -69,9 +69,9 @@ class Layout:
         """Up to ``evenness`` random positions (m, 2) that are far enough from ``others`` (k, 2)."""
         free, draws = np.empty((0, 2)), self._low + self._size * self._rng.random((TRIES, 2))
         for first in range(0, TRIES, AT_ONCE):
-            some = draws[first : first + AT_ONCE]
-            apart = np.linalg.norm(some[:, None] - np.reshape(others, (1, -1, 2)), axis=2)
-            free = np.vstack([free, some[np.all(apart >= self.config.spacing, axis=1)]])
+            drawn = draws[first : first + AT_ONCE]
+            apart = np.linalg.norm(drawn[:, None] - np.reshape(others, (1, -1, 2)), axis=2)
+            free = np.vstack([free, drawn[np.all(apart >= self.config.spacing, axis=1)]])
             if len(free) >= self.config.evenness:
                 break
         return free[: self.config.evenness]

@@ -180,10 +180,10 @@ def _visuals(spec: mujoco.MjSpec, high: bool) -> None:
 
 
 def _add_objects(spec: mujoco.MjSpec, config: SceneConfig) -> None:
-    for thing, position in zip(config.objects, rest_positions(config), strict=True):
-        body = spec.worldbody.add_body(name=f"object/{thing.name}", mocap=True, pos=position)
-        kind, size = object_size(thing.shape, config.object_size)
-        body.add_geom(name=f"object/{thing.name}", type=kind, size=size, rgba=(*thing.rgb, 1), contype=0, conaffinity=0)
+    for item, position in zip(config.objects, rest_positions(config), strict=True):
+        body = spec.worldbody.add_body(name=f"object/{item.name}", mocap=True, pos=position)
+        kind, size = object_size(item.shape, config.object_size)
+        body.add_geom(name=f"object/{item.name}", type=kind, size=size, rgba=(*item.rgb, 1), contype=0, conaffinity=0)
 
 
 def _add_onlooker(spec: mujoco.MjSpec, position: tuple[float, float, float], at: tuple[float, float, float]) -> None:

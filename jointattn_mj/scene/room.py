@@ -38,7 +38,14 @@ def _relief(corner: tuple[float, float, float], right: tuple[float, float, float
 
 
 def table(half_x: float, half_y: float, thickness: float, relief: bool) -> Mesh:
-    """Table top around its middle; the robot sits at -x. relief: grain from normals, for a geom without texture."""
+    """Table top around its middle; the robot sits at -x. relief: grain from normals, for a geom without texture.
+
+    Args:
+        half_x: Half of its depth, metres.
+        half_y: Half of its breadth, metres.
+        thickness: Metres.
+        relief: Grain from normals, for a geom without texture.
+    """
     x, y, t = 2 * half_x, 2 * half_y, thickness
     z, edge = t / 2, (0, 0, 1, 0.06)
     top = (-half_x, half_y, z), (0, -y, 0), (x, 0, 0)
@@ -53,7 +60,13 @@ def table(half_x: float, half_y: float, thickness: float, relief: bool) -> Mesh:
 
 
 def wall(half_y: float, height: float, relief: bool) -> Mesh:
-    """The wall that faces the robot, its lower edge at z = 0. relief: plaster from normals, the base in shade."""
+    """The wall that faces the robot, its lower edge at z = 0. relief: plaster from normals, the base in shade.
+
+    Args:
+        half_y: Half of its breadth, metres.
+        height: Metres.
+        relief: Plaster from normals, the base in shade.
+    """
     if not relief:
         return _quad((0, half_y, 0), (0, -2 * half_y, 0), (0, 0, height), (0, 0, 1, 1))
     base = _quad((0, half_y, 0), (0, -2 * half_y, 0), (0, 0, PANEL), (0, 0, 1, 1))
@@ -63,12 +76,25 @@ def wall(half_y: float, height: float, relief: bool) -> Mesh:
 
 
 def floor(low_x: float, high_x: float, half_y: float) -> Mesh:
-    """A flat floor at z = 0, seen from above."""
+    """A flat floor at z = 0, seen from above.
+
+    Args:
+        low_x: Where it begins, metres.
+        high_x: Where it ends, metres.
+        half_y: Half of its breadth, metres.
+    """
     return _quad((low_x, half_y, 0), (0, -2 * half_y, 0), (high_x - low_x, 0, 0), (0, 0, 1, 1))
 
 
 def side_walls(low_x: float, high_x: float, half_y: float, height: float) -> Mesh:
-    """What an onlooker sees beside and behind the robot."""
+    """What an onlooker sees beside and behind the robot.
+
+    Args:
+        low_x: Where they begin, metres.
+        high_x: Where they end, metres.
+        half_y: Half of the distance between them, metres.
+        height: Metres.
+    """
     length = high_x - low_x
     return merge(
         _quad((low_x, half_y, 0), (length, 0, 0), (0, 0, height), (0, 0, 1, 1)),

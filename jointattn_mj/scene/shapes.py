@@ -34,7 +34,13 @@ def bump(*scaled: np.ndarray) -> np.ndarray:
 
 
 def smoothstep(x: np.ndarray, low: float | np.ndarray, high: float | np.ndarray) -> np.ndarray:
-    """0 below ``low``, 1 above ``high`` (the reverse where low > high), smooth between."""
+    """0 below ``low``, 1 above ``high`` (the reverse where low > high), smooth between.
+
+    Args:
+        x: Of any shape.
+        low: Where the result is 0.
+        high: Where it is 1.
+    """
     t = np.clip((np.asarray(x, float) - low) / (high - low), 0, 1)
     risen: np.ndarray = t * t * (3 - 2 * t)
     return risen
@@ -148,7 +154,13 @@ def tube(
 
 
 def noise(rng: np.random.Generator, shape: tuple[int, int], cells: tuple[int, int]) -> np.ndarray:
-    """A smooth random field of ``shape``, mean 0 and about unit spread, seamless; ``cells`` says how fine it is."""
+    """A smooth random field of ``shape``, mean 0 and about unit spread, seamless; ``cells`` says how fine it is.
+
+    Args:
+        rng: Draws it.
+        shape: Rows and columns.
+        cells: How many random values there are in rows and columns, with smooth transitions between.
+    """
     values = rng.standard_normal(cells)
     for axis in (0, 1):
         at = np.arange(shape[axis]) * cells[axis] / shape[axis]

@@ -129,60 +129,73 @@ def paired_difference(a: Sequence[float] | np.ndarray, b: Sequence[float] | np.n
     return mean_interval(a - b)
 
 
-def runs_needed(one: float, other: float, sd: float | None = None, power: float = POWER) -> float:
+def runs_needed(first: float, second: float, sd: float | None = None, power: float = POWER) -> float:
     """Runs on each side that a two-sided test at 5% needs to tell two values apart; not rounded.
 
     Without ``sd`` the values are shares, compared by the normal approximation; with it they are means, compared by t.
 
     Args:
-        one: The first share or mean.
-        other: The second; if it equals the first, the result is infinite.
+        first: A share or mean.
+        second: The other; if it equals the first, the result is infinite.
         sd: Standard deviation of single runs around their mean.
         power: Probability with which the test finds the difference.
     """
-    if one == other:
+    if first == second:
         return np.inf
     from scipy import optimize, stats
 
     if sd is None:
-        pooled = (one + other) / 2
+        pooled = (first + second) / 2
         wide = stats.norm.ppf((1 + CONFIDENCE) / 2) * np.sqrt(2 * pooled * (1 - pooled))
-        return float(((wide + stats.norm.ppf(power) * _binomial_sd(one, other)) / (one - other)) ** 2)
+        return float(((wide + stats.norm.ppf(power) * _binomial_sd(first, second)) / (first - second)) ** 2)
     if sd == 0:
         return 2.0
 
     def lack(n: float) -> float:
-        freedom, shift = 2 * (n - 1), np.sqrt(n / 2) * abs(one - other) / sd
+        freedom, shift = 2 * (n - 1), np.sqrt(n / 2) * abs(first - second) / sd
         critical = stats.t.ppf((1 + CONFIDENCE) / 2, freedom)
         return float(stats.nct.sf(critical, freedom, shift)) - power
 
     if lack(2.0) >= 0:
         return 2.0
-    normal = 2 * ((stats.norm.ppf((1 + CONFIDENCE) / 2) + stats.norm.ppf(power)) * sd / (one - other)) ** 2
+    normal = 2 * ((stats.norm.ppf((1 + CONFIDENCE) / 2) + stats.norm.ppf(power)) * sd / (first - second)) ** 2
     return float(optimize.brentq(lack, 2.0, normal + 10))
 
 
-def enough(n: int, one: float, other: float, sd: float | None = None) -> bool:
-    """Whether ``n`` runs on each side tell two values apart with a power of 0.8; see :func:`runs_needed`."""
-    return n >= runs_needed(one, other, sd)
+def enough(n: int, first: float, second: float, sd: float | None = None) -> bool:
+    """Whether ``n`` runs on each side tell two values apart with a power of 0.8; see :func:`runs_needed`.
+
+    Args:
+        n: Runs on each side.
+        first: A share or mean.
+        second: The other one.
+        sd: Standard deviation of means; None for shares.
+    """
+    return n >= runs_needed(first, second, sd)
 
 
-def too_few(n: int, one: float, other: float, sd: float | None = None) -> str:
+def too_few(n: int, first: float, second: float, sd: float | None = None) -> str:
     """A sentence saying that ``n`` runs on each side cannot tell two values apart; empty if they can.
 
     See :func:`runs_needed` for the arguments.
+
+    Args:
+        n: Runs on each side.
+        first: A share or mean.
+        second: The other one.
+        sd: Standard deviation of means; None for shares.
     """
-    needed = runs_needed(one, other, sd)
+    needed = runs_needed(first, second, sd)
     if n >= needed:
         return ""
-    a, b = (f"{one:.0%}", f"{other:.0%}") if sd is None else (f"{one:.3g}", f"{other:.3g}")
+    a, b = (f"{first:.0%}", f"{second:.0%}") if sd is None else (f"{first:.3g}", f"{second:.3g}")
     if needed == np.inf:
         return f"no number of runs tells {a} from {b}"
     return f"{n} run{'s' * (n != 1)} a side cannot tell {a} from {b}; {int(np.ceil(needed))} would"
 
 
-def _binomial_sd(one: float, other: float) -> float:
-    return float(np.sqrt(one * (1 - one) + other * (1 - other)))
+def _binomial_sd(first: float, second: float) -> float:
+    return float(np.sqrt(first * (1 - first) + second * (1 - second)))
 
 
 def _known(values: Sequence[float] | np.ndarray) -> np.ndarray:

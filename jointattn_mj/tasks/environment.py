@@ -113,7 +113,7 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
         self._worlds: dict[tuple[str, FaceConfig | None], World] = {}
         self._camera, self._truth, self._face_patch = camera, truth, face_patch
         self._face: FacePatch | None = None  # once an episode needs it
-        self._seen: dict[str, np.ndarray] | None = None  # of the face in this step, once it was observed
+        self._face_parts: dict[str, np.ndarray] | None = None  # of the face in this step, once it was observed
         self.visualize_reward = False
         self._action_spec = self.actions()
         self.seed(random)
@@ -162,7 +162,7 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
 
     def observe_anew(self) -> TaskObservation:
         """Observe the world as it is, after bodies were moved outside of a step."""
-        self._seen = None
+        self._face_parts = None
         return self.get_observation(self.world.physics)
 
     @property
@@ -194,7 +194,7 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
         self.after_step(physics)
 
     def _begin_to_see(self) -> None:
-        self._seen = None
+        self._face_parts = None
         if self._face_patch:
             self._known_face().begin()
 
@@ -208,7 +208,7 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
             ActionError: The action is not finite, has another shape, or is no numbers; nothing has changed then.
         """
         action = checked(action, self._action_spec)
-        self._seen = None
+        self._face_parts = None
         self.act(action)
 
     def act(self, action: np.ndarray) -> None:
@@ -247,9 +247,9 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
             observation["camera"] = self.world.image().copy()
         observation["head_angles"] = self.world.head_angles()
         if self._face_patch:
-            if self._seen is None:
-                self._seen = self._known_face().observe(self.world.image(), observation["head_angles"])
-            observation.update({name: part.copy() for name, part in self._seen.items()})
+            if self._face_parts is None:
+                self._face_parts = self._known_face().observe(self.world.image(), observation["head_angles"])
+            observation.update({name: part.copy() for name, part in self._face_parts.items()})
         if self._truth:
             observation.update(self.truth())
         return observation
@@ -282,7 +282,13 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
         """Bodies, the caregiver's script and random streams, as plain data."""
         seeds, random = self._seeds.state, snapshot.take(self.random)
         face = None if self._face is None else self._face.get_state()
-        return {"seeds": seeds, "random": random, "world": self.world.get_state(), "face": face, "seen": self._seen}
+        return {
+            "seeds": seeds,
+            "random": random,
+            "world": self.world.get_state(),
+            "face": face,
+            "seen": self._face_parts,
+        }
 
     def set_state(self, state: dict[str, Any]) -> None:
         """Go back to a state of this task, or of one with equal ``built``."""
@@ -290,7 +296,7 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
         snapshot.put(self.random, state["random"])
         if self._face_patch:
             self._known_face().set_state(state["face"])
-            self._seen = state["seen"]
+            self._face_parts = state["seen"]
         self._take_up(state["world"])
 
     def _take_up(self, state: dict[str, Any]) -> None:

@@ -30,7 +30,13 @@ class NoObjects:
         return Areas.empty(0, 1)
 
     def find(self, image: np.ndarray, gray: np.ndarray, areas: Areas) -> None:
-        """Detect nothing."""
+        """Detect nothing.
+
+        Args:
+            image: RGB image (h, w, 3) uint8.
+            gray: (h, w) uint8.
+            areas: Left as it is.
+        """
 
 
 class FacePatch:

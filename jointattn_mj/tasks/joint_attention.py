@@ -164,7 +164,7 @@ def follow_hard(
 ) -> Environment:
     """``follow`` with eight objects and one of six caregivers, who looks at the robot, then at object after object.
 
-    Observations and action are those of ``follow``.
+    Arguments, observations and action are those of ``follow``.
 
     | name | shape | type, unit | what it is |
     |---|---|---|---|

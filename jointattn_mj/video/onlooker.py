@@ -32,18 +32,18 @@ class Sight(NamedTuple):
 
     start: np.ndarray  # (3,)
     end: np.ndarray  # (3,)
-    hit: int | None  # number of the thing at which it ends
+    hit: int | None  # number of the target at which it ends
 
 
-def line_of_sight(start: np.ndarray, ahead: np.ndarray, things: np.ndarray) -> Sight:
+def line_of_sight(start: np.ndarray, ahead: np.ndarray, targets: np.ndarray) -> Sight:
     """The line of sight of somebody; it ends at a thing, at the table, or after ``_FARTHEST``.
 
     Args:
         start: Eyes, (3,) metres in the world.
         ahead: Direction of gaze, (3,) unit vector.
-        things: (k, 3) metres; one of them may end the line.
+        targets: (k, 3) metres; one of them may end the line.
     """
-    to = things - start
+    to = targets - start
     along = to @ ahead
     off = np.degrees(np.arctan2(np.linalg.norm(to - along[:, None] * ahead, axis=1), along))
     nearest = int(np.argmin(off))

@@ -78,12 +78,25 @@ def _mask(text: str, size: int, bold: bool) -> np.ndarray:
 
 
 def width_of(text: str, size: int = 14, bold: bool = False) -> int:
-    """Width (pixels) that ``write`` will need."""
+    """Width (pixels) that ``write`` will need.
+
+    Args:
+        text: One line.
+        size: Of the letters, pixels.
+        bold: Whether it is written in bold.
+    """
     return int(_mask(text, size, bold).shape[1])
 
 
 def fitting(text: str, width: float, sizes: Sequence[int], bold: bool = False) -> int:
-    """The first of ``sizes`` in which ``text`` is at most ``width`` pixels wide, or the last."""
+    """The first of ``sizes`` in which ``text`` is at most ``width`` pixels wide, or the last.
+
+    Args:
+        text: One line.
+        width: Pixels that there are.
+        sizes: Of the letters, pixels, the preferred one first.
+        bold: Whether it is written in bold.
+    """
     return next((size for size in sizes if width_of(text, size, bold) <= width), sizes[-1])
 
 
@@ -124,7 +137,13 @@ def write(
 
 
 def shade(area: np.ndarray, colour: Colour, share: float) -> None:
-    """Mix ``share`` (0..1) of a colour into an area of an image, in place."""
+    """Mix ``share`` (0..1) of a colour into an area of an image, in place.
+
+    Args:
+        area: Part of an image (h, w, 3) uint8.
+        colour: Red, green and blue, 0 to 255.
+        share: Of the colour, 0 to 1.
+    """
     cv2.addWeighted(area, 1 - share, np.broadcast_to(np.array(colour, np.uint8), area.shape), share, 0, dst=area)
 
 
@@ -145,24 +164,56 @@ def lines(
 
 
 def disc(image: np.ndarray, centre: np.ndarray, radius: float, colour: Colour, thickness: int = cv2.FILLED) -> None:
-    """Draw an anti-aliased circle around ``centre`` (x, y), pixels; filled unless a thickness is given."""
+    """Draw an anti-aliased circle around ``centre`` (x, y), pixels; filled unless a thickness is given.
+
+    Args:
+        image: (h, w, 3) uint8, drawn on.
+        centre: (2,) x and y, pixels.
+        radius: Pixels.
+        colour: Red, green and blue, 0 to 255.
+        thickness: Of the line, pixels; filled by default.
+    """
     x, y = (round(float(value) * (1 << _SUBPIXEL)) for value in centre)
     cv2.circle(image, (x, y), round(radius * (1 << _SUBPIXEL)), colour, thickness, cv2.LINE_AA, _SUBPIXEL)
 
 
 def brackets(image: np.ndarray, centre: np.ndarray, half: float, colour: Colour, thickness: int = 2) -> None:
-    """Draw the four corners of a square around ``centre`` (x, y); ``half`` its side, pixels."""
+    """Draw the four corners of a square around ``centre`` (x, y); ``half`` its side, pixels.
+
+    Args:
+        image: (h, w, 3) uint8, drawn on.
+        centre: (2,) x and y, pixels.
+        half: Half of the square's side, pixels.
+        colour: Red, green and blue, 0 to 255.
+        thickness: Of the lines, pixels.
+    """
     corner = np.array([(-1.0, -0.45), (-1, -1), (-0.45, -1)]) * half
     paths = [centre + corner * flip for flip in ((1, 1), (-1, 1), (1, -1), (-1, -1))]
     lines(image, paths, colour, thickness)
 
 
 def tick(image: np.ndarray, centre: np.ndarray, size: float, colour: Colour, thickness: int) -> None:
-    """Draw a tick mark around ``centre`` (x, y), ``size`` pixels wide."""
+    """Draw a tick mark around ``centre`` (x, y), ``size`` pixels wide.
+
+    Args:
+        image: (h, w, 3) uint8, drawn on.
+        centre: (2,) x and y, pixels.
+        size: Width, pixels.
+        colour: Red, green and blue, 0 to 255.
+        thickness: Of the line, pixels.
+    """
     lines(image, [centre + size * np.array([(-0.5, 0.0), (-0.12, 0.38), (0.55, -0.42)])], colour, thickness)
 
 
 def cross(image: np.ndarray, centre: np.ndarray, size: float, colour: Colour, thickness: int) -> None:
-    """Draw a diagonal cross around ``centre`` (x, y), ``size`` pixels wide."""
+    """Draw a diagonal cross around ``centre`` (x, y), ``size`` pixels wide.
+
+    Args:
+        image: (h, w, 3) uint8, drawn on.
+        centre: (2,) x and y, pixels.
+        size: Width, pixels.
+        colour: Red, green and blue, 0 to 255.
+        thickness: Of the lines, pixels.
+    """
     half = 0.4 * size
     lines(image, [centre + half * np.array([(-1, s), (1, -s)]) for s in (-1.0, 1.0)], colour, thickness)

@@ -73,7 +73,14 @@ def location(pixel: np.ndarray) -> np.ndarray:
 
 
 def caption(area: np.ndarray, top: np.ndarray, text: str, ink: Colour) -> None:
-    """Write on a dark plate, centred below the point ``top`` (x, y) and moved so that all of it is in ``area``."""
+    """Write on a dark plate, centred below the point ``top`` (x, y) and moved so that all of it is in ``area``.
+
+    Args:
+        area: Part of an image (h, w, 3) uint8, drawn on.
+        top: (2,) x and y of the middle of the upper edge, pixels.
+        text: One line.
+        ink: Red, green and blue, 0 to 255.
+    """
     height, width = 24, width_of(text, TEXT) + 10
     x = round(min(max(float(top[0]) - width / 2, 0), area.shape[1] - width))
     y = round(min(max(float(top[1]), 0), area.shape[0] - height))

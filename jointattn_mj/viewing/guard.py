@@ -22,7 +22,7 @@ def refusal(headers: Mapping[str, str], names: Collection[str]) -> str | None:
     """
     host = headers.get("Host", "").lower()
     name = _name(host)
-    if name is None or not (name == "localhost" or name in {one.lower() for one in names} or _is_address(name)):
+    if name is None or not (name == "localhost" or name in {known.lower() for known in names} or _is_address(name)):
         return f"this server is not called {host[:100]!r}"
     if headers.get("Upgrade", "").lower() != "websocket":
         return None

@@ -16,7 +16,7 @@ from jointattn_mj.scene import gl
 
 pytestmark = pytest.mark.integration
 
-WAYS = {"pickle": lambda one: pickle.loads(pickle.dumps(one)), "copy": copy.copy, "deepcopy": copy.deepcopy}
+WAYS = {"pickle": lambda result: pickle.loads(pickle.dumps(result)), "copy": copy.copy, "deepcopy": copy.deepcopy}
 SHORT = RobotConfig(familiarise=FamiliariseConfig(minutes=0.05))
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
 
@@ -69,17 +69,17 @@ def test_copies_are_equal(make, tmp_path):
 
 
 def test_a_development_is_its_config():
-    one = Development("fast", steps=4000, seed=1)
-    assert one == Development("fast", steps=4000, seed=1) != one.replace(seed=2)
-    assert (one.steps, one.replace(seed=2).seed, one.preset) == (4000, 2, "fast")
-    assert all(way(one) == one for way in WAYS.values())
+    development = Development("fast", steps=4000, seed=1)
+    assert development == Development("fast", steps=4000, seed=1) != development.replace(seed=2)
+    assert (development.steps, development.replace(seed=2).seed, development.preset) == (4000, 2, "fast")
+    assert all(way(development) == development for way in WAYS.values())
     with pytest.raises(dataclasses.FrozenInstanceError):
-        one.config = None
+        development.config = None
     with pytest.raises(AttributeError, match="no attribute 'stesp'"):
-        one.stesp  # noqa: B018
+        development.stesp  # noqa: B018
     for wrong, words in (({"stesp": 3}, "'steps'"), ({"preset": "thesis"}, "make another Development")):
         with pytest.raises(ConfigError, match=words):
-            one.replace(**wrong)
+            development.replace(**wrong)
     with pytest.raises(ConfigError, match="config: expected a DevelopmentConfig; got 3"):
         Development.from_config(3)
 

@@ -8,7 +8,9 @@ from clips import Clip, encode
 
 import jointattn_mj
 from jointattn_mj.footage.frames import PerceivedFrame
+from jointattn_mj.gaze_following.result import FinishedSession
 from jointattn_mj.gaze_following.summary import SessionSummary
+from jointattn_mj.io.summaries import Summary
 from jointattn_mj.recordings import Coding, Events, ReadOptions, Recordings
 from jointattn_mj.scene import gl
 
@@ -47,7 +49,9 @@ def test_an_example(name):
 
 
 @pytest.mark.parametrize(
-    "kind", [Recordings, PerceivedFrame, SessionSummary, Events, Coding, ReadOptions], ids=lambda kind: kind.__name__
+    "kind",
+    [Recordings, PerceivedFrame, SessionSummary, Summary, FinishedSession, Events, Coding, ReadOptions],
+    ids=lambda kind: kind.__name__,
 )
 def test_an_example_of_what_is_returned(kind):
     """Classes that nobody makes, but everybody gets."""

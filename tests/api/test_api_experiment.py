@@ -38,7 +38,7 @@ def test_a_result_is_what_its_folder_holds(result):
 def test_types_of_attributes(result):
     assert (result.entry.id, result.entry.title) == ("1.1", "Coins & <luck>")
     assert result.verdict is Verdict.PARTLY
-    assert [type(one) for one in result.findings] == [Comparison] * 3
+    assert [type(finding) for finding in result.findings] == [Comparison] * 3
     assert result.runs == {"fair": 6, "loaded": 6}
     assert result.report.exists() and all(path.exists() for path in result.figures.values())
     assert list(result.figures) == ["heads"] and result.notes == ()

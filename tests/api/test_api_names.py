@@ -66,13 +66,29 @@ def test_help_has_its_sections(name):
             assert f"{argument}:" in text, argument
 
 
+@pytest.mark.parametrize("name", [name for name in CALLED if inspect.isclass(public(name))])
+def test_help_of_methods_has_its_sections(name):
+    """Those of the class and of the package's classes that it derives from."""
+    kind = public(name)
+    for member in (member for member in dir(kind) if not member.startswith("_")):
+        method = getattr(kind, member)
+        if not callable(method) or not method.__module__.startswith("jointattn_mj"):
+            continue
+        text, signature = inspect.getdoc(method), inspect.signature(method)
+        assert text and "Examples:" in text, member
+        assert "Returns:" in text or signature.return_annotation is None, member
+        given = [argument for argument in signature.parameters if argument != "self"]
+        assert not given or ("Args:" in text and "Raises:" in text), member
+        assert all(f"{argument}:" in text for argument in given), member
+
+
 @pytest.mark.parametrize("name", RESULTS)
 def test_results_open_from_a_folder(name):
     kind = public(name)
     assert "Examples:" in inspect.getdoc(kind)
     text = inspect.getdoc(kind.open)
     assert "Args:" in text and "Raises:" in text and "folder" in inspect.signature(kind.open).parameters
-    for member, value in vars(kind).items():
+    for member, value in inspect.getmembers_static(kind):
         if not member.startswith("_") and isinstance(value, property):
             assert value.fget.__annotations__["return"] is not None and value.__doc__, member
 

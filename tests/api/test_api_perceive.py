@@ -60,11 +60,12 @@ def test_types_of_attributes(frames, result):
     for frame in frames:
         assert (type(frame.time_s), type(frame.image), type(frame.fresh)) == (float, int, bool)
         assert frame.fixation in (None, "face", *frame.objects)
-        for one in (frame.face, *frame.objects.values()):
-            kinds = {field.name: type(getattr(one, field.name)) for field in dataclasses.fields(PerceivedCandidate)}
+        for candidate in (frame.face, *frame.objects.values()):
+            fields = dataclasses.fields(PerceivedCandidate)
+            kinds = {field.name: type(getattr(candidate, field.name)) for field in fields}
             assert kinds.pop("detected") is kinds.pop("moves") is bool
             assert set(kinds.values()) <= {float, type(None)}
-            assert (one.x_px is None) == (one.y_px is None) == (not one.detected)
+            assert (candidate.x_px is None) == (candidate.y_px is None) == (not candidate.detected)
 
 
 def test_what_is_perceived(frames):
@@ -79,8 +80,8 @@ def test_what_is_perceived(frames):
 
 
 def test_reprs_fit_a_line(frames, result):
-    for one in (frames[20], frames[20].face, frames[20].objects, result):
-        assert "\n" not in repr(one)
+    for shown in (frames[20], frames[20].face, frames[20].objects, result):
+        assert "\n" not in repr(shown)
     assert len(repr(frames[20])) < 120 and len(repr(frames[20].face)) < 80
     assert repr(result).startswith("PerceptionResult(2.0 s of clip.mkv, face in 100%, ")
 

@@ -62,14 +62,14 @@ def test_another_seed_is_another_result(result):
 
 
 def test_types_of_attributes(result, folder):
-    for one in (result, SessionResult.open(folder)):
-        assert type(one.config) is VariedSessionConfig and one.config == SESSION.config
-        assert isinstance(one.summary, SessionSummary)
-        assert isinstance(one.shifts, Table) and isinstance(one.frames, Table)
-        assert all(isinstance(array, np.ndarray) for array in one.weights.values())
-        assert one.shifts["success"].dtype == object and one.shifts["landing_s"].dtype == float
-        assert len(one.frames) == one.summary.frames == 1800
-        assert len(one.shifts) == one.summary.gaze_shifts_of_all_kinds
+    for each in (result, SessionResult.open(folder)):
+        assert type(each.config) is VariedSessionConfig and each.config == SESSION.config
+        assert isinstance(each.summary, SessionSummary)
+        assert isinstance(each.shifts, Table) and isinstance(each.frames, Table)
+        assert all(isinstance(array, np.ndarray) for array in each.weights.values())
+        assert each.shifts["success"].dtype == object and each.shifts["landing_s"].dtype == float
+        assert len(each.frames) == each.summary.frames == 1800
+        assert len(each.shifts) == each.summary.gaze_shifts_of_all_kinds
 
 
 def test_tables_become_data_frames(result):
@@ -79,8 +79,8 @@ def test_tables_become_data_frames(result):
 
 
 def test_reprs_fit_a_line(result, folder):
-    for one in (SESSION, result, result.summary, result.shifts, result.frames, SessionResult.open(folder)):
-        assert "\n" not in repr(one) and len(repr(one)) <= 200, repr(one)
+    for shown in (SESSION, result, result.summary, result.shifts, result.frames, SessionResult.open(folder)):
+        assert "\n" not in repr(shown) and len(repr(shown)) <= 200, repr(shown)
     assert repr(Session(minutes=2)) == "Session(minutes=2)"
     assert repr(result).startswith("SessionResult(1 min, ") and repr(result).endswith("in memory)")
 

@@ -138,13 +138,13 @@ def test_any_object_then_hers_in_view_then_outside():
 
 def test_learning_from_the_movement_made_drifts_away_from_objects():
     faces = code_faces()
-    one = situations(faces, ObjectTableConfig(objects=1, region="in_view"))
+    single = situations(faces, ObjectTableConfig(objects=1, region="in_view"))
     success = {}
     for reference in ("object", "executed"):
         robot = taker(replace(SHORT, reference=reference), faces)
-        run_attempts(robot, one, faces, 20_000, np.random.default_rng(0))
+        run_attempts(robot, single, faces, 20_000, np.random.default_rng(0))
         success[reference] = run_attempts(
-            robot, one, faces, 1000, np.random.default_rng(1), learning=False
+            robot, single, faces, 1000, np.random.default_rng(1), learning=False
         ).right.mean()
     assert success["object"] > 0.9
     assert success["executed"] < 0.4

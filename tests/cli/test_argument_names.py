@@ -47,7 +47,7 @@ def test_every_message_outside_the_command_line():
     for path in PACKAGE.rglob("*.py"):
         if path.parent.name != "cli":
             for text in messages(ast.parse(path.read_text())):
-                known = text in ALIASES or any(one in text for one in OF_PROGRAMS)
+                known = text in ALIASES or any(part in text for part in OF_PROGRAMS)
                 assert known or not re.search(r"(?<![\w-])--[a-z]", text), (
                     path,
                     text,

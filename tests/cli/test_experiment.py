@@ -106,8 +106,8 @@ def test_stopped_and_started_again(jointattn, undisturbed, tmp_path, number):
 
 
 def test_two_at_once(jointattn, undisturbed, tmp_path):
-    one, two = start(tmp_path, trouble="sleep:0.05"), start(tmp_path, trouble="sleep:0.05")
-    assert (finish(one).code, finish(two).code) == (0, 0)
+    first, second = start(tmp_path, trouble="sleep:0.05"), start(tmp_path, trouble="sleep:0.05")
+    assert (finish(first).code, finish(second).code) == (0, 0)
     assert reported(jointattn, tmp_path) == undisturbed
 
 
@@ -228,7 +228,7 @@ def test_experiments_that_the_package_carries(tmp_path):
     shutil.copytree(ROOT / "jointattn_mj", site / "jointattn_mj", ignore=unwanted)
     shutil.copytree(ROOT / "experiments", site / "jointattn_mj" / "experiments", ignore=unwanted)
     program = (
-        "from jointattn_mj.sweeps.registry import experiments_registry\n"
+        "from jointattn_mj.api.claims import experiments_registry\n"
         "registry = experiments_registry()\n"
         "print(registry['5.2'].trial.__module__, len(registry))\n"
         "print({registry[claim].analyse({}) is None for claim in registry})\n"
@@ -247,6 +247,6 @@ def test_experiments_that_the_package_carries(tmp_path):
 def test_another_package_of_that_name(tmp_path):
     (tmp_path / "experiments").mkdir()
     (tmp_path / "experiments" / "__init__.py").touch()
-    program = "from jointattn_mj.sweeps.registry import experiments_registry\nexperiments_registry()\n"
+    program = "from jointattn_mj.api.claims import experiments_registry\nexperiments_registry()\n"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path)
     assert f"expected the package experiments in {ROOT / 'experiments'}; got {tmp_path}" in done.stderr

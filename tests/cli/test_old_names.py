@@ -58,14 +58,14 @@ def test_words(typed, expected):
         words = with_names_of_today(typed.split(), command)
     assert " ".join(words) == (expected or typed)
     assert bool(caught) == (expected is not None)
-    assert all(issubclass(one.category, RenamedWarning) for one in caught)
+    assert all(issubclass(warning.category, RenamedWarning) for warning in caught)
 
 
 def test_from_python():
     with pytest.warns(RenamedWarning) as caught:
         made = Outer(mind=Inner(place_gain=0.1, parts=("skull",)), perception="truth")
     assert made == Outer(Inner(gain=0.1, parts=("head",)), "state")
-    said = [str(one.message) for one in caught]
+    said = [str(warning.message) for warning in caught]
     assert f"Outer.mind is now called agent{GOES}" in said
     assert f"Outer.source 'truth' is now called 'state'{GOES}" in said
     assert len(said) == 5

@@ -27,13 +27,13 @@ def independent(rng: np.random.Generator, spread: float) -> Pair:
 
 
 def shifted(rng: np.random.Generator, spread: float) -> Pair:
-    one, other = dyad(rng, spread)
-    return np.roll(one, STEPS // 2), other
+    own, partner = dyad(rng, spread)
+    return np.roll(own, STEPS // 2), partner
 
 
 def reversed_(rng: np.random.Generator, spread: float) -> Pair:
-    one, other = dyad(rng, spread)
-    return one[::-1].copy(), other
+    own, partner = dyad(rng, spread)
+    return own[::-1].copy(), partner
 
 
 def other_dyad(rng: np.random.Generator, spread: float) -> Pair:
@@ -103,7 +103,7 @@ def test_means_over_dyads(dyads: int) -> None:
     names = {i: str(i) for i in range(dyads)}
     for seed in range(400):
         pairs = [dyad(np.random.default_rng([SEED, dyads, seed, i]), 1, 0) for i in range(dyads)]
-        ones, others = ([one[:1500] for one in side] for side in zip(*pairs, strict=True))
+        ones, others = ([series[:1500] for series in side] for side in zip(*pairs, strict=True))
         found = by_dyad(steps(ones, others), TRANSFER, names, options, 1.0, np.random.SeedSequence(seed))
         alarms += found.groups[0].p <= 0.05
         rng = np.random.default_rng([SEED, dyads, seed])
@@ -131,7 +131,7 @@ def test_power_for_the_robot(tmp_path) -> None:
         found = {}
         for method in ("auto", "permutation", "shift"):
             options = TestOptions(FEW, resamples=0, method=method)
-            p = [assess("sac", *(one[:length] for one in run), options=options, seed=1).p for run in runs]
+            p = [assess("sac", *(series[:length] for series in run), options=options, seed=1).p for run in runs]
             found[method] = float(np.mean(np.array(p) <= 0.05))
         print(f"\n{length} steps: found in {found} of {len(runs)}")
     assert min(found.values()) >= 0.8

@@ -35,13 +35,13 @@ def measured(counts, field="sums"):
     return combined, combined - (parts[:, OF_SENSOR] - parts[:, ALONE])
 
 
-def same_counts(one, other):
+def same_counts(own, other):
     """Equal to the last count; sums up to rounding."""
-    assert np.array_equal(one.entries, other.entries)
+    assert np.array_equal(own.entries, other.entries)
     for field in ("sums", "n", "occupied"):
-        assert getattr(one, field) == pytest.approx(getattr(other, field), rel=1e-12, abs=1e-11), field
-    assert np.array_equal(one.of_event, other.of_event)
-    assert np.array_equal(one.layout, other.layout)
+        assert getattr(own, field) == pytest.approx(getattr(other, field), rel=1e-12, abs=1e-11), field
+    assert np.array_equal(own.of_event, other.of_event)
+    assert np.array_equal(own.layout, other.layout)
 
 
 sizes = st.tuples(

@@ -37,20 +37,20 @@ def test_finds_the_event(measure):
     assert len(found) == 8
     assert found[0].event == "(gaze, turn) -> object"
     assert found[0].p_adjusted == pytest.approx(8 / 200)
-    assert [one.p_adjusted <= 0.05 for one in found] == [True] + [False] * 7
+    assert [finding.p_adjusted <= 0.05 for finding in found] == [True] + [False] * 7
     assert 0 < found[0].normalised < 1
     assert found[0].significance.interval[0] > 0
     assert found[0].values
-    assert all(one.sensor == one.action for one in found[0].values if one.result == 1)
-    assert not any(one.values for one in found[1:])
-    values = [one.significance.corrected for one in found]
+    assert all(value.sensor == value.action for value in found[0].values if value.result == 1)
+    assert not any(finding.values for finding in found[1:])
+    values = [finding.significance.corrected for finding in found]
     assert values == sorted(values, reverse=True)
 
 
 def test_plug_in_is_misled_by_fine_variables():
     """Why events are ranked by effective values (section 4.6): of few steps, ten values seem to say more than four."""
     found = discover(world(1, 250), *PARTS, options=QUICK)
-    by_plug_in = max(found, key=lambda one: one.significance.value)
+    by_plug_in = max(found, key=lambda finding: finding.significance.value)
     assert found[0].event == "(gaze, turn) -> object"
     assert by_plug_in.event != found[0].event
 
@@ -69,8 +69,8 @@ def test_corrections():
     data = world()
     for how in ("holm", "benjamini_hochberg", "none"):
         found = discover(data, *PARTS, options=QUICK, how=how)
-        assert all(one.p_adjusted >= one.significance.p for one in found)
-    assert all(one.p_adjusted == one.significance.p for one in found)
+        assert all(finding.p_adjusted >= finding.significance.p for finding in found)
+    assert all(finding.p_adjusted == finding.significance.p for finding in found)
     assert least_surrogates(8) == 159
     assert 8 / (least_surrogates(8) + 1) <= 0.05 < 8 / least_surrogates(8)
 
@@ -81,7 +81,7 @@ def test_few_false_alarms():
     for seed in range(40):
         data = {name: rng.integers(0, 3, 150) for name in world()}
         found = discover(data, *PARTS, options=TestOptions(199, resamples=0), seed=seed)
-        alarms += any(one.p_adjusted <= 0.05 for one in found)
+        alarms += any(finding.p_adjusted <= 0.05 for finding in found)
     assert alarms <= 6
 
 

@@ -36,18 +36,18 @@ def taken(pieces, n):
 def test_values_are_those_of_the_moved_series(sizes):
     s, r, a = three(sum(sizes))
     cuts = np.cumsum(sizes)[:-1]
-    given = steps(*(np.split(one, cuts) for one in (s, r, a)))
+    given = steps(*(np.split(series, cuts) for series in (s, r, a)))
     table = displaced(given, ALL)
     whole = np.array([[0, 0, given.transitions]])
-    assert np.allclose(table.values(whole), [one.value(given.entries()) for one in ALL])
+    assert np.allclose(table.values(whole), [measure.value(given.entries()) for measure in ALL])
     for how in ("shift", "bootstrap"):
         pieces = next(moves(given, how, 1, 20).draw(1, np.random.default_rng(1)))
         columns = given.columns()
         columns[2] = columns[2][taken(pieces, given.transitions)]
-        parts = [[one[[i]].repeat(2) for i in range(given.transitions)] for one in columns]  # one transition each
+        parts = [[column[[i]].repeat(2) for i in range(given.transitions)] for column in columns]  # one transition each
         results = [np.array([before[0], after[0]]) for before, after in zip(parts[0], parts[3], strict=True)]
         moved = steps(parts[2], results, parts[1])
-        assert np.allclose(table.values(pieces), [one.value(moved.entries()) for one in ALL])
+        assert np.allclose(table.values(pieces), [measure.value(moved.entries()) for measure in ALL])
 
 
 @pytest.mark.parametrize("how", ["shift", "bootstrap", "partners"])
@@ -82,7 +82,7 @@ def test_shifts_stay_within_their_recording_and_away_from_the_truth():
 
 def test_few_shifts_are_all_taken_once():
     drawn = list(Moves("shift", np.array([0, 7]), least=1).draw(100, np.random.default_rng(0)))
-    assert len({tuple(taken(one, 7)) for one in drawn}) == len(drawn) == 6
+    assert len({tuple(taken(piece, 7)) for piece in drawn}) == len(drawn) == 6
     s, r, _ = three(30)
     found = c.assess("te", s, r, options=TestOptions(1000, method="shift", resamples=0))
     assert found.surrogates < 30
@@ -129,7 +129,7 @@ class TestMemory:
             found.append(memory(steps(s, r), TRANSFER))
         assert found[0].inflation < 0.98 < 1.02 < found[1].inflation < found[2].inflation
         assert found[0].fresh_after < found[1].fresh_after < found[2].fresh_after
-        assert not any(one.exchangeable(1.02) for one in found)
+        assert not any(memory.exchangeable(1.02) for memory in found)
 
     def test_of_one_value_and_of_two_steps(self):
         flat = np.zeros(50, int)
@@ -139,8 +139,8 @@ class TestMemory:
     def test_of_many_steps_only_the_first(self, monkeypatch):
         monkeypatch.setattr("jointattn_mj.contingency.memory.MOST_STEPS", 1000)
         s, r, a = three(3000)
-        parts = [[one[:400], one[400:1400], one[1400:]] for one in (s, r, a)]
-        cut = [[one[:400], one[400:1000]] for one in (s, r, a)]
+        parts = [[series[:400], series[400:1400], series[1400:]] for series in (s, r, a)]
+        cut = [[series[:400], series[400:1000]] for series in (s, r, a)]
         assert memory(steps(*parts), COMBINED) == memory(steps(*cut), COMBINED)
 
 
@@ -151,7 +151,7 @@ def test_the_method_follows_the_memory():
     assert c.assess("te", *fresh, options=options).method == "permutation"
     slow = c.assess("te", s, r, options=options)
     assert (slow.method, slow.inflation > 1.1) == ("shift", True)
-    short = [np.split(one, 40) for one in (s, r)]
+    short = [np.split(series, 40) for series in (s, r)]
     assert c.assess("mi", *short, options=options).method == "partners"
     assert c.assess("te", s, r, options=TestOptions(99, resamples=0, method="permutation")).method == "permutation"
 

@@ -24,10 +24,10 @@ def documented():
         for name in package.__all__:
             public = getattr(package, name)
             yield public
-            yield from (one for key, one in vars(public).items() if inspect.isfunction(one) and key[0] != "_")
+            yield from (member for key, member in vars(public).items() if inspect.isfunction(member) and key[0] != "_")
 
 
-@pytest.mark.parametrize("public", documented(), ids=lambda one: one.__qualname__)
+@pytest.mark.parametrize("public", documented(), ids=lambda named: named.__qualname__)
 def test_every_public_name_is_documented(public):
     words = set(inspect.getdoc(public).split())
     assert "Examples:" in words or (inspect.isclass(public) and "Examples:" in inspect.getsource(public))

@@ -28,34 +28,35 @@ def planted(seed=0, n=3000):
 def test_shares_add_up(measure):
     s, a, r = planted()
     found = c.local_contingency(s, a, r, measure)
-    assert sum(one.contribution for one in found) == pytest.approx(getattr(c, measure)(s, a, r), abs=1e-12)
-    assert sum(one.count for one in found) == len(r) - 1
-    assert [one.contribution for one in found] == sorted((one.contribution for one in found), reverse=True)
+    assert sum(value.contribution for value in found) == pytest.approx(getattr(c, measure)(s, a, r), abs=1e-12)
+    assert sum(value.count for value in found) == len(r) - 1
+    assert [value.contribution for value in found] == sorted((value.contribution for value in found), reverse=True)
 
 
 def test_finds_the_values():
     found = carriers(c.local_contingency(*planted()), most=10)
-    assert {(one.sensor, one.action, one.result) for one in found[:2]} == {(2, 1, 1)}
-    assert {one.before for one in found[:2]} == {0, 1}
-    for one in found[:2]:
-        assert one.z > 5
-        assert one.p <= one.p_adjusted < 1e-6
-        assert one.rate > 0.8
-        assert one.usual < 0.6
-    assert all(one.action == 1 for one in found)  # the other values of s with it then bring 0 about
+    assert {(value.sensor, value.action, value.result) for value in found[:2]} == {(2, 1, 1)}
+    assert {value.before for value in found[:2]} == {0, 1}
+    for value in found[:2]:
+        assert value.z > 5
+        assert value.p <= value.p_adjusted < 1e-6
+        assert value.rate > 0.8
+        assert value.usual < 0.6
+    assert all(value.action == 1 for value in found)  # the other values of s with it then bring 0 about
 
 
 def test_by_enumeration():
     """p is the share of orders of s with so high a count; z its standard deviations."""
     s, r = [0, 1, 1, 2, 0, 1], [0, 1, 1, 0, 1, 0]
     pieces = [[v, 0] for v in s], [[0, 0]] * 6, [[0, v] for v in r]
-    for one in c.local_contingency(*pieces):
+    for value in c.local_contingency(*pieces):
         counts = [
-            sum(x == one.sensor and y == one.result for x, y in zip(order, r, strict=True)) for order in permutations(s)
+            sum(x == value.sensor and y == value.result for x, y in zip(order, r, strict=True))
+            for order in permutations(s)
         ]
-        assert one.p == pytest.approx(np.mean(np.array(counts) >= one.count))
-        assert one.expected == pytest.approx(np.mean(counts))
-        assert one.z == pytest.approx((one.count - np.mean(counts)) / np.std(counts))
+        assert value.p == pytest.approx(np.mean(np.array(counts) >= value.count))
+        assert value.expected == pytest.approx(np.mean(counts))
+        assert value.z == pytest.approx((value.count - np.mean(counts)) / np.std(counts))
 
 
 def test_few_false_alarms():
@@ -63,16 +64,16 @@ def test_few_false_alarms():
     rng = np.random.default_rng(0)
     for _ in range(60):
         s, a, r = rng.integers(0, 4, 300), rng.integers(0, 3, 300), rng.integers(0, 2, 300)
-        alarms += min(one.p_adjusted for one in c.local_contingency(s, a, r)) <= 0.05
+        alarms += min(value.p_adjusted for value in c.local_contingency(s, a, r)) <= 0.05
     assert alarms <= 8
 
 
 def test_no_choice():
     """Where r' is certain, or s is, nothing is surprising."""
     s, a, r = every_case(lambda s, a: a)
-    for one in c.local_contingency(s, a, r):
-        assert (one.z, one.p, one.p_adjusted) == (0, 1, 1)
-        assert one.contribution == pytest.approx(0)
+    for value in c.local_contingency(s, a, r):
+        assert (value.z, value.p, value.p_adjusted) == (0, 1, 1)
+        assert value.contribution == pytest.approx(0)
 
 
 def test_words():
@@ -105,7 +106,7 @@ def test_p_of_combinations_of_long_looks_comes_from_shifts():
         options = TestOptions(99, resamples=0)
         tested = assess_steps(pair, MUTUAL, options, 1.0, np.random.default_rng(0), local=True)
         assert tested.method == "shift" and tested.counts is not None
-        alarms += [bool(carriers(local_of_steps(pair, MUTUAL, counts=one))) for one in (None, tested.counts)]
+        alarms += [bool(carriers(local_of_steps(pair, MUTUAL, counts=counts))) for counts in (None, tested.counts)]
     assert alarms[0] > 10
     assert alarms[1] <= 4
 

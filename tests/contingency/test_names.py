@@ -10,21 +10,21 @@ from jointattn_mj.contingency.significance import MEASURES, TestOptions
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.recordings.discover import DiscoverOptions
 
-EVENT_NAMES = [(each, one) for one in NAMES if one.short in OF_EVENTS for each in one]
+EVENT_NAMES = [(each, measure) for measure in NAMES if measure.short in OF_EVENTS for each in measure]
 
 
 def test_table_agrees_with_the_measures():
-    assert {one.full for one in NAMES} == set(MEASURES)
-    for one in NAMES:
-        assert MEASURES[one.full].name == one.symbol
-        assert hasattr(c, one.full)
-    every = [each for one in NAMES for each in {name.lower() for name in one}]
+    assert {measure.full for measure in NAMES} == set(MEASURES)
+    for measure in NAMES:
+        assert MEASURES[measure.full].name == measure.symbol
+        assert hasattr(c, measure.full)
+    every = [each for measure in NAMES for each in {name.lower() for name in measure}]
     assert len(set(every)) == len(every)
 
 
-@pytest.mark.parametrize(("name", "one"), [(each, one) for one in NAMES for each in one])
-def test_each_name_stands_for_its_measure(name, one):
-    assert {full_name(name), full_name(name.upper()), full_name(name.lower())} == {one.full}
+@pytest.mark.parametrize(("name", "measure"), [(each, measure) for measure in NAMES for each in measure])
+def test_each_name_stands_for_its_measure(name, measure):
+    assert {full_name(name), full_name(name.upper()), full_name(name.lower())} == {measure.full}
 
 
 @pytest.mark.parametrize("name", ["", "sacs", "SA", None, 3])
@@ -40,16 +40,18 @@ def test_a_measure_that_does_not_rank_events():
         full_name("te", OF_EVENTS)
 
 
-@pytest.mark.parametrize(("name", "one"), EVENT_NAMES)
-def test_accepted_everywhere(name, one):
+@pytest.mark.parametrize(("name", "measure"), EVENT_NAMES)
+def test_accepted_everywhere(name, measure):
     s, a, r = np.random.default_rng(0).integers(0, 2, (3, 60))
     few = TestOptions(surrogates=5, resamples=0)
-    assert DetectorConfig(measure=name) == DetectorConfig(measure=one.short)
-    assert DiscoverOptions("f.csv", ("s",), ("a",), ("r",), measure=name).measure == one.short
-    assert len({c.assess(each, s, r, a, options=few, seed=1).value for each in one}) == 1
-    assert c.local_contingency(s, a, r, name) == c.local_contingency(s, a, r, one.short)
+    assert DetectorConfig(measure=name) == DetectorConfig(measure=measure.short)
+    assert DiscoverOptions("f.csv", ("s",), ("a",), ("r",), measure=name).measure == measure.short
+    assert len({c.assess(each, s, r, a, options=few, seed=1).value for each in measure}) == 1
+    assert c.local_contingency(s, a, r, name) == c.local_contingency(s, a, r, measure.short)
     data = {"s": s, "a": a, "r": r}
-    found = {repr(c.discover(data, ["s"], ["a"], ["r"], measure=each, options=few)) for each in one}  # with NaN in it
+    found = {
+        repr(c.discover(data, ["s"], ["a"], ["r"], measure=each, options=few)) for each in measure
+    }  # with NaN in it
     assert len(found) == 1
 
 

@@ -34,7 +34,7 @@ class Choosing:
         for number in range(len(modules)):
             world = world.with_module(f"module {number + 1}")
         reactive = reactive or [RandomModule("a0"), RandomModule("a1")]
-        tables = [one.table(world) for one in reactive]
+        tables = [module.table(world) for module in reactive]
         self.maps = flat_maps(world, modules, tables, config or SelectorConfig())
         self.a, self.driver = np.full(len(world.actions), 7), np.full(len(world.joints), -9)
         self.random, self.strength = np.random.default_rng(seed), np.zeros(len(modules) + len(reactive))
@@ -215,7 +215,7 @@ def test_reactive_odds():
 )
 def test_tables_that_do_not_fit(reactive, words):
     with pytest.raises(ConfigError) as refused:
-        flat_maps(WORLD, [], [one.table(WORLD) for one in reactive], SelectorConfig())
+        flat_maps(WORLD, [], [module.table(WORLD) for module in reactive], SelectorConfig())
     for word in words:
         assert word in str(refused.value)
 

@@ -147,9 +147,9 @@ def test_what_resampling_draws():
     whole = resampled(given, TRANSFER, 20, np.random.default_rng(0), "blocks", 11)
     assert np.allclose(whole[0], TRANSFER.value(given.entries())) or len(np.unique(whole)) > 1
     long = contingent(0, 300)
-    one = steps(long[0], long[2], long[1])
-    circle = resampled(one, CONTINGENCY, 5, np.random.default_rng(0), "blocks", one.transitions)
-    assert np.allclose(circle, CONTINGENCY.value(one.entries()))  # one block all round is the series itself
+    single = steps(long[0], long[2], long[1])
+    circle = resampled(single, CONTINGENCY, 5, np.random.default_rng(0), "blocks", single.transitions)
+    assert np.allclose(circle, CONTINGENCY.value(single.entries()))  # one block all round is the series itself
     recordings = resampled(given, TRANSFER, 50, np.random.default_rng(0), "recordings")
     assert len(np.unique(recordings.round(9))) <= 5  # as many as ways to draw how often the last one comes
 

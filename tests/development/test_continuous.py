@@ -40,10 +40,10 @@ def module(enough=3):
 
 
 def test_what_led_to_the_result_beyond_chance_is_informative():
-    one = module()
+    made = module()
     for s in range(2):
         for a in range(2):
-            assert one.is_informative(0, s, 1, a) == ((s, a) in INFORMATIVE)
+            assert made.is_informative(0, s, 1, a) == ((s, a) in INFORMATIVE)
 
 
 def test_pairs_never_seen_are_not_informative():
@@ -51,12 +51,12 @@ def test_pairs_never_seen_are_not_informative():
 
 
 def test_a_map_is_ready_when_it_knows_enough_and_says_what_it_was_told():
-    one, face, direction = module(enough=40), np.array([1.0, 0, 0, 0]), np.array([7.3, -14.1])
+    made, face, direction = module(enough=40), np.array([1.0, 0, 0, 0]), np.array([7.3, -14.1])
     for step in range(40):
-        assert not one.ready
-        one.learn(Pair(step, face, direction, FORWARD, True))
-    assert one.ready
-    assert one.learner.predict(face) == pytest.approx(direction, abs=0.5)
+        assert not made.ready
+        made.learn(Pair(step, face, direction, FORWARD, True))
+    assert made.ready
+    assert made.learner.predict(face) == pytest.approx(direction, abs=0.5)
 
 
 def test_wrong_options():
@@ -87,7 +87,7 @@ def test_the_map_learns_from_informative_pairs_and_then_moves_the_head(runs):
     assert {pair.order for pair in run.pairs} == {FORWARD, BACKWARD}
     by_map = [landing for landing in run.landings if landing.by_map]
     assert by_map and all(landing.step > informative[14].step for landing in by_map)
-    assert not [one for one in run.landings if one.step > by_map[0].step and not one.by_map]
+    assert not [landing for landing in run.landings if landing.step > by_map[0].step and not landing.by_map]
 
 
 def test_interrupted_it_goes_on_the_same(runs):

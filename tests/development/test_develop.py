@@ -72,18 +72,18 @@ class TestResults:
         summary = json.loads((finished / "summary.json").read_text("utf-8"))
         assert (summary["preset"], summary["seed"], summary["steps"]) == ("fast", 1, STEPS)
         modules = summary["modules"]
-        assert [one["step"] for one in modules] == sorted(one["step"] for one in modules)
+        assert [made["step"] for made in modules] == sorted(made["step"] for made in modules)
         first = modules[0]
         assert first["event"] == "caregiver's face, shift gaze -> object"
         assert first["symbol"] == "(S1, A1, R3)"
         assert (first["name"], first["means"]) == ("FG-m", "gaze following")
-        assert [one["name"] for one in modules[1:3]] == ["SCf-m", "SC-m"]
-        assert all((finished / one["map"]).exists() for one in modules)
+        assert [made["name"] for made in modules[1:3]] == ["SCf-m", "SC-m"]
+        assert all((finished / made["map"]).exists() for made in modules)
         phases = summary["phases"]
         assert [part["phase"] for part in phases] == [f"P{number}" for number in range(1, len(modules) + 2)]
-        assert [part["last_step"] for part in phases] == [*(one["step"] for one in modules), STEPS]
+        assert [part["last_step"] for part in phases] == [*(made["step"] for made in modules), STEPS]
         assert all(sum(part["rates"].values()) == pytest.approx(1, abs=1e-3) for part in phases)
-        ranking = [one["value"] for one in summary["highest_at_the_end"]]
+        ranking = [made["value"] for made in summary["highest_at_the_end"]]
         assert ranking == sorted(ranking, reverse=True)
 
     def test_config(self, finished):
@@ -116,11 +116,11 @@ class TestResults:
 
         def progress(run, found):
             steps_done.append(run.steps_done)
-            told.extend((one.step, meaning.words) for one, meaning in found)
+            told.extend((detection.step, meaning.words) for detection, meaning in found)
 
         result = run_development(config(), DevelopmentOptions(tmp_path, checkpoint_every=5000), progress)
         assert steps_done == [5000, 10_000, STEPS]
-        assert told == [(one.step, one.means) for one in result.modules]
+        assert told == [(made.step, made.means) for made in result.modules]
 
     def test_faces_avoided(self, tmp_path, without_images):
         """Fewer looks at the caregiver from the first phase on."""

@@ -183,17 +183,17 @@ def test_refreshing_does_not_rest_what_is_tired():
 
 def test_stored_and_continued():
     world, agent = Doors(noise=0.2), Developer(Doors().variables, HASTY, 1)
-    a, one, other = (0, 0), [], []
+    a, own, other = (0, 0), [], []
     for step in range(600):
         if step == 300:
             twin, twin_world, twin_a = pickle.loads(pickle.dumps((agent, world_state(world), a)))
         a = agent.act(*world.step(*a))
-        one.append(tuple(a))
+        own.append(tuple(a))
     twin_world = restored(twin_world)
     for _ in range(300, 600):
         twin_a = twin.act(*twin_world.step(*twin_a))
         other.append(tuple(twin_a))
-    assert one[300:] == other
+    assert own[300:] == other
 
 
 def world_state(world):

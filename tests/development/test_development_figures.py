@@ -103,7 +103,7 @@ class TestBehaviour:
     found = np.random.default_rng(0).integers(0, 6, 6000)
 
     def draw(self, path, found=found, made=MADE):
-        draw_behaviour(path, found, phases(found, [one.step for one in made]), made)
+        draw_behaviour(path, found, phases(found, [detection.step for detection in made]), made)
 
     def test_curves_and_phases(self, drawn, tmp_path):
         self.draw(tmp_path / "behaviour.png")

@@ -35,9 +35,9 @@ def test_steps(run, found, tmp_path):
     assert table.num_rows == STEPS
     assert table.column("step").to_pylist()[::5999] == [1, 6000, 11999]
     variables = run.agent.variables
-    for one in (*variables.sensors[:2], *variables.results, *variables.joints):
-        expected = np.array(one.values)[run.log(one.name)]
-        assert table.column(one.name).to_pylist() == expected.tolist(), one.name
+    for variable in (*variables.sensors[:2], *variables.results, *variables.joints):
+        expected = np.array(variable.values)[run.log(variable.name)]
+        assert table.column(variable.name).to_pylist() == expected.tolist(), variable.name
     assert table.column("behaviour").to_pylist() == np.array(SHORT)[found].tolist()
     assert set(table.column("caregiver looks at").to_pylist()) == {"spot 1", "spot 2", "spot 3", "robot"}
     assert "RJA" in table.column("caregiver's option").to_pylist()
@@ -51,7 +51,7 @@ def test_drivers(run, tmp_path):
     drivers = pq.read_table(tmp_path / "steps.parquet").column("driver of shift gaze").to_pylist()
     numbers = run.log("driver of shift gaze").tolist()
     for step, (name, number) in enumerate(zip(drivers, numbers, strict=True)):
-        made = sum(one.step <= step for one in run.detections)
+        made = sum(detection.step <= step for detection in run.detections)
         assert name == (f"module {number + 1}" if number < made else "RandomModule"), step
     assert {"module 1", "module 2", "module 3", "RandomModule"} <= set(drivers)
 

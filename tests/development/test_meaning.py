@@ -45,8 +45,8 @@ def test_the_three_of_chapter_5(table):
         to_caregiver(variables, spots, (3, 0, PROFILE)),
     ]
     found = meanings(variables, modules)
-    assert [one.short for one in found] == ["FG-m", "SCf-m", "SC-m"]
-    assert [one.words for one in found] == [
+    assert [meaning.short for meaning in found] == ["FG-m", "SCf-m", "SC-m"]
+    assert [meaning.words for meaning in found] == [
         "gaze following",
         "looking back to the caregiver after gaze following",
         "gaze alternation",
@@ -73,8 +73,9 @@ def test_looking_back_after_something_else(table):
     variables, spots = table
     first = to_caregiver(variables, spots, (0, 0, PROFILE), pair=(0, spots))
     found = meanings(variables, [first, to_caregiver(variables, spots, (2, 0, FRONTAL))])
-    assert [one.short for one in found] == ["module 1", "module 2"]
-    assert [one.words for one in found] == ["keeping eye contact", "looking back to the caregiver after module 1"]
+    assert [meaning.short for meaning in found] == ["module 1", "module 2"]
+    words = [meaning.words for meaning in found]
+    assert words == ["keeping eye contact", "looking back to the caregiver after module 1"]
 
 
 def test_from_the_table_to_the_caregiver(table):

@@ -183,9 +183,9 @@ def test_a_world_goes_on_from_a_pickle_as_if_nothing_had_happened():
         world.step(STILL)
     again: PartnerWorld = pickle.loads(pickle.dumps(world))
     for frame in range(400):
-        for one in (world, again):
-            one.caregiver.watch(frame // 40 % 4)
-            one.step(STILL)
+        for each in (world, again):
+            each.caregiver.watch(frame // 40 % 4)
+            each.step(STILL)
         np.testing.assert_array_equal(world.data.qpos, again.data.qpos)
         np.testing.assert_array_equal(world.caregiver.objects, again.caregiver.objects)
 

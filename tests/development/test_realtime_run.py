@@ -23,12 +23,12 @@ def new_run(config: RealtimeConfig = TRUTH, seed: int = 3, table: TableConfig = 
     return RealtimeRun(table, config, FAST.agent, seed, 4000, sample_every=50)
 
 
-def same(one: RealtimeRun, other: RealtimeRun) -> None:
-    for column in one.columns:
-        np.testing.assert_array_equal(one.log(column), other.log(column), err_msg=column)
-    np.testing.assert_array_equal(one.ended, other.ended)
-    np.testing.assert_array_equal(one.contingency()[1], other.contingency()[1])
-    assert [detection.step for detection in one.detections] == [detection.step for detection in other.detections]
+def same(run: RealtimeRun, other_run: RealtimeRun) -> None:
+    for column in run.columns:
+        np.testing.assert_array_equal(run.log(column), other_run.log(column), err_msg=column)
+    np.testing.assert_array_equal(run.ended, other_run.ended)
+    np.testing.assert_array_equal(run.contingency()[1], other_run.contingency()[1])
+    assert [detection.step for detection in run.detections] == [detection.step for detection in other_run.detections]
 
 
 @pytest.fixture(scope="module")

@@ -43,12 +43,12 @@ def run():
     return steps_done(SHORT, 400)
 
 
-def assert_same(one, other):
-    assert one.steps_done == other.steps_done
-    for column in one.columns:
-        np.testing.assert_array_equal(one.log(column), other.log(column), err_msg=column)
-    assert [(detection.step, detection.event) for detection in one.detections] == [
-        (detection.step, detection.event) for detection in other.detections
+def assert_same(run, other_run):
+    assert run.steps_done == other_run.steps_done
+    for column in run.columns:
+        np.testing.assert_array_equal(run.log(column), other_run.log(column), err_msg=column)
+    assert [(detection.step, detection.event) for detection in run.detections] == [
+        (detection.step, detection.event) for detection in other_run.detections
     ]
 
 
@@ -60,8 +60,8 @@ def test_with_the_truth_it_is_the_life_at_the_symbolic_table():
     assert symbolic.detections
     for column in symbolic.columns:
         np.testing.assert_array_equal(visible.log(column), symbolic.log(column), err_msg=column)
-    assert [(one.step, one.event) for one in visible.detections] == [
-        (one.step, one.event) for one in symbolic.detections
+    assert [(detection.step, detection.event) for detection in visible.detections] == [
+        (detection.step, detection.event) for detection in symbolic.detections
     ]
     np.testing.assert_array_equal(visible.faces(), symbolic.faces())
     assert visible.stage.world.rendered_frames < n_steps  # nobody looked

@@ -70,7 +70,7 @@ def ordered():
 def test_branches_are_nested_or_apart(seed, method):
     groups = branches(points(seed), method)
     assert len(groups) == len(set(groups)) == 2 * PROTOTYPES - 2
-    assert all(one <= other or other <= one or not one & other for one in groups for other in groups)
+    assert all(group <= other or other <= group or not group & other for group in groups for other in groups)
 
 
 @given(st.integers(0, 10_000), st.lists(st.integers(0, 10_000), max_size=4))
@@ -150,14 +150,14 @@ def test_series_of_unequal_length():
 def test_checkpoints_hold_a_robot_that_babbles_and_its_run(tmp_path, monkeypatch):
     monkeypatch.setattr(RecallingBody, "pages", 3)
     config = GrowingConfig(calibration=3, exploration=60, resolution=ResolutionConfig(warm_up=100, deviations=2.0))
-    one = Babbling(TableConfig(spots=2, objects=1), config, 1, RecallingBody)
-    one.advance(1000)
-    checkpoint.save(tmp_path / "babbling.bin", one, config)
+    babbling = Babbling(TableConfig(spots=2, objects=1), config, 1, RecallingBody)
+    babbling.advance(1000)
+    checkpoint.save(tmp_path / "babbling.bin", babbling, config)
     other = checkpoint.load(tmp_path / "babbling.bin", config, kind=Babbling)
-    for each in (one, other):
+    for each in (babbling, other):
         each.advance(100)
-    assert other.looked_at == one.looked_at
-    run = GrowingRun(one, PRESETS["fast"].agent, 1, 200)
+    assert other.looked_at == babbling.looked_at
+    run = GrowingRun(babbling, PRESETS["fast"].agent, 1, 200)
     run.advance(50)
     checkpoint.save(tmp_path / "run.bin", run, config)
     again = checkpoint.load(tmp_path / "run.bin", config, kind=GrowingRun)
@@ -172,24 +172,24 @@ def test_checkpoints_hold_a_robot_that_babbles_and_its_run(tmp_path, monkeypatch
 def test_babbling_and_its_run_go_on_the_same_after_a_pickle(monkeypatch):
     monkeypatch.setattr(RecallingBody, "pages", 6)
     config = GrowingConfig(calibration=3, exploration=80, resolution=ResolutionConfig(warm_up=1000))
-    one = Babbling(TableConfig(spots=2, objects=1), config, 5, RecallingBody)
-    one.advance(1500)
-    other = pickle.loads(pickle.dumps(one))
-    for each in (one, other):
+    babbling = Babbling(TableConfig(spots=2, objects=1), config, 5, RecallingBody)
+    babbling.advance(1500)
+    other = pickle.loads(pickle.dumps(babbling))
+    for each in (babbling, other):
         each.advance(3500)
-    assert one.looked_at == other.looked_at
-    for mine, its in zip(one.experience(), other.experience(), strict=True):
+    assert babbling.looked_at == other.looked_at
+    for mine, its in zip(babbling.experience(), other.experience(), strict=True):
         assert np.array_equal(mine, its, equal_nan=True)
-    assert [step.split for step in one.growth.steps] == [step.split for step in other.growth.steps]
-    assert {one.body.nearest(direction) for direction in one.commands()} == {0, 1}, "a region to either side"
-    runs = [GrowingRun(each, PRESETS["fast"].agent, 3, 400) for each in (one, other)]
+    assert [step.split for step in babbling.growth.steps] == [step.split for step in other.growth.steps]
+    assert {babbling.body.nearest(direction) for direction in babbling.commands()} == {0, 1}, "a region to either side"
+    runs = [GrowingRun(each, PRESETS["fast"].agent, 3, 400) for each in (babbling, other)]
     for run in runs:
         run.advance(400)
     for column in runs[0].columns:
         assert np.array_equal(runs[0].log(column), runs[1].log(column)), column
-    assert (runs[0].log(FACE)[runs[0].faces() < 2] < len(one.growth.resolution.sensed)).all()
+    assert (runs[0].log(FACE)[runs[0].faces() < 2] < len(babbling.growth.resolution.sensed)).all()
     assert runs[0].log(OBJECT).any()
-    for each in (one, other):
+    for each in (babbling, other):
         each.body.stage.world.close()
 
 

@@ -60,7 +60,7 @@ def test_its_parts(result):
     assert table["shift gaze"][0] == "spot 1" and table["shift gaze"][4] is None
     assert result.log.to_pandas().shape == (STEPS, len(result.log.columns))
     assert [part.phase for part in result.summary.phases] == ["P1", "P2"]
-    ranking = [one.value for one in result.summary.highest_at_the_end]
+    ranking = [event.value for event in result.summary.highest_at_the_end]
     assert ranking == sorted(ranking, reverse=True) and len(ranking) == 10
 
 
@@ -70,7 +70,7 @@ def test_results_differ(result):
 
 
 def test_what_is_read_at_a_glance(result, folder):
-    said = [repr(one) for one in (result, DevelopmentResult.open(folder), result.summary, *result.modules)]
+    said = [repr(shown) for shown in (result, DevelopmentResult.open(folder), result.summary, *result.modules)]
     said += [repr(result.summary.phases[0]), repr(Development("fast", steps=STEPS, seed=1))]
     assert all("\n" not in text and len(text) < 160 for text in said)
     assert said[0] == "DevelopmentResult(table, fast, seed 1, 6,000 steps, 1 module (FG-m), in memory)"

@@ -45,19 +45,19 @@ def steps_done(agent=HASTY, n_steps=STEPS, seed=4, world=WORLD, reactive=(), **o
     return run
 
 
-def same(one, other):
-    assert one.steps_done == other.steps_done
-    for column in one.columns:
-        assert np.array_equal(one.log(column), other.log(column)), column
-    assert [(f.step, f.event) for f in one.detections] == [(f.step, f.event) for f in other.detections]
-    for first, second in zip(one.agent.modules, other.agent.modules, strict=True):
+def same(run, other_run):
+    assert run.steps_done == other_run.steps_done
+    for column in run.columns:
+        assert np.array_equal(run.log(column), other_run.log(column)), column
+    assert [(f.step, f.event) for f in run.detections] == [(f.step, f.event) for f in other_run.detections]
+    for first, second in zip(run.agent.modules, other_run.agent.modules, strict=True):
         assert np.array_equal(first.command, second.command)
         assert np.array_equal(first.reliability, second.reliability)
     assert all(
-        np.array_equal(*pair, equal_nan=True) for pair in zip(one.contingency(), other.contingency(), strict=True)
+        np.array_equal(*pair, equal_nan=True) for pair in zip(run.contingency(), other_run.contingency(), strict=True)
     )
-    assert np.array_equal(one.agent.state.counts.entries, other.agent.state.counts.entries)
-    assert np.array_equal(one.agent.state.counts.sums, other.agent.state.counts.sums)
+    assert np.array_equal(run.agent.state.counts.entries, other_run.agent.state.counts.entries)
+    assert np.array_equal(run.agent.state.counts.sums, other_run.agent.state.counts.sums)
 
 
 @pytest.fixture(scope="module", params=AGENTS)
@@ -102,7 +102,7 @@ def test_interrupted_and_stored(undisturbed, pieces):
         found += run.advance(piece)
         run = pickle.loads(pickle.dumps(run))
     same(run, undisturbed)
-    assert [one.step for one in found] == [one.step for one in undisturbed.detections]
+    assert [detection.step for detection in found] == [detection.step for detection in undisturbed.detections]
 
 
 @settings(max_examples=6, deadline=None, derandomize=True)
@@ -158,7 +158,8 @@ def test_contingency_is_that_of_the_log(correction):
     first = table_variables(WORLD)
     for number, event in enumerate(first.events()):
         assert run.agent.events[number] == event
-        columns = [run.log(one.name) for one in (variables.sensors[event.sensor], variables.actions[event.action])]
+        known = variables.sensors[event.sensor], variables.actions[event.action]
+        columns = [run.log(variable.name) for variable in known]
         columns.append(run.log(variables.results[event.result].name))
         for turn_, row in zip(n_steps, values, strict=True):
             expected = c.state_action_contingency(*(column[:turn_] for column in columns), correction=correction)
@@ -169,10 +170,10 @@ def test_contingency_is_that_of_the_log(correction):
 
 
 def test_samples_do_not_change_the_life():
-    one, other = steps_done(sample_every=1), steps_done(sample_every=STEPS + 1)
-    assert all(np.array_equal(one.log(column), other.log(column)) for column in one.columns)
-    assert len(one.contingency()[0]) == STEPS
-    assert len(other.contingency()[0]) == 0
+    often, seldom = steps_done(sample_every=1), steps_done(sample_every=STEPS + 1)
+    assert all(np.array_equal(often.log(column), seldom.log(column)) for column in often.columns)
+    assert len(often.contingency()[0]) == STEPS
+    assert len(seldom.contingency()[0]) == 0
 
 
 def test_what_is_left_when_no_more_modules_are_made():

@@ -108,7 +108,7 @@ def test_every_layout_is_as_likely_as_every_other():
     ]
     assert set(visible) == set(possible)
     share = 1 / len(possible)
-    squares = sum((visible[one] - 3600 * share) ** 2 / (3600 * share) for one in possible)
+    squares = sum((visible[pair] - 3600 * share) ** 2 / (3600 * share) for pair in possible)
     assert squares < 35 + 4 * np.sqrt(2 * 35)  # chi squared with 35 degrees of freedom
 
 
@@ -120,9 +120,9 @@ def test_one_kind_needs_no_name():
 
 def test_variables_of_the_chapters():
     five, four = table_variables(CHAPTER_5), table_variables(CHAPTER_4)
-    sizes = [[len(one.values) for one in group] for group in (five.sensors, five.actions, five.results)]
+    sizes = [[len(variable.values) for variable in group] for group in (five.sensors, five.actions, five.results)]
     assert sizes == [[5, 2], [4, 4], [2, 2, 2]]
-    sizes = [[len(one.values) for one in group] for group in (four.sensors, four.actions, four.results)]
+    sizes = [[len(variable.values) for variable in group] for group in (four.sensors, four.actions, four.results)]
     assert sizes == [[11, 11], [10, 10], [2, 2]]
     assert [result.name for result in five.results] == ["frontal face", "profile", "object"]
     assert five.sensors[0].values == ("at spot 1", "at spot 2", "at spot 3", "at robot", "not seen")

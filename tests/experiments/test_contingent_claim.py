@@ -91,7 +91,7 @@ def test_a_percept_of_which_a_part_is_told(part):
         world.step(np.zeros(2))
     seen = Blind()
     told, exact = PartlyTold(seen, world, part), StatePerception(EXACT, world, np.random.default_rng(0))
-    percept, true = (one.perceive(WorldObservation(world), False) for one in (told, exact))
+    percept, true = (perception.perceive(WorldObservation(world), False) for perception in (told, exact))
     positions, pattern = part in ("positions", "all"), part in ("face_pattern", "all")
     assert percept.visible[:-1].all() and percept.visible[-1] == (positions and pattern)
     np.testing.assert_allclose(percept.px[0], true.px[0] if positions else (1, 2))
@@ -147,7 +147,7 @@ def test_what_is_found():
         name: [made_up(name, seed, minute) for seed in range(5)]
         for name, minute in {"state/no_cues": 4.0, "state/no_cues_thesis": 30.0}.items()
     }
-    found = {one.what: one for one in REGISTRY["contingent"].analyse(trials)}
+    found = {finding.what: finding for finding in REGISTRY["contingent"].analyse(trials)}
     soon = found["minutes until a rate of 0.75, cross-situational, without motion cues, from the state"]
     assert soon.ours.mean == pytest.approx(4.5, abs=0.6)
     never = found["minutes until a rate of 0.6, the dissertation's rule, without motion cues, from the state"]
@@ -180,7 +180,7 @@ def test_what_images_cost():
     for name in names:
         for trial in trials[name]:
             trial.result["shifts"]["phase_at_launch"] = ["put", "gaze"] * 130
-    found = {one.what: one for one in REGISTRY["contingent"].analyse(trials)}
+    found = {finding.what: finding for finding in REGISTRY["contingent"].analyse(trials)}
     assert "late rate by the caregiver's task at launch, cross-situational, without motion cues, from images" in found
     assert any("motion told by the state" in what and ", less " in what for what in found)
     assert "cross_situational_images" in REGISTRY["contingent"].draw(trials)

@@ -84,8 +84,8 @@ def test_sessions_are_held_against_the_published_means():
 
 def test_one_session_decides_nothing():
     claim = REGISTRY["6.8"]
-    one = {f"state/{name}": [Trial(name, 0, session(190, 0.8, 8, 8))] for name in ("cues", "no_cues")}
-    found = {finding.what: finding for finding in claim.analyse(one)}
+    single = {f"state/{name}": [Trial(name, 0, session(190, 0.8, 8, 8))] for name in ("cues", "no_cues")}
+    found = {finding.what: finding for finding in claim.analyse(single)}
     assert found["successes, with motion cues less without, from the state"].verdict is Verdict.UNDECIDED
 
 

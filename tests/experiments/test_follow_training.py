@@ -36,9 +36,9 @@ def test_a_cell_is_a_curve_and_the_same_again(setting):
 def test_another_seed_is_another_run():
     pytest.importorskip("stable_baselines3")
     untrained = replace(sweep.STATE, **SHORT | {"steps": 0})
-    one, other = sweep.trial(untrained, 3), sweep.trial(untrained, 4)
-    assert one["reward"] != other["reward"]
-    assert one["random"] != other["random"]
+    first, second = sweep.trial(untrained, 3), sweep.trial(untrained, 4)
+    assert first["reward"] != second["reward"]
+    assert first["random"] != second["random"]
 
 
 def test_learners_and_baselines_are_tested_in_the_same_episodes():

@@ -136,9 +136,8 @@ class TestPicked:
         for step in range(30):
             hidden = [(90, 90, 60, 60, (210, 170, 140))] if 10 <= step < 20 else []
             found = areas.nothing()
-            areas.find(
-                table((100 + step, 100, 24, 24, (120, 122, 125)), *hidden), np.zeros((240, 320), np.uint8), found
-            )
+            moved = table((100 + step, 100, 24, 24, (120, 122, 125)), *hidden)
+            areas.find(moved, np.zeros((240, 320), np.uint8), found)
             said.append(found.px[0, 0])
         assert np.isnan(said[10:20]).all()
         np.testing.assert_allclose(np.delete(said, range(10, 20)), 111.5 + np.delete(np.arange(30), range(10, 20)))

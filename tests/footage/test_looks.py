@@ -147,7 +147,7 @@ def test_labels_help_to_tell_looks_away():
     looks, targets = session(3600, away=0.2, seed=1)
     labels = np.where(np.arange(len(targets)) < 1500, targets, -1)
     plain, helped = code_looks(looks, LooksConfig()), code_looks(looks, LooksConfig(), labels)
-    kappas = [agreed(one.best[1500:], targets[1500:]) for one in (plain, helped)]
+    kappas = [agreed(coded.best[1500:], targets[1500:]) for coded in (plain, helped)]
     assert kappas[1] > kappas[0] + 0.03
 
 
@@ -207,11 +207,11 @@ def test_table_and_events_say_the_same():
     frames = np.arange(600) * 6
     spans = looks_spans(coded, frames, 3600)
     assert spans[0].start == 0
-    assert [one.end for one in spans[:-1]] == [one.start for one in spans[1:]]
+    assert [span.end for span in spans[:-1]] == [span.start for span in spans[1:]]
     assert spans[-1].end == 3600
     table = looks_table(coded, frames / 30)
     codes = table["looks_at"].to_pylist()
-    assert all(codes[one.start // 6] == one.code for one in spans)
+    assert all(codes[span.start // 6] == span.code for span in spans)
     assert {f"{name}_posterior" for name in (*NAMES, AWAY)} <= set(table.column_names)
 
 

@@ -100,17 +100,17 @@ class TestFaceOfInterest:
 
     def test_nobody_takes_its_place_for_a_moment(self):
         interest = FaceOfInterest(FaceRule.parsed("largest"))
-        one, other = self.face(1, 0, 80), self.face(2, 100, 40)
-        interest.choose([one, other], False)
-        assert interest.choose([other], False) is None
-        assert interest.choose([one, other], False) is one
-        assert interest.choose([other], True) is other  # after a cut it may be anybody
+        first, second = self.face(1, 0, 80), self.face(2, 100, 40)
+        interest.choose([first, second], False)
+        assert interest.choose([second], False) is None
+        assert interest.choose([first, second], False) is first
+        assert interest.choose([second], True) is second  # after a cut it may be anybody
 
     def test_a_person_and_a_region(self):
-        one, other = self.face(1, 0, 80), self.face(2, 100, 40)
-        assert FaceOfInterest(FaceRule.parsed("2")).choose([one, other], False) is other
-        assert FaceOfInterest(FaceRule.parsed("90,0,200,200")).choose([one, other], False) is other
-        assert FaceOfInterest(FaceRule.parsed("3")).choose([one, other], False) is None
+        first, second = self.face(1, 0, 80), self.face(2, 100, 40)
+        assert FaceOfInterest(FaceRule.parsed("2")).choose([first, second], False) is second
+        assert FaceOfInterest(FaceRule.parsed("90,0,200,200")).choose([first, second], False) is second
+        assert FaceOfInterest(FaceRule.parsed("3")).choose([first, second], False) is None
 
     @pytest.mark.parametrize("words", ["", "smallest", "0", "1,2,3", "10,10,5,20", "-1", "1e3"])
     def test_what_is_none(self, words):
@@ -160,13 +160,13 @@ class TestClips:
         assert sum(row["of_interest"] for row in rows) == shown
         centres = np.array([(row["x_px"] + row["width_px"] / 2, row["y_px"] + row["height_px"] / 2) for row in rows])
         assert (centres > (left, low)).all() and (centres < (right, high)).all()
-        assert [one["images_unsure"] for one in summary["people"]] == [0] * faces
+        assert [person["images_unsure"] for person in summary["people"]] == [0] * faces
 
     def test_cuts(self, tmp_path):
         """Four people; a face in all images but some at the cuts, and the four are never said to be three for sure."""
         summary, rows = watched("syn_cuts.mp4", tmp_path / "out")
         assert summary["video"]["cuts"] == 3
-        assert [one["what"] for one in summary["check"]].count("cut") == 3
+        assert [moment["what"] for moment in summary["check"]].count("cut") == 3
         assert len({row["image"] for row in rows}) >= 0.98 * 300
         parts = [{row["person"] for row in rows if row["sure"] and low < row["image"] < high}
                  for low, high in ((0, 75), (90, 135), (150, 215), (235, 300))]  # fmt: skip
@@ -179,9 +179,9 @@ class TestClips:
         missing = sorted(set(range(240)) - {row["image"] for row in rows})
         assert 30 <= len(missing) <= 50 and missing[-1] - missing[0] < 60
         assert min(row["x_px"] + row["width_px"] / 2 for row in rows) >= 0  # what lies beyond is guessed
-        lost = next(one for one in summary["check"] if one["what"] == "face lost")
+        lost = next(moment for moment in summary["check"] if moment["what"] == "face lost")
         assert lost["from_s"] == pytest.approx(missing[0] / 30, abs=0.1)
-        assert [one["person"] for one in summary["people"]] == [1]
+        assert [person["person"] for person in summary["people"]] == [1]
         assert any("camera moves" in note for note in summary["notes"])
 
     def test_people_who_come_back(self):
@@ -200,7 +200,7 @@ class TestClips:
         """A woman in an orange jumper, which is yellow in part; skin is red, and hers and his are learned."""
         for objects in (("yellow", "blue", "green"), ("red", "orange")):
             found = watched("asl_walk.mkv", tmp_path / objects[0], objects=objects)[0]["detected"]
-            assert max(found[one] for one in objects) < 0.05
+            assert max(found[name] for name in objects) < 0.05
 
     def test_blurred_overlay(self, jointattn, tmp_path):
         """Nobody is found in it any more."""

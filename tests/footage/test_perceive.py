@@ -368,8 +368,8 @@ def test_killed_and_resumed(jointattn, clip, tmp_path):
     assert summaries[0] | {"wall_seconds": 0} == summaries[1] | {"wall_seconds": 0}
     films = [cv2.VideoCapture(str(folder / "overlay.mp4")) for folder in (straight, out)]
     for _ in range(FRAMES):
-        one, other = (film.read()[1] for film in films)
-        np.testing.assert_array_equal(one, other)
+        first, second = (film.read()[1] for film in films)
+        np.testing.assert_array_equal(first, second)
     assert not films[0].read()[0] and not films[1].read()[0]
     again = jointattn(*options, "--out", out, "--resume")  # its results once more
     assert (again.code, again.err) == (0, "")

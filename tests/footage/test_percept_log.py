@@ -81,8 +81,8 @@ def test_going_on_from_a_checkpoint(tmp_path):
     for frame in range(2500, 3000):
         again.add(watcher(frame), frame, True)
     check_recent(again, 2999)
-    for one, name in ((straight, "straight"), (again, "on")):
-        one.write(tmp_path / name / "percepts.parquet")
+    for written, name in ((straight, "straight"), (again, "on")):
+        written.write(tmp_path / name / "percepts.parquet")
     assert (tmp_path / "straight" / "percepts.parquet").read_bytes() == (
         tmp_path / "on" / "percepts.parquet"
     ).read_bytes()

@@ -17,13 +17,13 @@ from clips import DETECTOR, encode
 from shell import refused
 
 from experiments.recorded.table_video import FOV_DEG, HEIGHT, TILT_DEG, WIDTH, WideEyedWorld
+from jointattn_mj import SessionResult
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.sessions import session as sessions
 from jointattn_mj.footage.sessions.config import CameraSessionConfig, VideoSessionConfig
 from jointattn_mj.footage.sessions.lens import HeadConfig, Lens
 from jointattn_mj.footage.sessions.run import run_footage_session
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
-from jointattn_mj.gaze_following.result import SessionResult
 from jointattn_mj.perception.som import SOMConfig
 from jointattn_mj.scene import gl
 from jointattn_mj.scene.world import World, WorldConfig
@@ -92,7 +92,7 @@ def whole(table, tmp_path_factory):
 def test_a_session_at_a_video(whole):
     out, summary = whole
     assert summary.frames == FRAMES - LEARNED
-    assert min(summary.found.values()) > 0.95
+    assert min(summary.detected.values()) > 0.95
     assert summary.gaze_shifts > 0
     assert summary.gaze_shifts_judged == summary.gaze_shifts
     assert summary.success == "coding coding.csv"
@@ -245,7 +245,7 @@ def test_the_live_view_shows_a_session_and_ends_it(table):
         looker.join(30)
     assert [image.shape[1] for image in images] == [640, 640]
     paused = next(state for state in states if state["phase"] == "paused")
-    assert [one["name"] for one in paused["candidates"]] == ["red", "blue", "face"]
+    assert [candidate["name"] for candidate in paused["candidates"]] == ["red", "blue", "face"]
     assert paused["camera"]["images"] > 0
     assert 0 < summary.frames < FRAMES
 
@@ -264,12 +264,15 @@ def test_a_present_person_can_go_on_later(table, tmp_path):
     summary = run_footage_session(camera, tmp_path / "out", resume=True)
     assert summary.frames == 60
     assert pq.read_table(tmp_path / "out" / "frames.parquet").num_rows == 60
+    opened = SessionResult.open(tmp_path / "out")
+    assert (opened.config, opened.summary) == (camera, summary)
+    assert opened.summary.camera == summary.camera and len(opened.frames) == 60
 
 
 def test_objects_can_be_picked(table, tmp_path):
     asked = replace(config(table), objects=("red", "box@1s:264,181"), minutes=1 / 60)
     summary = run_footage_session(asked, tmp_path / "out")
-    assert summary.found["box"] > 0.95
+    assert summary.detected["box"] > 0.95
 
 
 def test_command_lines(jointattn, table, tmp_path):

@@ -25,32 +25,32 @@ def look(rng: np.random.Generator, others: int = 2) -> tuple[int, Locations]:
     return face, Locations(TABLE[rng.permutation([face, *rest])])
 
 
-def right(one: CrossSituationalLearner) -> float:
+def right(learned: CrossSituationalLearner) -> float:
     """Share of faces whose own location scores highest when all locations are in view."""
-    scores = [one.score(face, Locations(TABLE)) for face in np.eye(FACES)]
+    scores = [learned.score(face, Locations(TABLE)) for face in np.eye(FACES)]
     return float(np.mean(np.argmax(scores, axis=1) == np.arange(FACES)))
 
 
 def test_it_learns_from_looks_alone():
     """No object is ever reached; every look shows the right object among others."""
-    one, rng = CrossSituationalLearner(LEARNER, FACES), np.random.default_rng(0)
+    learned, rng = CrossSituationalLearner(LEARNER, FACES), np.random.default_rng(0)
     for _ in range(200):
         face, locations = look(rng)
-        one.learn(np.eye(FACES)[face], locations)
-    assert right(one) == 1
+        learned.learn(np.eye(FACES)[face], locations)
+    assert right(learned) == 1
     for face, location in zip(np.eye(FACES), TABLE, strict=True):
-        assert off_centre(one.predict(face), location) < 1.5
-    assert "looks at the face" in repr(one)
+        assert off_centre(learned.predict(face), location) < 1.5
+    assert "looks at the face" in repr(learned)
 
 
-def bystander(one: CrossSituationalLearner) -> float:
+def bystander(learned: CrossSituationalLearner) -> float:
     """One object lies still, in view with every face; the others come and go. Share right with it among them."""
     still, rng = np.array([[0.0, -25.0]]), np.random.default_rng(1)
     for _ in range(300):
         face = int(rng.integers(FACES))
         own = TABLE[face : face + 1] if rng.random() < 0.7 else TABLE[rng.integers(FACES, size=1)]
-        one.learn(np.eye(FACES)[face], Locations(np.vstack([still, own])))
-    scores = [one.score(face, Locations(np.vstack([TABLE, still]))) for face in np.eye(FACES)]
+        learned.learn(np.eye(FACES)[face], Locations(np.vstack([still, own])))
+    scores = [learned.score(face, Locations(np.vstack([TABLE, still]))) for face in np.eye(FACES)]
     return float(np.mean(np.argmax(scores, axis=1) == np.arange(FACES)))
 
 
@@ -61,15 +61,15 @@ def test_the_base_rate_takes_what_comes_with_every_face():
 
 def test_evidence_is_the_pointwise_mutual_information():
     """Counted by hand: in three looks of four with face 0 something lay at location 0, in four of eight altogether."""
-    one = learner(pairs="in_view", base="in_view", smoothing=1e-6, tuning_deg=0.1, units=(9, 5))
+    learned = learner(pairs="in_view", base="in_view", smoothing=1e-6, tuning_deg=0.1, units=(9, 5))
     pans, tilts = np.linspace(-25, 25, 9), np.linspace(-30, 0, 5)
     here, there = [pans[2], tilts[1]], [pans[6], tilts[3]]
     for face, location in [(0, here)] * 3 + [(0, there)] + [(1, here)] + [(1, there)] * 3:
-        one.learn(np.eye(FACES)[face], Locations(np.array([location])))
-    evidence = one.score(np.eye(FACES)[0], Locations(np.array([here, there])))
+        learned.learn(np.eye(FACES)[face], Locations(np.array([location])))
+    evidence = learned.score(np.eye(FACES)[0], Locations(np.array([here, there])))
     np.testing.assert_allclose(evidence, np.log([(3 / 4) / (4 / 8), (1 / 4) / (4 / 8)]), atol=1e-5)
     without = learner(pairs="in_view", smoothing=1e-6, tuning_deg=0.1, units=(9, 5))
-    without.load(one.weights())
+    without.load(learned.weights())
     np.testing.assert_allclose(
         without.score(np.eye(FACES)[0], Locations(np.array([here, there]))), np.log([3 / 4, 1 / 4]), atol=1e-5
     )
@@ -78,13 +78,13 @@ def test_evidence_is_the_pointwise_mutual_information():
 def test_in_competition_the_better_object_counts_for_more():
     def shares(**options) -> np.ndarray:
         """What two objects in view add to the counts of a face of whom one of them is known."""
-        one = learner(pairs="in_view", base="in_view", tuning_deg=0.1, **options)
+        learned = learner(pairs="in_view", base="in_view", tuning_deg=0.1, **options)
         for _ in range(12):
-            one.learn(np.eye(FACES)[0], Locations(TABLE[:1]))
-            one.learn(np.eye(FACES)[1], Locations(TABLE[1:2]))
-        before = one.weights()
-        one.learn(np.eye(FACES)[0], Locations(TABLE[:2]))
-        added = (one.weights() - before)[0, :-1].reshape(21, 11)
+            learned.learn(np.eye(FACES)[0], Locations(TABLE[:1]))
+            learned.learn(np.eye(FACES)[1], Locations(TABLE[1:2]))
+        before = learned.weights()
+        learned.learn(np.eye(FACES)[0], Locations(TABLE[:2]))
+        added = (learned.weights() - before)[0, :-1].reshape(21, 11)
         left = added[:6].sum()
         return np.array([left, added.sum() - left])
 
@@ -95,21 +95,21 @@ def test_in_competition_the_better_object_counts_for_more():
 
 
 def test_forgetting():
-    one = learner(pairs="in_view", base="in_view", forgetting=0.5)
+    learned = learner(pairs="in_view", base="in_view", forgetting=0.5)
     for _ in range(30):
-        one.learn(np.eye(FACES)[0], Locations(TABLE[:1]))
-    assert one.weights()[-1, -1] == pytest.approx(2)  # 1 + 1/2 + 1/4 and so on
+        learned.learn(np.eye(FACES)[0], Locations(TABLE[:1]))
+    assert learned.weights()[-1, -1] == pytest.approx(2)  # 1 + 1/2 + 1/4 and so on
 
 
 def test_pairs_reached_counts_the_object_reached():
     """Others in view count for the base rate, and compete for the weight of the pair."""
-    one = learner(base="in_view")
-    one.learn(np.eye(FACES)[0], Locations(TABLE, TABLE[2]))
-    one.learn(np.eye(FACES)[0], Locations(TABLE))  # nothing reached
-    counts = one.weights()
+    learned = learner(base="in_view")
+    learned.learn(np.eye(FACES)[0], Locations(TABLE, TABLE[2]))
+    learned.learn(np.eye(FACES)[0], Locations(TABLE))  # nothing reached
+    counts = learned.weights()
     assert counts[0, :-1].sum() == pytest.approx(1) and counts[0, -1] == 1
     assert counts[-1, -1] == 2
-    assert np.argmax(one.score(np.eye(FACES)[0], Locations(TABLE))) == 2
+    assert np.argmax(learned.score(np.eye(FACES)[0], Locations(TABLE))) == 2
     rival = learner(base="in_view", competition=1.0, compete_after=0)
     rival.load(counts)
     rival.learn(np.eye(FACES)[0], Locations(TABLE, TABLE[1]))
@@ -118,32 +118,32 @@ def test_pairs_reached_counts_the_object_reached():
 
 @pytest.mark.parametrize("config", [LEARNER, LearnerConfig(code="cross_situational", forgetting=0.1)])
 def test_without_objects_nothing_is_learned_and_nothing_forgotten(config):
-    one = CrossSituationalLearner(config, FACES)
-    one.learn(np.eye(FACES)[0], Locations(TABLE[:1], TABLE[0]))
-    before = one.weights()
-    one.learn(np.eye(FACES)[0], Locations(np.zeros((0, 2))))
-    np.testing.assert_array_equal(one.weights(), before)
+    learned = CrossSituationalLearner(config, FACES)
+    learned.learn(np.eye(FACES)[0], Locations(TABLE[:1], TABLE[0]))
+    before = learned.weights()
+    learned.learn(np.eye(FACES)[0], Locations(np.zeros((0, 2))))
+    np.testing.assert_array_equal(learned.weights(), before)
 
 
 def test_what_lies_beyond_the_units_counts_for_the_nearest():
     """However far, and however narrow the bumps."""
-    one = learner(pairs="in_view", tuning_deg=0.01)
-    one.learn(np.eye(FACES)[0], Locations(np.array([[170.0, 80.0]])))
-    assert np.isfinite(one.weights()).all()
-    np.testing.assert_allclose(one.predict(np.eye(FACES)[0]), [25, 0], atol=1.5)
+    learned = learner(pairs="in_view", tuning_deg=0.01)
+    learned.learn(np.eye(FACES)[0], Locations(np.array([[170.0, 80.0]])))
+    assert np.isfinite(learned.weights()).all()
+    np.testing.assert_allclose(learned.predict(np.eye(FACES)[0]), [25, 0], atol=1.5)
 
 
 def test_counts_of_another_kind():
-    one = learner()
+    learned = learner()
     with pytest.raises(ConfigError, match="counts, 0 or more"):
-        one.load(one.weights() - 1)
+        learned.load(learned.weights() - 1)
 
 
 def test_through_a_checkpoint(tmp_path):
-    one = CrossSituationalLearner(LEARNER, FACES)
-    one.learn(np.eye(FACES)[0], Locations(TABLE))
-    save(tmp_path / "c", one, {})
+    learned = CrossSituationalLearner(LEARNER, FACES)
+    learned.learn(np.eye(FACES)[0], Locations(TABLE))
+    save(tmp_path / "c", learned, {})
     again = load(tmp_path / "c", {})
-    for each in (one, again):
+    for each in (learned, again):
         each.learn(np.eye(FACES)[1], Locations(TABLE))
-    np.testing.assert_array_equal(again.weights(), one.weights())
+    np.testing.assert_array_equal(again.weights(), learned.weights())

@@ -54,6 +54,16 @@ def test_a_shift_ends_at_its_aim(start, end, frames):
     assert ((path >= low) & (path <= high)).all()
 
 
+def test_a_shift_goes_on_from_every_frame():
+    """Also while its end is held for a head that still moves."""
+    shift = HeadShift(np.zeros(2), np.array([20.0, -10.0]), 5)
+    for _ in range(8):
+        copy = HeadShift.__new__(HeadShift)
+        copy.__setstate__(vars(shift))
+        assert np.array_equal(copy.next_reference(), shift.next_reference())
+        assert copy.commanded == shift.commanded
+
+
 def test_a_shift_is_minimum_jerk():
     """Halfway at half time, and 15/8 of the mean speed there."""
     shift = HeadShift(np.zeros(2), np.array([26.0, -13.0]), 26)

@@ -76,8 +76,8 @@ ROWS = [row(), row(shift(source=None, by_learner=True), target=None), row(judged
 
 def store(rows: list[ShiftRow]) -> Shifts:
     shifts = Shifts(NAMES)
-    for one in rows:
-        shifts.append(one)
+    for shift in rows:
+        shifts.append(shift)
     return shifts
 
 

@@ -36,14 +36,14 @@ def test_off_is_the_same_session():
 
 
 def test_a_seed_decides_the_world_which_then_stays():
-    one, same, other = (VariedSessionRun(replace(VARIED, seed=seed)) for seed in (4, 4, 5))
-    assert one.world.config == same.world.config != other.world.config
-    assert one.world.conditions == same.world.conditions != other.world.conditions
-    before = one.world.conditions
-    one.begin()
-    one.step()
-    assert one.world.conditions is before
-    for session in (one, same, other):
+    first, same, second = (VariedSessionRun(replace(VARIED, seed=seed)) for seed in (4, 4, 5))
+    assert first.world.config == same.world.config != second.world.config
+    assert first.world.conditions == same.world.conditions != second.world.conditions
+    before = first.world.conditions
+    first.begin()
+    first.step()
+    assert first.world.conditions is before
+    for session in (first, same, second):
         session.close()
 
 

@@ -95,7 +95,7 @@ class TestRoundTrip:
         assert type(loaded["ours"][3]) is Event and loaded["ours"][2] is CONFIG
         assert loaded["containers"][0].maxlen == 3
         assert again.random() == generator.random()
-        children = [one.bit_generator.seed_seq.spawn(1)[0].generate_state(2).tolist() for one in (again, generator)]
+        children = [rng.bit_generator.seed_seq.spawn(1)[0].generate_state(2).tolist() for rng in (again, generator)]
         assert children[0] == children[1]
 
     @pytest.mark.parametrize(
@@ -162,9 +162,9 @@ class TestRoundTrip:
         again = load(tmp_path / "c", CONFIG, kind=SessionRun)
         save(tmp_path / "again", again, CONFIG)
         assert (tmp_path / "c").read_bytes() == (tmp_path / "again").read_bytes()
-        for one in (session, again):
+        for each in (session, again):
             for _ in range(200):
-                one.step()
+                each.step()
         save(tmp_path / "c", session, CONFIG)
         save(tmp_path / "again", again, CONFIG)
         assert (tmp_path / "c").read_bytes() == (tmp_path / "again").read_bytes()

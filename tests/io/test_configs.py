@@ -82,7 +82,7 @@ def test_fields_of_the_last_version(kind, world, said, tmp_path):
     path.write_text(re.sub(r"stop_rule: confidence", "rule: certain", old))
     with pytest.warns(RenamedWarning) as caught:
         assert read_config(path, kind) == config
-    warned = [str(one.message).removesuffix(GOES) for one in caught]
+    warned = [str(warning.message).removesuffix(GOES) for warning in caught]
     names = "mode is left out", "mind is now called agent"
     deeper = "agent.detector.rule is now called agent.detector.stop_rule"
     choice = "agent.detector.stop_rule 'certain' is now called 'confidence'"

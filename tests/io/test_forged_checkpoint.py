@@ -11,8 +11,8 @@ import pytest
 from jointattn_mj.errors import CheckpointError, ConfigError, JointAttnError
 from jointattn_mj.gaze_following.run import SessionOptions, run_session
 from jointattn_mj.gaze_following.session import SessionRun
-from jointattn_mj.guards.fitting import check_fits
 from jointattn_mj.io.checkpoint import gone_on_with, save
+from jointattn_mj.io.fitting import check_fits
 from tests.io.test_checkpoint import CONFIG, members_of, sealed
 
 PLACES = ("visible", "x_px", "iterations")
@@ -58,7 +58,7 @@ def test_names_of_a_table_are_those_of_a_new_session(members, tmp_path, word):
 )
 def test_what_is_missing_is_named(members, tmp_path, kind, attribute):
     state = json.loads(members["state.json"])
-    entry = next(one for one in state["entries"] if one[0] == "object" and one[1].endswith(f".{kind}"))
+    entry = next(part for part in state["entries"] if part[0] == "object" and part[1].endswith(f".{kind}"))
     place = entry.index(attribute)
     del entry[place : place + 2]
     with pytest.raises(CheckpointError, match=f"has no {attribute}"):
@@ -69,7 +69,7 @@ def test_weights_of_another_robot(members, tmp_path):
     """One array in the place of another."""
     state = json.loads(members["state.json"])
     learner, som = (
-        next(one for one in state["entries"] if one[0] == "object" and one[1].endswith(f".{kind}"))
+        next(part for part in state["entries"] if part[0] == "object" and part[1].endswith(f".{kind}"))
         for kind in ("PopulationLearner", "SOM")
     )
     learner[learner.index("_weights") + 1] = som[som.index("weights") + 1]
@@ -103,7 +103,7 @@ def test_changed_anywhere(members, tmp_path):
     for number in range(150):
         draw = random.Random(number)
         state = json.loads(members["state.json"])
-        entry = draw.choice([one for one in state["entries"] if len(one) > 1])
+        entry = draw.choice([part for part in state["entries"] if len(part) > 1])
         entry[draw.randrange(len(entry))] = draw.choice([None, True, -1, 0, 300, 2**63, 1e308, -1.5, "", "x", [0], [9]])
         out = tmp_path / str(number)
         try:

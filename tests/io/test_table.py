@@ -23,14 +23,14 @@ def table() -> Table:
 
 
 def test_columns_are_numpy_arrays():
-    one = table()
-    assert np.isnan(one["time_s"]).tolist() == [False, True, True]
-    assert one["name"].tolist() == ["red", "face", None]
-    assert one["success"].tolist() == [True, None, False]
-    assert one["n"].dtype == np.int64
-    assert one.columns == tuple(one) == tuple(COLUMNS)
-    assert len(one) == 3
-    assert "n" in one and "m" not in one
+    first = table()
+    assert np.isnan(first["time_s"]).tolist() == [False, True, True]
+    assert first["name"].tolist() == ["red", "face", None]
+    assert first["success"].tolist() == [True, None, False]
+    assert first["n"].dtype == np.int64
+    assert first.columns == tuple(first) == tuple(COLUMNS)
+    assert len(first) == 3
+    assert "n" in first and "m" not in first
 
 
 def test_an_unknown_column_is_named_with_the_nearest_known_one():

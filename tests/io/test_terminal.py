@@ -3,6 +3,7 @@
 import io
 import os
 import signal
+import subprocess
 import sys
 import time
 
@@ -57,15 +58,15 @@ class TestStops:
         """The first one is KeyboardInterrupt; one more during the orderly end ends the process."""
         ended = []
         monkeypatch.setattr(os, "_exit", ended.append)
-        kept = {one: signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+        kept = {stop: signal.getsignal(stop) for stop in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
         try:
             with pytest.raises(KeyboardInterrupt), stopped_like_ctrl_c():
                 os.kill(os.getpid(), number)
             os.kill(os.getpid(), number)
             assert ended == [130]
         finally:
-            for one, handler in kept.items():
-                signal.signal(one, handler)
+            for stop, handler in kept.items():
+                signal.signal(stop, handler)
 
     def test_what_is_ignored_stays_ignored(self):
         """nohup starts a program so."""
@@ -96,3 +97,19 @@ def test_an_interruption_that_python_discards_comes_again(number):
         Finalised()
         time.sleep(30)
     assert sys.unraisablehook is hook
+
+
+def test_an_interruption_in_code_from_text_ends_like_another(tmp_path):
+    """As in a dataclass that is being made; ``python -m`` would end by the signal after it."""
+    (tmp_path / "program.py").write_text(
+        "import sys\n"
+        "from jointattn_mj.io.terminal import INTERRUPTED, stopped_like_ctrl_c\n"
+        "try:\n"
+        "    with stopped_like_ctrl_c():\n"
+        "        exec('raise KeyboardInterrupt')\n"
+        "except KeyboardInterrupt:\n"
+        "    sys.exit(INTERRUPTED)\n"
+    )
+    program = [sys.executable, "-m", "program"]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    assert subprocess.run(program, env=environment).returncode == 130

@@ -34,15 +34,15 @@ def test_same_as_one_by_one(height, width):
     tensor = torch.as_tensor(made)
     found, gray, visible = BatchedColourAreas(RGB).find(tensor), batched_gray(tensor).numpy(), []
     for number, image in enumerate(made):
-        own, (its_gray, one) = found.of(number), alone.segment(image)
+        own, (its_gray, labels) = found.of(number), alone.segment(image)
         assert np.array_equal(gray[number], its_gray)
         for name in ("visible", "area", "px", "box"):
-            assert np.array_equal(getattr(own, name), getattr(one, name), equal_nan=name == "px"), (number, name)
-            assert getattr(own, name).dtype == getattr(one, name).dtype
-        there = one.area > 0  # a window says nothing of a colour without a cluster
-        assert np.array_equal(own.mask[there], one.mask[there])
-        assert np.array_equal(own.corner[there], one.corner[there])
-        visible += one.visible.tolist()
+            assert np.array_equal(getattr(own, name), getattr(labels, name), equal_nan=name == "px"), (number, name)
+            assert getattr(own, name).dtype == getattr(labels, name).dtype
+        there = labels.area > 0  # a window says nothing of a colour without a cluster
+        assert np.array_equal(own.mask[there], labels.mask[there])
+        assert np.array_equal(own.corner[there], labels.corner[there])
+        visible += labels.visible.tolist()
     assert 0.2 < np.mean(visible) < 0.95  # neither all nor none
 
 

@@ -1,6 +1,7 @@
 """The harnesses of ``tools.reliability`` tell the truth: what is lost, refused badly or taken in silence is found."""
 
 import random
+import signal
 import sys
 from pathlib import Path
 
@@ -56,9 +57,9 @@ def toy(tmp_path):
     return lambda name: Subject(name, name, program=(sys.executable, str(script)))
 
 
-def trials(subject: Subject, folder: Path, number: int = 6) -> list[kills.KillTrial]:
+def trials(subject: Subject, folder: Path, number: int = 6, by: int = signal.SIGKILL) -> list[kills.KillTrial]:
     peace = kills.reference(subject, folder / "peace", {})
-    return [kills.kill_until_done(subject, seed, peace, folder / str(seed), {}) for seed in range(number)]
+    return [kills.kill_until_done(subject, seed, peace, folder / str(seed), {}, by) for seed in range(number)]
 
 
 @pytest.fixture
@@ -83,6 +84,14 @@ def test_a_run_that_loses_something_is_found_out(toy, anywhere, tmp_path):
     assert row["bytes of difference"] > 0 and found["wrong"]
 
 
+def test_a_run_that_ends_wrongly_when_it_is_stopped_is_found_out(toy, anywhere, tmp_path):
+    silent = toy("silent")
+    script = Path(silent.program[1])
+    script.write_text(f"import signal\nsignal.signal(signal.SIGINT, lambda *_: sys.exit(1))\n{TOY}")
+    found = trials(silent, tmp_path, by=signal.SIGINT)
+    assert any(trial.trouble.startswith("ended with 1 when it was stopped") for trial in found)
+
+
 def test_two_in_one_folder(toy, tmp_path):
     careless = toy("careless")
     alone = (kills.reference(careless, tmp_path / "alone", {}),) * 2
@@ -97,10 +106,10 @@ def test_folders_are_compared_to_the_byte_but_for_time(tmp_path):
         (tmp_path / name / "a.txt").write_text(text)
         (tmp_path / name / "s.json").write_text(f'{{"x": [{{"wall_seconds": {seconds}}}]}}')
         (tmp_path / name / "checkpoint.bin").write_text(name)
-    one, other = contents(tmp_path / "one"), contents(tmp_path / "other")
-    assert differences(one, other) == {"a.txt": 1}
+    first, second = contents(tmp_path / "one"), contents(tmp_path / "other")
+    assert differences(first, second) == {"a.txt": 1}
     (tmp_path / "one" / ".left.12.bin").touch()
-    assert differences(contents(tmp_path / "one"), other) == {"a.txt": 1, ".left.12.bin": 1}
+    assert differences(contents(tmp_path / "one"), second) == {"a.txt": 1, ".left.12.bin": 1}
 
 
 @pytest.mark.parametrize(
@@ -165,16 +174,16 @@ def test_inputs_are_the_same_for_a_seed(listed, monkeypatch, tmp_path):
         lambda chance: [*calls.inputs(chance, 50)],
         lambda chance: [*tables.inputs(chance, 40, tmp_path)],
     ):
-        one, other = ([given.what for given in make(random.Random(3))] for _ in range(2))
-        assert one == other and len(one) >= 40
+        first, second = ([given.what for given in make(random.Random(3))] for _ in range(2))
+        assert first == second and len(first) >= 40
     commands = {given.arguments[0] for given in options.inputs(None, random.Random(0), 100, tmp_path, {})}
     assert commands == {base.command.split()[0] for base in options.BASES}
 
 
 def test_failures_of_one_cause_are_counted_together():
     given = [Input("tables", f"number {n}", result=refused) for n in range(3)]
-    failures = [verdict(one, Outcome(1, "", f"Traceback (most recent call last):\nValueError: row {n}"))
-                for n, one in enumerate(given)]  # fmt: skip
+    failures = [verdict(case, Outcome(1, "", f"Traceback (most recent call last):\nValueError: row {n}"))
+                for n, case in enumerate(given)]  # fmt: skip
     found = summary(given, failures)
     assert found["rows"][0]["tried"] == found["rows"][0]["traceback"] == 3
     assert [cause["times"] for cause in found["wrong"]] == [3]

@@ -22,7 +22,7 @@ def coded(tmp_path_factory):
     for name in ("1", "2", "3", "4"):
         onset, last = 0.0, ""
         while onset < 60:
-            code = rng.choice([one for one in ("cup", "ball", "face") if one != last])
+            code = rng.choice([code for code in ("cup", "ball", "face") if code != last])
             offset = onset + round(float(rng.uniform(1.5, 4)), 1)
             rows.append(("mother", code, onset, offset, name))
             rows.append(
@@ -54,9 +54,9 @@ def test_transitions(jointattn, coded, tmp_path):
     assert (row["recordings"], row["positive"]) == (4, 4)
     values = []
     for i in range(4):
-        one = steps.columns["mother"][i], steps.columns["infant"][i]
+        pair = steps.columns["mother"][i], steps.columns["infant"][i]
         cup = [steps.labels[name].index("cup") for name in ("mother", "infant")]
-        given, target = one[0][:-2] == cup[0], one[1][2:] == cup[1]
+        given, target = pair[0][:-2] == cup[0], pair[1][2:] == cup[1]
         a, b, c, d = ((x & y).sum() for x in (given, ~given) for y in (target, ~target))
         values.append((a * d - b * c) / (a * d + b * c))
     assert row["q_mean"] == pytest.approx(np.mean(values))

@@ -26,7 +26,7 @@ def coding(tmp_path_factory):
         table = csv.writer(file)
         table.writerow(["dyad", "age", "mother", "infant", "day"])
         for i in range(6):
-            mother, infant = (one[:1500] for one in dyad(np.random.default_rng(i), 1, 0.8 * (i % 2)))
+            mother, infant = (series[:1500] for series in dyad(np.random.default_rng(i), 1, 0.8 * (i % 2)))
             table.writerows(
                 (f"d{i}", (6, 12)[i % 2], m, b, t % 2) for t, (m, b) in enumerate(zip(mother, infant, strict=True))
             )
@@ -36,22 +36,22 @@ def coding(tmp_path_factory):
 def test_split_keeps_recordings_whole():
     parts = [[0, 1, 2], [1, 0], [2, 2, 1, 0]]
     given = steps(parts, parts, groups=[4, 4, 7])
-    (first, one), (second, other) = split(given)
-    assert (first, second, one.transitions, other.transitions) == (4, 7, 3, 3)
-    assert one.columns()[0].tolist() == [0, 1, 1]
+    (first, own), (second, other) = split(given)
+    assert (first, second, own.transitions, other.transitions) == (4, 7, 3, 3)
+    assert own.columns()[0].tolist() == [0, 1, 1]
     assert TRANSFER.value(other.entries()) == pytest.approx(c.transfer_entropy(parts[2], parts[2]) * np.log(2))
 
 
 def test_values_of_dyads_are_their_own():
     pairs = [dyad(np.random.default_rng(i), 1, 0.8) for i in range(4)]
-    mothers, infants = ([one[:1000] for one in side] for side in zip(*pairs, strict=True))
+    mothers, infants = ([series[:1000] for series in side] for side in zip(*pairs, strict=True))
     names = {i: f"d{i}" for i in range(4)}
     found = by_dyad(steps(mothers, infants), TRANSFER, names, FEW, np.log(2), np.random.SeedSequence(0))
     assert found.names == ("d0", "d1", "d2", "d3")
     for value, mother, infant in zip(found.values, mothers, infants, strict=True):
         assert value.value == pytest.approx(c.transfer_entropy(mother, infant))
     (whole,) = found.groups
-    effective = [one.corrected for one in found.values]
+    effective = [value.corrected for value in found.values]
     assert whole.mean == pytest.approx(np.mean(effective))
     assert whole.interval[0] < whole.mean < whole.interval[1]
     assert len(found.rows()) == 4
@@ -85,12 +85,12 @@ def test_interval_and_p_of_dyads_agree():
 def test_lags_over_dyads():
     """Means of the dyads' own curves, and of their surrogates'."""
     pairs = [dyad(np.random.default_rng(i), 1, 0.9) for i in range(4)]
-    mothers, infants = ([one[:1500] for one in side] for side in zip(*pairs, strict=True))
+    mothers, infants = ([series[:1500] for series in side] for side in zip(*pairs, strict=True))
     scan = scan_over_dyads(
         steps(mothers, infants), TRANSFER, range(1, 13), c.Timing(), FEW, np.log(2), np.random.SeedSequence(0)
     )
     alone = [c.scan_lags("te", *pair, lags=range(1, 13), options=FEW) for pair in zip(mothers, infants, strict=True)]
-    assert np.allclose(scan.value, np.mean([one.value for one in alone], 0))
+    assert np.allclose(scan.value, np.mean([scan.value for scan in alone], 0))
     assert scan.recordings == 4
     assert (scan.p_adjusted >= scan.p).all()
     assert 4 <= scan.lags[scan.best] <= 12

@@ -336,9 +336,9 @@ class TestTables:
 
     def test_several_sheets(self, write):
         header = ("recording", "tier", "onset", "offset", "code")
-        one, two = [header, ("d1", "a", 0.0, 1.5, "x")], [header, ("d2", "a", 0.0, 1.5, "y")]
-        assert recordings.read(write(workbook(one, two))).events.recordings == ("d1", "d2")
-        path = write(workbook(one, [("what", "else")]))
+        first, second = [header, ("d1", "a", 0.0, 1.5, "x")], [header, ("d2", "a", 0.0, 1.5, "y")]
+        assert recordings.read(write(workbook(first, second))).events.recordings == ("d1", "d2")
+        path = write(workbook(first, [("what", "else")]))
         with pytest.raises(SeriesError, match=r"several sheets.*`sheet='Sheet1'`"):
             _ = recordings.read(path).events
         assert recordings.read(path, sheet="Sheet1").events.recordings == ("d1",)

@@ -24,8 +24,8 @@ def events(rows=LOOKS, **more):
 
 
 def rows(found, tier):
-    one = intervals_of(found.events, found.events.recordings[0], tier)
-    return list(zip(one.code, one.onset, one.offset, strict=True))
+    intervals = intervals_of(found.events, found.events.recordings[0], tier)
+    return list(zip(intervals.code, intervals.onset, intervals.offset, strict=True))
 
 
 class TestJointAttention:
@@ -42,7 +42,7 @@ class TestJointAttention:
 
     def test_latencies_and_chances(self):
         found = joint_attention(events())
-        chances = [(one.follower, one.target, one.latency) for one in found.opportunities]
+        chances = [(chance.follower, chance.target, chance.latency) for chance in found.opportunities]
         assert chances[:2] == [("infant", "cup", 1.5), ("infant", "door", pytest.approx(float("nan"), nan_ok=True))]
         row = found.rows()[0]
         assert (row["infant could follow"], row["infant follows"], row["infant, median latency (s)"]) == (2, 1, 1.5)
@@ -106,12 +106,12 @@ class TestAgreement:
             times = np.append(0, np.cumsum(rng.uniform(0.4, 2, 60)))
             coders.append(events([("gaze", "abc"[rng.integers(3)], a, b) for a, b in pairwise(times)]))
         options = AgreementOptions(step=0.1, tolerance_s=0.5)
-        (one,), (other,) = agreement(*coders, options=options), agreement(*coders[::-1], options=options)
-        assert one.kappa == pytest.approx(other.kappa)
-        assert one.outside_s == pytest.approx(other.outside_s)
-        assert one.outside_s > 0
-        assert one.interval[0] < one.kappa < one.interval[1]
-        assert one.row()["kappa"] == one.kappa
+        (forward,), (backward,) = agreement(*coders, options=options), agreement(*coders[::-1], options=options)
+        assert forward.kappa == pytest.approx(backward.kappa)
+        assert forward.outside_s == pytest.approx(backward.outside_s)
+        assert forward.outside_s > 0
+        assert forward.interval[0] < forward.kappa < forward.interval[1]
+        assert forward.row()["kappa"] == forward.kappa
 
     def test_what_cannot_be_compared(self):
         first = events([("gaze", "face", 0, 10)])

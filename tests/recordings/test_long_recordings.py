@@ -58,9 +58,9 @@ def test_ten_million_steps_of_six_tiers(tmp_path: Path) -> None:
     found = measured(*words)
     assert found["cpu_s"] < 60  # of two cores; the time itself depends on what else runs
     assert found["peak_gb"] < 2
-    each = [measured("measure", path, "--source", one, "--target", TIERS[1]) for one in TIERS if one != TIERS[1]]
-    assert sum(one["cpu_s"] for one in each) < 60
-    assert max(one["peak_gb"] for one in each) < 2
+    each = [measured("measure", path, "--source", tier, "--target", TIERS[1]) for tier in TIERS if tier != TIERS[1]]
+    assert sum(command["cpu_s"] for command in each) < 60
+    assert max(command["peak_gb"] for command in each) < 2
 
 
 @pytest.mark.slow
@@ -69,8 +69,8 @@ def test_forty_dyads_and_thirty_lags(tmp_path: Path) -> None:
     path = tmp_path / "dyads.csv"
     lines = ["dyad,mother,infant"]
     for i in range(40):
-        one, other = (np.resize(side, 6000) for side in dyad(np.random.default_rng(i), 1))
-        lines += [f"d{i},{a},{b}" for a, b in zip(one, other, strict=True)]
+        own, partner = (np.resize(side, 6000) for side in dyad(np.random.default_rng(i), 1))
+        lines += [f"d{i},{a},{b}" for a, b in zip(own, partner, strict=True)]
     path.write_text("\n".join(lines) + "\n")
     words = ("measure", path, "--source", "mother", "--target", "infant", "--recording", "dyad", "--scan", 30)
     measured(*words, "--surrogates", 2, "--resamples", 2)

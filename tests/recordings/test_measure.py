@@ -56,11 +56,11 @@ class TestMeasure:
         few = {"source": ("gaze",), "target": ("object",), "surrogates": 199, "resamples": 30}
         every = run_measure(MeasureOptions(coding, condition=("turn",), **few))
         some = run_measure(MeasureOptions(coding, condition=("turn",), measures=("transfer_entropy", "SAC"), **few))
-        assert [one.name for one in every.measured] == ["SAC", "T^C", "TE(s -> r)", "I(s; r')", "I(s; r' | a)"]
+        assert [value.name for value in every.measured] == ["SAC", "T^C", "TE(s -> r)", "I(s; r')", "I(s; r' | a)"]
         assert some.measured == (every.measured[0], every.measured[2])  # chance of their own, whatever else is measured
         assert math.isnan(some.granger) and "Granger" not in some.text()
         assert repr(some).startswith("MeasureResult(gaze -> object | turn: 1999 steps in 1 recording, bits; SAC 0.19")
-        assert max(len(repr(one)) for one in (some, *some.measured, *some.measured[0].values)) <= 120
+        assert max(len(repr(shown)) for shown in (some, *some.measured, *some.measured[0].values)) <= 120
         with pytest.raises(ConfigError, match=r"`measures` names T\^C, which needs a `condition`"):
             MeasureOptions(coding, measures=("tc",), **few)
         with pytest.raises(ConfigError, match=r"need one of .*transfer_entropy among `measures`"):

@@ -235,7 +235,7 @@ def test_missing_codes_in_parquet(tmp_path):
 def test_names_of_recordings_may_look_like_numbers(write):
     """An id is a name: the same ones as text give the same."""
     ids, text = ("12.1", "12.2", "13.1", "13.10"), "who,a,b\n"
-    rows = [(one, step % 2, step % 3) for one in ids for step in range(4)]
+    rows = [(name, step % 2, step % 3) for name in ids for step in range(4)]
     data = read_recordings(write(text + "".join(f"{i},{a},{b}\n" for i, a, b in rows)), ["a", "b"], recording="who")
     named = read_recordings(write(text + "".join(f"d{i},{a},{b}\n" for i, a, b in rows)), ["a", "b"], recording="who")
     assert (data.transitions, len(set(data.groups))) == (12, 4)
@@ -253,7 +253,7 @@ def test_names_of_recordings_may_look_like_numbers(write):
     ],
 )
 def test_numbers_with_a_comma_are_numbers(write, written, labels):
-    path = write("a;b\n" + "".join(f"{one};1\n" for one in written))
+    path = write("a;b\n" + "".join(f"{text};1\n" for text in written))
     assert read_recordings(path, ["a"]).labels["a"] == labels
 
 
@@ -340,9 +340,9 @@ def test_columns_by_the_names_that_they_had(write):
 
 def test_names_of_columns(write):
     path = write("mother,infant\na,b\nb,a\na,a\n")
-    one = read_recordings(path, "mother")
-    assert list(one.columns) == ["mother"]
-    assert repr(one) == "Recordings(3 rows, 1 recording, 1 column: mother)"
+    single = read_recordings(path, "mother")
+    assert list(single.columns) == ["mother"]
+    assert repr(single) == "Recordings(3 rows, 1 recording, 1 column: mother)"
     for wrong in ([], "", [3]):
         with pytest.raises(SeriesError, match="column"):
             read_recordings(path, wrong)

@@ -65,14 +65,14 @@ def test_the_page_is_one_file_with_all_parts(report, codings):
 def test_values_are_those_of_the_measures(report, codings):
     coded = recordings.read(codings / "first")
     alone = coded.measure("mother", "infant", step=0.5, lag="0.5s", surrogates=60, resamples=20, measures=["te"])
-    (row,) = [one for one in report.ranking() if (one["source"], one["target"]) == ("mother", "infant")]
+    (row,) = [row for row in report.ranking() if (row["source"], row["target"]) == ("mother", "infant")]
     assert row["effective"] == alone.dyads[0].groups[0].mean > 0.1
     assert row["all_steps"] == alone.rows()[0]["effective"]
     assert report.attention.rows() == joint_attention(coded.events).rows()
     second = recordings.read(codings / "second").events
     options = AgreementOptions(step=0.5, resamples=20)
-    assert [one.row() for one in report.agreements] == [
-        one.row() for one in agreement(coded.events, second, None, options)
+    assert [compared.row() for compared in report.agreements] == [
+        compared.row() for compared in agreement(coded.events, second, None, options)
     ]
 
 
@@ -106,7 +106,8 @@ def test_how_p_came_about_is_said_once(report):
 def test_a_timeline_draws_only_what_is_in_its_rows():
     n = 3000
     onsets = [float(i) for i in range(n)]
-    looks = Events.of(["infant"] * n + ["mother"] * n, ["face", "cup"] * n, onsets * 2, [one + 1 for one in onsets] * 2)
+    offsets = [onset + 1 for onset in onsets]
+    looks = Events.of(["infant"] * n + ["mother"] * n, ["face", "cup"] * n, onsets * 2, offsets * 2)
     figure = timeline(joint_attention(looks), looks.tier_names, looks.recordings[0], 1.0, {})
     assert len(figure.axes) == 60
     drawn = sum(len(of.get_paths()) for axes in figure.axes for of in axes.collections)
@@ -124,7 +125,7 @@ def test_events_are_ranked_by_sac(report, codings):
     )
     (row,) = [row for row in (first, second) if row["result"] == "shared attention"]
     assert row["effective"] == alone.dyads[0].groups[0].mean
-    assert sum(one["contribution"] for one in report.tables()["sac_values"]) > 0
+    assert sum(value["contribution"] for value in report.tables()["sac_values"]) > 0
 
 
 def test_tables_lie_beside_it(report, codings):
@@ -141,8 +142,8 @@ def test_tables_lie_beside_it(report, codings):
 def test_the_paragraph_has_every_number_of_the_settings(report):
     said = report.methods()
     assert "steps of 0.5 s" in said and "60 surrogates" in said and "0.5 to 2 s (4 lags)" in said
-    for one in report.agreements:
-        assert f"{one.tier}: {one.kappa:.2f}" in said
+    for compared in report.agreements:
+        assert f"{compared.tier}: {compared.kappa:.2f}" in said
 
 
 def test_the_same_seed_gives_the_same_page(report, codings):

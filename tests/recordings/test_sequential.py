@@ -114,14 +114,14 @@ def test_shifts_hold_where_looks_are_long():
     """Residuals of unrelated partners call too much significant, shifts do not."""
     residual = shift = 0
     for seed in range(30):
-        one, other = dyad(np.random.default_rng(seed), 1.5, 0)
-        both = recordings(("a", "b", "c"), one, infant=[other])
+        own, partner = dyad(np.random.default_rng(seed), 1.5, 0)
+        both = recordings(("a", "b", "c"), own, infant=[partner])
         found = lag_table(both, "who", "infant", SequentialOptions(surrogates=99))
         residual += (found.p <= 0.05).sum()
         shift += (found.p_shift <= 0.05).sum()
     assert residual > 150
     assert shift <= 35
-    one, other = dyad(np.random.default_rng(1), 1, 0.8)
-    found = lag_table(recordings(("a", "b", "c"), one, infant=[other]), "who", "infant", SequentialOptions(lag=9))
+    own, partner = dyad(np.random.default_rng(1), 1, 0.8)
+    found = lag_table(recordings(("a", "b", "c"), own, infant=[partner]), "who", "infant", SequentialOptions(lag=9))
     assert (np.diag(found.p_shift) < 0.01).all()
     assert "p_shift" in found.rows()[0]

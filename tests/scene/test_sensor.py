@@ -104,9 +104,9 @@ def test_a_delay_within_a_step_shows_what_lies_between():
 
 
 def test_noise_does_not_depend_on_who_looked_before():
-    one, other = build(noise=4.0), build(noise=4.0)
+    first, second = build(noise=4.0), build(noise=4.0)
     for _ in range(4):
-        one.image()
-        one.step(TURNED), other.step(TURNED)
-    np.testing.assert_array_equal(one.image(), other.image())
-    one.close(), other.close()
+        first.image()
+        first.step(TURNED), second.step(TURNED)
+    np.testing.assert_array_equal(first.image(), second.image())
+    first.close(), second.close()

@@ -52,8 +52,8 @@ def flat(ranges: VariationConfig, seed: np.random.SeedSequence = SEED) -> dict:
     return values | {"scene.rgb": [item.rgb for item in objects], "scene.shapes": [item.shape for item in objects]}
 
 
-def different(one: dict, other: dict) -> set[str]:
-    return {name for name in one if one[name] != other[name]}
+def different(before: dict, after: dict) -> set[str]:
+    return {name for name in before if before[name] != after[name]}
 
 
 def still_image(config: WorldConfig, conditions=AS_USUAL) -> np.ndarray:
@@ -113,18 +113,18 @@ def test_draws_keep_to_their_ranges_and_fill_them():
 
 def test_a_draw_leaves_its_seed_as_it_was():
     seed = np.random.SeedSequence(1)
-    one, other, third = flat(WIDE, seed), flat(WIDE, seed), flat(WIDE, np.random.SeedSequence(2))
-    assert one == other != third
+    first, second, third = flat(WIDE, seed), flat(WIDE, seed), flat(WIDE, np.random.SeedSequence(2))
+    assert first == second != third
     assert seed.n_children_spawned == 0
 
 
 def test_objects_that_look_alike_go_on_looking_alike():
     twins = tuple(replace(OBJECTS[0], name=name) for name in ("one", "two"))
     world, _ = drawn(WorldConfig(scene=SceneConfig(objects=(*twins, OBJECTS[2]))), WIDE, SEED)
-    one, two, other = world.scene.objects
-    assert (one.rgb, one.shape) == (two.rgb, two.shape)
-    assert one.rgb != OBJECTS[0].rgb
-    assert other.rgb not in (one.rgb, OBJECTS[2].rgb)
+    red, two, other = world.scene.objects
+    assert (red.rgb, red.shape) == (two.rgb, two.shape)
+    assert red.rgb != OBJECTS[0].rgb
+    assert other.rgb not in (red.rgb, OBJECTS[2].rgb)
 
 
 def test_nothing_to_vary_is_the_world_itself():

@@ -41,8 +41,8 @@ def test_nothing_to_go_by(interval):
 
 
 def test_little_to_go_by():
-    one = mean_interval(np.array([2.5]))
-    assert (one.mean, one.low, one.high, one.n) == (2.5, 2.5, 2.5, 1)
+    single = mean_interval(np.array([2.5]))
+    assert (single.mean, single.low, single.high, single.n) == (2.5, 2.5, 2.5, 1)
     same = mean_interval(np.full(4, 0.1))
     assert (same.low, same.high) == (same.mean, same.mean)
 

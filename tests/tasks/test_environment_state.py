@@ -39,11 +39,12 @@ def future(environment, steps: int = STEPS, seed: int = 0) -> list:
 
 
 def assert_alike(first: list, second: list) -> None:
-    for number, (one, two) in enumerate(zip(first, second, strict=True)):
-        assert (one.step_type, one.reward, one.discount) == (two.step_type, two.reward, two.discount), number
-        assert one.observation.keys() == two.observation.keys()
-        for name, value in one.observation.items():
-            np.testing.assert_array_equal(value, two.observation[name], err_msg=f"{name} of step {number}")
+    for number, (step, other_step) in enumerate(zip(first, second, strict=True)):
+        for name in ("step_type", "reward", "discount"):
+            assert getattr(step, name) == getattr(other_step, name), (number, name)
+        assert step.observation.keys() == other_step.observation.keys()
+        for name, value in step.observation.items():
+            np.testing.assert_array_equal(value, other_step.observation[name], err_msg=f"{name} of step {number}")
 
 
 def assert_plain(value) -> None:

@@ -31,7 +31,8 @@ def watched(environment, seed=0, steps=STEPS):
 
 
 def same(left, right):
-    return all(np.array_equal(one[name], other[name]) for one, other in zip(left, right, strict=True) for name in one)
+    pairs = zip(left, right, strict=True)
+    return all(np.array_equal(step[name], other[name]) for step, other in pairs for name in step)
 
 
 def test_the_face_is_found_where_it_is(environment):

@@ -195,11 +195,11 @@ def test_reward_can_be_seen_from_outside_and_not_by_the_robot():
     for _ in range(120):
         target = lit.task.world.caregiver.target
         action = np.zeros(2) if target is None else np.radians(directions_to(lit.physics.object_positions())[target])
-        one, two = lit.step(action), plain.step(action)
+        bright, dim = lit.step(action), plain.step(action)
         green = np.allclose(lit.physics.named.model.geom_rgba["robot/lens_left"], LENS_LIT)
-        assert green == bool(one.reward)
-        rewarded, colours = rewarded + bool(one.reward), colours + green
-        np.testing.assert_array_equal(one.observation["camera"], two.observation["camera"])
+        assert green == bool(bright.reward)
+        rewarded, colours = rewarded + bool(bright.reward), colours + green
+        np.testing.assert_array_equal(bright.observation["camera"], dim.observation["camera"])
     assert rewarded > 10
     assert np.allclose(plain.physics.named.model.geom_rgba["robot/lens_left"], LENS_RGBA)
     lit.close(), plain.close()

@@ -104,12 +104,12 @@ def test_truth_only_where_asked_for(domain, task):
 def test_same_seed_same_episode(domain, task):
     first, second = (load(domain, task, task_kwargs={"random": 7, "truth": True}) for _ in range(2))
     for _ in range(2):
-        one, two = first.reset(), second.reset()
+        own, other = first.reset(), second.reset()
         for action in random_actions(first, 10):
-            for name in one.observation:
-                np.testing.assert_array_equal(one.observation[name], two.observation[name])
-            one, two = first.step(action), second.step(action)
-            assert one.reward == two.reward
+            for name in own.observation:
+                np.testing.assert_array_equal(own.observation[name], other.observation[name])
+            own, other = first.step(action), second.step(action)
+            assert own.reward == other.reward
     np.testing.assert_array_equal(first.physics.get_state(), second.physics.get_state())
     first.close(), second.close()
 

@@ -23,14 +23,14 @@ def played(task: str, agent: str, episodes: int = 2, seed: int = 0) -> list[Epis
 
 def test_oracle_earns_all_of_follow():
     found = played("follow", "oracle")
-    assert [(one.episode, one.steps) for one in found] == [(1, 30), (2, 30)]
-    assert all(one.reward_a_step > 0.95 and one.reward_sum == one.reward_a_step * 30 for one in found)
+    assert [(episode.episode, episode.steps) for episode in found] == [(1, 30), (2, 30)]
+    assert all(episode.reward_a_step > 0.95 and episode.reward_sum == episode.reward_a_step * 30 for episode in found)
 
 
 def test_chance_earns_less_and_goes_by_its_seed():
     first, same, other = (played("follow", "random", 4, seed) for seed in (0, 0, 1))
     assert first == same != other
-    assert np.mean([one.reward_a_step for one in first]) < 0.5
+    assert np.mean([episode.reward_a_step for episode in first]) < 0.5
 
 
 def test_the_developer_goes_on_from_episode_to_episode():
@@ -39,7 +39,7 @@ def test_the_developer_goes_on_from_episode_to_episode():
     agent = AGENTS["developer"](environment, 0)
     found = play_episodes(environment, agent, 2)
     assert agent.agent.state.n_steps[0] == 2000
-    assert all(0.1 < one.reward_a_step < 0.6 for one in found)
+    assert all(0.1 < episode.reward_a_step < 0.6 for episode in found)
     assert environment.task.world.rendered_frames == 0
 
 

@@ -1,6 +1,7 @@
 """``python -m tools.reliability``: see the package."""
 
 import random
+import signal
 import sys
 import tempfile
 import time
@@ -30,6 +31,24 @@ def run_kills(*, number: int = 100, only: str = "", seed: int = 0, jobs: int = 2
         jobs: Runs at once.
         out: Folder for kills.json.
     """
+    return _with_signals("kills", signal.SIGKILL, number, only, seed, jobs, out)
+
+
+def run_stops(*, number: int = 100, only: str = "", seed: int = 0, jobs: int = 2, out: Path = FOLDER) -> bool:
+    """Stop runs by Ctrl-C at random moments, and go on with them, until they are done.
+
+    Args:
+        number: Of stops in all, evenly over the kinds of runs.
+        only: Only runs whose names begin so.
+        seed: Of the moments.
+        jobs: Runs at once.
+        out: Folder for stops.json.
+    """
+    return _with_signals("stops", signal.SIGINT, number, only, seed, jobs, out)
+
+
+def _with_signals(name: str, by: signal.Signals, number: int, only: str, seed: int, jobs: int, out: Path) -> bool:
+    """Runs and signals; whether anything was lost."""
 
     def harness(folder: Path, subjects: tuple[Subject, ...], at: dict[str, str], pool: ThreadPoolExecutor) -> dict:
         def killed(subject: Subject) -> list[kills.KillTrial]:
@@ -38,14 +57,14 @@ def run_kills(*, number: int = 100, only: str = "", seed: int = 0, jobs: int = 2
             while sum(len(trial.kills) for trial in trials) < number / len(subjects):
                 trial_seed = 1000 * seed + len(trials)
                 out_of_it = folder / f"{subject.name} {trial_seed}"
-                trials.append(kills.kill_until_done(subject, trial_seed, peace, out_of_it, at))
-                told = f"{subject.name} {trial_seed}: {len(trials[-1].kills)} kills, "
+                trials.append(kills.kill_until_done(subject, trial_seed, peace, out_of_it, at, by))
+                told = f"{subject.name} {trial_seed}: {len(trials[-1].kills)} {name}, "
                 print(told + (f"LOST {trials[-1]}" if trials[-1].lost else "nothing lost"), file=sys.stderr)
             return trials
 
-        return kills.summary([trial for trials in pool.map(killed, subjects) for trial in trials])
+        return kills.summary([trial for trials in pool.map(killed, subjects) for trial in trials], name)
 
-    return _with_runs("kills", harness, [one for one in SUBJECTS if one.name.startswith(only)], jobs, out)
+    return _with_runs(name, harness, [subject for subject in SUBJECTS if subject.name.startswith(only)], jobs, out)
 
 
 def run_pairs(*, number: int = 24, only: str = "", seed: int = 0, jobs: int = 2, out: Path = FOLDER) -> bool:
@@ -76,7 +95,7 @@ def run_pairs(*, number: int = 24, only: str = "", seed: int = 0, jobs: int = 2,
 
         return together.summary([pair for of in pool.map(started, subjects) for pair in of])
 
-    chosen = [one for one in SUBJECTS if one.name in together.SUBJECTS and one.name.startswith(only)]
+    chosen = [subject for subject in SUBJECTS if subject.name in together.SUBJECTS and subject.name.startswith(only)]
     return _with_runs("pairs", harness, chosen, jobs, out)
 
 
@@ -121,7 +140,7 @@ def run_videos(
         folder = Path(name)
         clip = film(folder / "film.mp4", round(odd_videos.SECONDS * 30))
         shells = [stack.enter_context(closing(Shell(folder))) for _ in range(jobs)]
-        given = [one for one in odd_videos.inputs(random.Random(seed), number, folder, clip) if only in one.what]
+        given = [case for case in odd_videos.inputs(random.Random(seed), number, folder, clip) if only in case.what]
         tried = summary(given, try_all(given, shells, limit))
     return _leave("videos", tried, time.monotonic() - began, out)
 
@@ -176,6 +195,7 @@ def _leave(name: str, result: dict, seconds: float, out: Path) -> bool:
 
 COMMANDS = {
     "kills": run_kills,
+    "stops": run_stops,
     "pairs": run_pairs,
     "malformed": run_malformed,
     "videos": run_videos,

@@ -35,12 +35,12 @@ def _without_time(value: object) -> object:
     return [_without_time(part) for part in value] if isinstance(value, list) else value
 
 
-def differences(one: dict[str, bytes], other: dict[str, bytes]) -> dict[str, int]:
+def differences(before: dict[str, bytes], after: dict[str, bytes]) -> dict[str, int]:
     """Bytes that differ, by file; a file that is missing differs in all of its own, in one at least."""
     differing = {}
-    for name in sorted(one.keys() | other.keys()):
-        first, second = one.get(name, b""), other.get(name, b"")
+    for name in sorted(before.keys() | after.keys()):
+        first, second = before.get(name, b""), after.get(name, b"")
         count = sum(a != b for a, b in zip(first, second, strict=False)) + abs(len(first) - len(second))
-        if count or (name in one) != (name in other):
+        if count or (name in before) != (name in after):
             differing[name] = max(count, 1)
     return differing

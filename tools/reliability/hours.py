@@ -88,7 +88,13 @@ def watch(run: Run, out: Path) -> Course:
 
 
 def spend(day: Day, share: float, out: Path) -> dict[str, object]:
-    """``share`` of a day; what came of it."""
+    """``share`` of a day; what came of it.
+
+    Args:
+        day: A long run of a command.
+        share: Of a day, 0 to 1.
+        out: Folder for results.
+    """
     hours = day.hours * share
     length = hours * day.an_hour
     words = shlex.split(day.command.format(n=f"{length:.0f}"))

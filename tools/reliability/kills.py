@@ -1,4 +1,4 @@
-"""kill -9 at random moments, again and again, until a run is done: its results against those of one left in peace."""
+"""Signals at random moments, again and again, until a run is done: its results against those of one left in peace."""
 
 import os
 import random
@@ -18,6 +18,10 @@ MOMENTS = ("first second", "anywhere", "while writing", "at a new file")
 """``anywhere``: evenly over the time that the run takes in peace. ``while writing``: when the folder next changes after
 such a moment. ``at a new file``: when a file appears for the first time, any of those that are left in the end."""
 POLL_S = 0.001
+STARTING, BEGUN = "while Python started", "in execute"
+"""A moment at which Ctrl-C ends Python itself, and what its traceback says later than that."""
+STOPPED = 130
+"""Code of a command that was stopped by Ctrl-C."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +55,12 @@ class KillTrial:
 def reference(subject: Subject, out: Path, places: dict[str, str], more: tuple[str, ...] = ()) -> Reference:
     """Run it in peace; ``more``: other arguments.
 
+    Args:
+        subject: The command.
+        out: Its folder.
+        places: Folders and files that commands name.
+        more: Other arguments.
+
     Raises:
         RuntimeError: It fails.
     """
@@ -64,18 +74,39 @@ def reference(subject: Subject, out: Path, places: dict[str, str], more: tuple[s
     return Reference(seconds, contents(out))
 
 
-def kill_until_done(subject: Subject, seed: int, peace: Reference, out: Path, places: dict[str, str]) -> KillTrial:
-    """One trial, whose moments come from ``seed``; its folder is deleted if nothing was lost."""
+def kill_until_done(
+    subject: Subject,
+    seed: int,
+    peace: Reference,
+    out: Path,
+    places: dict[str, str],
+    by: signal.Signals = signal.SIGKILL,
+) -> KillTrial:
+    """One trial, whose moments come from ``seed``; its folder is deleted if nothing was lost.
+
+    Args:
+        subject: What is run.
+        seed: Of the moments.
+        peace: The same run without a signal.
+        out: Its folder.
+        places: What stands for words of the command.
+        by: The signal; with SIGINT the command has to end as after Ctrl-C.
+    """
     chance, trial = random.Random(f"{subject.name} {seed}"), KillTrial(subject.name, seed)
     more: tuple[str, ...] = ()
     refused, runs = "", []
     while True:
         run = subject.start(out, places, more)
         runs.append(run)
-        if len(trial.kills) < MOST and (kill := _kill(run, subject, chance, peace, out)):
+        if len(trial.kills) < MOST and (kill := _kill(run, subject, chance, peace, out, by)):
             trial.kills.append(kill)
+            code, said = run.end() if kill["process"] == "main" else (0, "")
+            if by is signal.SIGINT and code == -by and BEGUN not in said:
+                kill["moment"] = STARTING
+            elif by is signal.SIGINT and (code not in (0, STOPPED) or "Traceback" in said):
+                trial.trouble = f"ended with {code} when it was stopped: {said.strip()[-800:]}"
+                return trial
             if kill["process"] == "main":
-                run.end()
                 more = subject.resume
                 continue
         code, said = run.end()
@@ -97,10 +128,13 @@ def kill_until_done(subject: Subject, seed: int, peace: Reference, out: Path, pl
     return trial
 
 
-def _kill(run: Run, subject: Subject, chance: random.Random, peace: Reference, out: Path) -> dict[str, object] | None:
-    """Wait for a random moment and kill; None if the run was done before."""
+def _kill(
+    run: Run, subject: Subject, chance: random.Random, peace: Reference, out: Path, by: signal.Signals
+) -> dict[str, object] | None:
+    """Wait for a random moment and send the signal; None if the run was done before."""
     moment, part, jitter = chance.choice(MOMENTS), chance.random(), chance.uniform(0, 0.01)
-    name, of_workers = chance.choice(sorted(peace.contents)), subject.workers and chance.random() < 0.3
+    name = chance.choice(sorted(peace.contents))
+    of_workers = by is signal.SIGKILL and subject.workers and chance.random() < 0.3
     if moment == "at a new file" and (out / name).exists():
         moment = "anywhere"
     pause = {"first second": part, "at a new file": 0.0}.get(moment, part * peace.seconds)
@@ -127,7 +161,7 @@ def _kill(run: Run, subject: Subject, chance: random.Random, peace: Reference, o
     if not run.running():
         return None
     with suppress(ProcessLookupError):
-        os.kill(victim, signal.SIGKILL)
+        os.kill(victim, by)
     which = "main" if victim == run.process.pid else "worker"
     return {"moment": moment, "seconds": round(time.monotonic() - began, 3), "process": which}
 
@@ -148,18 +182,19 @@ def _entries(folder: str | Path) -> list[tuple[str, int, int]]:
     return sorted(listed)
 
 
-def summary(trials: list[KillTrial]) -> dict[str, object]:
-    """Counts by subject, and what was lost."""
+def summary(trials: list[KillTrial], signals: str = "kills") -> dict[str, object]:
+    """Counts by subject, and what was lost; ``signals``: what they are called in the table."""
     rows = []
+    seen = {kill["moment"] for trial in trials for kill in trial.kills}
     for name in dict.fromkeys(trial.subject for trial in trials):
         of = [trial for trial in trials if trial.subject == name]
-        moments = [str(kill["moment"]) for trial in of for kill in trial.kills]
+        moments = [kill["moment"] for trial in of for kill in trial.kills]
         rows.append(
             {
                 "run": name,
                 "trials": len(of),
-                "kills": len(moments),
-                **{moment: moments.count(moment) for moment in MOMENTS},
+                signals: len(moments),
+                **{moment: moments.count(moment) for moment in (*MOMENTS, STARTING) if moment in seen},
                 "begun anew": sum(trial.anew for trial in of),
                 "of workers": sum(kill["process"] == "worker" for trial in of for kill in trial.kills),
                 "bytes of difference": sum(sum(trial.differing.values()) for trial in of),

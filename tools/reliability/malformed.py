@@ -124,7 +124,13 @@ def signature(failure: Failure) -> str:
 
 
 def try_all(inputs: list[Input], shells: list[Shell], seconds: float) -> list[Failure]:
-    """Try each, as many at once as there are shells; what takes longer than ``seconds`` hangs."""
+    """Try each, as many at once as there are shells; what takes longer than ``seconds`` hangs.
+
+    Args:
+        inputs: What is tried.
+        shells: As many run at once.
+        seconds: After which a command counts as hanging.
+    """
     free: SimpleQueue[Shell] = SimpleQueue()
     for shell in shells:
         free.put(shell)

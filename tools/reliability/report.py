@@ -14,6 +14,10 @@ TITLES = {
         "kill -9 at random moments, and the same command again until the run was done; bytes in which the results "
         "then differ from those of a run in peace. Not compared: how long it took.",
     ),
+    "stops": (
+        "Stopped and gone on with",
+        "The same with Ctrl-C, after which a command has to end with 130, and with one line.",
+    ),
     "pairs": (
         "Two commands in one folder",
         "Started at once or up to 0.6 s apart. One has the folder and leaves what it leaves alone; the other says so "

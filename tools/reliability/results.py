@@ -15,7 +15,14 @@ MOST_KEPT = 40
 
 
 def save(name: str, result: dict[str, object], seconds: float, folder: Path = FOLDER) -> Path:
-    """Write ``found`` to ``name``.json."""
+    """Write a result to ``name``.json.
+
+    Args:
+        name: Of the file.
+        result: What goes into it.
+        seconds: How long it took.
+        folder: For the file.
+    """
     beside = {
         "date": datetime.date.today().isoformat(),
         "versions": versions() | {"python": platform.python_version()},

@@ -37,7 +37,13 @@ class Subject:
     program: tuple[str, ...] = JOINTATTN
 
     def start(self, out: Path, places: dict[str, str], more: tuple[str, ...] = ()) -> "Run":
-        """Start it."""
+        """Start it.
+
+        Args:
+            out: Folder of the run.
+            places: Folders and files that commands name.
+            more: Other arguments.
+        """
         return Run(
             [*(places.get(word, word) for word in shlex.split(self.command)), "--out", str(out), *more], self.program
         )
@@ -173,7 +179,7 @@ def wait_for(condition: Callable[[], str | None], seconds: float = 120) -> str:
 
 
 def film(path: Path, frames: int) -> Path:
-    """The simulated caregiver at her table, 30 frames a second."""
+    """The simulated caregiver at the table, 30 frames a second."""
     import jointattn_mj
     from jointattn_mj.video.reel import Reel
 

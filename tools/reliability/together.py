@@ -29,7 +29,15 @@ class RunPair:
 def start_two(
     subject: Subject, seed: int, alone: tuple[Reference, Reference], out: Path, places: dict[str, str]
 ) -> RunPair:
-    """``alone``: either in a folder of its own; the second command differs in its seed, but for experiments."""
+    """``alone``: either in a folder of its own; the second command differs in its seed, but for experiments.
+
+    Args:
+        subject: The command.
+        seed: Of the first; the second has another one.
+        alone: Either command in a folder of its own.
+        out: The folder that both name.
+        places: Folders and files that commands name.
+    """
     chance = random.Random(f"{subject.name} {seed}")
     apart = 0.0 if chance.random() < 0.2 else chance.uniform(0, APART_S)
     first = subject.start(out, places)

@@ -85,7 +85,7 @@ class Percepts:
 
     def _add(self, path: str, kind: type, **values: Any) -> None:
         """Add a row if there is something to show, or was in the row before."""
-        some = len(next(iter(values.values()))) > 0
-        if some or self._shown.get(path, False):
+        present = len(next(iter(values.values()))) > 0
+        if present or self._shown.get(path, False):
             self._rows.add(path, kind, **values)
-        self._shown[path] = some
+        self._shown[path] = present

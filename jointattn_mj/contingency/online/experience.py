@@ -137,7 +137,7 @@ class PastSteps:
         self._s, self._a, self._r = (np.array(part[rows], order="F") for part in experience)
         self._begin = np.zeros(len(variables.sensors), np.int64)
         self._values = [
-            np.array([len(one.values) for one in group])
+            np.array([len(variable.values) for variable in group])
             for group in (variables.sensors, variables.actions, variables.results)
         ]
         self._together = joint_code(self._r, self._values[2])

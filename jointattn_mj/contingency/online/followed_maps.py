@@ -75,8 +75,8 @@ def _read(
     gain, spread = gains(table, concentration)
     within, variance, known = np.zeros(gain.shape), np.zeros(gain.shape), np.zeros(gain.shape)
     for stratum in range(outcomes):
-        one, its_spread = gains(strata[stratum], concentration)
-        within += one
+        its_gain, its_spread = gains(strata[stratum], concentration)
+        within += its_gain
         variance += its_spread**2
         known += its_spread > 0.0
     known = np.maximum(known, 1.0)

@@ -36,6 +36,7 @@ from jointattn_mj.contingency.online.local_values import (
     exceeding,
     log_evidence,
     predictive_evidence,
+    surely_lower,
 )
 from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Share
 
@@ -137,9 +138,13 @@ def search(
     if config.needs_offers:
         while len(ranked) and not offers(events[ranked[0]]):
             ranked = ranked[1:]
+    evidence = np.full(len(events), np.nan)
+    limits = float(config.tolerance), float(config.doubt), float(config.best)
     for number in ranked[values[ranked] > config.deviations * lead[ranked, 1]]:
+        rivals = ranked[ranked != number]
         if (
-            _is_first(columns, lead[number], ranked[ranked != number], hoped, config)
+            not surely_lower(lead[number], hoped[rivals], evidence[rivals], *limits)
+            and _is_first(columns, lead[number], rivals, hoped, evidence, config)
             and (number == ranked[0] or not config.needs_offers or offers(events[number]))
             and _is_evident(steps, columns, int(number), events, served, since, config)
         ):
@@ -167,7 +172,12 @@ def _alike(steps: PastSteps, served: Sequence[Event], config: LocalConfig) -> Ma
 
 
 def _is_first(
-    columns: EventColumns, first: np.ndarray, rivals: np.ndarray, hoped: np.ndarray, config: LocalConfig
+    columns: EventColumns,
+    first: np.ndarray,
+    rivals: np.ndarray,
+    hoped: np.ndarray,
+    evidence: np.ndarray,
+    config: LocalConfig,
 ) -> bool:
     """Whether no rival is higher, surely enough.
 
@@ -176,14 +186,17 @@ def _is_first(
         first: (2,) value of the first event.
         rivals: Numbers of its rivals.
         hoped: (E, 2) values of all events as rivals.
+        evidence: (E,) log evidence of each event as far as it was needed before, NaN else; more is written.
         config: Settings.
     """
     higher = np.zeros((len(rivals), len(QUANTILES)))
     exceeding(first, hoped[rivals], config.tolerance, higher)
     if config.doubt:
         doubted = np.flatnonzero(higher.mean(axis=1) > NEGLIGIBLE)
-        evidence = np.clip(evidences(columns, rivals[doubted]), -500, 500)
-        higher[doubted] /= 1 + config.doubt * np.exp(-evidence)[:, None]
+        numbers = rivals[doubted]
+        new = numbers[np.isnan(evidence[numbers])]
+        evidence[new] = evidences(columns, new)
+        higher[doubted] /= 1 + config.doubt * np.exp(-np.clip(evidence[numbers], -500, 500))[:, None]
     return bool((1 - higher).prod(axis=0).mean() >= config.best)
 
 
@@ -200,7 +213,7 @@ def _is_evident(
     event, series = events[number], columns.of(number)
     begin, enough = steps.begin(event), np.log(len(events) / config.false_alarm)
     least, overall = np.log(config.evidence_overall), series
-    if config.again == "beyond_last" and event.result in {one.result for one in served}:
+    if config.again == "beyond_last" and event.result in {earlier.result for earlier in served}:
         least, overall = enough, beyond_last(series)
     table = np.zeros(overall.sizes)
     count(*overall.columns, (begin, steps.n_steps), table)

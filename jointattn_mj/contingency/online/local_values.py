@@ -73,7 +73,7 @@ def event_values(
         sensor, action, result, first = columns.events[e]
         sizes, new = columns.sizes[e], max(first, since)
         table = np.zeros((sizes[0], sizes[1], sizes[2], sizes[3]))
-        one, other = np.zeros(2), np.zeros(2)
+        own, rival = np.zeros(2), np.zeros(2)
         surest, best = -np.inf, -np.inf
         for by_reference in (False, True):
             count(
@@ -82,14 +82,14 @@ def event_values(
             )  # fmt: skip
             if not (how.reference if by_reference else how.actual):
                 continue
-            up = value_of(table, by_reference, how, one, other)
-            lower, upper = one[0] - how.deviations * one[1], other[0] + other[1]
+            up = value_of(table, by_reference, how, own, rival)
+            lower, upper = own[0] - how.deviations * own[1], rival[0] + rival[1]
             if lower > surest:
                 surest, rises[e] = lower, up
-                lead[e] = one
+                lead[e] = own
             if upper > best:
                 best = upper
-                hoped[e] = other
+                hoped[e] = rival
 
 
 @njit(cache=True)
@@ -201,10 +201,10 @@ def _situation(
             result stands for its absence.
     """
     actions, outcomes = counts.shape
-    n, seen = 0.0, 0
+    n, tried = 0.0, 0
     for a in range(actions):
         n += times[a]
-        seen += times[a] > 0.0
+        tried += times[a] > 0.0
     mean, rise, variance = 0.0, 0.0, 0.0
     mixed, center, scatter = room[0], room[1], room[2]
     mixed[:] = 0.0
@@ -216,7 +216,7 @@ def _situation(
     for a in range(actions):
         if times[a] == 0.0:
             continue
-        weight, total = 1.0 / seen if by_reference else times[a] / n, times[a] + concentration
+        weight, total = 1.0 / tried if by_reference else times[a] / n, times[a] + concentration
         divergence = 0.0
         for k in range(outcomes):
             x = p[a, k] = (counts[a, k] + concentration * q[a, k]) / total
@@ -240,7 +240,7 @@ def _situation(
     for a in range(actions):
         if times[a] == 0.0:
             continue
-        weight, total = 1.0 / seen if by_reference else times[a] / n, times[a] + concentration
+        weight, total = 1.0 / tried if by_reference else times[a] / n, times[a] + concentration
         variance += weight * weight * _scatter(p[a], q[a], center, total, (1.0 - weight) ** 2)
     value[1], value[2], value[3] = mean, variance, rise
 
@@ -272,9 +272,9 @@ def _scatter(p: np.ndarray, q: np.ndarray, center: np.ndarray, total: float, res
         for j in range(k):
             y = p[j]
             if 0.0 < y < 1.0:
-                one = digamma(a + 1.0) - top - shift
-                other = digamma(total * y + 1.0) - top - math.log(q[j]) - center[j]
-                square += 2.0 * x * y * total / (total + 1.0) * (one * other - slope)
+                term = digamma(a + 1.0) - top - shift
+                other_term = digamma(total * y + 1.0) - top - math.log(q[j]) - center[j]
+                square += 2.0 * x * y * total / (total + 1.0) * (term * other_term - slope)
     linear = (second - first * first) / (total + 1.0)
     whole = square - mean * mean
     return whole - (1.0 - rest) * max(whole - linear, 0.0)
@@ -315,17 +315,48 @@ def exceeding(first: np.ndarray, hoped: np.ndarray, tolerance: float, higher: np
     for j, quantile in enumerate(QUANTILES):
         bound = (1.0 + tolerance) * (first[0] + quantile * first[1])
         for i in range(len(hoped)):
-            above, spread = hoped[i, 0] - bound, hoped[i, 1]
-            if spread > 0.0:
-                higher[i, j] = 0.5 * math.erfc(-above / spread * math.sqrt(0.5))
-            else:
-                higher[i, j] = above > 0.0
+            higher[i, j] = _above(hoped[i], bound)
+
+
+@njit(cache=True, forceinline=True)
+def _above(value: np.ndarray, bound: float) -> float:
+    """Probability that a normal value, mean and standard deviation (2,), is above a bound."""
+    above, spread = value[0] - bound, value[1]
+    if spread > 0.0:
+        return 0.5 * math.erfc(-above / spread * math.sqrt(0.5))
+    return 1.0 if above > 0.0 else 0.0
+
+
+@njit(cache=True)
+def surely_lower(
+    first: np.ndarray, hoped: np.ndarray, evidence: np.ndarray, tolerance: float, doubt: float, best: float
+) -> bool:
+    """Whether one rival alone is higher too probably; most events fall by this, before the evidence of all is counted.
+
+    Args:
+        first: (2,) mean and standard deviation of an event.
+        hoped: (rivals, 2) those of its rivals.
+        evidence: (rivals,) log evidence of those, NaN where it is not known yet.
+        tolerance: Share of the first value by which a rival may be higher.
+        doubt: Odds that a rival is not contingent at all.
+        best: Least probability that no rival is higher.
+    """
+    for i in range(len(hoped)):
+        if doubt > 0.0 and math.isnan(evidence[i]):
+            continue
+        belief = 1.0 / (1.0 + doubt * math.exp(-min(max(evidence[i], -500.0), 500.0))) if doubt > 0.0 else 1.0
+        higher = 0.0
+        for quantile in QUANTILES:
+            higher += _above(hoped[i], (1.0 + tolerance) * (first[0] + quantile * first[1]))
+        if 1.0 - belief * higher / len(QUANTILES) < best - 1e-9:
+            return True
+    return False
 
 
 @njit(cache=True)
 def evidences(columns: EventColumns, chosen: np.ndarray) -> np.ndarray:
     """Log evidence of the chosen events (their numbers), from all steps; see ``log_evidence``."""
-    found = np.zeros(len(chosen))
+    logs = np.zeros(len(chosen))
     for i, e in enumerate(chosen):
         sensor, action, result, first = columns.events[e]
         sizes = columns.sizes[e]
@@ -334,8 +365,8 @@ def evidences(columns: EventColumns, chosen: np.ndarray) -> np.ndarray:
             columns.s[:, sensor], columns.a[:, action], columns.before[:, result], columns.r[:, result],
             (first, len(columns.s)), table,
         )  # fmt: skip
-        found[i] = log_evidence(table)
-    return found
+        logs[i] = log_evidence(table)
+    return logs
 
 
 @njit(cache=True)

@@ -267,7 +267,7 @@ def splits(given: Transitions, resolution: Resolution, tree: list[frozenset[int]
         cut = np.concatenate([counts, above[:, None]], axis=1)
         cut[:, box] -= above
         yield Split("A", -1, frozenset(), box, axis, at, own.value(cut) - had)
-        leaf, branch, value = max(own.splits(cut), key=lambda one: one[2], default=(-1, frozenset[int](), -np.inf))
+        leaf, branch, value = max(own.splits(cut), key=lambda split: split[2], default=(-1, frozenset[int](), -np.inf))
         if leaf >= 0:
             yield Split("S and A", leaf, branch, box, axis, at, value - had)
 

@@ -14,6 +14,7 @@ import numpy as np
 from jointattn_mj.contingency.online.reactive import ReactiveModule
 from jointattn_mj.development.agent import Developer, DeveloperConfig
 from jointattn_mj.development.contingency_log import ContingencyLog
+from jointattn_mj.development.loop import streams
 from jointattn_mj.development.realtime.partner import PACE, PartnerConfig, PartnerWorld
 from jointattn_mj.development.rendered.body import Witnessed
 from jointattn_mj.development.rendered.observer import ObservedRun
@@ -120,14 +121,12 @@ class RealtimeRun(ObservedRun):
         Raises:
             ConfigError: A number is out of range, or the robot found no face.
         """
-        if seed < 0:
-            raise ConfigError(f"seed must be 0 or more; got {seed}")
         if table.objects > len(OBJECTS) or table.kinds > 1:
             raise ConfigError(
                 f"the rendered table has at most {len(OBJECTS)} objects, all of one kind; "
                 f"got {table.objects}, {table.kinds} kinds"
             )
-        of_look, of_agent, of_world, of_perception, of_attention, of_senses = np.random.SeedSequence(seed).spawn(6)
+        of_look, of_agent, of_world, of_perception, of_attention, of_senses = streams(seed, 6)
         self.config, self.table, self.spots = config, table, table.spots
         scene = replace(config.world.scene, objects=OBJECTS[: table.objects])
         world, conditions = drawn(replace(config.world, scene=scene), variation_of(config.variation), of_look)

@@ -252,15 +252,15 @@ class ContinuousRun(RenderedRun):
         if view.object and not view.face:
             location = self.body.direction(view.object_px)
         if location is not None and self._face_visible is not None:
-            one, informative = self.following, False
-            if one is not None:
-                event = one.module.event
+            module, informative = self.following, False
+            if module is not None:
+                event = module.module.event
                 next_r = int(self._r[event.result])
-                informative = one.is_informative(r[event.result], s[event.sensor], next_r, a[event.action])
+                informative = module.is_informative(r[event.result], s[event.sensor], next_r, a[event.action])
             pair = Pair(number, self._face_visible, location, FORWARD, informative)
             self._keep(pair)
-            if one is not None and informative:
-                one.learn(pair)
+            if module is not None and informative:
+                module.learn(pair)
         elif face is not None and self._object_at is not None:
             self._keep(Pair(number, face, self._object_at, BACKWARD, False))
         self._face_visible, self._object_at = face, location

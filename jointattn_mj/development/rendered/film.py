@@ -235,9 +235,9 @@ def _draw_drivers(canvas: np.ndarray, run: DevelopmentRun, driver: int) -> None:
     known = meanings(run.named_variables(), run.agent.modules)
     curious = any(isinstance(module, CuriousModule) for module in run.agent.reactive)
     rows = [("curiosity, as at first" if curious else "at random, as at first", "", GREY, driver >= len(made))]
-    for number, (one, meaning) in enumerate(zip(made, known, strict=True)):
+    for number, (module, meaning) in enumerate(zip(made, known, strict=True)):
         ink = INKS[number % len(INKS)]
-        rows.append((f"{number + 1}  {meaning.label}", f"step {one.step:,}", ink, driver == number))
+        rows.append((f"{number + 1}  {meaning.label}", f"step {module.step:,}", ink, driver == number))
     y = 40
     for words, when, ink, active in rows:
         parts = _wrapped(words, area.shape[1] - 50 - (width_of(when, SMALL) + 14), active)

@@ -61,7 +61,9 @@ class ObservedRun(DevelopmentRun):
     def _advance(self, last: int, log: np.ndarray, samples: np.ndarray) -> tuple[int, int]:
         """See ``DevelopmentRun``."""
         first, base = self.steps_done, self.agent.variables.without_modules()
-        most_s, most_r = (np.array([len(one.values) - 1 for one in group]) for group in (base.sensors, base.results))
+        most_s, most_r = (
+            np.array([len(variable.values) - 1 for variable in group]) for group in (base.sensors, base.results)
+        )
         for t in range(first, last):
             witnessed = self.sense(t)
             require_array("values of sensors", self._s, most_s.shape, "i", 0, most_s)

@@ -8,12 +8,12 @@ import numpy as np
 
 from jointattn_mj.contingency.online.reactive import ReactiveModule
 from jointattn_mj.development.agent import Developer, DeveloperConfig
+from jointattn_mj.development.loop import streams
 from jointattn_mj.development.rendered.body import Body, Witnessed
 from jointattn_mj.development.rendered.observer import ObservedRun
 from jointattn_mj.development.rendered.senses import CentralView, Senses, SensesConfig
 from jointattn_mj.development.rendered.stage import Stage, StageConfig
 from jointattn_mj.development.table.world import TableConfig, check_table
-from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Whole
 
 MOST_TIMES = 4
@@ -74,9 +74,7 @@ class RenderedRun(ObservedRun):
         Raises:
             ConfigError: The seed is negative, or the robot found no face.
         """
-        if seed < 0:
-            raise ConfigError(f"seed must be 0 or more; got {seed}")
-        of_table, of_agent, of_bodies, of_exploration, of_senses = np.random.SeedSequence(seed).spawn(5)
+        of_table, of_agent, of_bodies, of_exploration, of_senses = streams(seed, 5)
         self.config, self.explored_steps = config, 0
         self.body = Body(table, config.stage, config.senses, of_bodies)
         patterns = self.body.calibrate(config.calibration)

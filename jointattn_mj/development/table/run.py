@@ -9,7 +9,7 @@ from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.contingency.online.reactive import ReactiveModule
 from jointattn_mj.development.agent import AgentState, Developer, DeveloperConfig
-from jointattn_mj.development.loop import DevelopmentRun, think_and_note
+from jointattn_mj.development.loop import DevelopmentRun, streams, think_and_note
 from jointattn_mj.development.meaning import FACE
 from jointattn_mj.development.table.world import (
     CAREGIVER,
@@ -22,7 +22,6 @@ from jointattn_mj.development.table.world import (
     table_variables,
     table_witnessed,
 )
-from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.compiled import njit
 
 
@@ -56,9 +55,7 @@ class TableRun(DevelopmentRun):
         Raises:
             ConfigError: A number is out of range.
         """
-        if seed < 0:
-            raise ConfigError(f"seed must be 0 or more; got {seed}")
-        of_world, of_agent = np.random.SeedSequence(seed).spawn(2)
+        of_world, of_agent = streams(seed, 2)
         self.world, self.spots = world, world.spots
         self.table = new_table(world, of_world)
         developer = Developer(table_variables(world), agent, of_agent, reactive)

@@ -70,14 +70,14 @@ class Codings:
         Raises:
             SeriesError: A code is none of these, or nothing was coded at any of the times.
         """
-        found = np.full(len(times), -1)
+        codes = np.full(len(times), -1)
         for onset, offset, code in self.looks:
             if code not in names:
                 raise SeriesError(f"{self.path}: the code {code!r} is none of {', '.join(names)}")
-            found[np.searchsorted(times, onset) : np.searchsorted(times, offset)] = names.index(code)
-        if not (found >= 0).any():
+            codes[np.searchsorted(times, onset) : np.searchsorted(times, offset)] = names.index(code)
+        if not (codes >= 0).any():
             raise SeriesError(f"{self.path} has no look between {times[0]:.1f} and {times[-1]:.1f} s of the video")
-        return found
+        return codes
 
     def compare(self, other: "Codings") -> dict[str, Any]:
         """Agreement with another coder, wherever both say where somebody looks.

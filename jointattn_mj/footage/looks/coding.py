@@ -70,8 +70,8 @@ class LooksCoded:
 
     def summary(self, config: LooksConfig) -> dict[str, Any]:
         """Numbers that say how far the codes can be trusted."""
-        seen = self.codes != self.labels.index(UNSEEN)
-        count = max(int(seen.sum()), 1)
+        visible = self.codes != self.labels.index(UNSEEN)
+        count = max(int(visible.sum()), 1)
         return {
             "looks": len(self.codes),
             "shares": {
@@ -79,8 +79,8 @@ class LooksCoded:
                 for code, label in enumerate(self.labels)
             },
             "placements": dict(zip(self.labels, self.placements.tolist(), strict=False)),
-            "sure": round(float((self.posterior[seen] > config.sure).any(axis=1).sum() / count), 4),
-            "sure_by_a_look_alone": round(float((self.alone[seen] > config.sure).sum() / count), 4),
+            "sure": round(float((self.posterior[visible] > config.sure).any(axis=1).sum() / count), 4),
+            "sure_by_a_look_alone": round(float((self.alone[visible] > config.sure).sum() / count), 4),
             "coded": not self.doubt,
             "why_not": self.doubt or None,
         }
@@ -96,41 +96,42 @@ def code_looks(looks: ObservedLooks, config: LooksConfig, labels: np.ndarray | N
             -1 where nobody has. Learning takes these for granted.
     """
     n, k = looks.px.shape[:2]
-    seen = np.isfinite(looks.face_px).all(-1)
+    visible = np.isfinite(looks.face_px).all(-1)
     face = last_locations(looks.face_px[:, None], looks.cut)
     locations = (known_locations(looks.px, looks.cut, MOVED_HEIGHTS * looks.height_px) - face) / looks.height_px
-    given = labels is not None and bool((labels[seen] >= 0).any())
+    given = labels is not None and bool((labels[visible] >= 0).any())
     # locations of the image, not from the face: a person who moves puts nothing down
     counts = placements(looks.px / looks.height_px)
     is_partner = np.array([name == PARTNER for name in looks.names], bool)
     evidence, away = np.zeros((n, k)), [np.zeros(n)]
-    if seen.any():
-        first = aside(looks.yaw_deg[seen], locations[seen]) if config.start == "yaw" else None
-        coded = labels[seen] if labels is not None and given else None
+    if visible.any():
+        first = aside(looks.yaw_deg[visible], locations[visible]) if config.start == "yaw" else None
+        coded = labels[visible] if labels is not None and given else None
         block = round(BLOCK_S / looks.step_s)
-        found = learn_evidence(looks.faces[seen], locations[seen], config, first, coded, block)
-        evidence[seen] = found.looks
+        learned = learn_evidence(looks.faces[visible], locations[visible], config, first, coded, block)
+        evidence[visible] = learned.looks
         if config.away is not None and k:
-            known, still = np.isfinite(locations[seen]).all((1, 2)), is_partner | (counts <= 1)
-            last = np.maximum(np.cumsum(seen) - 1, 0)
+            known, still = np.isfinite(locations[visible]).all((1, 2)), is_partner | (counts <= 1)
+            last = np.maximum(np.cumsum(visible) - 1, 0)
             levels = LEVELS if given else (config.away,)
-            away = [probability_away(found, known, still, level)[last] for level in levels]
+            away = [probability_away(learned, known, still, level)[last] for level in levels]
     alone = posterior(evidence).max(axis=1, initial=0) if k else np.zeros(n)
-    hidden = seen[:, None] & ~np.isfinite(locations).all(-1) & np.isfinite(looks.px).all(-1).any(axis=0)
+    hidden = visible[:, None] & ~np.isfinite(locations).all(-1) & np.isfinite(looks.px).all(-1).any(axis=0)
     stay = max(1 - looks.step_s / config.dwell_s, 1 / (k + 1))
-    likely = _likely(np.where(hidden, config.hidden, evidence), stay, config.trust, away, labels if given else None)
+    told = np.where(visible, labels, -1) if given and labels is not None else None
+    likely = _likely(np.where(hidden, config.hidden, evidence), stay, config.trust, away, told)
     best = likely.argmax(axis=1)
-    lost = _long_runs(~seen, max(1, round(config.lost_s / looks.step_s)))
+    lost = _long_runs(~visible, max(1, round(config.lost_s / looks.step_s)))
     moved = int(counts[~is_partner].sum())
     if moved and not given:
         believed = moved / (moved + config.half_sure)
         likely = believed * likely + (1 - believed) / max(k + (config.away is not None), 1)
     names = (*looks.names, AWAY, UNSURE, UNSEEN)
-    doubt = _doubt(moved, alone[seen], config, given)
+    doubt = _doubt(moved, alone[visible], config, given)
     codes = np.where((likely.max(axis=1, initial=0) < config.least) | bool(doubt), names.index(UNSURE), best)
     codes[lost] = names.index(UNSEEN)
     likely[lost | bool(doubt)] = np.nan
-    alone[~seen] = np.nan
+    alone[~visible] = np.nan
     return LooksCoded(names, codes, best, likely, alone, counts, doubt)
 
 
@@ -150,11 +151,11 @@ def _likely(
     if not n or not k:
         return np.zeros((n, k + 1))
     targets = smoothed(evidence, stay, trust)
-    found = [np.column_stack([targets * (1 - one[:, None]), one]) for one in away]
+    judged = [np.column_stack([targets * (1 - share[:, None]), share]) for share in away]
     if labels is None:
-        return found[0]
+        return judged[0]
     told = np.flatnonzero(labels >= 0)
-    return max(found, key=lambda likely: float(np.log(np.maximum(likely[told, labels[told]], 1e-3)).mean()))
+    return max(judged, key=lambda likely: float(np.log(np.maximum(likely[told, labels[told]], 1e-3)).mean()))
 
 
 def _doubt(moved: int, alone: np.ndarray, config: LooksConfig, labelled: bool) -> str:

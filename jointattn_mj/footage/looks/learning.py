@@ -102,19 +102,19 @@ def learn_evidence(
     code = LocationCode(locations, config.tuning)
     shares = [code.shares(locations[:, k]) for k in range(count)]
     smoothing = config.smoothing / code.units
-    with_any = sum(np.asarray(one.sum(axis=0)).ravel().astype(float) for one in shares) / known.sum() + smoothing
-    base = np.stack([np.log(np.maximum(one @ with_any, 1e-12)) for one in shares], axis=1)
-    spread = np.stack([np.asarray(one.sum(axis=1)).ravel() for one in shares], axis=1)
+    with_any = sum(np.asarray(share.sum(axis=0)).ravel().astype(float) for share in shares) / known.sum() + smoothing
+    base = np.stack([np.log(np.maximum(share @ with_any, 1e-12)) for share in shares], axis=1)
+    spread = np.stack([np.asarray(share.sum(axis=1)).ravel() for share in shares], axis=1)
 
     def together(weights: np.ndarray, looks: np.ndarray) -> np.ndarray:
         """How often each location (units) goes with each face (u) in some of the looks."""
-        parts = (one[looks].T @ (weights[looks, k, None] * faces[looks]) for k, one in enumerate(shares))
+        parts = (share[looks].T @ (weights[looks, k, None] * faces[looks]) for k, share in enumerate(shares))
         counts: np.ndarray = sum(parts, np.zeros((code.units, faces.shape[1]), np.float32))
         return counts
 
     def compared(counts: np.ndarray, faces: np.ndarray, looks: np.ndarray) -> np.ndarray:
         total = np.maximum(faces @ counts.sum(axis=0), 1e-9)
-        with_face = np.stack([np.einsum("nu,nu->n", one[looks] @ counts, faces) for one in shares], axis=1)
+        with_face = np.stack([np.einsum("nu,nu->n", share[looks] @ counts, faces) for share in shares], axis=1)
         likely = with_face / total[:, None] + smoothing * spread[looks]
         return np.where(known[looks], np.log(np.maximum(likely, 1e-12)) - base[looks], NEVER)
 
@@ -196,5 +196,5 @@ def smoothed(evidence: np.ndarray, stay: float, trust: float, prior: np.ndarray 
         future = leave * (shares * future).sum() + (1 - leave) * future
         backward[i] = future / future.sum()
     both = forward * backward
-    found: np.ndarray = both / both.sum(axis=1, keepdims=True)
-    return found
+    posterior: np.ndarray = both / both.sum(axis=1, keepdims=True)
+    return posterior

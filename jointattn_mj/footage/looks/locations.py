@@ -44,9 +44,9 @@ def known_locations(px: np.ndarray, cut: np.ndarray, moved_px: float) -> np.ndar
     """
     before = last_locations(px, cut)
     after = last_locations(px[::-1], np.append(False, cut[:0:-1]))[::-1]
-    seen = np.isfinite(px).all(-1)
+    visible = np.isfinite(px).all(-1)
     moved = np.linalg.norm(after - before, axis=-1) > moved_px
-    before[moved & ~seen] = np.nan
+    before[moved & ~visible] = np.nan
     return before
 
 
@@ -61,10 +61,10 @@ def placements(locations: np.ndarray) -> np.ndarray:
     """
     counts = np.zeros(locations.shape[1], int)
     for k in range(locations.shape[1]):
-        seen = locations[np.isfinite(locations[:, k]).all(-1), k]
-        if len(seen) < REST_LOOKS:
+        visible = locations[np.isfinite(locations[:, k]).all(-1), k]
+        if len(visible) < REST_LOOKS:
             continue
-        windows = np.lib.stride_tricks.sliding_window_view(seen, REST_LOOKS, axis=0)  # (m, 2, looks)
+        windows = np.lib.stride_tricks.sliding_window_view(visible, REST_LOOKS, axis=0)  # (m, 2, looks)
         still = (windows.max(-1) - windows.min(-1) <= REST_HEIGHTS).all(-1)
         before = np.full(2, np.inf)
         for middle in np.median(windows[still], axis=-1):

@@ -60,7 +60,7 @@ class LooksLog:
             _, top, _, bottom = perceiver.faces.box(perceiver.fix, (IMAGE_HEIGHT, IMAGE_WIDTH))
             height_px, pattern = bottom - top, perceiver.face_pattern()
         px = np.where(percept.visible[:, None], percept.px, np.nan)
-        chosen, others = viewing.chosen, [one for one in viewing.visible_faces if one is not viewing.chosen]
+        chosen, others = viewing.chosen, [face for face in viewing.visible_faces if face is not viewing.chosen]
         yaw_deg = np.nan if chosen is None else chosen.yaw_deg
         partner = np.full(2, np.nan)
         if chosen is not None and others and viewing.mapped is not None:
@@ -91,8 +91,8 @@ class LooksLog:
             if som is not None:
                 for i in np.flatnonzero(rows[:, 2]):
                     faces[first + i] = som.activations(rows[i, _HEAD + 2 * k :], config.softness)
-        seen = np.isfinite(px[:, -1]).all(-1)
-        height = float(np.median(heights[seen])) if seen.any() else 1.0
+        visible = np.isfinite(px[:, -1]).all(-1)
+        height = float(np.median(heights[visible])) if visible.any() else 1.0
         frames = self.frames()
         cut = np.zeros(count, bool)
         after = np.searchsorted(frames, cuts)

@@ -37,10 +37,10 @@ def leave_looks(
         SeriesError: ``known`` has a code that is no candidate.
     """
     config, start_s = viewing.config.coding, viewing.footage.start_s
-    seen, frames = looks_seen(log, viewing, som), log.frames()
+    observed, frames = looks_seen(log, viewing, som), log.frames()
     times = start_s + frames / RATE
-    labels = None if known is None else known.at(times, (*seen.names, AWAY))
-    coded = code_looks(seen, config, labels)
+    labels = None if known is None else known.at(times, (*observed.names, AWAY))
+    coded = code_looks(observed, config, labels)
     write_parquet(out / "looks.parquet", looks_table(coded, times))
     return coded.summary(config), looks_spans(coded, frames, viewing.frames)
 
@@ -54,6 +54,6 @@ def looks_seen(log: LooksLog, viewing: Viewing, som: SOM | None) -> ObservedLook
         som: The map of faces; None where no face was seen.
     """
     config = viewing.config.coding
-    cuts = [range(one.start, one.end) for one in viewing.spans.all if (one.tier, one.code) == (CAMERA, "cut")]
+    cuts = [range(span.start, span.end) for span in viewing.spans.all if (span.tier, span.code) == (CAMERA, "cut")]
     after = np.array([frame for cut in cuts for frame in cut], int)
     return log.looks(som, after, config)

@@ -200,14 +200,16 @@ class CameraSessionRun(FootageSessionRun):
 
     def picked(self) -> dict[str, np.ndarray]:
         """See ``FootageSessionRun``: objects are picked in the image at their time after the camera was opened."""
-        waiting = sorted((one.picked[0], one.name, one) for one in sought_objects(self.config.objects) if one.picked)
+        waiting = sorted(
+            (wanted.picked[0], wanted.name, wanted) for wanted in sought_objects(self.config.objects) if wanted.picked
+        )
         tables = {}
-        for seconds, name, one in waiting:
+        for seconds, name, wanted in waiting:
             while self.wide.wide_frame.time_s < seconds and not self.wide.ended:
                 self.wide.step(np.zeros(2))
             if self.wide.wide_frame.time_s < seconds:
                 raise FootageError(f"object {name} was picked at {seconds:g} s, and the camera's images end before")
-            tables[name] = colours_at(self.wide.wide_frame.image, one)
+            tables[name] = colours_at(self.wide.wide_frame.image, wanted)
         require_apart(tables)
         return tables
 

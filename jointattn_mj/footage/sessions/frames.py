@@ -80,10 +80,10 @@ class WideFrames:
             robot.iterations,
             *np.degrees(head),
         )
-        seen = np.full((4, len(self.candidates)), np.nan)
+        perceived = np.full((4, len(self.candidates)), np.nan)
         if percept is not None:
-            seen[0], seen[1], seen[2:] = percept.visible, percept.moves, percept.px.T
-        values = (attention.saliency, attention.motion, attention.interest, *seen)
+            perceived[0], perceived[1], perceived[2:] = percept.visible, percept.moves, percept.px.T
+        values = (attention.saliency, attention.motion, attention.interest, *perceived)
         row[len(_PER_FRAME) :] = np.concatenate(values)
         self.rows.fill(1)
 
@@ -105,7 +105,7 @@ class WideFrames:
         for (name, candidate), number in self._index.items():
             label = name if candidate is None else f"{self.candidates[candidate]}_{name}"
             columns[label] = self._typed(name, values[:, number])
-        meanings = {f"{one}_{name}": CANDIDATE[name] for one in self.candidates for name in _PER_CANDIDATE}
+        meanings = {f"{candidate}_{name}": CANDIDATE[name] for candidate in self.candidates for name in _PER_CANDIDATE}
         return described(pa.table(columns), {**MEANINGS, **meanings})
 
     def _typed(self, name: str, values: np.ndarray) -> pa.Array:

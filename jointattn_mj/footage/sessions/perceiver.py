@@ -122,14 +122,14 @@ class WidePerception(FootagePerception):
         boxes = []
         if self.chosen is None:
             self.faces.show(None, wide_image, HeadView(lens, head, np.zeros(2)))
-        for one in sorted(self.seen, key=lambda one: one is not self.chosen):
-            view = HeadView(lens, head, one.centre - 0.5)
-            if one is self.chosen:
-                self.faces.show(one, wide_image, view)
-            size = one.smooth[2:] * (view.scale_x, view.scale_y)
-            boxes.append(np.concatenate([view.to_image(one.centre - 0.5) - size / 2, size]))
-        found: np.ndarray = np.array(boxes).reshape(-1, 4)
-        known: np.ndarray = found[np.isfinite(found).all(axis=1)]
+        for sighting in sorted(self.seen, key=lambda sighting: sighting is not self.chosen):
+            view = HeadView(lens, head, sighting.centre - 0.5)
+            if sighting is self.chosen:
+                self.faces.show(sighting, wide_image, view)
+            size = sighting.smooth[2:] * (view.scale_x, view.scale_y)
+            boxes.append(np.concatenate([view.to_image(sighting.centre - 0.5) - size / 2, size]))
+        squares: np.ndarray = np.array(boxes).reshape(-1, 4)
+        known: np.ndarray = squares[np.isfinite(squares).all(axis=1)]
         return known
 
     def _template_box(self, head: np.ndarray) -> np.ndarray:

@@ -281,7 +281,7 @@ class FootageSessionRun(SessionRun):
         draw_som(out / "som.png", self.robot.som)
 
     def go_on(self) -> None:
-        """Name source and truth again, after a checkpoint was read."""
+        """Name the source and the coded looks again, after a checkpoint was read."""
         self.wide.connect(self.open_source, self.coded_looks())
 
 

@@ -1,6 +1,7 @@
 """A session before a person in numbers: what ``summary.json`` holds."""
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -68,7 +69,7 @@ class FootageSessionSummary(Summary):
     """The same over shifts that landed in the last six minutes."""
     landings_on_nothing: int
     """Shifts after which no object was within ``gaze.centre_radius_deg`` of the centre of view."""
-    found: dict[str, float | None]
+    detected: dict[str, float | None]
     """Share of perceived frames in which each candidate was detected."""
     moves: dict[str, float | None]
     """Share of them in which it was seen to move."""
@@ -80,6 +81,8 @@ class FootageSessionSummary(Summary):
     """What a reader should know."""
     camera: CameraTimes | None = field(compare=False)
     """How well the machine kept up; None for a video."""
+
+    RENAMED: ClassVar = {"found": "detected"}
 
 
 @dataclass(frozen=True)
@@ -110,7 +113,7 @@ def summarise_footage(frames: WideFrames, shifts: Shifts, told: Told, wall_secon
     late = judged & (landed >= end - LATE_MINUTES * 60)
     perceived = frames.column("perceived") == 1
     known = told.success != NOT_KNOWN
-    found = {name: _mean(frames.column("visible", k)[perceived]) for k, name in enumerate(frames.candidates)}
+    detected = {name: _mean(frames.column("visible", k)[perceived]) for k, name in enumerate(frames.candidates)}
     moves = {name: _mean(frames.column("moves", k)[perceived]) for k, name in enumerate(frames.candidates)}
     return FootageSessionSummary(
         minutes=told.minutes,
@@ -127,18 +130,18 @@ def summarise_footage(frames: WideFrames, shifts: Shifts, told: Told, wall_secon
         success_rate=_mean(success[judged]),
         late_success_rate=_mean(success[late]),
         landings_on_nothing=int(np.sum(shifts.column("on_nothing")[counts] == 1)),
-        found=found,
+        detected=detected,
         moves=moves,
         head_reach_deg=told.reach_deg,
         border_share=told.border_share,
-        notes=tuple(_notes(found, told, len(landed), int(judged.sum()))),
+        notes=tuple(_notes(detected, told, len(landed), int(judged.sum()))),
         camera=told.camera,
     )
 
 
-def _notes(found: dict[str, float | None], told: Told, shifts: int, judged: int) -> list[str]:
+def _notes(detected: dict[str, float | None], told: Told, shifts: int, judged: int) -> list[str]:
     notes = []
-    for name, share in found.items():
+    for name, share in detected.items():
         if share is not None and share < 0.5:
             notes.append(f"{name} was detected in {share:.0%} of the perceived frames")
     if told.border_share > 0.1:

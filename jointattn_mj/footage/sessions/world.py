@@ -1,4 +1,4 @@
-"""A wide image as the world of a session: the image at a pose of the head, the time, and the truth or none."""
+"""A wide image as the world of a session: the image at a pose of the head, the time, and the coded look or none."""
 
 from collections.abc import Callable
 from typing import Any
@@ -45,7 +45,7 @@ class WideWorld:
         self.connect(source, coded)
 
     def connect(self, source: Open, coded: CodedLooks | None) -> None:
-        """Name source and truth, which a world that was pickled has lost; for the arguments see the constructor."""
+        """Name source and coded looks, which a pickled world has lost; for the arguments see the constructor."""
         self._open, self.coded = source, coded
         self._source: WideSource | None = None
         self._wide_frame: WideFrame | None = None

@@ -102,8 +102,8 @@ class _Annotations:
             open_.append(name)
             if slots[last] is not None:
                 length = (slots[last] - start) / len(open_)
-                for i, one in enumerate(open_):
-                    self._known[one] = start + i * length, start + (i + 1) * length
+                for i, annotation in enumerate(open_):
+                    self._known[annotation] = start + i * length, start + (i + 1) * length
                 open_ = []
         if open_:
             raise SeriesError(f"annotation {open_[0]} on the tier {tier!r} has no end; align it in ELAN, or remove it")
@@ -117,9 +117,9 @@ class _Annotations:
             raise SeriesError(f"annotation {name} depends on itself")
         parent = dependent[name][0]
         onset, offset = self._times(parent, depth + 1)
-        row = _in_order({one: data[2] for one, data in dependent.items() if data[0] == parent})
-        for i, one in enumerate(row):
-            self._known[one] = (
+        row = _in_order({annotation: slots[2] for annotation, slots in dependent.items() if slots[0] == parent})
+        for i, annotation in enumerate(row):
+            self._known[annotation] = (
                 onset + i * (offset - onset) / len(row),
                 onset + (i + 1) * (offset - onset) / len(row),
             )

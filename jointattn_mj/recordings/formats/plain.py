@@ -49,8 +49,8 @@ def layout(names: Sequence[str]) -> EventLayout | None:
     """Which columns say what; None where no two columns say when an event begins and ends."""
     roles = {i: role for i, name in enumerate(names) if (role := _role(name)) is not None}
     blocks: dict[str, dict[str, int]] = {}
-    for i, one in sorted(roles.items(), key=lambda item: (_UNIT_RANK[unit_of(names[item[0]])], item[0])):
-        blocks.setdefault(one.block, {}).setdefault(one.role, i)
+    for i, role in sorted(roles.items(), key=lambda item: (_UNIT_RANK[unit_of(names[item[0]])], item[0])):
+        blocks.setdefault(role.block, {}).setdefault(role.role, i)
     blocks = {
         block: columns
         for block, columns in blocks.items()
@@ -58,7 +58,7 @@ def layout(names: Sequence[str]) -> EventLayout | None:
     }
     if not blocks:
         return None
-    used = {i for i, one in roles.items() if one.block in blocks}
+    used = {i for i, role in roles.items() if role.block in blocks}
     spelt = {_spelt(name): i for i, name in reversed(list(enumerate(names)))}
     recording = next(((spelt[name],) for name in RECORDING if name in spelt), ())
     labels = [i for i, name in enumerate(names) if i not in used and (i,) != recording and not _is_no_code(name)]
@@ -97,8 +97,8 @@ def names_without_header(rows: Sequence[Sequence[str]]) -> list[str] | None:
     names = ["-"] * width
     for i, name in [*zip(chosen, ("onset", "offset"), strict=True), *((i, "recording") for i in files[:1])]:
         names[i] = name
-    for some, name in ((before, "tier"), (after, "code")):
-        for i in some[:1]:
+    for columns, name in ((before, "tier"), (after, "code")):
+        for i in columns[:1]:
             names[i] = name
     return names
 
@@ -110,7 +110,7 @@ def _onset_and_offset(times: Mapping[int, np.ndarray]) -> tuple[int, int] | None
         kinds = [columns[i : i + formats] for i in range(0, len(columns), formats)]
         if len(columns) % formats or len(kinds) > 3:
             continue
-        onset, offset, *duration = (times[one[0]] for one in kinds)
+        onset, offset, *duration = (times[kind[0]] for kind in kinds)
         fits = [abs(offset - onset - length) <= _ROUNDING_S for length in duration]
         same = all(_same(times[first], times[other]) for first, *others in kinds for other in others)
         if same and (offset >= onset).all() and all(map(np.all, fits)):

@@ -27,7 +27,7 @@ class LiveDrawing:
             session: What is drawn.
             rgb: (n, 3) colours of the objects, 0..1.
         """
-        inks: list[Colour] = [*(ink_of(one) for one in rgb), PERSON]
+        inks: list[Colour] = [*(ink_of(colour) for colour in rgb), PERSON]
         self._view = RobotsView(session.names, inks, Box(0, 0, WIDTH, HEIGHT))
         self._canvas = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
 

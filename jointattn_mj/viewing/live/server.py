@@ -104,7 +104,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Page, images, numbers."""
         if self._refused(acts=False):
             return
-        match self._place():
+        match self._asked():
             case "":
                 page = (files("jointattn_mj.viewing.live") / "page.html").read_bytes()
                 self._send("text/html; charset=utf-8", page)
@@ -121,8 +121,8 @@ class _Handler(BaseHTTPRequestHandler):
         """Buttons."""
         if self._refused(acts=True):
             return
-        place = self._place()
-        if place is None or not self.shown.press(place):
+        asked = self._asked()
+        if asked is None or not self.shown.press(asked):
             self._say(HTTPStatus.NOT_FOUND, "there is no such button here")
             return
         self._send("application/json", b"{}")
@@ -130,7 +130,7 @@ class _Handler(BaseHTTPRequestHandler):
     def log_message(self, format: str, *arguments: Any) -> None:
         """Say nothing."""
 
-    def _place(self) -> str | None:
+    def _asked(self) -> str | None:
         """What is asked for, behind the key; None without the key."""
         path = self.path.partition("?")[0]
         start = f"/{self.key}/"

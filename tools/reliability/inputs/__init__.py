@@ -22,7 +22,14 @@ SHARES = {
 
 
 def all_kinds(shell: Shell, seed: int, number: int, folder: Path) -> list[Input]:
-    """About ``number`` inputs; their files are made in ``folder``."""
+    """About ``number`` inputs; their files are made in ``folder``.
+
+    Args:
+        shell: Runs commands.
+        seed: Of all draws.
+        number: About how many inputs there are to be.
+        folder: For their files.
+    """
     chance = random.Random(seed)
     many = {kind: max(1, round(share * number)) for kind, share in SHARES.items()}
     clip = film(folder / "clip.mp4", 90)

@@ -76,7 +76,15 @@ def stopped(arguments: tuple[str, ...], out: Path) -> None:
 
 def inputs(shell: Shell, chance: random.Random, many: int, folder: Path, video: Path) -> Iterator[Input]:
     """Folders of runs that were stopped, of which one file is not what it was; ``--resume`` refuses, or the results are
-    those of a run in peace."""
+    those of a run in peace.
+
+    Args:
+        shell: Runs commands.
+        chance: Draws what is damaged, and how.
+        many: Number of inputs.
+        folder: For their files.
+        video: A video to perceive.
+    """
     left, peace = [], []
     runs = [tuple(str(video) if word == VIDEO else word for word in arguments) for arguments in RUNS]
     for number, arguments in enumerate(runs):

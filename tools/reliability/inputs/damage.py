@@ -8,17 +8,17 @@ def damaged(raw: bytes, chance: random.Random) -> tuple[str, bytes]:
     """The bytes of a file after something has happened to them, and what."""
     place = chance.randrange(max(1, len(raw)))
     length = chance.choice((1, 4, 64, 4096))
-    some = bytes(chance.randrange(256) for _ in range(length))
+    noise = bytes(chance.randrange(256) for _ in range(length))
     made = {
         "cut off": raw[:place],
         "beginning lost": raw[place:],
-        "overwritten": raw[:place] + some + raw[place + length :],
+        "overwritten": raw[:place] + noise + raw[place + length :],
         "zeroed": raw[:place] + bytes(length) + raw[place + length :],
-        "inserted": raw[:place] + some + raw[place:],
+        "inserted": raw[:place] + noise + raw[place:],
         "part lost": raw[:place] + raw[place + length :],
         "part doubled": raw[: place + length] + raw[place:],
         "a bit turned": raw[:place] + bytes([raw[place] ^ (1 << chance.randrange(8))]) + raw[place + 1 :],
-        "longer": raw + some,
+        "longer": raw + noise,
         "empty": b"",
         "noise": bytes(chance.randrange(256) for _ in range(512)),
     }

@@ -23,7 +23,14 @@ def session_of(shell: Shell, folder: Path) -> Path:
 
 
 def events_of(shell: Shell, session: Path, form: str, folder: Path) -> Path:
-    """The file of coded events of a session."""
+    """The file of coded events of a session.
+
+    Args:
+        shell: Runs commands.
+        session: Folder of a session.
+        form: Format of the file.
+        folder: For the file.
+    """
     if not folder.exists():
         shell("looks", session, "--form", form, "--out", folder)
     (file,) = folder.iterdir()
@@ -31,13 +38,20 @@ def events_of(shell: Shell, session: Path, form: str, folder: Path) -> Path:
 
 
 def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iterator[Input]:
-    """Files of coded events for ``recordings`` and ``measure``, folders for ``looks``."""
+    """Files of coded events for ``recordings`` and ``measure``, folders for ``looks``.
+
+    Args:
+        shell: Runs commands.
+        chance: Draws what is damaged, and how.
+        many: Number of inputs.
+        folder: For their files.
+    """
     session = session_of(shell, folder / "session")
     for number in range(many):
         at, out = folder / f"events{number}", str(folder / f"events{number}" / "out")
         if number % 4 == 3:
             shutil.copytree(session, at)
-            path = chance.choice(sorted(one for one in at.iterdir() if one.is_file()))
+            path = chance.choice(sorted(file for file in at.iterdir() if file.is_file()))
             form = chance.choice(FORMS)
             command = ("looks", str(at), "--form", form, "--out", str(folder / f"looks{number}"))
         else:

@@ -68,7 +68,13 @@ class Option:
 
 
 def options_of(shell: Shell, base: Base, places: dict[str, str]) -> list[Option]:
-    """Those that a command has."""
+    """Those that a command has.
+
+    Args:
+        shell: Runs commands.
+        base: Command with what it needs.
+        places: Folders and files that commands name.
+    """
     arguments = [places.get(word, word) for word in shlex.split(base.command)]
     said = shell(*arguments, "--help-all", env={"COLUMNS": COLUMNS}).out
     options = []
@@ -104,7 +110,15 @@ def values_for(option: Option, chance: random.Random) -> list[tuple[tuple[str, .
 
 
 def inputs(shell: Shell, chance: random.Random, many: int, folder: Path, places: dict[str, str]) -> list[Input]:
-    """``many`` of all that there are, drawn by ``chance``; every command has some."""
+    """``many`` of all that there are, drawn by ``chance``; every command has some.
+
+    Args:
+        shell: Runs commands.
+        chance: Draws options and values.
+        many: Number of inputs.
+        folder: For their files.
+        places: Folders and files that commands name.
+    """
     tried: dict[Base, list[Input]] = {}
     for base in BASES:
         tried[base] = []
@@ -116,7 +130,7 @@ def inputs(shell: Shell, chance: random.Random, many: int, folder: Path, places:
                     tried[base].append(_input(base, option, words, wrong, out, places))
         chance.shuffle(tried[base])
     share = [tried[base][: max(5, many * len(tried[base]) // sum(map(len, tried.values())))] for base in BASES]
-    return [one for part in share for one in part]
+    return [option for part in share for option in part]
 
 
 def _input(base: Base, option: Option, words: tuple[str, ...], wrong: bool, out: Path, places: dict[str, str]) -> Input:

@@ -11,7 +11,14 @@ from tools.shell import Shell
 
 
 def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iterator[Input]:
-    """Folders of experiments of which a file is damaged, for ``list`` and ``report``."""
+    """Folders of experiments of which a file is damaged, for ``list`` and ``report``.
+
+    Args:
+        shell: Runs commands.
+        chance: Draws what is damaged, and how.
+        many: Number of inputs.
+        folder: For their files.
+    """
     run = ("experiment", "run", "5.2", "--setting", "robot first", "--runs", "2", "--jobs", "1")
     shell(*run, "--out", folder / "good")
     for number in range(many):

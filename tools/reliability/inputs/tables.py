@@ -93,7 +93,13 @@ def odd_tables() -> Iterator[tuple[str, str, bytes, Callable[[Outcome], str]]]:
 
 
 def inputs(chance: random.Random, many: int, folder: Path) -> Iterator[Input]:
-    """Tables for ``measure`` and ``discover``."""
+    """Tables for ``measure`` and ``discover``.
+
+    Args:
+        chance: Draws what is damaged, and how.
+        many: Number of inputs.
+        folder: For their files.
+    """
     crafted = list(odd_tables())
     sources = {"t.csv": as_csv(codings()).encode(), "t.parquet": as_parquet(codings())}
     for number in range(many):

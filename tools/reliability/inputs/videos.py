@@ -10,7 +10,14 @@ from tools.reliability.malformed import Input, anything, refused
 
 
 def inputs(chance: random.Random, many: int, folder: Path, film: Path) -> Iterator[Input]:
-    """Videos for ``perceive``."""
+    """Videos for ``perceive``.
+
+    Args:
+        chance: Draws what is damaged, and how.
+        many: Number of inputs.
+        folder: For their files.
+        film: A sound video.
+    """
     raw = film.read_bytes()
     crafted = {
         "text.mp4": b"This is no video.\n" * 50,

@@ -16,14 +16,21 @@ ROBOTS = ((), ("--preset", "cross_situational"), ("--robot.learner.code", "linea
 
 
 def inputs(shell: Shell, chance: random.Random, many: int, folder: Path) -> Iterator[Input]:
-    """Weights for ``--start-from``."""
+    """Weights for ``--start-from``.
+
+    Args:
+        shell: Runs commands.
+        chance: Draws what is damaged, and how.
+        many: Number of inputs.
+        folder: For their files.
+    """
     thought_of, raws = [], []
     for robot in ROBOTS:
         good = folder / f"good{len(raws)}"
         shell(*SESSION, *robot, "--out", good)
         raws.append((good / "weights.npz").read_bytes())
         crafted = odd_weights(_arrays(raws[-1]))
-        thought_of += [(robot, *one) for one in crafted]
+        thought_of += [(robot, *case) for case in crafted]
         thought_of += [(robot, "of another robot", raw, refused) for raw in raws[:-1]]
     chance.shuffle(thought_of)
     for number in range(many):

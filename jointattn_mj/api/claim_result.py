@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pyarrow as pa
 
+from jointattn_mj.api.claims import experiments_registry
 from jointattn_mj.errors import ConfigError, OutputError
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.table import Table
 from jointattn_mj.options import path_of
 from jointattn_mj.sweeps.claim import Comparison, Verdict
-from jointattn_mj.sweeps.registry import Entry, Registry, experiments_registry
+from jointattn_mj.sweeps.registry import Entry, Registry
 from jointattn_mj.sweeps.report import chapter, finding_row
 from jointattn_mj.sweeps.store import Store
 
@@ -114,11 +115,11 @@ class ClaimResult:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, ClaimResult):
             return NotImplemented
-        mine, theirs = (
+        own, given = (
             (result.entry, result.runs, result.figures, result.notes, result.folder, list(map(repr, result.findings)))
             for result in (self, other)
         )  # NaN in an interval differs from itself, and its text does not
-        return mine == theirs
+        return own == given
 
     __hash__ = None  # type: ignore[assignment]
 

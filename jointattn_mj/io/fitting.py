@@ -80,8 +80,8 @@ class _Fitting:
             raise ValueError(f"{path} must be {new!r:.80}; got {restored!r:.80}")
         if len(restored) != len(new):
             raise ValueError(f"{path} must have {len(new)} items; got {len(restored)}")
-        for number, (one, other) in enumerate(zip(restored, new, strict=True)):
-            self.check(one, other, f"{path}[{number}]")
+        for number, (part, new_part) in enumerate(zip(restored, new, strict=True)):
+            self.check(part, new_part, f"{path}[{number}]")
 
     def _check_object(self, restored: Any, new: Any, path: str) -> None:
         check_attributes(restored, new, path)
