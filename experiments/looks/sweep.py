@@ -43,9 +43,9 @@ PARTNER_SWAY_PX = 3.0
 """Standard deviation of its location, which changes every ten seconds."""
 APART_DEG = 9.0
 """Angle from the nearest object from which a look away is at something clearly else."""
-FIRST_SEED = 320_000
-"""Held-out seeds; numbers of ``LooksConfig`` were chosen on 100 and 101."""
-VERSION = 3
+FIRST_SEED = 340_000
+"""Held-out seeds; numbers of ``LooksConfig`` were chosen on 40 to 43, 100 and 101."""
+VERSION = 4
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from jointattn_mj.footage.looks.away import probability_away
 from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.footage.looks.learning import aside, learn_evidence, posterior, smoothed
 from jointattn_mj.footage.looks.locations import MOVED_HEIGHTS, known_locations, last_locations, placements
@@ -13,12 +14,10 @@ AWAY, UNSURE, UNSEEN = "away", "unsure", "cannot be seen"
 """Codes beside the candidates' names."""
 PARTNER = "partner"
 """Name of the candidate that is another person's face."""
-AWAY_ROUNDS = 4
-"""Rounds in which the share of looks away is learned."""
-AWAY_SHARES = (0.01, 0.6)
-"""Its least and its greatest."""
-LEVELS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.7)
-"""Shares of evidence for ``LooksConfig.away`` that labels choose from."""
+LEVELS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8)
+"""Values of ``LooksConfig.away`` that labels choose from."""
+BLOCK_S = 30.0
+"""Seconds that are learned from, or judged, as one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,20 +100,29 @@ def code_looks(looks: ObservedLooks, config: LooksConfig, labels: np.ndarray | N
     face = last_locations(looks.face_px[:, None], looks.cut)
     locations = (known_locations(looks.px, looks.cut, MOVED_HEIGHTS * looks.height_px) - face) / looks.height_px
     given = labels is not None and bool((labels[visible] >= 0).any())
-    evidence = np.zeros((n, k + 1))
+    # locations of the image, not from the face: a person who moves puts nothing down
+    counts = placements(looks.px / looks.height_px)
+    is_partner = np.array([name == PARTNER for name in looks.names], bool)
+    evidence, away = np.zeros((n, k)), [np.zeros(n)]
     if visible.any():
         first = aside(looks.yaw_deg[visible], locations[visible]) if config.start == "yaw" else None
         coded = labels[visible] if labels is not None and given else None
-        evidence[visible, :k] = learn_evidence(looks.faces[visible], locations[visible], config, first, coded)
-    alone = posterior(evidence[:, :k]).max(axis=1, initial=0)
+        block = round(BLOCK_S / looks.step_s)
+        learned = learn_evidence(looks.faces[visible], locations[visible], config, first, coded, block)
+        evidence[visible] = learned.looks
+        if config.away is not None and k:
+            known, still = np.isfinite(locations[visible]).all((1, 2)), is_partner | (counts <= 1)
+            last = np.maximum(np.cumsum(visible) - 1, 0)
+            levels = LEVELS if given else (config.away,)
+            away = [probability_away(learned, known, still, level)[last] for level in levels]
+    alone = posterior(evidence).max(axis=1, initial=0) if k else np.zeros(n)
     hidden = visible[:, None] & ~np.isfinite(locations).all(-1) & np.isfinite(looks.px).all(-1).any(axis=0)
     stay = max(1 - looks.step_s / config.dwell_s, 1 / (k + 1))
-    likely = _likely(evidence, visible, hidden, stay, config, labels if given else None)
+    told = np.where(visible, labels, -1) if given and labels is not None else None
+    likely = _likely(np.where(hidden, config.hidden, evidence), stay, config.trust, away, told)
     best = likely.argmax(axis=1)
     lost = _long_runs(~visible, max(1, round(config.lost_s / looks.step_s)))
-    # locations of the image, not from the face: a person who moves puts nothing down
-    counts = placements(looks.px / looks.height_px)
-    moved = int(counts[: k - (PARTNER in looks.names)].sum())
+    moved = int(counts[~is_partner].sum())
     if moved and not given:
         believed = moved / (moved + config.half_sure)
         likely = believed * likely + (1 - believed) / max(k + (config.away is not None), 1)
@@ -128,45 +136,26 @@ def code_looks(looks: ObservedLooks, config: LooksConfig, labels: np.ndarray | N
 
 
 def _likely(
-    evidence: np.ndarray,
-    visible: np.ndarray,
-    hidden: np.ndarray,
-    stay: float,
-    config: LooksConfig,
-    labels: np.ndarray | None,
+    evidence: np.ndarray, stay: float, trust: float, away: list[np.ndarray], labels: np.ndarray | None
 ) -> np.ndarray:
-    """Posterior (n, k + 1) of all targets, away being the last; 0 for away where that is no answer.
+    """Posterior (n, k + 1) of all targets, away being the last.
 
-    The share of looks away is learned, too. With labels, the evidence that counts for looking away is learned as well.
+    Args:
+        evidence: (n, k) for each candidate.
+        stay: See ``smoothed``.
+        trust: See ``smoothed``.
+        away: Probability (n,) of looking at none of them, by several judgements of which labels choose one.
+        labels: (n,) what a person has coded; None without.
     """
-    if not len(evidence):
-        return np.zeros(evidence.shape)
-    k = evidence.shape[1] - 1
-
-    typical = max(float(np.median(evidence[visible, :k].max(axis=1))), 0.0) if k and visible.any() else 0.0
-
-    def with_level(share: float) -> np.ndarray:
-        level = share * typical
-        filled = evidence.copy()
-        filled[:, :k][hidden] = level + config.hidden
-        filled[:, k] = np.where(visible, level, 0.0)
-        return filled
-
-    if config.away is None:
-        if k == 0:
-            return np.zeros(evidence.shape)
-        return np.column_stack([smoothed(with_level(0.0)[:, :k], stay, config.trust), np.zeros(len(evidence))])
-    tried, away = [], 1 / (k + 1)
-    for level in (config.away,) if labels is None else LEVELS:
-        for _ in range(AWAY_ROUNDS):
-            prior = np.append(np.full(k, (1 - away) / max(k, 1)), away)
-            likely = smoothed(with_level(level), stay, config.trust, prior)
-            away = float(np.clip(likely[visible, k].mean() if visible.any() else 0.0, *AWAY_SHARES))
-        tried.append(likely)
+    n, k = evidence.shape
+    if not n or not k:
+        return np.zeros((n, k + 1))
+    targets = smoothed(evidence, stay, trust)
+    judged = [np.column_stack([targets * (1 - share[:, None]), share]) for share in away]
     if labels is None:
-        return tried[0]
-    told = np.flatnonzero((labels >= 0) & visible)
-    return max(tried, key=lambda likely: float(np.log(np.maximum(likely[told, labels[told]], 1e-3)).mean()))
+        return judged[0]
+    told = np.flatnonzero(labels >= 0)
+    return max(judged, key=lambda likely: float(np.log(np.maximum(likely[told, labels[told]], 1e-3)).mean()))
 
 
 def _doubt(moved: int, alone: np.ndarray, config: LooksConfig, labelled: bool) -> str:

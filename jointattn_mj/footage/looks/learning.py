@@ -5,6 +5,8 @@ with this face than with any (pointwise mutual information). Here all looks are 
 alternate over them, and a hidden Markov model smooths what comes out, for a look lasts.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy import sparse
 
@@ -18,6 +20,10 @@ LEAST_SHARE = 1e-4
 """Share of a unit in a bump that is kept."""
 NEVER = -30.0
 """Evidence for a candidate of which no location is known."""
+PARTS = 5
+"""Parts of a video, each of which is judged by what was learned from the others."""
+CHANCES = 8
+"""Shifts of faces against locations that show what evidence there is by chance."""
 ASIDE = 0.7
 """Standard deviation of where one looks by the yaw alone, in those of the candidates' locations."""
 
@@ -54,14 +60,32 @@ class LocationCode:
         return sparse.csr_matrix(shares)
 
 
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """Evidence for each candidate, log P(location | face) / P(location), smoothed; ``NEVER`` where it is nowhere known.
+
+    Attributes:
+        looks: (n, k) in each look, learned from the other parts of the video.
+        by_chance: (``CHANCES`` n, k) where faces are put together with locations of other times, one after the other.
+    """
+
+    looks: np.ndarray
+    by_chance: np.ndarray
+
+
 def learn_evidence(
     faces: np.ndarray,
     locations: np.ndarray,
     config: LooksConfig,
     first: np.ndarray | None = None,
     labels: np.ndarray | None = None,
-) -> np.ndarray:
+    block: int = 1,
+) -> Evidence:
     """Evidence for each candidate in each look, learned from all of them.
+
+    Where somebody looks at none of the candidates, learning takes the nearest for the target, and this look then speaks
+    for that. So the evidence in a look is of what was learned from other parts of the video. What evidence there is
+    where somebody looks elsewhere is seen by shifting faces against locations, by tenths of the video and more.
 
     Args:
         faces: (n, u) activations of a map of faces, each row summing to 1.
@@ -69,34 +93,49 @@ def learn_evidence(
         config: ``tuning``, ``rounds`` and ``smoothing``.
         first: (n, k) how probable each target is before anything is learned; None for alike.
         labels: (n,) the target of looks that a person has coded, k for none of the candidates; -1 for all others.
-
-    Returns:
-        (n, k) log P(location | face) / P(location), smoothed; ``NEVER`` where a location is not known.
+        block: Looks that follow each other and err alike; at most a fifth of all is taken.
     """
     known = np.isfinite(locations).all(-1)
     if not known.any():
-        return np.full(known.shape, NEVER)
-    faces, count = faces.astype(np.float32), locations.shape[1]
+        return Evidence(np.full(known.shape, NEVER), np.full((CHANCES * len(known), known.shape[1]), NEVER))
+    faces, (n, count) = faces.astype(np.float32), known.shape
     code = LocationCode(locations, config.tuning)
     shares = [code.shares(locations[:, k]) for k in range(count)]
     smoothing = config.smoothing / code.units
     with_any = sum(np.asarray(share.sum(axis=0)).ravel().astype(float) for share in shares) / known.sum() + smoothing
     base = np.stack([np.log(np.maximum(share @ with_any, 1e-12)) for share in shares], axis=1)
     spread = np.stack([np.asarray(share.sum(axis=1)).ravel() for share in shares], axis=1)
+
+    def together(weights: np.ndarray, looks: np.ndarray) -> np.ndarray:
+        """How often each location (units) goes with each face (u) in some of the looks."""
+        parts = (share[looks].T @ (weights[looks, k, None] * faces[looks]) for k, share in enumerate(shares))
+        counts: np.ndarray = sum(parts, np.zeros((code.units, faces.shape[1]), np.float32))
+        return counts
+
+    def compared(counts: np.ndarray, faces: np.ndarray, looks: np.ndarray) -> np.ndarray:
+        total = np.maximum(faces @ counts.sum(axis=0), 1e-9)
+        with_face = np.stack([np.einsum("nu,nu->n", share[looks] @ counts, faces) for share in shares], axis=1)
+        likely = with_face / total[:, None] + smoothing * spread[looks]
+        return np.where(known[looks], np.log(np.maximum(likely, 1e-12)) - base[looks], NEVER)
+
+    everything = np.arange(n)
     weights = known.astype(float) if first is None else first * known
     weights = weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-12)
-    evidence = np.zeros(known.shape)
-    for _ in range(config.rounds):
+    for left in reversed(range(config.rounds)):
         if labels is not None:
             weights[labels >= 0] = np.eye(count + 1)[labels[labels >= 0], :count] * known[labels >= 0]
         weights = weights.astype(np.float32)
-        counts = sum(share.T @ (weights[:, k, None] * faces) for k, share in enumerate(shares))  # (units, u)
-        total = np.maximum(faces @ counts.sum(axis=0), 1e-9)
-        with_face = np.stack([np.einsum("nu,nu->n", share @ counts, faces) for share in shares], axis=1)
-        likely = with_face / total[:, None] + smoothing * spread
-        evidence = np.where(known, np.log(np.maximum(likely, 1e-12)) - base, NEVER)
-        weights = posterior(config.sharpness * evidence) * known
-    return evidence
+        if left:
+            weights = posterior(config.sharpness * compared(together(weights, everything), faces, everything)) * known
+    part = everything // max(1, min(block, -(-n // PARTS))) % PARTS
+    counts = [together(weights, np.flatnonzero(part == number)) for number in range(PARTS)]
+    whole, evidence = np.sum(counts, axis=0), np.empty(known.shape)
+    for number in range(PARTS):
+        looks = np.flatnonzero(part == number)
+        evidence[looks] = compared(whole - counts[number], faces[looks], looks)
+    lags = np.linspace(0.1, 0.9, CHANCES) * n
+    chance = [compared(whole, np.roll(faces, round(lag), axis=0), everything) for lag in lags]
+    return Evidence(evidence, np.concatenate(chance))
 
 
 def aside(yaw_deg: np.ndarray, locations: np.ndarray) -> np.ndarray | None:
