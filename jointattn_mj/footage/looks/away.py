@@ -7,7 +7,6 @@ that the evidence in it is of this group (a local false discovery rate).
 """
 
 import numpy as np
-from scipy.optimize import isotonic_regression
 
 from jointattn_mj.footage.looks.learning import Evidence
 
@@ -57,6 +56,8 @@ def _of_chance(values: np.ndarray, by_chance: np.ndarray, share: float) -> np.nd
         np.bincount(np.searchsorted(edges, ones), minlength=len(edges) + 1) / len(ones) for ones in (values, by_chance)
     )
     shares = np.clip(share * of_chance / np.maximum(all_of_them, 1e-9), 0, 1)
+    from scipy.optimize import isotonic_regression  # takes .2 s to import
+
     falling = isotonic_regression(shares, weights=all_of_them + 1e-9, increasing=False).x
     middles = np.concatenate([edges[:1], (edges[1:] + edges[:-1]) / 2, edges[-1:]])
     probability: np.ndarray = np.interp(values, middles, falling)
