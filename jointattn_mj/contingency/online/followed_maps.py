@@ -73,24 +73,17 @@ def _read(
     table = np.zeros((results, sensors, actions, outcomes))
     count_by_last(s, a, before, after, first, strata, table)
     gain, spread = gains(table, concentration)
-    within, variance, known = np.zeros(gain.shape), np.zeros(gain.shape), np.zeros(gain.shape)
-    for stratum in range(outcomes):
-        its_gain, its_spread = gains(strata[stratum], concentration)
-        within += its_gain
-        variance += its_spread**2
-        known += its_spread > 0.0
-    known = np.maximum(known, 1.0)
-    within /= known
-    surest = within - deviations * np.sqrt(variance) / known
+    within, spread_within = _mean_gains(strata, concentration)
     largest = 0.0
     for r in range(results):
         for s_value in range(sensors):
             best = 0.0
             for k in range(1, outcomes):  # the first value stands for the absence of a result, and is not offered
                 for action in range(actions):
-                    here = (r, s_value, k, action)
-                    if gain[here] > deviations * spread[here] and surest[here] > best:
-                        best = surest[here]
+                    surest = within[r, s_value, k, action] - deviations * spread_within[r, s_value, k, action]
+                    is_sure = gain[r, s_value, k, action] > deviations * spread[r, s_value, k, action]
+                    if is_sure and surest > best:
+                        best = surest
                         command[r, s_value], expected[r, s_value] = action, k
             if best > 0.0:
                 largest = max(largest, within[r, s_value, expected[r, s_value], command[r, s_value]])
@@ -99,13 +92,61 @@ def _read(
             if command[r, s_value] != OFFERS_NOTHING:
                 gained = within[r, s_value, expected[r, s_value], command[r, s_value]]
                 if gained > least * largest:
-                    z = gained - within[r, s_value].mean()
-                    reliability[r, s_value] = z / within[r, s_value].std()
+                    reliability[r, s_value] = _z_score(gained, within, r, s_value)
                 else:
                     command[r, s_value] = expected[r, s_value] = OFFERS_NOTHING
-            saliency[r, s_value] = within[r, s_value]
-            if table[r, s_value].sum() == 0.0:
-                saliency[r, s_value] = np.nan
+            steps = 0.0
+            for action in range(actions):
+                for k in range(outcomes):
+                    steps += table[r, s_value, action, k]
+            for k in range(outcomes):
+                for action in range(actions):
+                    saliency[r, s_value, k, action] = within[r, s_value, k, action] if steps else np.nan
+
+
+@njit(cache=True)
+def _mean_gains(strata: np.ndarray, concentration: float) -> tuple[np.ndarray, np.ndarray]:
+    """Gains within what came of the same action last time, and their standard deviations, both (R, S, R', A).
+
+    Args:
+        strata: (R', R, S, A, R') counts by what came last time.
+        concentration: Transitions that the prior is worth.
+    """
+    outcomes, results, sensors, actions, _ = strata.shape
+    within = np.zeros((results, sensors, outcomes, actions))
+    spread, known = np.zeros(within.shape), np.zeros(within.shape)
+    for stratum in range(outcomes):
+        gain_here, spread_here = gains(strata[stratum], concentration)
+        for r in range(results):
+            for s in range(sensors):
+                for k in range(outcomes):
+                    for a in range(actions):
+                        within[r, s, k, a] += gain_here[r, s, k, a]
+                        spread[r, s, k, a] += spread_here[r, s, k, a] * spread_here[r, s, k, a]
+                        known[r, s, k, a] += spread_here[r, s, k, a] > 0.0
+    for r in range(results):
+        for s in range(sensors):
+            for k in range(outcomes):
+                for a in range(actions):
+                    parts = max(known[r, s, k, a], 1.0)
+                    within[r, s, k, a] /= parts
+                    spread[r, s, k, a] = math.sqrt(spread[r, s, k, a]) / parts
+    return within, spread
+
+
+@njit(cache=True)
+def _z_score(value: float, within: np.ndarray, r: int, s: int) -> float:
+    """How far a value lies above the mean of a situation's gains (R, S, R', A), in their standard deviations."""
+    _, _, outcomes, actions = within.shape
+    total, squares = 0.0, 0.0
+    for k in range(outcomes):
+        for a in range(actions):
+            total += within[r, s, k, a]
+    mean = total / (outcomes * actions)
+    for k in range(outcomes):
+        for a in range(actions):
+            squares += (within[r, s, k, a] - mean) ** 2
+    return (value - mean) / math.sqrt(squares / (outcomes * actions))
 
 
 @njit(cache=True)
