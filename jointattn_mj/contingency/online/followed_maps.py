@@ -146,7 +146,8 @@ def _z_score(value: float, within: np.ndarray, r: int, s: int) -> float:
     for k in range(outcomes):
         for a in range(actions):
             squares += (within[r, s, k, a] - mean) ** 2
-    return (value - mean) / math.sqrt(squares / (outcomes * actions))
+    z: float = (value - mean) / math.sqrt(squares / (outcomes * actions))
+    return z
 
 
 @njit(cache=True)
