@@ -12,10 +12,10 @@ from jointattn_mj.sweeps.statistics import mean_interval, paired_difference
 from .sweep import unpacked
 
 TOUCHING = 0.1
-"""Share of faces beyond which the sheet does not keep neighbours together."""
+"""Share of faces beyond which the map does not keep neighbours together."""
 QUANTITIES = {
     "cells_used": "units of 81 that are nearest to some face",
-    "yaw_r2": "share of the variance of the head's yaw that the place on the sheet explains",
+    "yaw_r2": "share of the variance of the head's yaw that the position on the map explains",
     "pitch_r2": "the same for its pitch",
 }
 
@@ -33,9 +33,9 @@ def analyse(trials: Trials) -> list[Comparison]:
     return [
         Comparison(
             "share of new faces whose two nearest units do not touch", "similar faces have neighbouring units", error,
-            verdict, f"sheets with less than {TOUCHING:.0%} count as ordered",
+            verdict, f"maps with less than {TOUCHING:.0%} count as ordered",
         ),
-        Comparison("how much larger it is on a shuffled sheet", "not given", beside, Verdict.EXTENSION),
+        Comparison("how much larger it is on a shuffled map", "not given", beside, Verdict.EXTENSION),
         *(
             Comparison(words, "not given", mean_interval([result[key] for result in every]), Verdict.EXTENSION)
             for key, words in QUANTITIES.items()
