@@ -16,8 +16,8 @@ TITLES = {
     ),
     "stops": (
         "Stopped and gone on with",
-        "The same with Ctrl-C, after which a command has to end with 130, and with one line. The overlay of `perceive` is "
-        "encoded anew from where it was stopped: as many images, other bytes.",
+        "The same with Ctrl-C, after which a command has to end with 130, and with one line. The overlay of "
+        "`perceive` is encoded anew from where it was stopped: as many images, other bytes.",
     ),
     "pairs": (
         "Two commands in one folder",
