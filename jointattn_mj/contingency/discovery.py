@@ -133,11 +133,9 @@ def discover(
     explain = explain if timing.source_history == timing.target_history == 1 else 0
     events = list(product(sensors, actions, results))
     for event, stream in zip(events, _seeds(seed).spawn(len(events)), strict=True):
+        weighing = (lead or LeadOptions()) if local else None
         rng = generator(stream)
-        if local:
-            tested.append(_led(data, event, groups, timing, lead or LeadOptions(), given, unit, rng, progress))
-        else:
-            tested.append(_tested(data, event, groups, timing, chosen, given, unit, rng, progress))
+        tested.append(_tested(data, event, groups, timing, chosen, weighing, given, unit, rng, progress))
     adjusted = adjust([finding.significance.p for finding in tested], how)
     tested = [replace(finding, p_adjusted=float(p)) for finding, p in zip(tested, adjusted, strict=True)]
     tested = _with_chances(tested) if local else tested
@@ -169,43 +167,27 @@ def _tested(
     groups: Sequence[int] | None,
     timing: Timing,
     measure: Measure,
+    how: LeadOptions | None,
     options: TestOptions,
     unit: float,
     rng: np.random.Generator,
     progress: Callable[[int], object],
 ) -> Finding:
+    """One event by a measure, or with ``how`` by where it is contingent."""
     sensor, action, result = event
+    lead = None
     try:
         given = timed(acted(data[sensor], data[action], data[result], groups), timing)
-        significance = assess_steps(given, measure, options, unit, rng, progress)
+        if how is None:
+            significance = assess_steps(given, measure, options, unit, rng, progress)
+        else:
+            lead = lead_of_steps(given, how, options, unit, rng, progress)
+            significance = lead.significance
     except SeriesError as error:
         raise SeriesError(f"({sensor}, {action}) -> {result}: {error}") from error
     bound = measure.bound(given.entries(), "smallest") / unit
     normalised = significance.corrected / bound if bound > 1e-12 else 0.0
-    return Finding(sensor, action, result, significance, 1.0, normalised)
-
-
-def _led(
-    data: Mapping[str, Series],
-    event: tuple[str, str, str],
-    groups: Sequence[int] | None,
-    timing: Timing,
-    how: LeadOptions,
-    options: TestOptions,
-    unit: float,
-    rng: np.random.Generator,
-    progress: Callable[[int], object],
-) -> Finding:
-    """As ``_tested``, by the measure local."""
-    sensor, action, result = event
-    try:
-        given = timed(acted(data[sensor], data[action], data[result], groups), timing)
-        lead = lead_of_steps(given, how, options, unit, rng, progress)
-    except SeriesError as error:
-        raise SeriesError(f"({sensor}, {action}) -> {result}: {error}") from error
-    bound = CONTINGENCY.bound(given.entries(), "smallest") / unit
-    normalised = lead.significance.corrected / bound if bound > 1e-12 else 0.0
-    return Finding(sensor, action, result, lead.significance, 1.0, normalised, lead=lead)
+    return Finding(sensor, action, result, significance, 1.0, normalised, lead=lead)
 
 
 def _with_chances(tested: Sequence[Finding]) -> list[Finding]:
