@@ -86,7 +86,7 @@ class LocalConfig(Checked):
     increasing_first: bool = True
     """Whether an event that makes its result rarer waits for events of the same sensor and action that make another
     result more frequent, and is no rival to any."""
-    taking_away: Annotated[float, Real("[0, 1]")] = 0.0
+    taking_away: Annotated[float, Real("[0, 1]")] = 0.3
     """With ``increasing_first``: an event makes its result rarer if what it contributes by that exceeds what it
     contributes by making it more frequent, by more than this share of both. With two spots, looking at one finds what
     looking at the other misses; the sign of so small a difference is chance, and at 0 it decides who waits."""
