@@ -149,6 +149,7 @@ def test_a_complaint_is_made_once(jointattn):
 
 def test_without_a_folder(jointattn):
     refused(jointattn("session", "--minutes", 1), 2, "--out")
+    refused(jointattn("session"), 2, "--out")
 
 
 def test_more_than_the_disk_holds(jointattn, tmp_path):
