@@ -83,7 +83,8 @@ class Viewing:
         attention, album = (np.random.default_rng(seed) for seed in np.random.SeedSequence(config.seed).spawn(2))
         self.footage = Footage(config.video, config.fps)
         table, self.rgb = label_table(config.objects, {}, config.areas_each, config.pixels.colours)
-        by_colour = np.array([item.picked is None for item in sought_objects(config.objects)])
+        self._sought = sought_objects(config.objects)
+        by_colour = np.array([item.picked is None for item in self._sought])
         areas = FootageAreas(table, by_colour, config.areas_each, config.pixels.colours, config.areas, RATE)
         followed = FollowedFace() if config.detector == "yunet" else None
         perceiver = FootagePerception(config.pixels, areas, Rest(config.rest, count), followed, config.face_follow)
@@ -121,7 +122,7 @@ class Viewing:
             FootageError: The video has no image, neither timestamps nor a rate, or not what was picked.
         """
         config, each = self.config, self.config.areas_each
-        picked = picked_tables(self.footage, sought_objects(config.objects))
+        picked = picked_tables(self.footage, self._sought)
         if picked:
             table, self.rgb = label_table(config.objects, picked, each, config.pixels.colours)
             self.watcher.perceiver.areas.take(table)
@@ -140,6 +141,7 @@ class Viewing:
         if fresh:
             cut = self._find_faces(still, mapped)
         percept = self.watcher.see(image, still.fresh, cut or self.shots.camera_moves)
+        self._check_picks(mapped)
         self.visible += percept.visible
         self.moves += percept.moves
         self.camera_moves += self.shots.camera_moves
@@ -200,6 +202,16 @@ class Viewing:
             self._chosen_last,
         )
         return cut
+
+    def _check_picks(self, mapped: FrameMap) -> None:
+        """Note the objects that are not found where they were picked, when they were: something else has their colours,
+        say, or they are worn."""
+        areas = self.watcher.perceiver.areas
+        for k, sought in enumerate(self._sought):
+            if sought.picked is None or self.frames != self.footage.frame_at(sought.picked[0]):
+                continue
+            if not areas.is_at(k, mapped.to_image(np.array(sought.picked[1:]))):
+                self.spans.note(CHECK, f"{sought.name} not found where it was picked", self.frames)
 
     def _boxes(self, mapped: FrameMap) -> np.ndarray:
         """(k, 4) x, y, width and height of all faces, pixels of the robot's image, the face of interest first."""
