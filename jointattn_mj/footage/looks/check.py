@@ -57,6 +57,25 @@ class Codings:
         answers = tuple(look for look in looks if look[2] not in LEFT_OUT)
         return cls(path, answers, sum(offset - onset for onset, offset, _ in looks))
 
+    def check_codes(self, names: tuple[str, ...], all_of_them: bool) -> None:
+        """Check that codes are names of what can be looked at, before a video is watched for them.
+
+        Args:
+            names: What can be looked at.
+            all_of_them: Whether each must be; else one of them will do, for a person codes more than that.
+
+        Raises:
+            SeriesError: They are not.
+        """
+        codes = {code for _, _, code in self.looks}
+        strange = sorted(codes - set(names))
+        if strange and (all_of_them or len(strange) == len(codes)):
+            code, which = ("code", "is") if len(strange) == 1 else ("codes", "are")
+            raise SeriesError(
+                f"{self.path}: the {code} {', '.join(map(repr, strange))} {which} none of {', '.join(names)}; name the "
+                "objects as they are coded: NAME=#colour"
+            )
+
     def at(self, times: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
         """What was coded at some times.
 
@@ -86,8 +105,9 @@ class Codings:
             other: The other coder.
 
         Returns:
-            ``kappa``, ``low`` and ``high`` (its 95% interval, by blocks of 30 s), ``observed`` (share of seconds that
-            agree), ``seconds`` that were compared, ``left_out`` (share of the time coded here that was not), and
+            ``kappa``, ``low`` and ``high`` (its 95% interval, by blocks of 30 s; NaN where kappa has no meaning, as
+            with one code alone), ``observed`` (share of seconds that agree), ``seconds`` that were compared,
+            ``left_out`` (share of the time coded here that was not), and
             ``kappa_by_code``.
 
         Raises:
