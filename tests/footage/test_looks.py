@@ -253,6 +253,8 @@ def test_codings_that_cannot_be_compared(tmp_path):
     two.write_text("onset_s,offset_s,tier,code\n0,1,a,cup\n0,1,b,cup\n")
     with pytest.raises(SeriesError, match="one tier"):
         Codings.read(two)
+    with pytest.raises(SeriesError, match="'cup' until 10 s and 'ball' from 5 s"):
+        Codings.read(coding(tmp_path / "d.csv", (0, 10, "cup"), (5, 12, "ball")))
     with pytest.raises(ConfigError, match="looks must be set"):
         run_perceive(PerceiveConfig(tmp_path / "no.mp4"), PerceiveOptions(tmp_path / "out", check=mine))
     with pytest.raises(ConfigError, match=r"labels .* looks must be set"):

@@ -11,6 +11,7 @@ from jointattn_mj.footage.looks.coding import UNSEEN, UNSURE
 from jointattn_mj.footage.looks.tables import TIER
 from jointattn_mj.recordings.agreement import AgreementOptions, agreement
 from jointattn_mj.recordings.events import Events
+from jointattn_mj.recordings.intervals import intervals_of
 from jointattn_mj.recordings.reader import read
 
 LEFT_OUT = (UNSURE, UNSEEN, "turn")
@@ -40,7 +41,7 @@ class Codings:
                 time with "unsure", "turn" or "cannot be seen" is left out. Columns onset_s and offset_s are seconds.
 
         Raises:
-            SeriesError: It cannot be read, or has not one such tier of one recording.
+            SeriesError: It cannot be read, has not one such tier of one recording, or looks overlap on it.
         """
         events = read(path).events
         tiers = events.tier_names
@@ -48,11 +49,11 @@ class Codings:
             raise SeriesError(f"{path} must have one tier, or one called {TIER!r}; it has {', '.join(tiers) or 'none'}")
         if len(events.recordings) != 1:
             raise SeriesError(f"{path} must be of one recording; it has {len(events.recordings)}")
-        table = events.select([TIER if TIER in tiers else tiers[0]]).table
+        own = intervals_of(events, events.recordings[0], TIER if TIER in tiers else tiers[0])
         looks = [
             (float(onset), float(offset), str(code))
-            for onset, offset, code in zip(table["onset"], table["offset"], table["code"], strict=True)
-            if code is not None and offset > onset
+            for onset, offset, code in zip(own.onset, own.offset, own.code, strict=True)
+            if code
         ]
         answers = tuple(look for look in looks if look[2] not in LEFT_OUT)
         return cls(path, answers, sum(offset - onset for onset, offset, _ in looks))
