@@ -66,7 +66,7 @@ class Viewing:
         shots: Cuts and motion of the camera.
         spans: When who was there, and what should be checked.
         camera_moves: Number of frames in which the camera moved.
-        sample_faces: (k, 4) x, y, width and height of the faces in ``sample``, pixels of the robot's image.
+        sample_faces: (k, 4) x, y, width and height of what is to be blurred in ``sample``, pixels of the robot's image.
     """
 
     def __init__(self, config: PerceiveConfig):
@@ -150,7 +150,7 @@ class Viewing:
                 self.album.add(self.watcher.perceiver.face_pattern(), self.frames / RATE)
             self._faces += 1
         if self.frames == 0 or (first_face and percept.visible[-1]):
-            self.sample, self.sample_faces = image, self._boxes(mapped)
+            self.sample, self.sample_faces = image, self._in_image(self.boxes_to_blur(), mapped)
         if still.fresh and self.frames % RATE == 0 and not self.coloured:
             spread = image.max(axis=2) - image.min(axis=2)
             self.coloured = bool(np.percentile(spread, 99) > GREY_SPREAD)
@@ -176,10 +176,9 @@ class Viewing:
             span for span in self.spans.all if span.tier == CHECK and span.end - span.start >= brief.get(span.code, 1)
         ]
 
-    def known_boxes(self) -> np.ndarray:
-        """(k, 4) x, y, width and height of every face that is followed, believed or not, or was lost a moment ago."""
-        tracks = self.people.tracks if self.people is not None else []
-        return np.array([track.smooth for track in tracks]).reshape(-1, 4)
+    def boxes_to_blur(self) -> np.ndarray:
+        """(k, 4) x, y, width and height of the faces in the last image that are to be blurred, pixels of the video."""
+        return self.people.to_blur() if self.people is not None else np.zeros((0, 4))
 
     def _find_faces(self, still: Still, mapped: FrameMap) -> bool:
         """Find faces, cuts and motion of the camera in a new image; returns whether it follows upon a cut."""
@@ -216,7 +215,11 @@ class Viewing:
     def _boxes(self, mapped: FrameMap) -> np.ndarray:
         """(k, 4) x, y, width and height of all faces, pixels of the robot's image, the face of interest first."""
         faces = sorted(self.visible_faces, key=lambda face: face is not self.chosen)
-        boxes = np.array([face.smooth for face in faces]).reshape(-1, 4)
+        return self._in_image(np.array([face.smooth for face in faces]).reshape(-1, 4), mapped)
+
+    @staticmethod
+    def _in_image(boxes: np.ndarray, mapped: FrameMap) -> np.ndarray:
+        """Boxes (k, 4) of the video in pixels of the robot's image."""
         corners = mapped.to_image(boxes[:, :2] - 0.5)
         return np.hstack([corners, boxes[:, 2:] * (mapped.scale_x, mapped.scale_y)])
 

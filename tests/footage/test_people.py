@@ -11,7 +11,7 @@ from clips import DETECTOR, counted, encode
 from shell import refused
 
 from jointattn_mj.errors import ConfigError, ExtraError
-from jointattn_mj.footage import yunet
+from jointattn_mj.footage import people, yunet
 from jointattn_mj.footage.blurring import blurred
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.head import MOST_DEG, NOSE, yaw_of
@@ -137,6 +137,23 @@ def test_a_blurred_face_is_unrecognisable():
     np.testing.assert_array_equal(image, kept)
     assert hidden[80:130, 80:120].std() < 0.25 * image.std()
     np.testing.assert_array_equal(hidden[:, :60], image[:, :60])
+
+
+def test_where_a_face_was_lost_stays_blurred(monkeypatch):
+    """The network misses a face at the border that anybody recognises; after ten seconds, or a cut, it is gone."""
+    image = np.random.default_rng(0).integers(0, 256, (120, 160, 3), np.uint8)
+    face = np.array([[40, 30, 30, 40, 48, 45, 62, 45, 55, 52, 49, 62, 61, 62, 0.9]], np.float32)
+    monkeypatch.setattr(people, "faces_in", lambda *_: face)
+    monkeypatch.setattr(people, "faces_near", lambda image, boxes, *_: np.full((len(boxes), 15), np.nan, np.float32))
+    for cut in (False, True):
+        known, hidden = People(PeopleConfig(), 10, 0.4), []
+        known.see(image, 0, True)
+        monkeypatch.setattr(people, "faces_in", lambda *_: face[:0])
+        for frame in range(1, 115):
+            known.see(image, frame, cut and frame == 50)
+            hidden.append(len(known.to_blur()))
+        assert hidden == ([1] * 49 + [0] * 65 if cut else [1] * 100 + [0] * 14)
+        monkeypatch.setattr(people, "faces_in", lambda *_: face)
 
 
 @needs_network
