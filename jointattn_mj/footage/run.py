@@ -73,9 +73,11 @@ def run_perceive(
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
         VideoError: The overlay cannot be written.
-        ConfigError: ``check`` or ``labels`` without ``looks``.
+        ConfigError: ``check`` or ``labels`` without ``looks``, or ``blur_faces`` with a detector that finds one face.
         SeriesError: The codings cannot be read or compared.
     """
+    if options.blur_faces and config.detector != "yunet":
+        raise ConfigError(f"blur_faces: only the detector yunet finds all faces; got {config.detector}")
     if options.overlay:
         find_ffmpeg()
     codings = _codings(config, options.check, "check")

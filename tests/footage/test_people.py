@@ -117,7 +117,12 @@ class TestFaceOfInterest:
         with pytest.raises(ConfigError, match="largest, the number of a person, or a region"):
             PerceiveConfig(Path("a.mp4"), face=words)
 
-    def test_templates_tell_nobody_apart(self):
+    def test_templates_tell_nobody_apart(self, tmp_path):
+        """So they cannot blur everybody, either."""
+        with pytest.raises(ConfigError, match="blur_faces: only the detector yunet"):
+            run_perceive(
+                PerceiveConfig(Path("a.mp4"), detector="templates"), PerceiveOptions(tmp_path, blur_faces=True)
+            )
         with pytest.raises(ConfigError, match="only the detector yunet"):
             PerceiveConfig(Path("a.mp4"), face="2", detector="templates")
 
