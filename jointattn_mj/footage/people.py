@@ -28,8 +28,8 @@ CUT_WEIGHT = 0.1
 WHOLE = 0.95
 """Share of a face's box in the image from which the border does not cut it."""
 BLURRED_S = 10.0
-"""Seconds after which the place of a lost face need not be blurred any more: the network misses most faces that are cut
-by the border, or are half behind a hand, and they can be recognised."""
+"""Seconds for which the place of a lost face stays blurred: the network misses faces that are cut by the border, and
+people recognise them."""
 MOST_PEOPLE = 64
 """Most people of a video that are told apart."""
 
