@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 
 from jointattn_mj.contingency.local import carriers
+from jointattn_mj.io.figures import without_formulas
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.page import drawn, page
 from jointattn_mj.io.provenance import plain, versions
@@ -53,7 +54,7 @@ def write_page(report: RecordingReport, folder: Path) -> None:
     names = write_tables(report, folder)
     images = {}
     for stem, figure in _figures(report).items():
-        content, images[stem] = drawn(figure)
+        content, images[stem] = drawn(without_formulas(figure))
         (folder / "figures").mkdir(exist_ok=True)
         write_whole(folder / "figures" / f"{stem}.png", lambda path, content=content: path.write_bytes(content))  # type: ignore[misc]
     shown = [recording for recording in report.events.recordings][:MOST_TIMELINES]
