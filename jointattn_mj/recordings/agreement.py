@@ -196,15 +196,16 @@ def _of_tier(
         raise SeriesError(f"at no time do both coders say what is on the tier {tier!r}; its codes are missing")
     counted = [_tallied(a, b, reach)[both] for (a, b), both in zip(coded, known, strict=True)]
     matrix = sum(_matrix(pair, len(labels)) for pair in counted) / 2
+    moments = sum(_moments(*coder, tier) for coder in zip((first, second), zip(*pairs, strict=True), strict=True))
     interval = _interval(counted, len(labels), options)
     return Agreement(
         tier, tuple(labels), np.asarray(matrix), interval, options.step, options.tolerance_s,
         float(max(outside, 0.0)), options.level, missing_s=sum(int((~both).sum()) for both in known) * options.step,
-        moments=sum(_moments(events, tier, names) for events, names in zip((first, second), zip(*pairs, strict=True), strict=True)),
+        moments=moments,
     )  # fmt: skip
 
 
-def _moments(events: Events, tier: str, recordings: Sequence[str]) -> int:
+def _moments(events: Events, recordings: Sequence[str], tier: str) -> int:
     """Number of point events of a tier."""
     table = events.table
     of_tier = (table["tier"] == tier) & np.isin(table["recording"], recordings)

@@ -99,7 +99,9 @@ class Coding:
         events = [part for part in content if isinstance(part, Events)]
         if len(events) < len(content):
             path = next(part.path for part in content if isinstance(part, TableFile))
-            raise SeriesError(f"{path} has a row for every step, and no events; take steps()")
+            raise SeriesError(
+                f"{path} has a row for every step, and no events: no columns that say when something begins and ends"
+            )
         known: set[tuple[str, str]] = set()
         for part in events:
             tiers = {(recording, tier) for recording, tiers in part.tiers.items() for tier in tiers}

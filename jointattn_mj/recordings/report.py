@@ -420,8 +420,8 @@ def _font_notes(events: Events) -> list[str]:
     if not boxes:
         return []
     return [
-        f"no font of this computer has {' '.join(boxes[:10])}{' ...' if len(boxes) > 10 else ''}: PNG figures show boxes "
-        "in their place. Install one, such as Noto Sans CJK"
+        f"no font of this computer has {' '.join(boxes[:10])}{' ...' if len(boxes) > 10 else ''}: PNG figures show "
+        "boxes in their place. Install one, such as Noto Sans CJK"
     ]
 
 
