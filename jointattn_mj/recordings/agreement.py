@@ -11,6 +11,7 @@ from jointattn_mj.io.progress import count
 from jointattn_mj.options import Checked, Real, Seed, Whole
 from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.intervals import MISSING, at_times, intervals_of
+from jointattn_mj.recordings.sampling import MOST_STEPS
 
 UNKNOWN = -2
 """Number of a code that is missing."""
@@ -52,6 +53,8 @@ class Agreement:
     """Coverage of the interval."""
     alone: tuple[str, ...] = ()
     """Recordings that only one of the two has coded: they are left out."""
+    other_tiers: tuple[str, ...] = ()
+    """Tiers that only one of the two has, unless tiers were chosen: they are left out."""
     missing_s: float = 0.0
     """Seconds in which a coder's code is missing: they are left out."""
     moments: int = 0
@@ -96,11 +99,14 @@ class Agreement:
     def notes(self) -> tuple[str, ...]:
         """What was left out, and a tolerance that changes nothing. Those of several tiers may be the same."""
         notes = []
-        seconds = [f"{self.outside_s:.1f} s"] if self.outside_s else []
-        named = ", ".join(self.alone[:5]) + (" ..." if len(self.alone) > 5 else "")
-        recordings = [f"{count(len(self.alone), 'recording')} ({named})"] if self.alone else []
-        if recordings or seconds:
-            notes.append(f"left out, as only one coder has coded it: {' and '.join([*recordings, *seconds])}")
+        left_out = [
+            f"{count(len(names), what)} ({', '.join(names[:5])}{' ...' if len(names) > 5 else ''})"
+            for what, names in (("recording", self.alone), ("tier", self.other_tiers))
+            if names
+        ]
+        left_out += [f"{self.outside_s:.1f} s"] if self.outside_s else []
+        if left_out:
+            notes.append(f"left out, as only one coder has coded it: {' and '.join(left_out)}")
         if self.missing_s:
             notes.append(f"left out of the tier {self.tier!r}, as a code is missing: {self.missing_s:.1f} s")
         if self.moments:
@@ -168,7 +174,10 @@ def agreement(
         )
     matched = {name for pair in pairs for name in pair}
     alone = tuple(name for one in (first, second) for name in one.recordings if name not in matched)
-    return tuple(replace(_of_tier(first, second, pairs, tier, options), alone=alone) for tier in chosen)
+    others = () if tiers is not None else tuple(sorted({*first.tier_names} ^ {*second.tier_names}))
+    return tuple(
+        replace(_of_tier(first, second, pairs, tier, options), alone=alone, other_tiers=others) for tier in chosen
+    )
 
 
 def _of_tier(
@@ -180,6 +189,11 @@ def _of_tier(
         start, stop = max(end[0] for end in ends), min(end[1] for end in ends)
         outside += max(end[1] for end in ends) - min(end[0] for end in ends) - max(stop - start, 0.0)
         units = int((stop - start) / options.step + 1e-6)
+        if units > MOST_STEPS:
+            raise SeriesError(
+                f"recording {names[0]!r} has {units:,} units of {options.step:g} s, and no more than {MOST_STEPS:,} "
+                "can be held; take a longer step, or look whether its times are right"
+            )
         if units > 0:
             middles = start + (np.arange(units) + 0.5) * options.step
             coded_pairs.append(

@@ -45,7 +45,7 @@ def test_transitions(jointattn, coded, tmp_path):
     words = ("transitions", coded / "first", "--recording", "recording", "--step", 0.5, "--given", "mother")
     done = jointattn(*words, "--target", "infant", "--lag", "1s", "--surrogates", 50, "--out", tmp_path / "t")
     assert (done.code, done.err) == (0, "")
-    assert "4 recordings" in done.out
+    assert "lag 2 (1 s), 4 recordings" in done.out
     rows = json.loads((tmp_path / "t.json").read_text())["rows"]
     (row,) = [row for row in rows if (row["given"], row["target"]) == ("cup", "cup")]
     steps = recordings.read(coded / "first", recording="recording").steps(0.5)

@@ -142,6 +142,8 @@ class TestAgreement:
         (found,) = agreement(both, events([("gaze", "face", 0, 6), ("gaze", "toy", 6, 8)], recording=["b", "b"]))
         assert found.notes() == ("left out, as only one coder has coded it: 1 recording (a) and 1.0 s",)
         assert (found.alone, found.row()["left_out"]) == (("a",), "a")
+        more = both.joined(events([("hand", "rest", 0, 1)], recording="a"))
+        assert agreement(both, more)[0].notes() == ("left out, as only one coder has coded it: 1 tier (hand)",)
 
     def test_what_cannot_be_compared(self):
         first = events([("gaze", "face", 0, 10)])
@@ -151,5 +153,7 @@ class TestAgreement:
             agreement(first, first, ["hand"])
         with pytest.raises(SeriesError, match="no time"):
             agreement(first, events([("gaze", "face", 20, 30)]))
+        with pytest.raises(SeriesError, match="look whether its times are right"):
+            agreement(long := events([("gaze", "face", 0, 9e8)]), long)
         (alone,) = agreement(first, first)
         assert np.isnan(alone.kappa)
