@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.io.progress import count
@@ -182,7 +182,7 @@ def open_table_as(
 
 
 def open_frame(
-    frame: object, options: SourceOptions, wanted: Sequence[str] | None, sampled: bool, about: Sequence[str] = ()
+    frame: Any, options: SourceOptions, wanted: Sequence[str] | None, sampled: bool, about: Sequence[str] = ()
 ) -> Events | TableFile:
     """Open a table of pandas, polars or pyarrow (see :func:`open_source`).
 
@@ -204,7 +204,8 @@ def open_frame(
         elif hasattr(frame, "to_arrow"):
             table = frame.to_arrow()
         else:
-            table = pa.Table.from_pandas(frame, preserve_index=False)
+            named = [name for name in frame.index.names if name is not None and name not in frame.columns]
+            table = pa.Table.from_pandas(frame.reset_index(named) if named else frame, preserve_index=False)
     except (pa.ArrowException, TypeError, ValueError, AttributeError) as error:
         raise SeriesError(
             f"expected a path, or a table of pandas, polars or pyarrow; got {type(frame).__name__}"

@@ -115,7 +115,7 @@ def layout(
 ) -> TextLayout:
     """Find the header of UTF-8 text, and the delimiter that it and the next rows agree on.
 
-    A line ``sep=;``, as Excel writes it, may stand above the header, and so may blank lines, and others that have another
+    A line ``sep=;``, as Excel writes it, may stand above the header, and so may blank lines, and others with another
     number of columns, or which a blank line parts from the header.
 
     Args:

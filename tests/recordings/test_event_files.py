@@ -415,6 +415,7 @@ class TestFromPython:
         pandas = pytest.importorskip("pandas")
         frame = arrow().to_pandas()
         coding = recordings.read(frame)
+        assert recordings.read(frame.set_index("tier")).events.table == coding.events.table
         back = coding.events.to_pandas()
         assert isinstance(back, pandas.DataFrame)
         assert back[["tier", "code", "onset", "offset"]].to_numpy().tolist() == [list(row) for row in GAZE]
