@@ -115,7 +115,8 @@ def read_event_table(
     about = about or {}
     wanted = {i for i in (*used, *layout.recording, layout.level, *about.values()) if i is not None}
     columns = _Columns(table, wanted, missing)
-    recordings, kept = _recordings(columns, layout, name)
+    named, kept = _recordings(columns, layout, name)
+    recordings = named.with_default(name)
     when = {i for track in tracks for i in (track.onset, track.offset, track.duration) if i is not None}
     units = {i: columns.unit(i, unit, layout) for i in when}
     if any(units[i] == "auto" and columns.has_fractions(i) for i in when):
@@ -127,7 +128,8 @@ def read_event_table(
     if not len(rows):
         raise SeriesError(f"{table.path} has no events below its header")
     tier = Texts.stacked([part.tier for part in gathered])
-    recording = _named(recordings, layout, rows, table).with_default(name)
+    _check_named(named, layout, rows, table)
+    recording = recordings.take(rows)
     tiers = tuple(track.name for track in tracks if not track.tier)
     try:
         return Events.of(
@@ -159,16 +161,14 @@ def _recordings(columns: _Columns, layout: EventLayout, name: str) -> tuple[Text
     return Texts.of(recordings), np.array([text == "3" for text in levels], bool)
 
 
-def _named(recordings: Texts, layout: EventLayout, rows: np.ndarray, table: TableFile) -> Texts:
-    """The recording of each event: all have the name of one, or none has."""
-    named = recordings.take(rows)
-    without = rows[named.numbers < 0]
+def _check_named(recordings: Texts, layout: EventLayout, rows: np.ndarray, table: TableFile) -> None:
+    """Refuse events without the name of a recording where others have one."""
+    without = rows[recordings.numbers[rows] < 0]
     if 0 < len(without) < len(rows):
         raise SeriesError(
             f"column {table.header[layout.recording[0]]!r} of {table.path} names no recording in "
             f"{count(len(without), 'row')}, the first in data row {int(without.min()) + 1}; fill it in"
         )
-    return named
 
 
 def _remarks(path: Path, bare: int, nameless: int) -> tuple[str, ...]:

@@ -467,6 +467,9 @@ def test_columns_about_recordings_are_no_codes(write):
     changed = write(path.read_text().replace("a,6,mother", "a,7,mother", 1))
     with pytest.raises(SeriesError, match="'age' changes within recording 'a': 6, 7"):
         recordings.read(changed).about("age")
+    of_a = "".join(line[2:] for line in lines.splitlines(keepends=True) if line[0] == "a")
+    alone = write(f"age,who,start,duration,look\n{of_a}")
+    assert recordings.read(alone).about("age") == {alone.stem: "6"}  # named by its file
 
 
 def test_groups_of_recordings_from_tiers_and_tables(write):
