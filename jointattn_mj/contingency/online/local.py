@@ -97,8 +97,8 @@ class LocalConfig(Checked):
     made. In the text it counts as used where it drove."""
     maps: Literal["follow", "frozen"] = "follow"
     """Whether maps are read anew at each look, or stay as they were made."""
-    offer_gain: Annotated[float, Real("[0, 1]")] = 0.25
-    """Share of the largest gain of a map that each offer must gain (see ``followed_maps``)."""
+    offer_gain: Annotated[float, Real("[0, 1)")] = 0.25
+    """Share of the largest gain of a map that each offer must exceed (see ``followed_maps``)."""
     offer_deviations: NotNegative = 1.0
     """Standard deviations by which the gain of an offer must be above 0."""
     when_served: Literal["go_on", "stop"] = "go_on"
@@ -115,6 +115,7 @@ def search(
     steps: PastSteps,
     events: Sequence[Event],
     served: Sequence[Event],
+    known: np.ndarray,
     since: int,
     config: LocalConfig,
     offers: Callable[[Event], bool],
@@ -125,6 +126,7 @@ def search(
         steps: All steps so far.
         events: The E events that are ranked.
         served: Events that have a module, in the order of these.
+        known: (E,) whether each event was found before, with or without a module; it is not found again.
         since: Step at which the last module was made.
         config: Settings.
         offers: Whether the module of an event would offer anything.
@@ -139,7 +141,7 @@ def search(
     rises = rise > -config.taking_away
     values = lead[:, 0].copy()
     evidence = np.full(len(events), np.nan)
-    ranked = _candidates(events, served, rises, config)
+    ranked = _candidates(events, served, known, rises, config)
     ranked = ranked[np.argsort(-values[ranked], kind="stable")]
     if config.needs_offers:
         while len(ranked) and not offers(events[ranked[0]]):
@@ -233,18 +235,19 @@ def _is_evident(
     return bool(predictive_evidence(*series.columns, max(since, begin), series.sizes) >= enough)
 
 
-def _candidates(events: Sequence[Event], served: Sequence[Event], rises: np.ndarray, config: LocalConfig) -> np.ndarray:
+def _candidates(
+    events: Sequence[Event], served: Sequence[Event], known: np.ndarray, rises: np.ndarray, config: LocalConfig
+) -> np.ndarray:
     """Numbers of the events that may be found, and are rivals of each other."""
     done = {event.result for event in served}
     all_served = done >= {event.result for event in events}
     if all_served and config.when_served == "stop":
         return np.zeros(0, np.int64)
-    known = set(served)
-    waits_for = {event[:2] for event, up in zip(events, rises, strict=True) if up and event not in known}
+    waits_for = {event[:2] for event, up, old in zip(events, rises, known, strict=True) if up and not old}
     return np.array([
         number
-        for number, (event, up) in enumerate(zip(events, rises, strict=True))
-        if event not in known
+        for number, (event, up, old) in enumerate(zip(events, rises, known, strict=True))
+        if not old
         and not (config.unserved_first and not all_served and event.result in done)
         and not (config.increasing_first and not up and event[:2] in waits_for)
     ], np.int64)  # fmt: skip
