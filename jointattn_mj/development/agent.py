@@ -33,7 +33,7 @@ from jointattn_mj.contingency.online.experience import (
 )
 from jointattn_mj.contingency.online.local import LocalConfig
 from jointattn_mj.contingency.online.modules import Module, ReproductionConfig, make_module
-from jointattn_mj.contingency.online.reactive import LearningModule, RandomModule, ReactiveModule
+from jointattn_mj.contingency.online.reactive import RandomModule, ReactiveModule, learns
 from jointattn_mj.contingency.online.selector import NOBODY, Maps, SelectorConfig, flat_maps, select
 from jointattn_mj.development.looks import Looks
 from jointattn_mj.development.one_type import one_type
@@ -243,7 +243,7 @@ class Developer:
         self.reactive += [RandomModule(joint.name) for joint in variables.joints if joint.name not in served]
         joints, results = len(variables.joints), len(variables.results)
         self._tables = [module.table(variables) for module in self.reactive]
-        keeping = self.local or any(isinstance(module, LearningModule) for module in self.reactive)
+        keeping = self.local or any(learns(module) for module in self.reactive)
         if keeping:
             check_kept(variables)
         sequence = seed if isinstance(seed, np.random.SeedSequence) else np.random.SeedSequence(seed)
@@ -315,7 +315,7 @@ class Developer:
             return event
         steps = self.steps()
         self._tables = [
-            module.learned(self.variables, steps) if isinstance(module, LearningModule) else table
+            module.learned(self.variables, steps) if learns(module) else table
             for module, table in zip(self.reactive, self._tables, strict=True)
         ]
         modules = self.modules

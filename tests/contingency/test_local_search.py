@@ -28,7 +28,7 @@ from jointattn_mj.contingency.online.local_values import (
     Weighing,
     count,
     digamma,
-    evidences,
+    evidence_of,
     exceeding,
     log_evidence,
     predictive_evidence,
@@ -120,7 +120,8 @@ def test_digamma_and_trigamma():
 def test_a_rival_exceeds_as_often_as_draws_say():
     first, rivals = np.array([0.1, 0.02]), np.array([[0.12, 0.03], [0.02, 0.0], [0.5, 0.0]])
     higher = np.zeros((3, len(QUANTILES)))
-    exceeding(first, rivals, 0.25, higher)
+    for rival, row in zip(rivals, higher, strict=True):
+        exceeding(first, rival, 0.25, row)
     rng = np.random.default_rng(0)
     drawn = (rng.normal(*rivals[0], 200_000) > 1.25 * rng.normal(*first, 200_000)).mean()
     assert higher.mean(axis=1) == pytest.approx([drawn, 0, 1], abs=0.01)
@@ -161,7 +162,7 @@ def test_evidence_of_an_event_is_that_of_its_table():
     tables = [np.zeros(size) for size in columns.sizes]
     for number, table in enumerate(tables):
         count(*columns.of(number).columns, (0, len(s)), table)
-    assert evidences(columns, np.arange(len(tables))) == pytest.approx([log_evidence(table) for table in tables])
+    assert [evidence_of(columns, number) for number in range(len(tables))] == [log_evidence(table) for table in tables]
 
 
 def test_predictive_evidence_is_for_what_is_there_and_against_chance():

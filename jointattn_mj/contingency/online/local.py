@@ -28,20 +28,14 @@ from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.contingency.online.experience import EventColumns, PastSteps, beyond_last
 from jointattn_mj.contingency.online.local_values import (
-    QUANTILES,
     Weighing,
     count,
     event_values,
-    evidences,
-    exceeding,
     log_evidence,
+    next_first,
     predictive_evidence,
-    surely_lower,
 )
 from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Share
-
-NEGLIGIBLE = 1e-5
-"""Probability of being higher below which a rival needs no doubt."""
 
 
 @dataclass(frozen=True)
@@ -147,15 +141,14 @@ def search(
         while len(ranked) and not offers(events[ranked[0]]):
             ranked = ranked[1:]
     limits = float(config.tolerance), float(config.doubt), float(config.best)
-    for number in ranked[values[ranked] > config.deviations * lead[ranked, 1]]:
-        rivals = ranked[ranked != number]
-        if (
-            not surely_lower(lead[number], hoped[rivals], evidence[rivals], *limits)
-            and _is_first(columns, lead[number], rivals, hoped, evidence, config)
-            and (number == ranked[0] or not config.needs_offers or offers(events[number]))
-            and _is_evident(steps, columns, int(number), events, served, since, config)
-        ):
-            return int(number), values
+    tried = ranked[values[ranked] > config.deviations * lead[ranked, 1]]
+    at = next_first(columns, tried, 0, ranked, lead, hoped, evidence, limits)
+    while at < len(tried):
+        number = int(tried[at])
+        is_offered = number == ranked[0] or not config.needs_offers or offers(events[number])
+        if is_offered and _is_evident(steps, columns, number, events, served, since, config):
+            return number, values
+        at = next_first(columns, tried, at + 1, ranked, lead, hoped, evidence, limits)
     return NOTHING, values
 
 
@@ -176,41 +169,6 @@ def _alike(steps: PastSteps, served: Sequence[Event], config: LocalConfig) -> Ma
     for number, event in enumerate(served if config.given_modules else ()):
         alike.setdefault(event.result, []).append(steps.of_world + number)
     return alike
-
-
-def _is_first(
-    columns: EventColumns,
-    first: np.ndarray,
-    rivals: np.ndarray,
-    hoped: np.ndarray,
-    evidence: np.ndarray,
-    config: LocalConfig,
-) -> bool:
-    """Whether no rival is higher, surely enough.
-
-    Args:
-        columns: Of all events.
-        first: (2,) value of the first event.
-        rivals: Numbers of its rivals.
-        hoped: (E, 2) values of all events as rivals.
-        evidence: (E,) log evidence of each event as far as it was needed before, NaN else; more is written.
-        config: Settings.
-    """
-    higher = np.zeros((len(rivals), len(QUANTILES)))
-    exceeding(first, hoped[rivals], config.tolerance, higher)
-    if config.doubt:
-        doubted = np.flatnonzero(higher.mean(axis=1) > NEGLIGIBLE)
-        known = np.clip(_evidence_of(columns, rivals[doubted], evidence), -500, 500)
-        higher[doubted] /= 1 + config.doubt * np.exp(-known)[:, None]
-    return bool((1 - higher).prod(axis=0).mean() >= config.best)
-
-
-def _evidence_of(columns: EventColumns, numbers: np.ndarray, evidence: np.ndarray) -> np.ndarray:
-    """Log evidence of some events (their numbers); ``evidence`` (E,) keeps what was counted, NaN else."""
-    new = numbers[np.isnan(evidence[numbers])]
-    evidence[new] = evidences(columns, new)
-    known: np.ndarray = evidence[numbers]
-    return known
 
 
 def _is_evident(
