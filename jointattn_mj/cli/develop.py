@@ -27,7 +27,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.progress import Progress, count
 from jointattn_mj.options import FLAT, warn_renamed
 
-LESS = "fewer steps or minutes"
+LESS = "fewer steps or minutes, or a shorter `--agent.horizon`"
 
 
 def develop() -> None:

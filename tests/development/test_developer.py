@@ -14,7 +14,7 @@ from jointattn_mj.contingency.online.counts import ALONE, OF_ACTION, OF_SENSOR, 
 from jointattn_mj.contingency.online.detector import DetectorConfig
 from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.contingency.online.modules import make_module
-from jointattn_mj.contingency.online.reactive import RandomModule
+from jointattn_mj.contingency.online.reactive import CuriousModule, RandomModule
 from jointattn_mj.development.agent import FADED, Developer, DeveloperConfig
 from jointattn_mj.errors import ConfigError, SeriesError
 
@@ -249,6 +249,17 @@ def test_joints_without_a_reactive_module_move_at_random():
         Developer(Doors().variables, HASTY, 0, [RandomModule("tail")])
 
 
+@pytest.mark.parametrize("part", range(3))
+def test_more_values_than_steps_are_kept_with(part):
+    sizes = [[2, 2], [2, 2], [2, 2]]
+    sizes[part] = [2, 128]
+    keeps = DeveloperConfig(DetectorConfig(stop_rule="local"))
+    with pytest.raises(ConfigError, match="at most 127 values each; got 128 values of "):
+        Developer(variables(*sizes), keeps)
+    with pytest.raises(ConfigError, match="at most 127 values"):
+        Developer(variables(*sizes), DeveloperConfig(), 0, [CuriousModule("a0")])
+
+
 BAD = [
     ({"memory": "long"}, ("memory", "long")),
     ({"history": "never"}, ("history", "never")),
@@ -258,6 +269,9 @@ BAD = [
     ({"memory": "fading", "detector": DetectorConfig(stop_rule="confidence")}, ("fading", "confidence")),
     ({"memory": "fading", "detector": DetectorConfig(correction="miller_madow")}, ("fading", "correction")),
     ({"memory": "window", "history": "full"}, ("full", "window")),
+    ({"detector": DetectorConfig(stop_rule="local", measure="tc")}, ("local", "measure sac", "got tc")),
+    ({"detector": DetectorConfig(stop_rule="local", correction="miller_madow")}, ("correction none", "miller_madow")),
+    ({"detector": DetectorConfig(stop_rule="local"), "history": "full"}, ("history since_creation", "full")),
 ]
 
 
