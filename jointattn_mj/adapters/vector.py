@@ -92,7 +92,7 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
         seeds: list[int | None]
         if seed is None:
             seeds = [None] * self.num_envs
-        elif np.ndim(seed):
+        elif isinstance(seed, (list, tuple)) or (isinstance(seed, np.ndarray) and seed.ndim):
             seeds = list(seed)
         else:
             seeds = [whole_seed(seed) + i for i in range(self.num_envs)]
