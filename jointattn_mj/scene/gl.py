@@ -22,12 +22,13 @@ READERS = ("mujoco", "dm_control")
 """Packages that read ``MUJOCO_GL`` when they are imported."""
 LIBRARIES = {"egl": ("libEGL.so.1", "libOpenGL.so.0"), "osmesa": ("libOSMesa.so.8", "libOSMesa.so")}
 
+WITHOUT = "Without images, `--perception state` works as it is."
 INSTALL = (
     "Install one of these and start again:\n"
     "  EGL:    apt-get install --no-install-recommends libegl1 libopengl0 libgl1-mesa-dri\n"
-    "  OSMesa: apt-get install --no-install-recommends libosmesa6, then set MUJOCO_GL=osmesa"
+    "  OSMesa: apt-get install --no-install-recommends libosmesa6, then set MUJOCO_GL=osmesa\n"
+    f"{WITHOUT}"
 )
-WITHOUT = "Without images, `--perception state` works as it is."
 
 _refused = ""
 """Why the backend that the user names is not taken."""
@@ -37,7 +38,7 @@ def why_not() -> str:
     """Why rendering is disabled, and what to do: nothing is to be installed where only ``MUJOCO_GL`` is in the way."""
     works = next((backend for backend in LIBRARIES if available(backend)), None)
     if works is None:
-        return f"{_refused or 'Images need an OpenGL library, and none that works was found.'} {INSTALL}\n{WITHOUT}"
+        return f"{_refused or 'Images need an OpenGL library, and none that works was found.'} {INSTALL}"
     return f"{_refused or 'MUJOCO_GL turns rendering off.'} {works} works here: leave MUJOCO_GL out. {WITHOUT}"
 
 
