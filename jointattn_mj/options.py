@@ -292,8 +292,8 @@ def shown(value: Any) -> str:
     """A value in an error message: on one line, and not long."""
     try:
         text = " ".join(repr(str(value) if isinstance(value, Path) else value).split())
-    except ValueError:  # Python writes no integer of more than 4300 digits
-        text = f"a {type(value).__name__} of very many digits"
+    except Exception:  # Python writes no integer of more than 4300 digits, and an object's own words may fail
+        text = f"a {type(value).__name__}{' of very many digits' if isinstance(value, int) else ''}"
     return text if len(text) <= 80 else f"{text[:60]}... ({len(text)} characters)"
 
 
@@ -470,6 +470,15 @@ def path_of(given: str | os.PathLike[str], name: str = "the path") -> Path:
     if not os.fspath(given):
         raise ConfigError(f"{name} is empty; name a folder or file (. is the current folder)")
     return Path(given)
+
+
+def is_utf8(path: str | os.PathLike[str]) -> bool:
+    """Whether a path is UTF-8. Linux takes any bytes, and libraries in C++ do not."""
+    try:
+        os.fspath(path).encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _path(value: Any) -> Any:

@@ -16,6 +16,7 @@ import numpy as np
 
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.interlaced import deinterlaced, first_image_s, interlaced_images
+from jointattn_mj.options import is_utf8, shown
 
 RATE = 30
 """Frames a second, section 6.4.1."""
@@ -206,7 +207,9 @@ class Footage:
             raise FootageError(f"cannot read {self.path}: {error.strerror}") from error
         if empty:
             raise FootageError(f"{self.path} is empty; give a video file")
-        capture = _capture(os.fspath(self.path.absolute()))  # a bare name with a colon would be that of a protocol
+        name = os.fspath(self.path.absolute())  # a bare name with a colon would be that of a protocol
+        check_utf8(name)
+        capture = _capture(name)
         if not capture.isOpened() or int(capture.get(cv2.CAP_PROP_FOURCC)) == TEXT:
             capture.release()
             raise FootageError(
@@ -214,6 +217,16 @@ class Footage:
                 "that was cut off before its index was written"
             )
         return capture
+
+
+def check_utf8(name: str) -> None:
+    """Refuse the name of a file or device that OpenCV dies of.
+
+    Raises:
+        FootageError: It is not UTF-8.
+    """
+    if not is_utf8(name):
+        raise FootageError(f"{shown(name)} is not UTF-8, and OpenCV cannot open it; give it another name")
 
 
 def _capture(name: str) -> cv2.VideoCapture:

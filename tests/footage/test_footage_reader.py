@@ -213,6 +213,14 @@ def test_names(tmp_path, monkeypatch, name):
     assert shown(Footage(Path(name))) == list(range(9))
 
 
+def test_a_name_that_is_not_utf8(tmp_path):
+    """OpenCV dies of it."""
+    path = tmp_path / os.fsdecode(b"a\xff.mp4")
+    path.write_bytes(b"anything")
+    with pytest.raises(FootageError, match="is not UTF-8"):
+        Footage(path)
+
+
 def interlaced(path: Path, images: np.ndarray, *arguments: str) -> Path:
     """As a camcorder writes it."""
     codec = ("mpeg2video", "-q:v", "2") if path.suffix == ".mpg" else ("libx264", "-x264-params", "tff=1")

@@ -17,7 +17,7 @@ import numpy as np
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.colours import sought_objects
 from jointattn_mj.footage.picked import colours_at, require_apart
-from jointattn_mj.footage.reader import RATE, Footage
+from jointattn_mj.footage.reader import RATE, Footage, check_utf8
 from jointattn_mj.footage.sessions.config import CameraSessionConfig
 from jointattn_mj.footage.sessions.latency import CameraCount
 from jointattn_mj.footage.sessions.session import FootageSessionRun
@@ -127,6 +127,7 @@ class CameraSource:
             FootageError: It cannot be opened.
         """
         name = config.camera
+        check_utf8(name)
         given: int | str = int(name) if re.fullmatch(r"\d{1,3}", name) else name
         level = cv2.utils.logging.getLogLevel()
         cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
