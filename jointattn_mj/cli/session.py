@@ -107,7 +107,7 @@ def defaults_for(words: Sequence[str], config: Any, kind: type[Any] = VariedSess
     Raises:
         ConfigError: Both a file and a preset are given.
     """
-    following = [*words[1:], ""]
+    following = [*words, ""][1:]
     named = [after if word == "--preset" else word.removeprefix("--preset=")
              for word, after in zip(words, following, strict=True) if word.partition("=")[0] == "--preset"]  # fmt: skip
     if named and config is not None:
