@@ -152,7 +152,7 @@ def agreement(
             f"the coders share no tier: {', '.join(first.tier_names)} against {', '.join(second.tier_names)}"
         )
     matched = {name for pair in pairs for name in pair}
-    alone = tuple(name for one in (first, second) for name in one.recordings if name not in matched)
+    alone = tuple(name for coding in (first, second) for name in coding.recordings if name not in matched)
     return tuple(replace(_of_tier(first, second, pairs, tier, options), alone=alone) for tier in chosen)
 
 
