@@ -62,7 +62,7 @@ class Agreement:
 
     @property
     def expected(self) -> float:
-        """The same by chance, given how often each uses each code."""
+        """Share of units in which they would agree by chance, given how often each uses each code."""
         return _expected(self.matrix)
 
     @property
@@ -101,7 +101,7 @@ class Agreement:
         return tuple(notes)
 
     def row(self) -> dict[str, Any]:
-        """In one row."""
+        """The comparison as one row of a table."""
         return {
             "tier": self.tier, "kappa": self.kappa, "low": self.interval[0], "high": self.interval[1],
             "observed": self.observed, "expected": self.expected, "kappa_max": self.kappa_max,
