@@ -17,7 +17,7 @@ from jointattn_mj.gaze_following.summary import SessionSummary
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io.extras import extra
 from jointattn_mj.io.files import free_name
-from jointattn_mj.options import changed, check_argument, check_called, path_of, shown
+from jointattn_mj.options import changed, check_argument, check_called, path_of, shown, with_new_choice
 from jointattn_mj.perception.pixels import PixelConfig
 from jointattn_mj.perception.state import StateConfig
 from jointattn_mj.scene.model import Quality
@@ -92,8 +92,8 @@ class Session(VariedSessionConfig):
     ):
         check_argument("preset", preset, Preset)
         plain = {
-            "minutes": minutes, "seed": seed, "perception": perception, "success": success, "start_from": start_from,
-            "variation": variation,
+            "minutes": minutes, "seed": seed, "perception": with_new_choice(Session, "perception", perception),
+            "success": success, "start_from": start_from, "variation": variation,
         }  # fmt: skip
         parts = {
             "world": world, "robot": robot, "pixels": pixels, "state": state, "caregiver": caregiver,

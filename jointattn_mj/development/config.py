@@ -67,7 +67,8 @@ class DevelopmentConfig(Checked):
         Raises:
             ConfigError: No such option, or a value that is not allowed.
         """
-        return changed(cls.defaults(with_new_names(cls, given)), given)
+        named = with_new_names(cls, given)
+        return changed(cls.defaults(named), named)
 
     @classmethod
     def defaults(cls, given: Mapping[str, Any]) -> Self:
