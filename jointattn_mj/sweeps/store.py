@@ -57,7 +57,6 @@ ADDED: dict[str, dict[str, Any]] = {
     "table": {"wrong": 0.0, "profile_shows": "gaze"},
     "rendered": {"least_turned": 0},
     "senses": {"frontal_likeness": 0.0},
-    "local": {"taking_away": 0.0},
     "gaze": {"gate_sharpness": 3.0, "commands": "direction", "wait_for_still_face": False, "read_again": False},
 }  # fmt: skip
 """Fields that configs have got since trials were first stored, by the field that holds the config, with the values at

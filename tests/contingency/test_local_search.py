@@ -184,17 +184,12 @@ def test_rare_and_strong_comes_before_frequent_and_weak():
 
 def test_an_event_whose_sign_is_chance_waits_for_none():
     """Of two spots, looking at one finds what looking at the other misses; a second result is chance."""
-    found = {0.0: 0, 0.3: 0}
     for seed in range(8):
         rng = np.random.default_rng(seed)
         s, a = rng.integers(0, 2, (2, 1500, 1))
         r = rng.integers(0, 2, (1500, 2))
         r[1:, 0] = rng.random(1499) < np.where(s[:-1, 0] == a[:-1, 0], 0.9, 0.1)
-        world = variables((2,), (2,))
-        for least in found:
-            found[least] += found_in(world, s, a, r, LocalConfig(taking_away=least))[0] == Event(0, 0, 0)
-    assert found[0.3] == 8
-    assert 1 <= found[0.0] <= 7, "at 0 the sign, a coin, decides whether it waits for ever"
+        assert found_in(variables((2,), (2,)), s, a, r)[0] == Event(0, 0, 0)
 
 
 def test_map_offers_what_a_situation_adds():

@@ -84,12 +84,10 @@ class LocalConfig(Checked):
     """Whether an event must wait whose result a module brings about, until every result has a module; in place of
     ``given_modules``."""
     increasing_first: bool = True
-    """Whether an event that makes its result rarer waits for events of the same sensor and action that make another
-    result more frequent, and is no rival to any."""
-    taking_away: Annotated[float, Real("[0, 1]")] = 0.3
-    """With ``increasing_first``: an event makes its result rarer if what it contributes by that exceeds what it
-    contributes by making it more frequent, by more than this share of both. With two spots, looking at one finds what
-    looking at the other misses; the sign of so small a difference is chance, and at 0 it decides who waits."""
+    """Whether an event that makes its result rarer waits for events of the same sensor and action that surely make
+    another result more frequent, and is no rival to any. What is not surely contingent (``deviations``) is not waited
+    for: with two spots, looking at one finds what looking at the other misses, so that chance decides which of the two
+    a result seems to become."""
     needs_offers: bool = True
     """Whether an event is passed over as long as its module would offer nothing."""
     hindsight: bool = True
@@ -136,16 +134,15 @@ def search(
     lead, hoped = np.zeros((2, len(events), 2))
     rise = np.zeros(len(events))
     event_values(columns, since, _weighing(config), lead, hoped, rise)
-    rises = rise > -config.taking_away
-    values = lead[:, 0].copy()
+    values, sure = lead[:, 0].copy(), lead[:, 0] > config.deviations * lead[:, 1]
     evidence = np.full(len(events), np.nan)
-    ranked = _candidates(events, served, rises, config)
+    ranked = _candidates(events, served, rise > 0, sure, config)
     ranked = ranked[np.argsort(-values[ranked], kind="stable")]
     if config.needs_offers:
         while len(ranked) and not offers(events[ranked[0]]):
             ranked = ranked[1:]
     limits = float(config.tolerance), float(config.doubt), float(config.best)
-    for number in ranked[values[ranked] > config.deviations * lead[ranked, 1]]:
+    for number in ranked[sure[ranked]]:
         rivals = ranked[ranked != number]
         if (
             not surely_lower(lead[number], hoped[rivals], evidence[rivals], *limits)
@@ -233,14 +230,24 @@ def _is_evident(
     return bool(predictive_evidence(*series.columns, max(since, begin), series.sizes) >= enough)
 
 
-def _candidates(events: Sequence[Event], served: Sequence[Event], rises: np.ndarray, config: LocalConfig) -> np.ndarray:
-    """Numbers of the events that may be found, and are rivals of each other."""
+def _candidates(
+    events: Sequence[Event], served: Sequence[Event], rises: np.ndarray, sure: np.ndarray, config: LocalConfig
+) -> np.ndarray:
+    """Numbers of the events that may be found, and are rivals of each other.
+
+    Args:
+        events: The E events that are ranked.
+        served: Those that have a module.
+        rises: (E,) whether each makes its result more frequent.
+        sure: (E,) whether each is surely contingent.
+        config: Settings.
+    """
     done = {event.result for event in served}
     all_served = done >= {event.result for event in events}
     if all_served and config.when_served == "stop":
         return np.zeros(0, np.int64)
     known = set(served)
-    waits_for = {event[:2] for event, up in zip(events, rises, strict=True) if up and event not in known}
+    waits_for = {event[:2] for event, up in zip(events, rises & sure, strict=True) if up and event not in known}
     return np.array([
         number
         for number, (event, up) in enumerate(zip(events, rises, strict=True))
