@@ -55,7 +55,7 @@ class Session(VariedSessionConfig):
         state: ``StateConfig``: errors of perception with ``perception="state"``.
         variation: What of the world varies with the seed, such as ``"lights+people"``.
         preset: ``"thesis"``: the robot of chapter 6 as it is written. ``"cross_situational"``: one that learns which of
-            the objects in view goes with a face. What ``robot`` says comes on top.
+            the objects in view goes with a face. A mapping for ``robot`` comes on top; a config replaces it.
         caregiver: Who the caregiver is, such as ``"noa"``; part of ``world``.
         quality: ``"fast"`` or ``"high"``, of rendered images; part of ``world``.
         motion_cues: Whether attention uses motion saliency; part of ``robot``.
