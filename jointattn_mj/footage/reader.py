@@ -22,7 +22,12 @@ RATE = 30
 EARLY_S = 1 / (3 * RATE)
 """Time by which a frame may come before the image that it shows: containers round timestamps."""
 LONGEST_HOLD_S = 10.0
-"""Longest time between two images; a longer one is a jump of the timestamps, and is left out."""
+"""Time between two images above which motion from one to the other is unknown, and which is a jump of the timestamps,
+and left out, unless the file says that it is so long."""
+LONGEST_GAP_S = 3600.0
+"""Longest time between two images that is held where the file says that it is so long."""
+MISSING_S = 1.0
+"""Seconds of its declared length that a file may lack, for headers round."""
 DECODERS = 2
 """Number of threads that decode. Each holds images of its own, and one of the largest has 100 MB."""
 TEXT = int.from_bytes(b"ansi", "little")  # codec with which ffmpeg shows a text file
@@ -31,7 +36,7 @@ PROBED_S = 2.0
 AHEAD_S = 10.0
 """Seconds that are searched after an image that was perhaps not read."""
 FASTEST = 1000.0
-"""Greatest declared rate, images a second; a greater one is the unit of a container's clock."""
+"""Declared rate, images a second, from which it is the unit of a container's clock, and no rate."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +56,7 @@ class Footage:
         path: The file.
         fps: Images a second, as given or declared; 0 if neither.
         aspect: Width of a pixel over its height.
-        declared_s: Length that the file declares, s, or None.
+        declared_s: Length that the file declares, from its beginning, s, or None.
         images: Number of images that the last iteration has read so far.
         seconds: Time of the last of them, s.
         jumps: Number of jumps in the timestamps so far.
@@ -73,9 +78,9 @@ class Footage:
         self.path, self._given = path, fps
         capture = self._open()
         declared = capture.get(cv2.CAP_PROP_FPS)
-        self.fps = fps or (declared if 0 < declared <= FASTEST else 0.0)
-        count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
-        self.declared_s = count / self.fps if self.fps and 0 < count < 1e9 else None
+        self.fps = fps or (declared if 0 < declared < FASTEST else 0.0)
+        count, rate = capture.get(cv2.CAP_PROP_FRAME_COUNT), fps or declared
+        self.declared_s = count / rate if 0 < count < 1e9 and rate > 0 else None
         self.aspect = _pixel_aspect(capture)
         capture.release()
         self.interlaced = interlaced_images(path, 0.0, PROBED_S)
@@ -91,6 +96,10 @@ class Footage:
     def time_of(self, frame: int) -> float:
         """Time of a frame in the file, s, as players and coding programs count it."""
         return self.start_s + frame / RATE
+
+    def frame_at(self, time_s: float) -> int:
+        """Number of the first frame from a time of the file on."""
+        return max(0, math.ceil((time_s - self.start_s) * RATE - 1e-4))
 
     def __iter__(self) -> Iterator[Still]:
         """The frames at 0 s, 1/30 s, 2/30 s and so on.
@@ -141,9 +150,9 @@ class Footage:
             if not self.timed or not math.isfinite(stamp):
                 self.seconds += self._interval() if self.images else 0.0
             else:
-                if abs(stamp - last) > LONGEST_HOLD_S:
+                jumped = abs(stamp - last) > LONGEST_HOLD_S
+                if jumped and not self._is_gap(stamp - last, stamp - start):
                     start += stamp - last - (1 / self.fps if self.fps else 1 / RATE)
-                    jumped = True
                     self.jumps += 1
                 last, self.seconds = stamp, max(self.seconds, stamp - start)
             self.images += 1
@@ -168,6 +177,16 @@ class Footage:
                 f"read; make a copy that is not: ffmpeg -i {self.path.name} -vf yadif -c:v libx264 copy.mp4"
             )
         return math.inf if lost else stamp + AHEAD_S
+
+    def _is_gap(self, seconds: float, since_start_s: float) -> bool:
+        """Whether no image was taken for a while, as in a recording of variable rate, rather than the clock jumped.
+
+        Args:
+            seconds: Time between two images.
+            since_start_s: Time of the latter since the first image.
+        """
+        within = self.declared_s is not None and since_start_s < self.declared_s + MISSING_S
+        return within and not self.jumps and 0 < seconds < LONGEST_GAP_S
 
     def _interval(self) -> float:
         if not self.fps:

@@ -171,6 +171,7 @@ def ranking_figure(rows: Sequence[tuple[str, Mapping[str, Any]]], measure: str, 
     axes.axvline(0, color="black", lw=0.6)
     axes.set_yticks(range(len(rows)), [name for name, _ in rows], fontsize=9)
     axes.set_ylim(len(rows) - 0.5, -0.5)
+    axes.locator_params(axis="x", nbins=6)
     axes.set_xlabel(f"effective {measure} ({unit})", fontsize=9)
     axes.spines[["top", "right"]].set_visible(False)
     return figure
@@ -199,6 +200,7 @@ def dyad_figure(results: Mapping[tuple[str, str], DyadResult], unit: str) -> Fig
     axes.axvline(0, color="black", lw=0.6)
     axes.set_yticks(range(len(lines)), [name for name, _, _ in lines], fontsize=9)
     axes.set_ylim(len(lines) - 0.5, -0.5)
+    axes.locator_params(axis="x", nbins=6)
     axes.set_xlabel(f"effective transfer entropy ({unit}); diamond: mean and interval over recordings", fontsize=9)
     axes.spines[["top", "right"]].set_visible(False)
     return figure

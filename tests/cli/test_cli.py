@@ -165,6 +165,7 @@ def test_choices_come_in_one_order(jointattn):
 
 def test_without_a_folder(jointattn):
     refused(jointattn("session", "--minutes", 1), 2, "--out")
+    refused(jointattn("session"), 2, "--out")
 
 
 def test_more_than_the_disk_holds(jointattn, tmp_path):
