@@ -199,7 +199,7 @@ def scan_surrogates(
     """
     _check_lags(lags)
     timings = at_lags(lags, timing)
-    reach = max(one.reach for one in timings)
+    reach = max(delay.reach for delay in timings)
     first = timed(given, timings[0], reach)
     remembered = memory(first, measure)
     method = chosen_method(first, remembered, options)
@@ -211,8 +211,8 @@ def scan_surrogates(
 
     def measured(part: Sequence[Timing], draws: np.random.Generator) -> tuple[list[float], np.ndarray]:
         value, tables = [], []
-        for one in part:
-            shifted = timed(given, one, reach)
+        for delay in part:
+            shifted = timed(given, delay, reach)
             value.append(measure.value(shifted.entries()))
             tables.append(displaced(shifted, [measure]))
 

@@ -42,7 +42,7 @@ class Coded:
         return np.split(self.codes if codes is None else codes, self.bounds[1:-1])
 
     def compact(self) -> "Coded":
-        """The same with every code in use, in the order of the values."""
+        """The same series with codes 0, 1, ... for the values that occur, in their order."""
         values, codes = np.unique(self.codes, return_inverse=True)
         if len(values) == self.size:
             return self

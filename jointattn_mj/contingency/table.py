@@ -100,8 +100,8 @@ class Steps:
         """Codes of r, a, s, n at each transition, each (n,)."""
         bounds = self.target.bounds.tolist()
 
-        def taken(one: Coded, ahead: int) -> np.ndarray:
-            parts = [one.codes[start + ahead : stop - 1 + ahead] for start, stop in pairwise(bounds)]
+        def taken(series: Coded, ahead: int) -> np.ndarray:
+            parts = [series.codes[start + ahead : stop - 1 + ahead] for start, stop in pairwise(bounds)]
             return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
         source = taken(self.source, 0)

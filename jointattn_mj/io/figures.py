@@ -64,7 +64,8 @@ def with_fonts(figure: Figure) -> Iterator[None]:
 def lacking(words: Iterable[str]) -> list[str]:
     """Characters that our font does not have."""
     known = _characters(font_manager.findfont(FONT))
-    return sorted({one for word in words for one in word if not one.isspace() and ord(one) not in known})
+    characters = {character for word in words for character in word if not character.isspace()}
+    return sorted(character for character in characters if ord(character) not in known)
 
 
 def without_font(words: Iterable[str]) -> list[str]:

@@ -88,7 +88,7 @@ class RowStore:
 
     @property
     def dtype(self) -> np.dtype:
-        """Of the numbers."""
+        """Type of the numbers."""
         return self._buffer.dtype
 
     def beside(self, name: str, columns: int) -> "RowStore":

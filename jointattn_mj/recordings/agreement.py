@@ -72,7 +72,7 @@ class Agreement:
 
     @property
     def expected(self) -> float:
-        """The same by chance, given how often each uses each code."""
+        """Share of units in which they would agree by chance, given how often each uses each code."""
         return _expected(self.matrix)
 
     @property
@@ -120,7 +120,7 @@ class Agreement:
         return tuple(notes)
 
     def row(self) -> dict[str, Any]:
-        """In one row."""
+        """The comparison as one row of a table."""
         return {
             "tier": self.tier, "kappa": self.kappa, "low": self.interval[0], "high": self.interval[1],
             "observed": self.observed, "expected": self.expected, "kappa_max": self.kappa_max,
@@ -173,7 +173,7 @@ def agreement(
             f"the coders share no tier: {', '.join(first.tier_names)} against {', '.join(second.tier_names)}"
         )
     matched = {name for pair in pairs for name in pair}
-    alone = tuple(name for one in (first, second) for name in one.recordings if name not in matched)
+    alone = tuple(name for coding in (first, second) for name in coding.recordings if name not in matched)
     others = () if tiers is not None else tuple(sorted({*first.tier_names} ^ {*second.tier_names}))
     return tuple(
         replace(_of_tier(first, second, pairs, tier, options), alone=alone, other_tiers=others) for tier in chosen

@@ -92,7 +92,7 @@ class GazeFollowing:
 
 @dataclass(frozen=True, repr=False)
 class JointAttention:
-    """What was derived."""
+    """Gaze following, mutual gaze and engagement, as derived from two tiers of looks."""
 
     events: Events
     """All events with the derived tiers."""

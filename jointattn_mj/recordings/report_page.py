@@ -128,7 +128,7 @@ def _figures(report: RecordingReport) -> dict[str, Figure]:
 
 
 def _transitions(report: RecordingReport) -> list[dict[str, Any]]:
-    """Those that stand out most, of both directions."""
+    """The transitions that stand out most by their residuals, more frequent or less than by chance."""
     rows = [
         {"source": pair[0], "result": pair[1], "p_shift": None, **row}
         for pair in report.transitions

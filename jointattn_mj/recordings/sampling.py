@@ -106,7 +106,7 @@ def sample(events: "Events", step: float, tiers: Sequence[str], options: SampleO
 
 @dataclass(frozen=True)
 class _Sampled:
-    """One recording: a value for every step."""
+    """A recording that has been sampled: for every tier a code a step."""
 
     recording: str
     codes: dict[str, np.ndarray]

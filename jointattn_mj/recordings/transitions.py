@@ -32,7 +32,7 @@ BETWEEN = ":"
 
 @dataclass(frozen=True, kw_only=True)
 class TransitionOptions(ReadOptions):
-    """What follows what."""
+    """Which codes are counted as following which, and how that is tested."""
 
     file: tyro.conf.Positional[Path] = field(kw_only=False)
     """A file of events or steps, or a folder of such files, each a recording."""

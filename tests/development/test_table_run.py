@@ -88,7 +88,7 @@ def test_the_log_says_what_happened(undisturbed):
     assert np.array_equal(agent.state.counts.entries, run.agent.state.counts.entries)
 
 
-def test_the_same_seed_is_the_same_life(undisturbed):
+def test_the_same_seed_is_the_same_run(undisturbed):
     same(undisturbed, steps_done(undisturbed.agent.config))
     other = steps_done(undisturbed.agent.config, seed=5)
     assert not np.array_equal(undisturbed.log("gesture"), other.log("gesture"))
@@ -164,12 +164,12 @@ def test_contingency_is_that_of_the_log(correction):
         for turn_, row in zip(n_steps, values, strict=True):
             expected = c.state_action_contingency(*(column[:turn_] for column in columns), correction=correction)
             assert row[number] == pytest.approx(expected, abs=1e-12)
-    born = [0] * 12 + [run.detections[0].step] * (len(run.agent.events) - 12)
+    initial = [0] * 12 + [run.detections[0].step] * (len(run.agent.events) - 12)
     for number in range(len(list(first.with_module("module 1").events()))):
-        assert np.isnan(values[:, number]).tolist() == (n_steps < born[number]).tolist()
+        assert np.isnan(values[:, number]).tolist() == (n_steps < initial[number]).tolist()
 
 
-def test_samples_do_not_change_the_life():
+def test_samples_do_not_change_the_run():
     often, seldom = steps_done(sample_every=1), steps_done(sample_every=STEPS + 1)
     assert all(np.array_equal(often.log(column), seldom.log(column)) for column in often.columns)
     assert len(often.contingency()[0]) == STEPS
@@ -230,7 +230,7 @@ def test_presets_live(name):
         ({"agent": replace(HASTY, most_modules=127)}, "129"),
     ],
 )
-def test_impossible_lives(arguments, word):
+def test_impossible_runs(arguments, word):
     with pytest.raises(ConfigError, match=word):
         TableRun(**({"world": WORLD, "agent": HASTY, "seed": 0, "n_steps": 10} | arguments))
 

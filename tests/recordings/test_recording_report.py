@@ -212,8 +212,8 @@ def test_what_cannot_be_reported_is_told(codings, report, tmp_path):
 
 def test_tiers_without_change_are_not_ranked(codings, tmp_path):
     """What never changes says nothing; counted among the tests it would only make p of the others larger."""
-    one = recordings.read(codings / "second").events
-    silent = one.joined(Events.of(["voice"], ["sings"], [0.0], [95.0], recording="a <b>"))
+    events = recordings.read(codings / "second").events
+    silent = events.joined(Events.of(["voice"], ["sings"], [0.0], [95.0], recording="a <b>"))
     report = recordings.read(silent.to_pandas(), recording="recording").report(tmp_path / "out", **FEW)
     assert {row["source"] for row in report.ranking()} == {"mother", "infant"}
     assert "tier 'voice' is not ranked, as it has the same value in all steps" in report.notes
