@@ -22,7 +22,7 @@ READERS = ("mujoco", "dm_control")
 """Packages that read ``MUJOCO_GL`` when they are imported."""
 LIBRARIES = {"egl": ("libEGL.so.1", "libOpenGL.so.0"), "osmesa": ("libOSMesa.so.8", "libOSMesa.so")}
 
-WITHOUT = "Without images, `--perception state` works as it is."
+WITHOUT = "Without images, `perception='state'` works as it is."
 INSTALL = (
     "Install one of these and start again:\n"
     "  EGL:    apt-get install --no-install-recommends libegl1 libopengl0 libgl1-mesa-dri\n"

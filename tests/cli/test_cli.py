@@ -320,29 +320,31 @@ def test_no_ffmpeg(jointattn, tmp_path):
     assert not out.exists()
 
 
+LEAVE_OUT = "works here: leave MUJOCO_GL out"
+NO_DRIVER = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/nowhere"}
 NO_OPENGL = {
-    "disabled": ({"MUJOCO_GL": "disable"}, "none that works was found"),
-    "unknown": ({"MUJOCO_GL": "crayons"}, "MUJOCO_GL=crayons"),
-    "no library": ({"MUJOCO_GL": "osmesa"}, "MUJOCO_GL=osmesa"),
-    "no driver": ({"MUJOCO_GL": "", "__EGL_VENDOR_LIBRARY_FILENAMES": "/nowhere"}, "none that works was found"),
-    "no driver, asked for": ({"MUJOCO_GL": "egl", "__EGL_VENDOR_LIBRARY_FILENAMES": "/nowhere"}, "MUJOCO_GL=egl"),
+    "disabled": ({"MUJOCO_GL": "disable"}, "MUJOCO_GL turns rendering off", LEAVE_OUT),
+    "unknown": ({"MUJOCO_GL": "crayons"}, "MUJOCO_GL=crayons", LEAVE_OUT),
+    "no library": ({"MUJOCO_GL": "osmesa"}, "MUJOCO_GL=osmesa", LEAVE_OUT),
+    "no driver": ({"MUJOCO_GL": "", **NO_DRIVER}, "none that works was found", "apt-get install"),
+    "no driver, asked for": ({"MUJOCO_GL": "egl", **NO_DRIVER}, "MUJOCO_GL=egl", "apt-get install"),
 }
 
 
 @pytest.mark.parametrize("case", NO_OPENGL)
 def test_no_opengl(tmp_path, case):
     """In a process of its own from the start: backends are chosen before anything is imported."""
-    env, words = NO_OPENGL[case]
+    env, why, what_to_do = NO_OPENGL[case]
     if case == "no library" and gl.available("osmesa"):
         pytest.skip("OSMesa is there")
-    if case == "no driver" and gl.available("osmesa"):
-        pytest.skip("OSMesa is taken instead")
+    if case.startswith("no driver") and gl.available("osmesa"):
+        pytest.skip("OSMesa is taken instead, or recommended")
     arguments = ["session", "--out", str(tmp_path / "out"), "--minutes", "0.05"]
     program = [sys.executable, "-m", "jointattn_mj.cli.main", *arguments]
     done = subprocess.run(program, env=os.environ | env, capture_output=True, text=True)
     assert done.returncode == 1
     assert done.stderr.startswith("jointattn: ")
-    for part in (words, "apt-get install", "--perception state"):
+    for part in (why, what_to_do, "--perception state"):
         assert part in done.stderr
     assert "Traceback" not in done.stderr
     assert not list((tmp_path / "out").iterdir())
