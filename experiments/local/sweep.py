@@ -102,8 +102,8 @@ FILM = Path(__file__).with_name("hour.mp4")
 """``python -m experiments.local.film``: the run of seed FILMED, from images."""
 FILMED = 180_000
 FIRST_SEED = 180_000
-"""Settings were chosen on seeds 1000 to 1053, 3000 to 3035 and, in real time from the state, on 1000 to 1009; the threshold
-of taking away after runs on 160000 on had failed at 2 spots."""
+"""Settings were chosen on seeds 1000 to 1053, 3000 to 3035 and, in real time from the state, on 1000 to 1009; the
+threshold of taking away after runs on 160000 on had failed at 2 spots."""
 REPLACED = {
     "another temper": {"caregiver": {"follow": 0.75, "lead": 0.25}, "then": {"follow": 0.25, "lead": 0.75}},
     "silent first": {"caregiver": SILENT, "then": {}},

@@ -5,6 +5,7 @@ from dataclasses import replace
 from jointattn_mj.gaze_following.agent import RobotConfig
 from jointattn_mj.gaze_following.gate import GazeConfig
 from jointattn_mj.gaze_following.learners import LearnerConfig
+from jointattn_mj.perception.mean_face import MeanFaceConfig
 
 LEARNER = LearnerConfig(
     code="cross_situational", pairs="in_view", base="in_view", competition=1.0, forgetting=0.005
@@ -15,5 +16,10 @@ GAZE = GazeConfig(
 )  # fmt: skip
 """Looks at the object that goes best with a face, once the face is still. The gate is half open after 30 pairs rather
 than 150: the counts are right by then."""
-PRESETS = {"thesis": RobotConfig(), "cross_situational": replace(RobotConfig(), learner=LEARNER, gaze=GAZE)}
+MEAN_FACE = MeanFaceConfig(subtracted=True)
+"""Codes faces from images by how they deviate from this person's mean, so that what was learned serves for others."""
+PRESETS = {
+    "thesis": RobotConfig(),
+    "cross_situational": replace(RobotConfig(), learner=LEARNER, gaze=GAZE, mean_face=MEAN_FACE),
+}
 """Settings of a robot by the name of the preset; ``Session(robot=PRESETS["cross_situational"])``."""
