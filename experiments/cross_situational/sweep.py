@@ -14,7 +14,6 @@ from jointattn_mj.gaze_following.presets import PRESETS
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.options import Checked, Real, Share, Whole
-from jointattn_mj.perception.mean_face import MeanFaceConfig
 from jointattn_mj.perception.percept import Observation, Perceiver
 from jointattn_mj.perception.pixels import PixelPerception
 from jointattn_mj.scene.camera import direction_of
@@ -136,8 +135,6 @@ def condition(
         variation=variation,
         robot=robot(PRESETS[preset], cues, gaze, learner),
     )
-    if perception == "state":  # where no mean is taken anyway, so that trials from before there was one stay valid
-        config = replace(config, robot=replace(config.robot, mean_face=MeanFaceConfig()))
     scene = replace(config.world.scene, objects=OBJECTS[:objects])
     return kind(replace(config, world=replace(config.world, scene=scene)), **more)
 

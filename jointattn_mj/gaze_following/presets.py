@@ -1,12 +1,13 @@
 """Robots of chapter 6 by name: the dissertation's, and one that learns what is contingent."""
 
 from dataclasses import replace
+from typing import Literal
 
 from jointattn_mj.gaze_following.agent import RobotConfig
 from jointattn_mj.gaze_following.gate import GazeConfig
 from jointattn_mj.gaze_following.learners import LearnerConfig
-from jointattn_mj.perception.mean_face import MeanFaceConfig
 
+Preset = Literal["thesis", "cross_situational"]
 LEARNER = LearnerConfig(
     code="cross_situational", pairs="in_view", base="in_view", competition=1.0, forgetting=0.005
 )  # fmt: skip
@@ -16,10 +17,5 @@ GAZE = GazeConfig(
 )  # fmt: skip
 """Looks at the object that goes best with a face, once the face is still. The gate is half open after 30 pairs rather
 than 150: the counts are right by then."""
-MEAN_FACE = MeanFaceConfig(subtracted=True)
-"""Codes faces from images by how they deviate from this person's mean, so that what was learned serves for others."""
-PRESETS = {
-    "thesis": RobotConfig(),
-    "cross_situational": replace(RobotConfig(), learner=LEARNER, gaze=GAZE, mean_face=MEAN_FACE),
-}
-"""Settings of a robot by the name of the preset; ``Session(robot=PRESETS["cross_situational"])``."""
+PRESETS = {"thesis": RobotConfig(), "cross_situational": replace(RobotConfig(), learner=LEARNER, gaze=GAZE)}
+"""Settings of a robot by the name of the preset."""
