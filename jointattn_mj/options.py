@@ -16,18 +16,19 @@ import re
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import MISSING, Field, dataclass, fields
+from dataclasses import MISSING, Field, dataclass, fields, replace
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Annotated, Any, ClassVar, Literal, Union, cast, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import tyro
 from tyro.constructors import PrimitiveConstructorSpec
 
 from jointattn_mj.errors import ConfigError
 
+Config = TypeVar("Config", bound="Checked")
 TOP_LEVEL = tyro.conf.arg(prefix_name=False)
 """An option that many use: `--caregiver`, not `--world.scene.caregiver`."""
 FLAT = tyro.conf.arg(name="")
@@ -156,7 +157,7 @@ class _ConfigType(type):
 
     def __call__(cls, *arguments: Any, **named: Any) -> Any:
         named = with_new_names(cls, named)
-        check_names(cls.__name__, named, [field.name for field in fields(cls)])  # type: ignore[arg-type]
+        check_names(cls.__name__, named, _arguments(cls))
         return super().__call__(*arguments, **named)
 
     @property
@@ -165,9 +166,16 @@ class _ConfigType(type):
         return whole.replace(parameters=list(whole.parameters.values())[1:])
 
 
+@cache
+def _arguments(config: type) -> tuple[str, ...]:
+    """Names of what a config is made of."""
+    return tuple(inspect.signature(config).parameters)
+
+
 class Checked(metaclass=_ConfigType):
     """Base of every config: when one is made, each field is held against its annotation."""
 
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
     RENAMED: ClassVar[Mapping[str, str]] = {}
     """Fields by the name that they had in the last version: ``{"mind": "agent"}``."""
     OLD_CHOICES: ClassVar[Mapping[str, Mapping[str, str]]] = {}
@@ -185,9 +193,7 @@ class Checked(metaclass=_ConfigType):
     def __repr__(self) -> str:
         """What differs from the defaults, as the code that makes the config: ``SessionConfig(minutes=2, seed=3)``."""
         given = [
-            f"{field.name}={getattr(self, field.name)!r}"
-            for field in fields(cast(Any, self))
-            if not _is_default(self, field)
+            f"{field.name}={getattr(self, field.name)!r}" for field in fields(self) if not _is_default(self, field)
         ]
         return f"{type(self).__name__}({', '.join(given)})"
 
@@ -216,6 +222,50 @@ def _is_default(config: Checked, field: Field[Any]) -> bool:
     default = field.default if field.default_factory is MISSING else field.default_factory()
     value = getattr(config, field.name)
     return type(value) is type(default) and bool(value == default)
+
+
+def changed(config: Config, given: Mapping[str, Any], location: str = "") -> Config:
+    """A config with other values for the options that are given.
+
+    Args:
+        config: The config that stays as it is.
+        given: New values by the names of fields; a mapping changes the fields of a config within. Options of parts that
+            the command line takes without a prefix, such as ``caregiver``, go without one here, too.
+        location: Dotted name of ``config`` with a dot at its end, for messages.
+
+    Raises:
+        ConfigError: No such field, or a value that is not allowed.
+    """
+    kind = type(config)
+    given, inside = with_new_names(kind, given), {} if location else options_of_parts(kind)
+    known = [*(field.name for field in fields(config)), *inside]
+    values: dict[str, Any] = {}
+    for name in sorted(given, key=inside.__contains__):  # whole parts first
+        if name not in known:
+            raise ConfigError(f"no option {location}{name}{meant(name, known)}; there are {', '.join(known)}")
+        part, *path = (*inside.get(name, ()), name)
+        value = given[name]
+        for inner in reversed(path):
+            value = {inner: value}
+        before = values.get(part, getattr(config, part))
+        nested = isinstance(value, Mapping) and isinstance(before, Checked)
+        values[part] = changed(before, value, f"{location}{part}.") if nested else value
+    try:
+        return replace(config, **values)
+    except ConfigError as error:
+        raise ConfigError(str(error).replace(f"{kind.__name__}.", location, 1)) from error
+
+
+@cache
+def options_of_parts(config: type) -> dict[str, tuple[str, ...]]:
+    """Options within the parts of a config that are ``TOP_LEVEL``: the fields that lead to each."""
+    paths: dict[str, tuple[str, ...]] = {}
+    for name, part in get_type_hints(config).items():
+        if isinstance(part, type) and issubclass(part, Checked):
+            hints = get_type_hints(part, include_extras=True)
+            own = {inner: (name,) for inner, hint in hints.items() if TOP_LEVEL in get_args(hint)}
+            paths |= own | {inner: (name, *path) for inner, path in options_of_parts(part).items()}
+    return paths
 
 
 def with_new_names(config: type, named: Mapping[str, Any], location: str | None = None) -> dict[str, Any]:
@@ -292,8 +342,8 @@ def shown(value: Any) -> str:
     """A value in an error message: on one line, and not long."""
     try:
         text = " ".join(repr(str(value) if isinstance(value, Path) else value).split())
-    except ValueError:  # Python writes no integer of more than 4300 digits
-        text = f"a {type(value).__name__} of very many digits"
+    except Exception:  # Python writes no integer of more than 4300 digits, and an object's own words may fail
+        text = f"a {type(value).__name__}{' of very many digits' if isinstance(value, int) else ''}"
     return text if len(text) <= 80 else f"{text[:60]}... ({len(text)} characters)"
 
 
@@ -470,6 +520,15 @@ def path_of(given: str | os.PathLike[str], name: str = "the path") -> Path:
     if not os.fspath(given):
         raise ConfigError(f"{name} is empty; name a folder or file (. is the current folder)")
     return Path(given)
+
+
+def is_utf8(path: str | os.PathLike[str]) -> bool:
+    """Whether a path is UTF-8. Linux takes any bytes, and libraries in C++ do not."""
+    try:
+        os.fspath(path).encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _path(value: Any) -> Any:

@@ -109,7 +109,7 @@ def _on(box: np.ndarray, face: np.ndarray) -> bool:
 
 
 def total(scores: list[Score]) -> Score:
-    """All clips together."""
+    """Sums of the counts of all clips."""
     sums = {
         name: sum(getattr(score, name) for score in scores)
         for name in ("faces", "found", "boxes", "elsewhere", "covered")

@@ -148,7 +148,7 @@ def world_of(asked: FilmedTable) -> type[World]:
 
 @dataclass(frozen=True, eq=False)
 class FilmedSession:
-    """What was seen and what was so, look by look: arrays of n looks.
+    """What the camera saw, and the ground truth, look by look: arrays of n looks.
 
     Attributes:
         faces: (n, 2) yaw and pitch of the head as perceived, deg.

@@ -17,7 +17,7 @@ EXAMPLE = (5748, 42862, 47686)
 
 
 def analyse(trials: Trials) -> list[Comparison]:
-    """Order, number and times."""
+    """How often the three modules come in order, how many there are in a run, and when each is made."""
     findings = []
     for setting in ("caregiver first", "robot first"):
         results = [trial.result for trial in trials.get(setting, ())]

@@ -24,7 +24,7 @@ NEIGHBOURS = 5
 
 @dataclass(frozen=True)
 class PerceptionOptions(Checked):
-    """What to measure."""
+    """Where the measured errors go."""
 
     out: Path | None = None
     """JSON file for the result."""
@@ -37,7 +37,7 @@ class PerceptionOptions(Checked):
 
 
 def watch_session(config: SessionConfig) -> dict[str, np.ndarray]:
-    """Live through a session and collect errors, misses, flags and face patterns of every look."""
+    """Run a session and collect errors, misses, flags and face patterns of every look."""
     session = SessionRun(config)
     session.begin()
     world, robot, face = session.world, session.robot, session.robot.face

@@ -68,7 +68,7 @@ def sessions_of(seed: int, out: Path, detectors: Sequence[str], minutes: float) 
         detectors: What finds faces in the video.
         minutes: Length of the sessions.
     """
-    film, found = out / f"video_{seed}", []
+    film, compared = out / f"video_{seed}", []
     if not (film / "table.mp4").exists():
         write_video(film, seed, FamiliariseConfig().minutes + minutes)
     for where in (WORLD, *detectors):
@@ -78,9 +78,9 @@ def sessions_of(seed: int, out: Path, detectors: Sequence[str], minutes: float) 
             summary: Any = run_session(SessionConfig(seed=seed, minutes=minutes), SessionOptions(folder, resume=resume))
         else:
             summary = run_footage_session(video_config(film, seed, where, minutes), folder, resume)
-        found.append(Compared(seed, where, {name: getattr(summary, name) for name in NUMBERS}))
-        print(f"seed {seed}, {where}: {found[-1].numbers}", file=sys.stderr, flush=True)
-    return found
+        compared.append(Compared(seed, where, {name: getattr(summary, name) for name in NUMBERS}))
+        print(f"seed {seed}, {where}: {compared[-1].numbers}", file=sys.stderr, flush=True)
+    return compared
 
 
 def table(sessions: Sequence[Compared]) -> str:
@@ -112,12 +112,12 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=SessionConfig.minutes, help="length of the sessions")
     parser.add_argument("--out", type=Path, required=True, help="folder; made when missing")
     given = parser.parse_args()
-    found = [
+    compared = [
         session for seed in given.seeds for session in sessions_of(seed, given.out, given.detectors, given.minutes)
     ]
-    rows = [vars(session) for session in found]
+    rows = [vars(session) for session in compared]
     write_whole(given.out / "compared.json", lambda path: path.write_text(json.dumps(rows, indent=1) + "\n"))
-    print(table(found))
+    print(table(compared))
 
 
 if __name__ == "__main__":

@@ -105,22 +105,22 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
 
 
 def faces(result: Result) -> int:
-    """Values of S, but nothing sensed."""
+    """Number of faces that the robot tells apart; ``nothing sensed`` is not counted."""
     return len(result["confusion"])
 
 
 def faces_at(result: Result, steps: float) -> int:
-    """The same after a number of steps of babbling."""
+    """Number of faces that it told apart after so many steps of babbling."""
     return max((step["faces"] for step in result["steps"] if step["turns"] <= steps), default=1)
 
 
 def regions(result: Result) -> int:
-    """Values of A without the look at the face."""
+    """Number of regions to which the robot can shift its gaze; the look at the face is not counted."""
     return len(result["regions"])
 
 
 def covered(result: Result) -> int:
-    """True targets that some value mostly means."""
+    """Number of the caregiver's true targets that some face mostly means."""
     return len({int(np.argmax(row)) for row in result["confusion"] if np.sum(row)})
 
 

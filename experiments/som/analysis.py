@@ -21,7 +21,7 @@ QUANTITIES = {
 
 
 def analyse(trials: Trials) -> list[Comparison]:
-    """Over all caregivers."""
+    """How well the map is ordered, and how well it tells the head's angles, over all caregivers."""
     every = [trial.result for part in trials.values() for trial in part]
     if not every:
         return []

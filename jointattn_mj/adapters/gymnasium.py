@@ -8,6 +8,7 @@ from dm_env import TimeStep, specs
 
 from jointattn_mj.errors import ConfigError, EpisodeError
 from jointattn_mj.io.extras import extra
+from jointattn_mj.options import shown
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH, ROBOT_GROUP
 from jointattn_mj.tasks import load
 from jointattn_mj.tasks.actions import checked
@@ -75,7 +76,7 @@ class JointAttentionEnv(gymnasium.Env[dict[str, Any], np.ndarray]):
             ConfigError: ``seed`` is no whole number of 0 or more, or there are ``options``.
         """
         if options:
-            raise ConfigError(f"reset takes no options; got {options!r}")
+            raise ConfigError(f"reset takes no options; got {shown(options)}")
         if seed is not None:
             seed = whole_seed(seed)
         super().reset(seed=seed)
@@ -140,7 +141,7 @@ def whole_seed(seed: Any) -> int:
     """A seed as ``int``; numpy's whole numbers are accepted too."""
     if isinstance(seed, (int, np.integer)) and not isinstance(seed, bool) and seed >= 0:
         return int(seed)
-    raise ConfigError(f"seed: expected a whole number of 0 or more, or None; got {seed!r}")
+    raise ConfigError(f"seed: expected a whole number of 0 or more, or None; got {shown(seed)}")
 
 
 def _space(spec: specs.Array) -> spaces.Space:

@@ -6,14 +6,15 @@ images, in the pose of one world after another. Observations and rewards are tho
 seeds, to rounding.
 """
 
-from typing import Any
+from typing import Annotated, Any
 
 import mujoco
 import numpy as np
 from dm_env import specs
 
 from jointattn_mj.adapters.gymnasium import JointAttentionEnv, whole_seed
-from jointattn_mj.errors import ConfigError, EpisodeError
+from jointattn_mj.errors import ClosedError, ConfigError, EpisodeError
+from jointattn_mj.options import Whole, check_argument, shown
 from jointattn_mj.scene.camera import PIVOT
 from jointattn_mj.scene.caregiver import TransferScript
 from jointattn_mj.scene.world import HEAD_JOINTS, World, steps_per_frame
@@ -42,8 +43,10 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
             task_kwargs: Arguments of the task, such as ``camera``, ``truth``, ``face_patch``, ``people``.
 
         Raises:
-            ConfigError: There is no such argument, or ``variation`` is asked for, which takes a renderer a world.
+            ConfigError: There is no such argument, ``num_envs`` is no number of worlds, or ``variation`` is asked for,
+                which takes a renderer a world.
         """
+        check_argument("num_envs", num_envs, Annotated[int, Whole("[1, 1e6]")])
         self._single = JointAttentionEnv(task, **task_kwargs)
         environment = self._single.environment
         if environment.task.varies:
@@ -81,13 +84,15 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
 
         Raises:
             ConfigError: ``seed`` is no whole number of 0 or more, nor one for each world, or there are ``options``.
+            ClosedError: After ``close``.
         """
+        self._check_open()
         if options:
-            raise ConfigError(f"reset takes no options; got {options!r}")
+            raise ConfigError(f"reset takes no options; got {shown(options)}")
         seeds: list[int | None]
         if seed is None:
             seeds = [None] * self.num_envs
-        elif isinstance(seed, (list, tuple, np.ndarray)):
+        elif isinstance(seed, (list, tuple)) or (isinstance(seed, np.ndarray) and seed.ndim):
             seeds = list(seed)
         else:
             seeds = [whole_seed(seed) + i for i in range(self.num_envs)]
@@ -114,7 +119,9 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
         Raises:
             ActionError: Actions are not finite, have another shape, or are no numbers; nothing has changed then.
             EpisodeError: Before ``reset``.
+            ClosedError: After ``close``.
         """
+        self._check_open()
         low, high = self._bounds.minimum, self._bounds.maximum
         commands = low + (high - low) * (checked(actions, self._scaled) + 1) / 2
         if (self._steps < 0).any():
@@ -132,6 +139,12 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
     def close_extras(self, **settings: Any) -> None:
         """Free models, data and rendering contexts."""
         self._single.close()
+        for episodes in self._episodes:  # of a copy, each of which has worlds of its own
+            episodes.task.close()
+
+    def _check_open(self) -> None:
+        if self.closed:
+            raise ClosedError(f"this {type(self).__name__} is closed; make another")
 
     def _begin(self, worlds: np.ndarray) -> None:
         """Begin the next episode in some worlds, with the head straight ahead."""
@@ -176,20 +189,20 @@ class _Episodes:
 
     def begin(self) -> None:
         """Begin the next one."""
-        self._world, self.script = self.task.cast_script()
+        _, self.script = self.task.cast_script()
 
     def advance(self) -> None:
         """Advance the caregiver by a step."""
-        for _ in range(self._world.frames):
+        for _ in range(self.task.world.frames):
             self.script.advance()
 
     def points(self) -> np.ndarray:
         """Centres of the n objects, which stay, and of the caregiver's head, (n + 1, 3), world frame, metres."""
-        return np.vstack([self.script.objects, self._world.candidate_points()[-1:]])
+        return np.vstack([self.script.objects, self.task.world.candidate_points()[-1:]])
 
     def observe(self, head: np.ndarray) -> dict[str, np.ndarray]:
         """What the robot observes with its head at (2,), rad."""
-        self._world.show(head, self.script)
+        self.task.world.show(head, self.script)
         return self.task.observe_anew()
 
 

@@ -1,9 +1,9 @@
 """A video from Python: the same options and results as ``jointattn perceive``, or frame after frame."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields
 from os import PathLike
-from typing import Literal, TypedDict, Unpack, overload
+from typing import Any, Literal, TypedDict, Unpack, overload
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.footage.areas import AreaConfig
@@ -18,7 +18,7 @@ from jointattn_mj.footage.run import percepts, run_perceive
 from jointattn_mj.footage.shots import ShotConfig
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.gaze_following.attention import AttentionConfig
-from jointattn_mj.options import check_called, check_names, path_of
+from jointattn_mj.options import changed, check_called, check_names, options_of_parts, path_of
 from jointattn_mj.perception.pixels import PixelConfig
 from jointattn_mj.perception.som import SOMConfig
 
@@ -39,14 +39,15 @@ class PerceiveFields(TypedDict, total=False):
     face_follow: float
     shift_frames: int
     seed: int
-    attention: AttentionConfig
-    pixels: PixelConfig
-    som: SOMConfig
-    people: PeopleConfig
-    shots: ShotConfig
-    areas: AreaConfig
-    rest: RestConfig
-    coding: LooksConfig
+    attention: AttentionConfig | Mapping[str, Any]
+    pixels: PixelConfig | Mapping[str, Any]
+    som: SOMConfig | Mapping[str, Any]
+    people: PeopleConfig | Mapping[str, Any]
+    shots: ShotConfig | Mapping[str, Any]
+    areas: AreaConfig | Mapping[str, Any]
+    rest: RestConfig | Mapping[str, Any]
+    coding: LooksConfig | Mapping[str, Any]
+    motion_cues: bool
 
 
 @overload
@@ -101,7 +102,8 @@ def perceive(
         **options: Fields of ``PerceiveConfig``: ``objects`` (what to look for, such as
             ``("blue", "cup=#2b3ac0", "ball@12.5s:420,310")``), ``areas_each``, ``detector``, ``face``, ``looks``,
             ``labels``, ``max_minutes``, ``fps``, ``fit``, ``scale``, ``face_follow``, ``shift_frames``, ``seed``,
-            ``attention``, ``pixels``, ``som``, ``people``, ``shots``, ``areas``, ``rest``, ``coding``.
+            ``attention``, ``pixels``, ``som``, ``people``, ``shots``, ``areas``, ``rest``, ``coding``; these
+            groups as a config, or a mapping of what differs; and ``motion_cues``.
 
     Returns:
         Without ``out`` an iterator over :class:`PerceivedFrame`, a thirtieth of a second each: face, objects, optical
@@ -125,8 +127,8 @@ def perceive(
     """
     check_called("progress", progress)
     known = [field.name for kind in (PerceiveConfig, PerceiveOptions) for field in fields(kind)]
-    check_names("perceive", options, known)
-    config = PerceiveConfig(video, **options)  # type: ignore[arg-type]  # made a Path there
+    check_names("perceive", options, [*known, *options_of_parts(PerceiveConfig)])
+    config = changed(PerceiveConfig(path_of(video, "video")), options)
     if out is not None:
         codings = None if check is None else path_of(check, "check")
         where = PerceiveOptions(

@@ -1,12 +1,15 @@
 """A session from Python: the same options and results as ``jointattn session``."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from os import PathLike
 from pathlib import Path
+from typing import Any, Literal
 
 from jointattn_mj.api.session_result import SessionResult
 from jointattn_mj.errors import ConfigError, OutputError
+from jointattn_mj.gaze_following.agent import RobotConfig
+from jointattn_mj.gaze_following.presets import PRESETS, Preset
 from jointattn_mj.gaze_following.result import SessionFolder
 from jointattn_mj.gaze_following.run import SessionOptions, Watcher, run_in_memory, run_session
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
@@ -14,7 +17,11 @@ from jointattn_mj.gaze_following.summary import SessionSummary
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io.extras import extra
 from jointattn_mj.io.files import free_name
-from jointattn_mj.options import check_called, path_of, shown
+from jointattn_mj.options import changed, check_argument, check_called, path_of, shown, with_new_choice
+from jointattn_mj.perception.pixels import PixelConfig
+from jointattn_mj.perception.state import StateConfig
+from jointattn_mj.scene.model import Quality
+from jointattn_mj.scene.world import WorldConfig
 
 
 @dataclass(frozen=True)
@@ -29,9 +36,12 @@ class LoggedSessionOptions(SessionOptions):
         _check_suffix(self.rerun)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Session(VariedSessionConfig):
     """A session of chapter 6: the robot learns to look where the caregiver looks.
+
+    The options are those of ``jointattn session`` under the same names. A group of them, such as ``robot``, is a config
+    or a mapping of what differs: ``robot={"gaze": {"gate": "open"}}``.
 
     Args:
         minutes: Simulated minutes.
@@ -44,6 +54,11 @@ class Session(VariedSessionConfig):
         pixels: ``PixelConfig``: how images are perceived.
         state: ``StateConfig``: errors of perception with ``perception="state"``.
         variation: What of the world varies with the seed, such as ``"lights+people"``.
+        preset: ``"thesis"``: the robot of chapter 6 as it is written. ``"cross_situational"``: one that learns which of
+            the objects in view goes with a face. A mapping for ``robot`` comes on top; a config replaces it.
+        caregiver: Who the caregiver is, such as ``"noa"``; part of ``world``.
+        quality: ``"fast"`` or ``"high"``, of rendered images; part of ``world``.
+        motion_cues: Whether attention uses motion saliency; part of ``robot``.
 
     Raises:
         ConfigError: A value that is not allowed; the message says which are.
@@ -56,6 +71,38 @@ class Session(VariedSessionConfig):
         >>> bool(result.shifts["landing_s"].max() < 120)
         True
     """
+
+    def __init__(
+        self,
+        minutes: float = VariedSessionConfig.minutes,
+        seed: int = 0,
+        perception: Literal["pixels", "state"] = "pixels",
+        success: Literal["either", "launch", "landing"] = "either",
+        start_from: str | PathLike[str] | None = None,
+        world: WorldConfig | Mapping[str, Any] | None = None,
+        robot: RobotConfig | Mapping[str, Any] | None = None,
+        pixels: PixelConfig | Mapping[str, Any] | None = None,
+        state: StateConfig | Mapping[str, Any] | None = None,
+        variation: str = "none",
+        *,
+        preset: Preset = "thesis",
+        caregiver: str | None = None,
+        quality: Quality | None = None,
+        motion_cues: bool | None = None,
+    ):
+        check_argument("preset", preset, Preset)
+        plain = {
+            "minutes": minutes, "seed": seed, "perception": with_new_choice(Session, "perception", perception),
+            "success": success, "start_from": start_from, "variation": variation,
+        }  # fmt: skip
+        parts = {
+            "world": world, "robot": robot, "pixels": pixels, "state": state, "caregiver": caregiver,
+            "quality": quality, "motion_cues": motion_cues,
+        }  # fmt: skip
+        given = plain | {name: value for name, value in parts.items() if value is not None}
+        config = changed(VariedSessionConfig(robot=PRESETS[preset]), given)
+        for field in fields(config):
+            object.__setattr__(self, field.name, getattr(config, field.name))
 
     @property
     def config(self) -> VariedSessionConfig:

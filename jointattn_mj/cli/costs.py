@@ -22,7 +22,7 @@ MOST_BLOCKS = 5
 
 
 class Cost(NamedTuple):
-    """What a command took."""
+    """Time and memory that a command took."""
 
     seconds: float
     """Of the processor, all threads together."""

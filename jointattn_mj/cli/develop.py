@@ -13,7 +13,6 @@ from jointattn_mj.cli.running import going_on_from, one_thread
 from jointattn_mj.development.config import (
     DevelopmentConfig,
     UnfilmedOptions,
-    changed,
     check_world,
     config_class,
 )
@@ -25,9 +24,9 @@ from jointattn_mj.development.table.config import TableDevelopmentConfig, TableD
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.progress import Progress, count
-from jointattn_mj.options import FLAT, warn_renamed
+from jointattn_mj.options import FLAT, changed, warn_renamed
 
-LESS = "fewer steps or minutes"
+LESS = "fewer steps or minutes, or a shorter `--agent.horizon`"
 
 
 def develop() -> None:

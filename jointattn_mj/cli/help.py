@@ -48,7 +48,8 @@ def help_text(command: Callable[..., Any], prog: str, arguments: Sequence[str]) 
     if ALL in arguments:
         text = _text(command, prog, words, lambda kind, name, hint: not _is_advanced(kind, name))
         tuned = _text(command, prog, words, lambda kind, name, hint: _is_advanced(kind, name))
-        groups = [part for part in tuned.split("\n\n ") if re.match(r".+ options\n", part)]
+        groups = [_without_help(part) for part in tuned.split("\n\n ") if re.match(r"(.+ )?options\n", part)]
+        groups = [group for group in groups if "\n  --" in group]
         more = [ADVANCED, "", *(f" {group}\n" for group in groups), *more] if groups else more
     else:
         text = _text(
@@ -63,6 +64,11 @@ def help_text(command: Callable[..., Any], prog: str, arguments: Sequence[str]) 
         elif any(base.__dict__.get("ADVANCED") for kind in own for base in kind.__mro__):
             more.append(f"{ALL} lists the options that few people set too.")
     return "\n".join([text, "", *more]) if more else text
+
+
+def _without_help(group: str) -> str:
+    """A group of options without --help, which stands among a command's own."""
+    return re.sub(r"^  -h, --help\b.*\n(?: {4,}.*\n)*", "", group, flags=re.M)
 
 
 def configs_of(command: Callable[..., Any]) -> Iterator[type[Checked]]:
@@ -122,15 +128,17 @@ def _text(command: Callable[..., Any], prog: str, arguments: Sequence[str], choo
         raise ConfigError(complaint(trouble.getvalue()))
     lines = [line.rstrip() for line in said.getvalue().splitlines() if not re.fullmatch(r" *-{9,} *", line)]
     width = shutil.get_terminal_size().columns
-    return "\n".join(
+    text = "\n".join(
         textwrap.fill(line, width, break_on_hyphens=False) if len(line) > width else line for line in lines
     ).strip()
+    return re.sub(r"\n{3,}", "\n\n", text)
 
 
 def _about(command: Callable[..., Any]) -> str:
     """The docstring of a command, each paragraph on one line; lists stay as they are."""
     paragraphs = (inspect.getdoc(command) or "").split("\n\n")
-    return "\n\n".join(part if part.startswith("* ") else " ".join(part.split()) for part in paragraphs)
+    text = "\n\n".join(part if part.startswith("* ") else " ".join(part.split()) for part in paragraphs)
+    return text.replace("``", "")
 
 
 def _as_shown(field: StructFieldSpec) -> StructFieldSpec:
@@ -138,7 +146,7 @@ def _as_shown(field: StructFieldSpec) -> StructFieldSpec:
     whole: Any = field.helptext
     said = whole() if callable(whole) else whole
     hint: Any = Annotated[field.type, tyro.conf.FlagCreatePairsOff] if field.default is False else field.type
-    return replace(field, type=hint, helptext=" ".join(said.split()) if said else None)
+    return replace(field, type=hint, helptext=" ".join(said.replace("``", "").split()) if said else None)
 
 
 def _may_be_left_out(field: StructFieldSpec) -> bool:

@@ -64,7 +64,7 @@ def _options(kind: type[Checked], typed: str = "", current: str = "") -> Iterato
         typed: What stands before the names of its fields, as it can be typed.
         current: The same by its names of today.
     """
-    for field in fields(kind):  # type: ignore[arg-type]
+    for field in fields(kind):
         hint = get_type_hints(kind, include_extras=True)[field.name]
         before = ("", "") if TOP_LEVEL in get_args(hint) else (typed, current)
         for name in (field.name, *(old for old, new in old_names(kind).items() if new == field.name)):

@@ -75,9 +75,11 @@ def _of_looks(looks: dict[str, Any]) -> str:
     else:
         words = f"Looks were not coded: {looks['why_not']}. Placements: {rested}."
     if "check" in looks:
-        check = looks["check"]
-        interval = f"[{check['low']:.2f}, {check['high']:.2f}]"
-        words += f" Against your codings: kappa {check['kappa']:.2f} {interval} over {check['seconds']:.0f} s."
+        check, kappa = looks["check"], "kappa has no meaning, as both have one code alone,"
+        if check["kappa"] is not None:
+            interval = "" if check["low"] is None else f" [{check['low']:.2f}, {check['high']:.2f}]"
+            kappa = f"kappa {check['kappa']:.2f}{interval}"
+        words += f" Against your codings: {kappa} over {check['seconds']:.0f} s."
     return words
 
 

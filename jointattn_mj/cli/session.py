@@ -3,12 +3,12 @@
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from jointattn_mj.api.session import LoggedSessionOptions, run_logged
 from jointattn_mj.cli.running import going_on_from, one_thread
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.gaze_following.presets import PRESETS
+from jointattn_mj.gaze_following.presets import PRESETS, Preset
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.summary import LATE_MINUTES
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
@@ -26,7 +26,7 @@ RECENT = 20
 class PresetOptions(Checked):
     """Which robot it is."""
 
-    preset: Literal["thesis", "cross_situational"] = "thesis"
+    preset: Preset = "thesis"
     """Robot that gives --robot.* their defaults; each option can still be set by itself. thesis: chapter 6 as it is
     written. cross_situational: learns which of the objects in view goes with a face, waits until the face is still, and
     reads it again on the way; it holds no wrong map, with and without motion cues."""
@@ -107,7 +107,7 @@ def defaults_for(words: Sequence[str], config: Any, kind: type[Any] = VariedSess
     Raises:
         ConfigError: Both a file and a preset are given.
     """
-    following = [*words[1:], ""]
+    following = [*words, ""][1:]
     named = [after if word == "--preset" else word.removeprefix("--preset=")
              for word, after in zip(words, following, strict=True) if word.partition("=")[0] == "--preset"]  # fmt: skip
     if named and config is not None:

@@ -11,17 +11,43 @@ def complaint(box: str) -> str:
     Args:
         box: What tyro printed to stderr. The box's title is left out: the first part says it again.
     """
-    lines = [line.strip("│ ") for line in re.sub(r"\x1b\[[0-9;]*m", "", box).splitlines()]
-    first, *others = re.split(r" ─+ ", " ".join(line for line in lines if line[:1] not in ("╭", "╰")))
+    box = re.sub(r"\x1b\[[0-9;]*m", "", box)  # colours
+    lines = [line.strip("│ ") for line in box.splitlines()]
+    inside = [line for line in lines if line[:1] not in ("╭", "╰")]
+    first, *others = re.split(r" ─+ ", " ".join(inside))
     first = re.sub(r" (?=[.,])", "", first)  # where a line was broken before a full stop
-    first = re.sub(r"for argument '(?:\w+\.)?(\S+)'\.", r"for \1.", first)
-    help_hint = others[-1].partition("For full helptext, ")[2] if others else ""
-    return f"{_placed(first)}{_commands(others)}{_suggestion(first, others)} ({help_hint or 'see jointattn --help'})"
+    help_hint = others[-1].partition("For full helptext, ")[2].replace("run: ", "run ") if others else ""
+    said = _missing(box) or _choice(first) or f"{_placed(first)}{_commands(others)}{_near(others)}"
+    return f"{said} ({help_hint or 'see jointattn --help'})"
 
 
 def without_class(message: str) -> str:
     """An error of a config without the name of its class, which nobody has typed."""
     return re.sub(r"^[A-Z]\w*\.", "", message)
+
+
+def _missing(box: str) -> str | None:
+    """What is said of arguments that must be there, or of one without a value."""
+    match = re.search(r"Missing value for argument '(\S+)'", box)
+    if match:
+        return f"{match[1]}: expected a value; got none"
+    if "Missing from jointattn" not in box:
+        return None
+    names = re.findall(r"^│     (?! )(.*?) *│?$", box, re.M)
+    needed = [name.split()[0] if name.startswith("-") else name for name in names if not name.startswith("jointattn")]
+    return f"missing: {', '.join(needed).replace(',, ', ',')}"  # choices may go over two lines
+
+
+def _choice(text: str) -> str | None:
+    """What is said of a value that is none of the choices."""
+    match = re.match(r"invalid choice '(.*)' for argument '(?:\w+\.)?(\S+)'. Expected one of \((.*)\)", text)
+    if match is None:
+        return None
+    given, option, listed = match.groups()
+    choices = re.findall(r"'([^']*)'", listed)
+    if "None" in choices:  # left out on the command line by not giving the option; tyro sorts these by chance
+        choices = sorted(set(choices) - {"None"})
+    return f"{option}: expected one of {', '.join(choices)}; got {given!r}{meant(given, choices)}"
 
 
 def _placed(text: str) -> str:
@@ -41,10 +67,8 @@ def _commands(parts: list[str]) -> str:
     return "".join(f"; there are {match[1]}" for match in known if match)
 
 
-def _suggestion(text: str, parts: list[str]) -> str:
-    choice = re.match(r"invalid choice '(.*)' for .* Expected one of \((.*)\)", text)
-    if choice:
-        return meant(choice[1], re.findall(r"'([^']*)'", choice[2]))
+def _near(parts: list[str]) -> str:
+    """Options that are like one that is not there."""
     near = [option for part in parts if part.startswith("Perhaps you meant") for option in re.findall(r"--\S+", part)]
     options = [option for option in near if option != "--help"][:2]
     return f" (perhaps you meant {' or '.join(options)})" if options else ""

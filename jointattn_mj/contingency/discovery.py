@@ -54,7 +54,7 @@ class Finding:
 
     @property
     def event(self) -> str:
-        """In one line."""
+        """The event in one line: ``(sensor, action) -> result``."""
         return f"({self.sensor}, {self.action}) -> {self.result}"
 
     def __repr__(self) -> str:
@@ -173,7 +173,7 @@ def _tested(
     rng: np.random.Generator,
     progress: Callable[[int], object],
 ) -> Finding:
-    """One event by a measure, or with ``how`` by where it is contingent."""
+    """Test one event: by a measure over all steps or, if ``how`` is given, by the situations where it is contingent."""
     sensor, action, result = event
     lead = None
     try:

@@ -53,8 +53,8 @@ def timed(given: Steps, timing: Timing, reach: int | None = None) -> Steps:
     kept = lengths >= 2
     if not kept.any():
         raise SeriesError(
-            f"lag and histories reach back {lost + 1} steps; the longest recording has {int(np.diff(bounds).max())}. "
-            "Choose a shorter lag"
+            f"lag, scan or histories reach back {lost + 1} steps; the longest recording has "
+            f"{int(np.diff(bounds).max())}. Choose shorter ones"
         )
     pieces = list(zip(bounds[:-1][kept].tolist(), bounds[1:][kept].tolist(), strict=True))
     ends = np.concatenate([[0], np.cumsum(lengths[kept])])

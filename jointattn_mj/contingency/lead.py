@@ -79,8 +79,9 @@ class Lead:
         >>> face, gaze = np.random.default_rng(0).integers(0, 3, (2, 600))
         >>> toy = np.append(0, (face == gaze) & (face == 2))[:-1].astype(int)  # only the third face says something
         >>> data = {"face": face, "gaze": gaze, "toy": toy}
-        >>> (found,) = discover(data, ["face"], ["gaze"], ["toy"], measure="local", options=TestOptions(surrogates=99))
-        >>> {situation.sensor for situation in found.lead.situations}
+        >>> options = TestOptions(surrogates=99)
+        >>> (finding,) = discover(data, ["face"], ["gaze"], ["toy"], measure="local", options=options)
+        >>> {situation.sensor for situation in finding.lead.situations}
         {2}
     """
 
@@ -120,19 +121,19 @@ def lead_of_steps(
     """
     _check_size(given)
     posterior = PosteriorOptions(how.draws, how.concentration)
-    found = situations_of_steps(given, how.policy, unit, posterior, rng)
-    chosen = surest(found, how)
-    weight = found.share[chosen] / found.share[chosen].sum()
-    draws: np.ndarray = found.draws[:, chosen] @ weight
+    situations = situations_of_steps(given, how.policy, unit, posterior, rng)
+    chosen = surest(situations, how)
+    weight = situations.share[chosen] / situations.share[chosen].sum()
+    draws: np.ndarray = situations.draws[:, chosen] @ weight
     tails = np.array([0.5 - how.level / 2, 0.5 + how.level / 2])
     low, high = np.quantile(draws, tails)
-    limits = np.quantile(found.draws[:, chosen], tails, axis=0)
-    situations = tuple(
+    limits = np.quantile(situations.draws[:, chosen], tails, axis=0)
+    leading = tuple(
         LeadSituation(
-            int(found.result[i]),
-            int(found.sensor[i]),
-            int(found.transitions[i]),
-            float(found.draws[:, i].mean()),
+            int(situations.result[i]),
+            int(situations.sensor[i]),
+            int(situations.transitions[i]),
+            float(situations.draws[:, i].mean()),
             (float(limits[0, at]), float(limits[1, at])),
         )
         for at, i in enumerate(chosen)
@@ -157,7 +158,7 @@ def lead_of_steps(
         inflation=inflation,
         null=null[:, 0] / unit,
     )
-    return Lead(significance, draws, float(found.share[chosen].sum()), situations)
+    return Lead(significance, draws, float(situations.share[chosen].sum()), leading)
 
 
 def _check_size(given: Steps) -> None:
@@ -170,11 +171,11 @@ def _check_size(given: Steps) -> None:
         )
 
 
-def surest(found: Situations, how: LeadOptions) -> np.ndarray:
+def surest(situations: Situations, how: LeadOptions) -> np.ndarray:
     """Choose the situations in which an event is surest to be contingent.
 
     Args:
-        found: All situations, with posterior draws.
+        situations: All situations, with posterior draws.
         how: How they are weighed.
 
     Returns:
@@ -185,15 +186,15 @@ def surest(found: Situations, how: LeadOptions) -> np.ndarray:
         >>> rng = np.random.default_rng(0)
         >>> face, gaze = rng.integers(0, 3, (2, 600))
         >>> toy = np.append(0, (face == gaze) & (face == 2))[:-1].astype(int)  # only the third face says something
-        >>> found = situation_contingency(face, gaze, toy, posterior=PosteriorOptions(draws=100))
-        >>> sorted(set(found.sensor[surest(found, LeadOptions(draws=100))].tolist()))
+        >>> situations = situation_contingency(face, gaze, toy, posterior=PosteriorOptions(draws=100))
+        >>> sorted(set(situations.sensor[surest(situations, LeadOptions(draws=100))].tolist()))
         [2]
     """
-    order = np.argsort(-found.draws.mean(axis=0), kind="stable")
-    share = found.share[order]
+    order = np.argsort(-situations.draws.mean(axis=0), kind="stable")
+    share = situations.share[order]
     filled = np.cumsum(share)
-    means = np.cumsum(share * found.draws.mean(axis=0)[order]) / filled
-    spreads = np.sqrt(np.cumsum(share**2 * found.draws.var(axis=0)[order])) / filled
+    means = np.cumsum(share * situations.draws.mean(axis=0)[order]) / filled
+    spreads = np.sqrt(np.cumsum(share**2 * situations.draws.var(axis=0)[order])) / filled
     bounds = np.where(filled >= how.smallest_share - 1e-12, means - how.deviations * spreads, -np.inf)
     return order[: int(bounds.argmax()) + 1]
 

@@ -21,16 +21,16 @@ from jointattn_mj.contingency.table import AXES, Entries, Steps, acted
 
 @dataclass(frozen=True, repr=False)
 class LocalContingency:
-    """One observed combination of values."""
+    """What one observed combination of values (r, s, a and the next r) adds to a measure."""
 
     before: int
-    """r[t]."""
+    """Result before the step, r[t]."""
     sensor: int
-    """s[t]."""
+    """Value of the sensor, s[t]."""
     action: int
-    """a[t]."""
+    """Action, a[t]."""
     result: int
-    """r[t + 1]."""
+    """Result after the step, r[t + 1]."""
     count: int
     """How often it came."""
     occasions: int
@@ -57,12 +57,12 @@ class LocalContingency:
 
     @property
     def rate(self) -> float:
-        """p(r' | r, s, a)."""
+        """Share of the occasions on which the result came, p(r' | r, s, a)."""
         return self.count / self.occasions
 
     @property
     def usual(self) -> float:
-        """p(r' | r, a)."""
+        """The share that it has whatever the sensor says, p(r' | r, a)."""
         return self.expected / self.occasions
 
     def words(self, names: Sequence[str], labels: Mapping[str, Sequence[str]] | None = None) -> str:

@@ -17,6 +17,7 @@ from jointattn_mj.contingency.significance import generator
 from jointattn_mj.contingency.surrogates import plan
 from jointattn_mj.contingency.table import Steps, acted, steps
 from jointattn_mj.errors import SeriesError
+from jointattn_mj.options import shown
 
 _CORRECTIONS, _NORMALISATIONS = get_args(Correction), get_args(Normalise)
 LARGEST_SALIENCY = 2**26
@@ -397,8 +398,8 @@ def _measured(
 ) -> float:
     unit = check_base(base)
     for name, choice, known in (("correction", correction, _CORRECTIONS), ("normalise", normalise, _NORMALISATIONS)):
-        if choice not in known:
-            raise SeriesError(f"{name} must be one of {', '.join(known)}; got {choice!r}")
+        if not isinstance(choice, str) or choice not in known:
+            raise SeriesError(f"{name} must be one of {', '.join(known)}; got {shown(choice)}")
     table = given.dense()
     if table is not None and correction == normalise == "none":
         return measure.dense_value(table) / unit
@@ -406,7 +407,7 @@ def _measured(
     value = measure.value(entries)
     if correction == "shuffle":
         if not isinstance(surrogates, (int, np.integer)) or surrogates < 1:
-            raise SeriesError(f"surrogates must be a whole number of 1 or more; got {surrogates!r}")
+            raise SeriesError(f"surrogates must be a whole number of 1 or more; got {shown(surrogates)}")
         value -= float(plan(given, measure).draw(surrogates, generator(seed)).mean())
     elif correction != "none":
         value -= measure.bias(entries, correction)

@@ -24,7 +24,7 @@ SMALL = 0.5
 
 @dataclass(frozen=True)
 class Memory:
-    """What was measured."""
+    """How long a source and a result hang together in time, and what that does to a measure of the two."""
 
     inflation: float
     """Variance of the measure's score by chance, in units of what it would be if transitions were exchangeable: 1 and
@@ -78,7 +78,7 @@ def memory(steps: Steps, measure: Measure) -> Memory:
 
 
 def _head(steps: Steps) -> Steps:
-    """The first ``MOST_STEPS``."""
+    """The first ``MOST_STEPS`` of a recording's steps, which tell its memory well enough."""
     bounds = steps.target.bounds
     if bounds[-1] <= MOST_STEPS:
         return steps

@@ -15,6 +15,7 @@ from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.significance import MEASURES, TestOptions, chosen_method, drawn, generator
 from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import SeriesError
+from jointattn_mj.options import shown
 
 AT_ONCE = 2**23
 """Transitions, of all lags together, that are prepared at a time. More lags are measured part by part, each with the
@@ -196,10 +197,9 @@ def scan_surrogates(
     Raises:
         SeriesError: No or bad lags, or recordings shorter than the longest one.
     """
-    if not len(lags) or any(int(lag) != lag or lag < 1 for lag in lags) or len(set(lags)) < len(lags):
-        raise SeriesError(f"lags must be different whole numbers of 1 or more; got {list(lags)[:10]}")
+    _check_lags(lags)
     timings = at_lags(lags, timing)
-    reach = max(one.reach for one in timings)
+    reach = max(delay.reach for delay in timings)
     first = timed(given, timings[0], reach)
     remembered = memory(first, measure)
     method = chosen_method(first, remembered, options)
@@ -211,8 +211,8 @@ def scan_surrogates(
 
     def measured(part: Sequence[Timing], draws: np.random.Generator) -> tuple[list[float], np.ndarray]:
         value, tables = [], []
-        for one in part:
-            shifted = timed(given, one, reach)
+        for delay in part:
+            shifted = timed(given, delay, reach)
             value.append(measure.value(shifted.entries()))
             tables.append(displaced(shifted, [measure]))
 
@@ -235,6 +235,16 @@ def in_turn(progress: Callable[[int], object], parts: int) -> Callable[[int], ob
         progress(done // parts - told)
 
     return tell
+
+
+def _check_lags(lags: Sequence[int]) -> None:
+    try:
+        numbers = [int(lag) for lag in lags]
+        sound = numbers == list(lags) and min(numbers) >= 1 and len(set(numbers)) == len(numbers)
+    except (TypeError, ValueError, OverflowError):  # no numbers, or none at all
+        sound = False
+    if not sound:
+        raise SeriesError(f"lags must be different whole numbers of 1 or more; got {shown(lags)}")
 
 
 def lag_scan(lags: Sequence[int], surrogates: ScanSurrogates, level: float, recordings: int = 0) -> LagScan:

@@ -13,6 +13,7 @@ import numpy as np
 
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.io.compiled import njit
+from jointattn_mj.options import shown
 
 Series = np.ndarray | Sequence[Any]
 """An array-like of codes (T,), or a sequence of them."""
@@ -41,7 +42,7 @@ class Coded:
         return np.split(self.codes if codes is None else codes, self.bounds[1:-1])
 
     def compact(self) -> "Coded":
-        """The same with every code in use, in the order of the values."""
+        """The same series with codes 0, 1, ... for the values that occur, in their order."""
         values, codes = np.unique(self.codes, return_inverse=True)
         if len(values) == self.size:
             return self
@@ -203,7 +204,9 @@ def check_base(base: float) -> float:
     except (TypeError, ValueError):
         sound = False
     if not sound:
-        raise SeriesError(f"base of the logarithm must be above 1 and at most 1e6, such as 2 for bits; got {base!r}")
+        raise SeriesError(
+            f"base of the logarithm must be above 1 and at most 1e6, such as 2 for bits; got {shown(base)}"
+        )
     return float(np.log(base))
 
 
@@ -267,7 +270,7 @@ def _from_floats(array: np.ndarray, name: str) -> np.ndarray:
     missing = np.isnan(array)
     if missing.any():
         raise SeriesError(f"{name} has {missing.sum()} missing values, the first at step {np.argmax(missing)}")
-    fractions = ~((array == np.trunc(array)) & (np.abs(array) < 2**53))
+    fractions = ~((array == np.trunc(array)) & (np.abs(array.astype(float, copy=False)) < 2**53))
     if fractions.any():
         at = int(np.argmax(fractions))
         raise SeriesError(f"{name} must hold whole numbers; got {array[at]} at step {at}: sort values into bins first")

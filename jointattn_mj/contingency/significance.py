@@ -21,7 +21,7 @@ from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.surrogates import Permute, plan
 from jointattn_mj.contingency.table import Entries, Steps, steps
 from jointattn_mj.errors import SeriesError
-from jointattn_mj.options import Checked, Count, Real, Whole
+from jointattn_mj.options import Checked, Count, Real, Whole, shown
 
 MEASURES: dict[str, Measure] = {
     "transfer_entropy": information.TRANSFER,
@@ -382,16 +382,16 @@ def adjust(p: Sequence[float] | np.ndarray, how: Adjust = "holm") -> np.ndarray:
         Adjusted p-values (k,), in the same order.
 
     Raises:
-        SeriesError: ``how`` is unknown.
+        SeriesError: ``how`` is unknown, or a p-value lies outside 0 to 1.
 
     Examples:
         >>> adjust([0.01, 0.04, 0.03]).tolist()
         [0.03, 0.06, 0.06]
     """
-    if how not in get_args(Adjust):
-        raise SeriesError(f"adjust must be one of {', '.join(get_args(Adjust))}; got {how!r}")
+    if not isinstance(how, str) or how not in get_args(Adjust):
+        raise SeriesError(f"adjust must be one of {', '.join(get_args(Adjust))}; got {shown(how)}")
     if how == "none":
-        return np.array(p, float)
+        return _p_values(p).copy()
     return holm(p) if how == "holm" else benjamini_hochberg(p)
 
 
@@ -440,7 +440,10 @@ def benjamini_hochberg(p: Sequence[float] | np.ndarray) -> np.ndarray:
 
 
 def _p_values(p: Sequence[float] | np.ndarray) -> np.ndarray:
-    given = np.asarray(p, float)
+    try:
+        given = np.asarray(p, float)
+    except (TypeError, ValueError) as error:
+        raise SeriesError(f"p-values must be a list of numbers; got {shown(p)}") from error
     if given.ndim != 1:
         raise SeriesError(f"p-values must be a list of numbers; got an array of {given.ndim} dimensions")
     wrong = given[~((given >= 0) & (given <= 1))]  # NaN, too
@@ -457,9 +460,13 @@ def generator(seed: int | np.random.SeedSequence | np.random.Generator) -> np.ra
     """
     if isinstance(seed, np.random.Generator):
         return seed
-    if isinstance(seed, (bool, float)) or (isinstance(seed, (int, np.integer)) and seed < 0) or seed is None:
-        raise SeriesError(f"seed must be a whole number of 0 or more; got {seed!r}")
-    return np.random.default_rng(seed)
+    wrong = isinstance(seed, (bool, float)) or seed is None
+    try:
+        if not wrong:
+            return np.random.default_rng(seed)
+    except (TypeError, ValueError):  # negative, or no number
+        pass
+    raise SeriesError(f"seed must be a whole number of 0 or more; got {shown(seed)}")
 
 
 def _told(progress: Callable[[int], object], tests: int) -> Callable[[int], object]:

@@ -22,7 +22,7 @@ from jointattn_mj.contingency.series import Coded, Series, check_base
 from jointattn_mj.contingency.significance import generator
 from jointattn_mj.contingency.table import Steps, acted
 from jointattn_mj.errors import SeriesError
-from jointattn_mj.options import Checked, Real, Whole
+from jointattn_mj.options import Checked, Real, Whole, shown
 
 Policy = Literal["actual", "reference"]
 """Over which actions a situation's contingency is taken: as often as each was done, or each equally."""
@@ -125,8 +125,8 @@ def situation_contingency(
         >>> round(situations.total(), 3)  # the same as state_action_contingency(s, a, r)
         0.749
     """
-    if policy not in get_args(Policy):
-        raise SeriesError(f"policy must be one of {', '.join(get_args(Policy))}; got {policy!r}")
+    if not isinstance(policy, str) or policy not in get_args(Policy):
+        raise SeriesError(f"policy must be one of {', '.join(get_args(Policy))}; got {shown(policy)}")
     return situations_of_steps(acted(s, a, r), policy, check_base(base), posterior or PosteriorOptions(), seed)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from jointattn_mj.contingency.series import Coded, Series, aligned, combined, distinct
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.io.compiled import njit
+from jointattn_mj.options import shown
 
 AXES = "rasn"
 """r: result before, a: action or other condition, s: source, n: result next. Marginals are named by these letters."""
@@ -99,8 +100,8 @@ class Steps:
         """Codes of r, a, s, n at each transition, each (n,)."""
         bounds = self.target.bounds.tolist()
 
-        def taken(one: Coded, ahead: int) -> np.ndarray:
-            parts = [one.codes[start + ahead : stop - 1 + ahead] for start, stop in pairwise(bounds)]
+        def taken(series: Coded, ahead: int) -> np.ndarray:
+            parts = [series.codes[start + ahead : stop - 1 + ahead] for start, stop in pairwise(bounds)]
             return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
         source = taken(self.source, 0)
@@ -179,18 +180,7 @@ def steps(
     first, second, third = aligned(source=source, target=target, condition=condition)
     if first is None or second is None:
         raise SeriesError("a source and a target are needed; got None")
-    numbers = None if groups is None else np.asarray(groups)
-    if numbers is not None:
-        recordings = len(second.bounds) - 1
-        if (
-            numbers.dtype.kind not in "iu"
-            or numbers.shape != (recordings,)
-            or len(np.unique(numbers)) != 1 + np.count_nonzero(np.diff(numbers))
-        ):
-            raise SeriesError(
-                f"groups must number the {recordings} recordings, pieces of one side by side; got {numbers.tolist()}"
-            )
-    return Steps(first, second, third, numbers)
+    return Steps(first, second, third, None if groups is None else _checked_groups(groups, len(second.bounds) - 1))
 
 
 def acted(source: Series, condition: Series, target: Series, groups: Sequence[int] | None = None) -> Steps:
@@ -208,6 +198,23 @@ def acted(source: Series, condition: Series, target: Series, groups: Sequence[in
     if condition is None:
         raise SeriesError("an action, or another condition, is needed; got None")
     return steps(source, target, condition, groups)
+
+
+def _checked_groups(groups: Sequence[int], recordings: int) -> np.ndarray:
+    """Numbers of the recordings, those of a group side by side."""
+    try:
+        numbers = np.asarray(groups)
+    except (TypeError, ValueError):  # ragged
+        numbers = np.zeros(())
+    if (
+        numbers.dtype.kind not in "iu"
+        or numbers.shape != (recordings,)
+        or len(np.unique(numbers)) != 1 + np.count_nonzero(np.diff(numbers))
+    ):
+        raise SeriesError(
+            f"groups must number the {recordings} recordings, pieces of one side by side; got {shown(groups)}"
+        )
+    return numbers
 
 
 def _sorted(columns: list[np.ndarray], sizes: tuple[int, int, int, int]) -> Entries:

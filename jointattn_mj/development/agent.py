@@ -23,10 +23,17 @@ from jointattn_mj.contingency.online.counts import (
 )
 from jointattn_mj.contingency.online.detector import NOTHING, DetectorConfig, Watch, grown, new_watch, update
 from jointattn_mj.contingency.online.events import Event, Variable, Variables
-from jointattn_mj.contingency.online.experience import Experience, PastSteps, empty_experience, keep, roomier
+from jointattn_mj.contingency.online.experience import (
+    Experience,
+    PastSteps,
+    check_kept,
+    empty_experience,
+    keep,
+    roomier,
+)
 from jointattn_mj.contingency.online.local import LocalConfig
 from jointattn_mj.contingency.online.modules import Module, ReproductionConfig, make_module
-from jointattn_mj.contingency.online.reactive import LearningModule, RandomModule, ReactiveModule
+from jointattn_mj.contingency.online.reactive import RandomModule, ReactiveModule, learns
 from jointattn_mj.contingency.online.selector import NOBODY, Maps, SelectorConfig, flat_maps, select
 from jointattn_mj.development.looks import Looks
 from jointattn_mj.development.one_type import one_type
@@ -65,11 +72,8 @@ class DeveloperConfig(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.detector.stop_rule == "local" and (self.memory not in ("whole", "window") or self.refresh_every):
-            raise ConfigError(
-                "stop_rule local keeps steps and reads maps anew at its own looks: it needs memory whole or window, "
-                f"and refresh_every 0; got {self.memory} and {self.refresh_every}"
-            )
+        if self.detector.stop_rule == "local":
+            self._check_local()
         if self.memory == "fading" and (self.detector.stop_rule == "confidence" or self.detector.correction != "none"):
             raise ConfigError(
                 "memory fading keeps weights, for which neither stop_rule confidence nor a correction is defined; "
@@ -77,6 +81,21 @@ class DeveloperConfig(Checked):
             )
         if self.history == "full" and self.memory != "whole":
             raise ConfigError(f"history full needs memory whole; got {self.memory}")
+
+    def _check_local(self) -> None:
+        """Refuse options that have no meaning with stop rule local."""
+        if self.memory not in ("whole", "window") or self.refresh_every:
+            raise ConfigError(
+                "stop_rule local keeps steps and reads maps anew at its own looks: it needs memory whole or window, "
+                f"and refresh_every 0; got {self.memory} and {self.refresh_every}"
+            )
+        given = self.detector.measure, self.detector.correction, self.history
+        if given != ("sac", "none", "since_creation"):
+            raise ConfigError(
+                "stop_rule local has a measure of its own, with a posterior in place of a correction, and counts steps "
+                "anew: it needs measure sac, correction none and history since_creation; got "
+                f"{given[0]}, {given[1]} and {given[2]}"
+            )
 
 
 class RecentSteps(NamedTuple):
@@ -211,6 +230,9 @@ class Developer:
             config: Settings of detector, modules and selector.
             seed: Of the selector.
             reactive: Initial modules; a joint without any moves at random.
+
+        Raises:
+            ConfigError: A variable has more values than steps are kept with.
         """
         self.config, self.variables = config, variables
         self.local = config.detector.stop_rule == "local"
@@ -221,7 +243,9 @@ class Developer:
         self.reactive += [RandomModule(joint.name) for joint in variables.joints if joint.name not in served]
         joints, results = len(variables.joints), len(variables.results)
         self._tables = [module.table(variables) for module in self.reactive]
-        keeping = self.local or any(isinstance(module, LearningModule) for module in self.reactive)
+        keeping = self.local or any(learns(module) for module in self.reactive)
+        if keeping:
+            check_kept(variables)
         sequence = seed if isinstance(seed, np.random.SeedSequence) else np.random.SeedSequence(seed)
         self._looks = Looks(config.local)
         rows = (self._window or self._looks.next) if keeping else 0
@@ -291,13 +315,13 @@ class Developer:
             return event
         steps = self.steps()
         self._tables = [
-            module.learned(self.variables, steps) if isinstance(module, LearningModule) else table
+            module.learned(self.variables, steps) if learns(module) else table
             for module, table in zip(self.reactive, self._tables, strict=True)
         ]
         modules = self.modules
         if self.local:
             modules = self._looks.followed(steps, self.modules)
-            event, values = self._looks.find(steps, self.events, modules)
+            event, values = self._looks.find(steps, self.events, modules, self.state.watch.modelled)
             self.state.watch.values[:] = values / np.log(self.config.detector.base)
         self._set_modules(modules)
         self._looks.postpone(n_steps)

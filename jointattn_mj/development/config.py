@@ -1,10 +1,10 @@
 """Options that a run has in every world, and options that follow from a preset unless they are given."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from jointattn_mj.contingency.online.reactive import AvoidingModule, CuriousModule, RandomModule, ReactiveModule
 from jointattn_mj.development.agent import DeveloperConfig
@@ -13,9 +13,8 @@ from jointattn_mj.development.meaning import CAREGIVER, GAZE
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.options import Checked, Choice, Seed, Whole, meant, shown, with_new_names
+from jointattn_mj.options import Checked, Choice, Seed, Whole, changed, meant, shown, with_new_names
 
-Config = TypeVar("Config", bound=Checked)
 Every = Annotated[int, Whole("[1, 1e10]")]
 WORLDS = {
     "table": ("jointattn_mj.development.table.config", "TableDevelopmentConfig"),
@@ -68,7 +67,8 @@ class DevelopmentConfig(Checked):
         Raises:
             ConfigError: No such option, or a value that is not allowed.
         """
-        return changed(cls.defaults(with_new_names(cls, given)), given)
+        named = with_new_names(cls, given)
+        return changed(cls.defaults(named), named)
 
     @classmethod
     def defaults(cls, given: Mapping[str, Any]) -> Self:
@@ -77,7 +77,8 @@ class DevelopmentConfig(Checked):
         Raises:
             ConfigError: There is no such preset.
         """
-        start = cls(preset=given["preset"]) if "preset" in given else cls()  # type: ignore[call-arg]
+        own: Self = cls()  # type: ignore[call-arg]  # that of a world, which it says
+        start = changed(own, {"preset": given["preset"]}) if "preset" in given else own
         preset = PRESETS[start.preset]
         return replace(start, table=preset.world, agent=preset.agent, reactive=preset.reactive)
 
@@ -137,33 +138,6 @@ class DevelopmentOptions(UnfilmedOptions):
 
     video: bool = False
     """Film some steps at the start and after each module, and leave a video (world rendered only)."""
-
-
-def changed(config: Config, given: Mapping[str, Any], location: str = "") -> Config:
-    """A config with other values for the options that are given.
-
-    Args:
-        config: The config that stays as it is.
-        given: New values by the names of fields; a mapping changes the fields of a config within.
-        location: Dotted name of ``config`` with a dot at its end, for messages.
-
-    Raises:
-        ConfigError: No such field, or a value that is not allowed.
-    """
-    known = [field.name for field in fields(config)]  # type: ignore[arg-type]
-    given = with_new_names(type(config), given)
-    for name in given:
-        if name not in known:
-            raise ConfigError(f"no option {location}{name}{meant(name, known)}; there are {', '.join(known)}")
-    values = {}
-    for name, value in given.items():
-        before = getattr(config, name)
-        inner = isinstance(value, Mapping) and isinstance(before, Checked)
-        values[name] = changed(before, value, f"{location}{name}.") if inner else value
-    try:
-        return replace(config, **values)  # type: ignore[type-var]  # every config is a dataclass
-    except ConfigError as error:
-        raise ConfigError(str(error).replace(f"{type(config).__name__}.", location, 1)) from error
 
 
 def config_class(world: str) -> type[DevelopmentConfig]:

@@ -90,7 +90,7 @@ def map_table(rows: Sequence[Sequence[str]]) -> Table:
 
 def _contingency(run: DevelopmentRun) -> Iterator[pa.Table]:
     """The contingency table in parts; at least one, which may be empty."""
-    unit = f"{run.agent.config.detector.measure} in units of base {run.agent.config.detector.base:g}"
+    unit = f"{run.agent.config.detector.ranks_by} in units of base {run.agent.config.detector.base:g}"
     names = [run.agent.variables.describe(event) for event in run.agent.events]
     meanings = {"step": "steps done", **dict.fromkeys(names, unit)}
     for first, last in spans(len(run.contingency_log), max(1, PART_BYTES // (8 * len(names)))):

@@ -80,13 +80,16 @@ class Looks:
         """The module of an event by the steps so far."""
         return followed_map(event, steps.of(event), steps.begin(event), self._config)
 
-    def find(self, steps: PastSteps, events: Sequence[Event], modules: Sequence[Module]) -> tuple[int, np.ndarray]:
+    def find(
+        self, steps: PastSteps, events: Sequence[Event], modules: Sequence[Module], known: np.ndarray
+    ) -> tuple[int, np.ndarray]:
         """Look for a contingent event.
 
         Args:
             steps: All steps.
             events: The E events that are ranked.
             modules: Modules that there are.
+            known: (E,) whether each event was found before.
 
         Returns:
             Number of the event that is found, or NOTHING; and every event's value (E,), nats.
@@ -95,7 +98,7 @@ class Looks:
         since = max(0, self.made_at[-1] - steps.forgotten) if self.made_at else 0
         if steps.n_steps < 2:
             return NOTHING, np.zeros(len(events))
-        return search(steps, events, served, since, self._config, lambda event: self._offers(event, steps))
+        return search(steps, events, served, known, since, self._config, lambda event: self._offers(event, steps))
 
     def check(self, modules: int) -> None:
         """Refuse looks that an agent with so many modules cannot have.

@@ -290,12 +290,12 @@ class Finished:
         names = [self._variables.describe(event) for event in agent.events]
         detector = agent.config.detector
         unit = "bits" if detector.base == 2 else f"units of base {detector.base:g}"
-        measure = f"SAC (eq. 5.2), {unit}" if detector.measure == "sac" else f"T^C (eq. 4.3), {unit}"
+        measure = {"sac": "SAC (eq. 5.2)", "tc": "T^C (eq. 4.3)"}.get(detector.ranks_by, "SAC where it is surest")
         maps = [
             figures.MapImage(f"{number}: {mark.label}", module, self._variables)
             for number, (mark, module) in enumerate(zip(marks, agent.modules, strict=True), 1)
         ]
         sac, behaviour, learned = (folder / name for name in FIGURES)
-        figures.draw_contingency(sac, run.contingency_log, names, marks, measure)
+        figures.draw_contingency(sac, run.contingency_log, names, marks, f"{measure}, {unit}")
         figures.draw_behaviour(behaviour, BehaviourLog(run), self._phases(), marks)
         figures.draw_maps(learned, maps)

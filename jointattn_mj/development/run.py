@@ -10,7 +10,6 @@ from jointattn_mj.development.config import (
     DevelopmentConfig,
     DevelopmentOptions,
     UnfilmedOptions,
-    changed,
     config_class,
 )
 from jointattn_mj.development.loop import Detection, DevelopmentRun
@@ -23,7 +22,7 @@ from jointattn_mj.io.interrupts import deferred
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.rows import forget_log, log_folder, summary_of_ended
 from jointattn_mj.io.space import check_free
-from jointattn_mj.options import check_argument, check_called, path_of
+from jointattn_mj.options import changed, check_argument, check_called, path_of
 
 LIKELY_MODULES = 8
 """For an estimate of the space on disk: few runs make more modules."""

@@ -85,7 +85,8 @@ class DevelopmentSummary:
     found_without_a_module: tuple[UnmodelledEvent, ...]
     phases: tuple[PhaseSummary, ...]
     measure: str
-    """Measure of contingency that ranks the events: ``sac`` or ``tc``."""
+    """Measure of contingency that ranks the events: ``sac``, ``tc`` or ``local``, SAC where an event is surest to be
+    contingent."""
     highest_at_the_end: tuple[RankedEvent, ...]
     """The most contingent events, the highest first."""
     more: Mapping[str, Any] = field(default_factory=dict)
@@ -194,7 +195,7 @@ def summarise(
             )
             for number, part in enumerate(parts, 1)
         ),
-        measure=agent.config.detector.measure,
+        measure=agent.config.detector.ranks_by,
         highest_at_the_end=tuple(
             RankedEvent(agent.variables.describe(agent.events[event]), float(contingency[event])) for event in order
         ),

@@ -23,7 +23,8 @@ CELL_OF = (LEVEL[:, None, None] << 2 * BITS | LEVEL[None, :, None] << BITS | LEV
 ASIDE, BELOW, SLEEVE, COLLAR = 1.6, (0.4, 6.0), 4.0, 2.0
 """Where clothes are, in face heights from the face's middle: to either side, and below it; sleeves reach farther aside,
 and the collar is no farther below."""
-
+NEAR_PX = 2
+"""How far beside its box an object is still taken to be at a pixel."""
 
 Part = tuple[int, np.ndarray, np.ndarray, int]
 """A connected area: its number, middle (x, y), box (x, y, width, height, area), and pixels."""
@@ -99,6 +100,7 @@ class FootageAreas:
         self._effective = table
         self._faces = np.zeros((0, 4))
         self._images = 0
+        self._boxes = np.zeros((len(self._slots), 4), np.int32)
         self.counts = np.zeros((len(by_colour), 10), np.int64)
 
     def nothing(self) -> Areas:
@@ -150,6 +152,13 @@ class FootageAreas:
             labels[max(0, round(y0)) : max(0, round(y1)), max(0, round(x0)) : max(0, round(x1))] = 0
         for k in range(len(self._by_colour)):
             self._fill(labels, k, areas)
+        self._boxes = areas.box.copy()
+
+    def is_at(self, k: int, px: np.ndarray) -> bool:
+        """Whether object ``k`` was found at a pixel (2,) of the last image: whether one of its boxes holds it."""
+        boxes = self._boxes[k * self._each : (k + 1) * self._each]
+        inside = (px >= boxes[:, :2] - NEAR_PX) & (px < boxes[:, 2:] + NEAR_PX)
+        return bool((inside.all(axis=1) & (boxes[:, 2] > boxes[:, 0])).any())
 
     def _learn_skin(self, entries: np.ndarray) -> None:
         """Take the colours of the middle of each face as those of skin."""

@@ -37,7 +37,7 @@ class Fixation:
 
     @property
     def seconds(self) -> float:
-        """Its duration."""
+        """Duration of the fixation."""
         return (self.end - self.start) / RATE
 
 

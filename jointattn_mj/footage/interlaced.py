@@ -61,13 +61,18 @@ def first_image_s(path: Path) -> float:
     Raises:
         FootageError: There is no ffmpeg program to ask.
     """
-    with _running(
-        _command([], path, "null", "-fps_mode", "passthrough", "-frames:v", "1", "-f", "framecrc", "-")
-    ) as program:
+    sound = ["-map", "0:a?", "-c:a", "copy"]  # ffmpeg counts from the first stream that is asked for
+    video = ["-fps_mode", "passthrough", "-frames:v", "1", "-flush_packets", "1", "-f", "framecrc", "-"]
+    base = stamp = None
+    with _running(_command([], path, "null", *sound, *video)) as program:
         assert program.stdout is not None
-        said = program.stdout.read(1 << 16).decode("ascii", "replace").splitlines()
-    base = next((line.split(":")[1] for line in said if line.startswith("#tb 0:")), None)
-    stamp = next((line.split(",")[2] for line in said if line.startswith("0,")), None)
+        for said in program.stdout:
+            line = said.decode("ascii", "replace")
+            if line.startswith("#tb 0:"):
+                base = line.split(":")[1]
+            elif line.startswith("0,"):
+                stamp = line.split(",")[2]
+                break
     try:
         seconds = float(stamp or 0) * float(Fraction((base or "0").strip()))
     except (ValueError, ZeroDivisionError):

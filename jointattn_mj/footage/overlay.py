@@ -56,7 +56,7 @@ class FootageOverlay:
         seconds = max(0, log.frames - 1) / RATE
         write(canvas, WIDTH - 16, 12, f"{int(seconds // 60):02d}:{seconds % 60:04.1f}", WHITE, 20, align="right")
         area = _EYE.of(canvas)
-        area[:] = mapped.image(blurred(video, viewing.known_boxes()) if self._blur else video, SCALE)
+        area[:] = mapped.image(blurred(video, viewing.boxes_to_blur()) if self._blur else video, SCALE)
         above = area[:-BAR]
         self._draw_people(above, mapped, viewing)
         if viewing.chosen is not None:

@@ -27,6 +27,9 @@ CUT_WEIGHT = 0.1
 """Weight of a sighting that the border cuts, in judging who it is: the network guesses what lies beyond."""
 WHOLE = 0.95
 """Share of a face's box in the image from which the border does not cut it."""
+BLURRED_S = 10.0
+"""Seconds for which the place of a lost face stays blurred: the network misses faces that are cut by the border, and
+people recognise them."""
 MOST_PEOPLE = 64
 """Most people of a video that are told apart."""
 
@@ -198,6 +201,8 @@ class People:
         self.tracks: list[Track] = []
         self.people: dict[int, Person] = {}
         self.owner: dict[int, tuple[int, bool]] = {}
+        self._ended: list[Track] = []
+        self._blurred = round(BLURRED_S * rate)
         self._gap, self._follow = round(config.gap_s * rate), follow
         self._until_scan, self._number, self._images = 0, 0, 0
 
@@ -214,15 +219,22 @@ class People:
         """
         if cut:
             self.tracks.clear()
+            self._ended.clear()
         self._images += 1
         faces = self._find(image, cut)
         self._assign(image, faces, frame)
+        self._ended = [track for track in self._ended if frame - track.last <= self._blurred]
+        self._ended += [track for track in self.tracks if track.believed and not self._goes_on(track, frame)]
         self.tracks = [track for track in self.tracks if self._goes_on(track, frame)]
         now = [track for track in self.tracks if track.last == frame]
         for track in now:
             self._believe(track)
         sightings = [self._sighting(image, track, frame) for track in now if track.believed]
         return sorted(sightings, key=lambda sighting: -float(sighting.smooth[3]))
+
+    def to_blur(self) -> np.ndarray:
+        """(k, 4) x, y, width and height of every face that is followed, believed or not, or was lost a moment ago."""
+        return np.array([track.smooth for track in (*self.tracks, *self._ended)]).reshape(-1, 4)
 
     def _goes_on(self, track: Track, frame: int) -> bool:
         return frame - track.last <= (self._gap if track.believed else 0)

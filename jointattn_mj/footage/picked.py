@@ -39,7 +39,7 @@ def picked_tables(footage: Footage, sought: tuple[Sought, ...]) -> dict[str, np.
     if not waiting:
         return tables
     for frame, still in enumerate(footage):
-        while waiting and footage.time_of(frame) >= waiting[0][0] - 1e-6:
+        while waiting and frame >= footage.frame_at(waiting[0][0]):
             wanted = waiting.pop(0)[2]
             tables[wanted.name] = colours_at(still.image, wanted)
         if not waiting:

@@ -16,13 +16,19 @@ import numpy as np
 
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.interlaced import deinterlaced, first_image_s, interlaced_images
+from jointattn_mj.options import is_utf8, shown
 
 RATE = 30
 """Frames a second, section 6.4.1."""
 EARLY_S = 1 / (3 * RATE)
 """Time by which a frame may come before the image that it shows: containers round timestamps."""
 LONGEST_HOLD_S = 10.0
-"""Longest time between two images; a longer one is a jump of the timestamps, and is left out."""
+"""Time between two images above which motion from one to the other is unknown, and which is a jump of the timestamps,
+and left out, unless the file says that it is so long."""
+LONGEST_GAP_S = 3600.0
+"""Longest time between two images that is held where the file says that it is so long."""
+MISSING_S = 1.0
+"""Seconds of its declared length that a file may lack, for headers round."""
 DECODERS = 2
 """Number of threads that decode. Each holds images of its own, and one of the largest has 100 MB."""
 TEXT = int.from_bytes(b"ansi", "little")  # codec with which ffmpeg shows a text file
@@ -31,7 +37,7 @@ PROBED_S = 2.0
 AHEAD_S = 10.0
 """Seconds that are searched after an image that was perhaps not read."""
 FASTEST = 1000.0
-"""Greatest declared rate, images a second; a greater one is the unit of a container's clock."""
+"""Declared rate, images a second, from which it is the unit of a container's clock, and no rate."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +57,7 @@ class Footage:
         path: The file.
         fps: Images a second, as given or declared; 0 if neither.
         aspect: Width of a pixel over its height.
-        declared_s: Length that the file declares, s, or None.
+        declared_s: Length that the file declares, from its beginning, s, or None.
         images: Number of images that the last iteration has read so far.
         seconds: Time of the last of them, s.
         jumps: Number of jumps in the timestamps so far.
@@ -73,9 +79,9 @@ class Footage:
         self.path, self._given = path, fps
         capture = self._open()
         declared = capture.get(cv2.CAP_PROP_FPS)
-        self.fps = fps or (declared if 0 < declared <= FASTEST else 0.0)
-        count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
-        self.declared_s = count / self.fps if self.fps and 0 < count < 1e9 else None
+        self.fps = fps or (declared if 0 < declared < FASTEST else 0.0)
+        count, rate = capture.get(cv2.CAP_PROP_FRAME_COUNT), fps or declared
+        self.declared_s = count / rate if 0 < count < 1e9 and rate > 0 else None
         self.aspect = _pixel_aspect(capture)
         capture.release()
         self.interlaced = interlaced_images(path, 0.0, PROBED_S)
@@ -91,6 +97,10 @@ class Footage:
     def time_of(self, frame: int) -> float:
         """Time of a frame in the file, s, as players and coding programs count it."""
         return self.start_s + frame / RATE
+
+    def frame_at(self, time_s: float) -> int:
+        """Number of the first frame from a time of the file on."""
+        return max(0, math.ceil((time_s - self.start_s) * RATE - 1e-4))
 
     def __iter__(self) -> Iterator[Still]:
         """The frames at 0 s, 1/30 s, 2/30 s and so on.
@@ -141,9 +151,9 @@ class Footage:
             if not self.timed or not math.isfinite(stamp):
                 self.seconds += self._interval() if self.images else 0.0
             else:
-                if abs(stamp - last) > LONGEST_HOLD_S:
+                jumped = abs(stamp - last) > LONGEST_HOLD_S
+                if jumped and not self._is_gap(stamp - last, stamp - start):
                     start += stamp - last - (1 / self.fps if self.fps else 1 / RATE)
-                    jumped = True
                     self.jumps += 1
                 last, self.seconds = stamp, max(self.seconds, stamp - start)
             self.images += 1
@@ -169,6 +179,16 @@ class Footage:
             )
         return math.inf if lost else stamp + AHEAD_S
 
+    def _is_gap(self, seconds: float, since_start_s: float) -> bool:
+        """Whether no image was taken for a while, as in a recording of variable rate, rather than the clock jumped.
+
+        Args:
+            seconds: Time between two images.
+            since_start_s: Time of the latter since the first image.
+        """
+        within = self.declared_s is not None and since_start_s < self.declared_s + MISSING_S
+        return within and not self.jumps and 0 < seconds < LONGEST_GAP_S
+
     def _interval(self) -> float:
         if not self.fps:
             raise FootageError(
@@ -187,7 +207,9 @@ class Footage:
             raise FootageError(f"cannot read {self.path}: {error.strerror}") from error
         if empty:
             raise FootageError(f"{self.path} is empty; give a video file")
-        capture = _capture(os.fspath(self.path.absolute()))  # a bare name with a colon would be that of a protocol
+        name = os.fspath(self.path.absolute())  # a bare name with a colon would be that of a protocol
+        check_utf8(name)
+        capture = _capture(name)
         if not capture.isOpened() or int(capture.get(cv2.CAP_PROP_FOURCC)) == TEXT:
             capture.release()
             raise FootageError(
@@ -195,6 +217,16 @@ class Footage:
                 "that was cut off before its index was written"
             )
         return capture
+
+
+def check_utf8(name: str) -> None:
+    """Refuse the name of a file or device that OpenCV dies of.
+
+    Raises:
+        FootageError: It is not UTF-8.
+    """
+    if not is_utf8(name):
+        raise FootageError(f"{shown(name)} is not UTF-8, and OpenCV cannot open it; give it another name")
 
 
 def _capture(name: str) -> cv2.VideoCapture:

@@ -16,7 +16,7 @@ from jointattn_mj.options import Checked, Real, Share, Whole
 
 @dataclass(frozen=True)
 class RestConfig(Checked):
-    """What is rest."""
+    """How much motion counts as rest: that of a still face, and of a camera that shakes a little."""
 
     ratio: Annotated[float, Real("[0, 100]")] = 2.5
     """Multiple of the motion at rest that counts as motion; 0 takes the configured thresholds alone."""

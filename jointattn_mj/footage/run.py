@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
+from jointattn_mj.footage.colours import candidate_names
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.frames import PerceivedFrame, frame_now
 from jointattn_mj.footage.log import PerceptLog
 from jointattn_mj.footage.looks.check import Codings
+from jointattn_mj.footage.looks.coding import AWAY, PARTNER
 from jointattn_mj.footage.looks.log import LooksLog
 from jointattn_mj.footage.looks.run import leave_looks
 from jointattn_mj.footage.overlay import HEIGHT, WIDTH, FootageOverlay
@@ -24,6 +26,7 @@ from jointattn_mj.io import checkpoint
 from jointattn_mj.io.files import claimed, write_whole
 from jointattn_mj.io.interrupts import Interrupts, deferred
 from jointattn_mj.io.provenance import plain, write_config
+from jointattn_mj.io.results import without_nan
 from jointattn_mj.io.rows import RowStore, forget_log, log_folder
 from jointattn_mj.options import warn_renamed
 from jointattn_mj.video.parted import PartedReel
@@ -70,9 +73,11 @@ def run_perceive(
         OutputError: The folder holds another run, or cannot be written.
         CheckpointError: ``resume`` without a fitting checkpoint.
         VideoError: The overlay cannot be written.
-        ConfigError: ``check`` or ``labels`` without ``looks``.
+        ConfigError: ``check`` or ``labels`` without ``looks``, or ``blur_faces`` with a detector that finds one face.
         SeriesError: The codings cannot be read or compared.
     """
+    if options.blur_faces and config.detector != "yunet":
+        raise ConfigError(f"blur_faces: only the detector yunet finds all faces; got {config.detector}")
     if options.overlay:
         find_ffmpeg()
     codings = _codings(config, options.check, "check")
@@ -187,14 +192,23 @@ def _codings(config: PerceiveConfig, path: Path | None, option: str) -> Codings 
         return None
     if not config.looks:
         raise ConfigError(f"{option} {path} is for coded looks: looks must be set, too")
-    return Codings.read(path)
+    codings = Codings.read(path)
+    names = (*candidate_names(config.objects, config.areas_each), PARTNER, AWAY)
+    codings.check_codes(names, all_of_them=option == "labels")
+    return codings
+
+
+def compared(codings: Codings, out: Path) -> dict[str, Any]:
+    """How a person's codings agree with those in a folder, as JSON knows it: None in place of NaN."""
+    agreed: dict[str, Any] = without_nan(codings.compare(Codings.read(out / "events.csv")))
+    return agreed
 
 
 def _summary_of_finished(out: Path, codings: Codings | None) -> dict[str, Any]:
     try:
         summary = read_summary(out)
         if codings is not None:
-            summary["looks"]["check"] = codings.compare(Codings.read(out / "events.csv"))
+            summary["looks"]["check"] = compared(codings, out)
             _write_summary(out, summary)
         return summary
     except OutputError as error:
@@ -261,7 +275,7 @@ def _leave_results(
 
         summary["looks"] |= write_looks_page(out, summary["looks"]["why_not"])
     if codings is not None:
-        summary["looks"]["check"] = codings.compare(Codings.read(out / "events.csv"))
+        summary["looks"]["check"] = compared(codings, out)
     _write_summary(out, summary)
     return summary
 

@@ -6,7 +6,7 @@ from typing import Any
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.colours import sought_objects
 from jointattn_mj.footage.faces import KEPT
-from jointattn_mj.footage.reader import RATE
+from jointattn_mj.footage.reader import MISSING_S, RATE
 from jointattn_mj.footage.viewing import Viewing
 
 OLD_KEYS = {"found": "detected"}
@@ -19,8 +19,6 @@ CAMERA_SHARE = 0.05
 """Share of the frames in which the camera must move to be told of."""
 SEVERAL_SHARE = 0.3
 """Share of the images in which an object must have several areas to be told of."""
-MISSING_S = 1.0
-"""Seconds of its declared length that a file may lack, for headers round."""
 
 
 def summarise(viewing: Viewing, stopped: bool, wall_seconds: float, som_error: float | None) -> dict[str, Any]:
@@ -109,7 +107,12 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
     said = []
     if stopped:
         said.append(f"stopped after {frames / RATE:.1f} s")
-    elif frames < viewing.total and footage.declared_s is not None and frames / RATE < footage.declared_s - MISSING_S:
+    elif (
+        frames < viewing.total
+        and footage.declared_s is not None
+        and not footage.jumps
+        and footage.time_of(frames) < footage.declared_s - MISSING_S
+    ):
         said.append(
             f"the file says that it has {footage.declared_s:.1f} s, and {frames / RATE:.1f} s could be read: it is cut "
             "off or damaged, or its header is wrong"
@@ -121,7 +124,10 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
     if footage.interlaced:
         said.append("the video is interlaced: every other line was filled in from those around it, in space and time")
     if footage.jumps:
-        said.append(f"the timestamps jumped {footage.jumps} times; the time between is left out")
+        said.append(
+            f"the timestamps jumped {footage.jumps} times; the time between is left out, and later times are not those "
+            "of the file"
+        )
     if frames > RATE and footage.images / (frames / RATE) < FEWEST_FPS:
         said.append(f"fewer than {FEWEST_FPS} images a second: motion is detected late and in leaps")
     if len(viewing.sizes) > 1:

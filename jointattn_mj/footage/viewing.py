@@ -66,7 +66,7 @@ class Viewing:
         shots: Cuts and motion of the camera.
         spans: When who was there, and what should be checked.
         camera_moves: Number of frames in which the camera moved.
-        sample_faces: (k, 4) x, y, width and height of the faces in ``sample``, pixels of the robot's image.
+        sample_faces: (k, 4) x, y, width and height of what is to be blurred in ``sample``, pixels of the robot's image.
     """
 
     def __init__(self, config: PerceiveConfig):
@@ -83,7 +83,8 @@ class Viewing:
         attention, album = (np.random.default_rng(seed) for seed in np.random.SeedSequence(config.seed).spawn(2))
         self.footage = Footage(config.video, config.fps)
         table, self.rgb = label_table(config.objects, {}, config.areas_each, config.pixels.colours)
-        by_colour = np.array([item.picked is None for item in sought_objects(config.objects)])
+        self._sought = sought_objects(config.objects)
+        by_colour = np.array([item.picked is None for item in self._sought])
         areas = FootageAreas(table, by_colour, config.areas_each, config.pixels.colours, config.areas, RATE)
         followed = FollowedFace() if config.detector == "yunet" else None
         perceiver = FootagePerception(config.pixels, areas, Rest(config.rest, count), followed, config.face_follow)
@@ -121,7 +122,7 @@ class Viewing:
             FootageError: The video has no image, neither timestamps nor a rate, or not what was picked.
         """
         config, each = self.config, self.config.areas_each
-        picked = picked_tables(self.footage, sought_objects(config.objects))
+        picked = picked_tables(self.footage, self._sought)
         if picked:
             table, self.rgb = label_table(config.objects, picked, each, config.pixels.colours)
             self.watcher.perceiver.areas.take(table)
@@ -140,6 +141,7 @@ class Viewing:
         if fresh:
             cut = self._find_faces(still, mapped)
         percept = self.watcher.see(image, still.fresh, cut or self.shots.camera_moves)
+        self._check_picks(mapped)
         self.visible += percept.visible
         self.moves += percept.moves
         self.camera_moves += self.shots.camera_moves
@@ -148,7 +150,7 @@ class Viewing:
                 self.album.add(self.watcher.perceiver.face_pattern(), self.frames / RATE)
             self._faces += 1
         if self.frames == 0 or (first_face and percept.visible[-1]):
-            self.sample, self.sample_faces = image, self._boxes(mapped)
+            self.sample, self.sample_faces = image, self._in_image(self.boxes_to_blur(), mapped)
         if still.fresh and self.frames % RATE == 0 and not self.coloured:
             spread = image.max(axis=2) - image.min(axis=2)
             self.coloured = bool(np.percentile(spread, 99) > GREY_SPREAD)
@@ -174,10 +176,9 @@ class Viewing:
             span for span in self.spans.all if span.tier == CHECK and span.end - span.start >= brief.get(span.code, 1)
         ]
 
-    def known_boxes(self) -> np.ndarray:
-        """(k, 4) x, y, width and height of every face that is followed, believed or not, or was lost a moment ago."""
-        tracks = self.people.tracks if self.people is not None else []
-        return np.array([track.smooth for track in tracks]).reshape(-1, 4)
+    def boxes_to_blur(self) -> np.ndarray:
+        """(k, 4) x, y, width and height of the faces in the last image that are to be blurred, pixels of the video."""
+        return self.people.to_blur() if self.people is not None else np.zeros((0, 4))
 
     def _find_faces(self, still: Still, mapped: FrameMap) -> bool:
         """Find faces, cuts and motion of the camera in a new image; returns whether it follows upon a cut."""
@@ -201,10 +202,24 @@ class Viewing:
         )
         return cut
 
+    def _check_picks(self, mapped: FrameMap) -> None:
+        """Note the objects that are not found where they were picked, when they were: something else has their colours,
+        say, or they are worn."""
+        areas = self.watcher.perceiver.areas
+        for k, sought in enumerate(self._sought):
+            if sought.picked is None or self.frames != self.footage.frame_at(sought.picked[0]):
+                continue
+            if not areas.is_at(k, mapped.to_image(np.array(sought.picked[1:]))):
+                self.spans.note(CHECK, f"{sought.name} not found where it was picked", self.frames)
+
     def _boxes(self, mapped: FrameMap) -> np.ndarray:
         """(k, 4) x, y, width and height of all faces, pixels of the robot's image, the face of interest first."""
         faces = sorted(self.visible_faces, key=lambda face: face is not self.chosen)
-        boxes = np.array([face.smooth for face in faces]).reshape(-1, 4)
+        return self._in_image(np.array([face.smooth for face in faces]).reshape(-1, 4), mapped)
+
+    @staticmethod
+    def _in_image(boxes: np.ndarray, mapped: FrameMap) -> np.ndarray:
+        """Boxes (k, 4) of the video in pixels of the robot's image."""
         corners = mapped.to_image(boxes[:, :2] - 0.5)
         return np.hstack([corners, boxes[:, 2:] * (mapped.scale_x, mapped.scale_y)])
 

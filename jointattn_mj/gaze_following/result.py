@@ -45,7 +45,7 @@ class AnySessionSummary(Protocol):
 
     @property
     def success_rate(self) -> float | None:
-        """Their share."""
+        """Share of gaze shifts that were a success; None where that is not known."""
 
     def write(self, path: Path) -> None:
         """Write ``summary.json``."""

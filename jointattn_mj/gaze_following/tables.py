@@ -43,6 +43,10 @@ def _write(
     interest: np.ndarray,
 ) -> None:
     """Write the columns up to interest, in their order; -1 stands for None. Compiled, for it runs in every frame."""
+    n = len(saliency)
+    columns = len(numbers) + 4 + 3 * (len(objects) + n)
+    if columns > len(row) or not len(objects) + 1 == n == len(motion) == len(interest):
+        raise ValueError("a row of the table is too short for the objects")
     for column, number in enumerate(numbers):
         row[column] = number if number >= 0 else np.nan
     column = len(numbers)
@@ -53,9 +57,6 @@ def _write(
         for axis in range(3):
             row[column] = objects[k, axis]
             column += 1
-    n = len(saliency)
-    if column + 3 * n > len(row) or n != len(motion) or n != len(interest):
-        raise ValueError("a row of the table is too short for the objects")
     row[column : column + n] = saliency
     row[column + n : column + 2 * n] = motion
     row[column + 2 * n : column + 3 * n] = interest
@@ -65,7 +66,7 @@ def _write(
 def _write_percept(row: np.ndarray, visible: np.ndarray, moves: np.ndarray, px: np.ndarray) -> None:
     """Write the columns of the percept, the last of a row."""
     n = len(visible)
-    if 4 * n > len(row) or n > len(moves) or n > len(px):
+    if 4 * n > len(row) or n > len(moves) or n > len(px) or px.shape[1] < 2:
         raise ValueError("a row of the table is too short for the candidates")
     for k in range(n):
         row[k], row[n + k], row[2 * n + 2 * k], row[2 * n + 2 * k + 1] = visible[k], moves[k], px[k, 0], px[k, 1]

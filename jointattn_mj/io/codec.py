@@ -27,6 +27,9 @@ _GENERATORS = ("PCG64", "PCG64DXSM", "SFC64")
 _NUMBERS = "biufcSU"
 _LONGEST_KEY = 64
 _LARGEST_POOL = 64
+_LARGEST_SIZE = 10**7
+"""A run has some thousands. Lists of the same list, level upon level, have any number: to write or compare such a
+value, if only for an error message, would never end."""
 _LARGEST_NUMBER = 1e100
 """No run of this package comes near it, and its square is still a number: larger ones were put there by hand."""
 
@@ -144,6 +147,7 @@ class Decoder:
         self._config = {location: part for location, part in _parts(config)}
         self._made: dict[int, Any] = {}
         self._begun: set[int] = set()
+        self._sizes: dict[int, int] = {}
 
     def value(self, value: Any) -> Any:
         """What a value of an entry stands for.
@@ -175,7 +179,15 @@ class Decoder:
         self._begun.add(number)
         kind, *rest = self._entries[number]
         made = _READERS[kind](self, number, *rest)
+        self._sizes[number] = 1 + sum(map(self._size, rest))
+        if self._sizes[number] > _LARGEST_SIZE:
+            raise ValueError(f"entry {number} unfolds to more than {_LARGEST_SIZE:,} values")
         return self._made.setdefault(number, made)
+
+    def _size(self, value: Any) -> int:
+        """How many values one of an entry is, where what stands in several places is counted in each."""
+        refers = isinstance(value, list) and len(value) == 1 and type(value[0]) is int
+        return self._sizes.get(value[0], 1) if refers else 1
 
     def _values(self, values: Iterable[Any]) -> Iterable[Any]:
         return (self.value(value) for value in values)

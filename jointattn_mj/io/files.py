@@ -10,6 +10,7 @@ from pathlib import Path
 from jointattn_mj.errors import CheckpointError, OutputError
 from jointattn_mj.io.lock import locked
 from jointattn_mj.io.notices import notice
+from jointattn_mj.options import is_utf8, shown
 
 NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP)
 """What ``flock`` answers on file systems without locks, such as some of NFS and Lustre."""
@@ -40,14 +41,25 @@ def held(out: Path) -> Iterator[None]:
     Raises:
         OutputError: Another process holds it, or it cannot be made or written to.
     """
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another folder") from error
+    make_folder(out)
     busy = f"another process is at work in {out}; wait until it has ended, or choose another folder"
     with alone(out / ".lock", out, busy):
         forget_partial(out)
         yield
+
+
+def make_folder(out: Path) -> None:
+    """Make a folder of results and those that it is in, where they are not there yet.
+
+    Raises:
+        OutputError: It cannot be made, or some library could not write into it.
+    """
+    if not is_utf8(out.absolute()):
+        raise OutputError(f"{shown(out)} is not UTF-8, and tables cannot be written there; choose another folder")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another folder") from error
 
 
 @contextmanager

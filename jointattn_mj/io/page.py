@@ -12,6 +12,7 @@ import matplotlib
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from matplotlib.figure import Figure
 
+from jointattn_mj.io.figures import with_fonts
 from jointattn_mj.io.progress import count
 
 LARGEST_SVG = 300_000
@@ -44,7 +45,7 @@ def page(package: str, template: str, values: Mapping[str, Any], **filters: Call
 def drawn(figure: Figure) -> tuple[bytes, str]:
     """A figure as the bytes of a PNG file, and as the data URI that a page shows: SVG where that is small."""
     drawing, image = io.BytesIO(), io.BytesIO()
-    with matplotlib.rc_context(UNCHANGING):
+    with matplotlib.rc_context(UNCHANGING), with_fonts(figure):
         figure.savefig(image, format="png", dpi=DPI, metadata={"Software": None})
         figure.savefig(drawing, format="svg", metadata={"Date": None, "Creator": None})
     small = len(drawing.getvalue()) <= LARGEST_SVG

@@ -19,11 +19,14 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from jointattn_mj.errors import CheckpointError, OutputError
+from jointattn_mj.guards.restored import check_array, check_whole
 
 BUFFER_BYTES = 1 << 16
 """Rows that wait in memory take at most so much, or are one row."""
 PART_BYTES = 1 << 20
 """What is read at a time where everything is gone through."""
+MOST_COLUMNS, MOST_STORED = 1 << 24, 1 << 40
+"""Columns and rows that a checkpoint may speak of."""
 
 
 def log_folder(out: Path) -> Path:
@@ -68,8 +71,7 @@ class RowStore:
     def __init__(self, name: str, kind: DTypeLike, columns: int):
         """``name`` is that of the file; ``kind`` is the numbers' NumPy type."""
         self.name = name
-        row_bytes = columns * np.dtype(kind).itemsize
-        self._buffer = np.empty((max(1, BUFFER_BYTES // row_bytes), columns), kind)
+        self._buffer = np.empty((_room(np.dtype(kind), columns), columns), kind)
         self._filled = 0
         self._full: list[np.ndarray] = []  # buffers before this one, without a file
         self._stored = self._checksum = 0  # rows before the buffer; CRC-32 of those in the file
@@ -86,7 +88,7 @@ class RowStore:
 
     @property
     def dtype(self) -> np.dtype:
-        """Of the numbers."""
+        """Type of the numbers."""
         return self._buffer.dtype
 
     def beside(self, name: str, columns: int) -> "RowStore":
@@ -261,16 +263,27 @@ class RowStore:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Raises ValueError where the state is none that ``__getstate__`` gives: it may come from somebody else."""
-        self.name, self._path = state["name"], None
+        name, kind, waiting, full = state["name"], np.dtype(state["kind"]), state["waiting"], list(state["full"])
         room, columns = state["shape"]
-        if not re.fullmatch(r"\w+", self.name) or not (room == 1 or 0 < room * columns <= BUFFER_BYTES):
-            raise ValueError(f"{self.name!r} with buffers of {room} x {columns} is no store of rows")
-        self._buffer = np.empty((room, columns), state["kind"])
-        self._filled = len(state["waiting"])
-        self._buffer[: self._filled] = state["waiting"]
-        self._full, self._stored, self._checksum = list(state["full"]), state["stored"], state["checksum"]
-        if self._full and self._stored != sum(map(len, self._full)):
-            raise ValueError(f"{self.name} has not got the {self._stored} rows that it says")
+        check_whole("columns", columns, 1, MOST_COLUMNS)
+        if not re.fullmatch(r"\w+", name) or kind.kind not in "iuf" or room != _room(kind, columns):
+            raise ValueError(f"{name!r} with buffers of {room} x {columns} {kind} is no store of rows")
+        check_array("waiting", waiting, (min(len(waiting), room), columns), kind)
+        for buffer in full:
+            check_array("full", buffer, (room, columns), kind)
+        check_whole("stored", state["stored"], 0, MOST_STORED)
+        check_whole("checksum", state["checksum"], 0, 2**32 - 1)
+        if full and state["stored"] != room * len(full):
+            raise ValueError(f"{name} has not got the {state['stored']} rows that it says")
+        self.name, self._path, self._full = name, None, full
+        self._buffer, self._filled = np.empty((room, columns), kind), len(waiting)
+        self._buffer[: self._filled] = waiting
+        self._stored, self._checksum = state["stored"], state["checksum"]
+
+
+def _room(kind: np.dtype, columns: int) -> int:
+    """Rows of a buffer."""
+    return max(1, BUFFER_BYTES // (columns * kind.itemsize))
 
 
 def _not_whole(path: Path) -> CheckpointError:

@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 from jointattn_mj.errors import OutputError
 from jointattn_mj.io.extras import extra
 from jointattn_mj.io.parquet import write_parquet
-from jointattn_mj.options import RenamedWarning, meant
+from jointattn_mj.options import RenamedWarning, check_argument, meant
 
 WIDTH = 100
 """Characters of a table's repr."""
@@ -41,6 +41,14 @@ class Table:
     """
 
     arrow: pa.Table
+
+    def __post_init__(self) -> None:
+        """Check what it is made of.
+
+        Raises:
+            ConfigError: It is no table of pyarrow.
+        """
+        check_argument("arrow", self.arrow, pa.Table, "a pyarrow.Table, such as pyarrow.table({...})")
 
     @classmethod
     def read(cls, path: Path, new_names: Mapping[str, str] | Callable[[str], str] | None = None) -> "Table":

@@ -13,8 +13,8 @@ from jointattn_mj.io.files import write_whole
 
 LARGEST = 1 << 30
 """Bytes that are read at most; a robot of chapter 6 has half a million."""
-MOST = 1e30
-"""No weight is larger in size: what is computed from such numbers overflows."""
+MOST = 1e15
+"""No weight is larger in size: the square of a much larger one overflows as float32."""
 
 
 def write_weights(path: Path, weights: Mapping[str, Any]) -> None:

@@ -55,14 +55,19 @@ def standardised(x: np.ndarray) -> np.ndarray:
     return centred / spread if spread > 1e-6 * max(1.0, float(np.abs(flat).max())) else np.zeros_like(flat)
 
 
+MOST_COUNTED = 10**9
+"""No robot has seen so many patterns, and tables hold such numbers."""
+
+
 def whole_number(name: str, value: np.ndarray) -> int:
     """A count from a file, called ``name`` in messages.
 
     Raises:
-        ConfigError: It is no whole number of 0 or more.
+        ConfigError: It is no whole number from 0 to ``MOST_COUNTED``.
     """
-    if np.shape(value) or np.asarray(value).dtype.kind not in "iu" or value < 0:
-        raise ConfigError(f"{name}: expected a whole number of 0 or more; got {' '.join(str(value).split()):.80}")
+    if np.shape(value) or np.asarray(value).dtype.kind not in "iu" or not 0 <= value <= MOST_COUNTED:
+        given = " ".join(str(value).split())
+        raise ConfigError(f"{name}: expected a whole number from 0 to {MOST_COUNTED:,}; got {given:.80}")
     return int(value)
 
 

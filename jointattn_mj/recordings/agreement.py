@@ -10,7 +10,11 @@ from jointattn_mj.errors import SeriesError
 from jointattn_mj.io.progress import count
 from jointattn_mj.options import Checked, Real, Seed, Whole
 from jointattn_mj.recordings.events import Events
-from jointattn_mj.recordings.intervals import at_times, intervals_of
+from jointattn_mj.recordings.intervals import MISSING, at_times, intervals_of
+from jointattn_mj.recordings.sampling import MOST_STEPS
+
+UNKNOWN = -2
+"""Number of a code that is missing."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,12 @@ class Agreement:
     """Coverage of the interval."""
     alone: tuple[str, ...] = ()
     """Recordings that only one of the two has coded: they are left out."""
+    other_tiers: tuple[str, ...] = ()
+    """Tiers that only one of the two has, unless tiers were chosen: they are left out."""
+    missing_s: float = 0.0
+    """Seconds in which a coder's code is missing: they are left out."""
+    moments: int = 0
+    """Point events of both coders: they are left out, as they have no length."""
 
     def __repr__(self) -> str:
         return (
@@ -62,7 +72,7 @@ class Agreement:
 
     @property
     def expected(self) -> float:
-        """The same by chance, given how often each uses each code."""
+        """Share of units in which they would agree by chance, given how often each uses each code."""
         return _expected(self.matrix)
 
     @property
@@ -87,13 +97,22 @@ class Agreement:
         return kappas
 
     def notes(self) -> tuple[str, ...]:
-        """What was left out, and a tolerance that changes nothing."""
+        """What was left out, and a tolerance that changes nothing. Those of several tiers may be the same."""
         notes = []
-        seconds = [f"{self.outside_s:.1f} s"] if self.outside_s else []
-        named = ", ".join(self.alone[:5]) + (" ..." if len(self.alone) > 5 else "")
-        recordings = [f"{count(len(self.alone), 'recording')} ({named})"] if self.alone else []
-        if recordings or seconds:
-            notes.append(f"left out, as only one coder has coded it: {' and '.join([*recordings, *seconds])}")
+        left_out = [
+            f"{count(len(names), what)} ({', '.join(names[:5])}{' ...' if len(names) > 5 else ''})"
+            for what, names in (("recording", self.alone), ("tier", self.other_tiers))
+            if names
+        ]
+        left_out += [f"{self.outside_s:.1f} s"] if self.outside_s else []
+        if left_out:
+            notes.append(f"left out, as only one coder has coded it: {' and '.join(left_out)}")
+        if self.missing_s:
+            notes.append(f"left out of the tier {self.tier!r}, as a code is missing: {self.missing_s:.1f} s")
+        if self.moments:
+            notes.append(
+                f"left out of the tier {self.tier!r}, as they have no length: {count(self.moments, 'point event')}"
+            )
         if 0 < self.tolerance_s < self.step * (1 - 1e-6):
             notes.append(
                 f"a tolerance of {self.tolerance_s:g} s is less than a unit of {self.step:g} s: it changes nothing"
@@ -101,12 +120,13 @@ class Agreement:
         return tuple(notes)
 
     def row(self) -> dict[str, Any]:
-        """In one row."""
+        """The comparison as one row of a table."""
         return {
             "tier": self.tier, "kappa": self.kappa, "low": self.interval[0], "high": self.interval[1],
             "observed": self.observed, "expected": self.expected, "kappa_max": self.kappa_max,
             "units": float(self.matrix.sum()), "step": self.step, "tolerance_s": self.tolerance_s,
-            "outside_s": self.outside_s, "left_out": ", ".join(self.alone),
+            "outside_s": self.outside_s, "missing_s": self.missing_s, "moments": self.moments,
+            "left_out": ", ".join(self.alone),
         }  # fmt: skip
 
 
@@ -129,7 +149,8 @@ def agreement(
 ) -> tuple[Agreement, ...]:
     """Compare two coders, tier by tier. Recordings are matched by name, or one with one whatever their names.
 
-    Nothing coded is a code of its own. What only one coder has coded is left out, and told.
+    Nothing coded is a code of its own. What only one coder has coded, times at which a code is missing and point events
+    are left out, and told.
 
     Args:
         first: Events of the first coder.
@@ -152,8 +173,11 @@ def agreement(
             f"the coders share no tier: {', '.join(first.tier_names)} against {', '.join(second.tier_names)}"
         )
     matched = {name for pair in pairs for name in pair}
-    alone = tuple(name for one in (first, second) for name in one.recordings if name not in matched)
-    return tuple(replace(_of_tier(first, second, pairs, tier, options), alone=alone) for tier in chosen)
+    alone = tuple(name for coding in (first, second) for name in coding.recordings if name not in matched)
+    others = () if tiers is not None else tuple(sorted({*first.tier_names} ^ {*second.tier_names}))
+    return tuple(
+        replace(_of_tier(first, second, pairs, tier, options), alone=alone, other_tiers=others) for tier in chosen
+    )
 
 
 def _of_tier(
@@ -165,6 +189,11 @@ def _of_tier(
         start, stop = max(end[0] for end in ends), min(end[1] for end in ends)
         outside += max(end[1] for end in ends) - min(end[0] for end in ends) - max(stop - start, 0.0)
         units = int((stop - start) / options.step + 1e-6)
+        if units > MOST_STEPS:
+            raise SeriesError(
+                f"recording {names[0]!r} has {units:,} units of {options.step:g} s, and no more than {MOST_STEPS:,} "
+                "can be held; take a longer step, or look whether its times are right"
+            )
         if units > 0:
             middles = start + (np.arange(units) + 0.5) * options.step
             coded_pairs.append(
@@ -172,17 +201,29 @@ def _of_tier(
             )
     if not coded_pairs:
         raise SeriesError(f"the coders have no time of tier {tier!r} in common")
-    labels = sorted({str(label) for pair in coded_pairs for codes in pair for label in np.unique(codes)})
+    labels = sorted({str(label) for pair in coded_pairs for codes in pair for label in np.unique(codes)} - {MISSING})
     number = {label: i for i, label in enumerate(labels)}
     reach = int(options.tolerance_s / options.step + 1e-6)
-    coded = [[np.array([number[label] for label in codes]) for codes in pair] for pair in coded_pairs]
-    counted = [_tallied(a, b, reach) for a, b in coded]
+    coded = [[np.array([number.get(label, UNKNOWN) for label in codes]) for codes in pair] for pair in coded_pairs]
+    known = [(a != UNKNOWN) & (b != UNKNOWN) for a, b in coded]
+    if not any(both.any() for both in known):
+        raise SeriesError(f"at no time do both coders say what is on the tier {tier!r}; its codes are missing")
+    counted = [_tallied(a, b, reach)[both] for (a, b), both in zip(coded, known, strict=True)]
     matrix = sum(_matrix(pair, len(labels)) for pair in counted) / 2
+    moments = sum(_moments(*coder, tier) for coder in zip((first, second), zip(*pairs, strict=True), strict=True))
     interval = _interval(counted, len(labels), options)
     return Agreement(
         tier, tuple(labels), np.asarray(matrix), interval, options.step, options.tolerance_s,
-        float(max(outside, 0.0)), options.level,
+        float(max(outside, 0.0)), options.level, missing_s=sum(int((~both).sum()) for both in known) * options.step,
+        moments=moments,
     )  # fmt: skip
+
+
+def _moments(events: Events, recordings: Sequence[str], tier: str) -> int:
+    """Number of point events of a tier."""
+    table = events.table
+    of_tier = (table["tier"] == tier) & np.isin(table["recording"], recordings)
+    return int((of_tier & (table["onset"] == table["offset"])).sum())
 
 
 def _tallied(first: np.ndarray, second: np.ndarray, reach: int) -> np.ndarray:

@@ -77,7 +77,8 @@ class AgreementResult:
             "",
             f"Units of {first.step:g} s, tolerance {first.tolerance_s:g} s; nothing coded is a code of its own.",
         ]
-        lines += [f"Note: {note}." for note in first.notes()]
+        notes = dict.fromkeys(note for compared in self.tiers for note in compared.notes())
+        lines += [f"Note: {note}." for note in notes]
         return "\n".join(lines)
 
     @property

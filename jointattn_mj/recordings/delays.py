@@ -46,3 +46,13 @@ def delay_in_steps(name: str, text: str, step: float | None) -> int:
     if steps < 1:
         raise ConfigError(f"{name} {text} is less than half a step of {step:g} s; give at least {step:g}s")
     return steps
+
+
+def lag_title(steps: int, step: float | None) -> str:
+    """A lag as a title has it: the steps that were taken, and the time that they are, ``lag 5 (0.5 s)``.
+
+    Args:
+        steps: The lag.
+        step: Length of a step in seconds; None: not known.
+    """
+    return f"lag {steps}" + ("" if step is None else f" ({steps * step:.4g} s)")

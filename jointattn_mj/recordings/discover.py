@@ -11,6 +11,7 @@ from jointattn_mj.contingency.lead import LeadOptions
 from jointattn_mj.contingency.names import LOCAL, OF_RECORDED_EVENTS, measure_choice
 from jointattn_mj.contingency.significance import Adjust
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.io.progress import count
 from jointattn_mj.io.results import bracket, claimed_paths, number, share, write_results
 from jointattn_mj.options import Real, Whole
 from jointattn_mj.recordings.measure import notes_on_tests
@@ -152,7 +153,7 @@ class DiscoverResult:
             ]
         lines += [
             "",
-            f"* significant at {self.options.alpha:g}; p adj.: for {self.options.tests} events, {adjusted}.",
+            f"* significant at {self.options.alpha:g}; p adj.: for {count(self.options.tests, 'event')}, {adjusted}.",
         ]
         return "\n".join([*lines, *(f"Note: {note}." for note in self.notes)])
 

@@ -86,7 +86,7 @@ class DyadResult:
         return f"DyadResult({self.measure}, {len(self.names)} recordings, {len(self.groups)} groups)"
 
     def rows(self) -> list[dict[str, Any]]:
-        """A row a dyad."""
+        """Value, interval and p of each dyad, a row each."""
         return [
             {
                 "measure": self.measure, "recording": name, **({"group": self.group_of[i]} if self.group_of else {}),

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from jointattn_mj.errors import SeriesError
+from jointattn_mj.io.progress import count
 from jointattn_mj.options import shown
 from jointattn_mj.recordings.event_layout import EventLayout, EventTrack
 from jointattn_mj.recordings.events import Events, first_met
@@ -34,6 +35,8 @@ class _TrackEvents:
     code: Texts
     onset: np.ndarray
     offset: np.ndarray
+    nameless: int
+    """Events of no tier's name, where others have one."""
 
 
 class _Columns:
@@ -100,7 +103,8 @@ def read_event_table(
         about: Columns, by their names, that say what each recording is.
 
     Raises:
-        SeriesError: Times that cannot be read, an event without an end, no events, or a recording that is two things.
+        SeriesError: Times that cannot be read, an event without an end, or without a recording where others have one,
+            no events, or a recording that is two things.
     """
     tracks = layout.tracks
     used = {
@@ -111,7 +115,8 @@ def read_event_table(
     about = about or {}
     wanted = {i for i in (*used, *layout.recording, layout.level, *about.values()) if i is not None}
     columns = _Columns(table, wanted, missing)
-    recordings, kept = _recordings(columns, layout, name)
+    named, kept = _recordings(columns, layout, name)
+    recordings = named.with_default(name)
     when = {i for track in tracks for i in (track.onset, track.offset, track.duration) if i is not None}
     units = {i: columns.unit(i, unit, layout) for i in when}
     if any(units[i] == "auto" and columns.has_fractions(i) for i in when):
@@ -123,6 +128,7 @@ def read_event_table(
     if not len(rows):
         raise SeriesError(f"{table.path} has no events below its header")
     tier = Texts.stacked([part.tier for part in gathered])
+    _check_named(named, layout, rows, table)
     recording = recordings.take(rows)
     tiers = tuple(track.name for track in tracks if not track.tier)
     try:
@@ -134,7 +140,7 @@ def read_event_table(
             recording,
             tiers={recording.names[i]: tiers for i in first_met(recording.numbers)},
             resolution=1 / rate if rate and {"frames", "auto"} & set(units.values()) else 0.001,
-            remarks=(f"{bare} rows of {table.path} have times and no code, and are left out",) if bare else (),
+            remarks=_remarks(table.path, bare, sum(part.nameless for part in gathered)),
             about={name: _said(name, recordings, columns.texts(at), rows) for name, at in about.items()},
         )
     except SeriesError as error:
@@ -142,10 +148,10 @@ def read_event_table(
 
 
 def _recordings(columns: _Columns, layout: EventLayout, name: str) -> tuple[Texts, np.ndarray]:
-    """The recording of each row, and which rows are events."""
+    """The recording of each row, as far as columns name it, and which rows are events."""
     if layout.level is None:
         named = columns.joined(layout.recording, " ") if layout.recording else Texts(np.full(columns.rows, -1), [])
-        return named.with_default(name), np.ones(columns.rows, bool)
+        return named, np.ones(columns.rows, bool)
     level = columns.texts(layout.level)
     group, part, recordings = 0, 0, []
     levels = [level.at(row).removesuffix(".0") for row in range(columns.rows)]
@@ -153,6 +159,24 @@ def _recordings(columns: _Columns, layout: EventLayout, name: str) -> tuple[Text
         group, part = (group + 1, 0) if text == "1" else (group, part + 1 if text == "2" else part)
         recordings.append(f"{name} {group}.{part}" if group or part else name)
     return Texts.of(recordings), np.array([text == "3" for text in levels], bool)
+
+
+def _check_named(recordings: Texts, layout: EventLayout, rows: np.ndarray, table: TableFile) -> None:
+    """Refuse events without the name of a recording where others have one."""
+    without = rows[recordings.numbers[rows] < 0]
+    if 0 < len(without) < len(rows):
+        raise SeriesError(
+            f"column {table.header[layout.recording[0]]!r} of {table.path} names no recording in "
+            f"{count(len(without), 'row')}, the first in data row {int(without.min()) + 1}; fill it in"
+        )
+
+
+def _remarks(path: Path, bare: int, nameless: int) -> tuple[str, ...]:
+    """What is to be known of rows that lack something."""
+    remarks = [f"{bare} rows of {path} have times and no code, and are left out"] if bare else []
+    if nameless:
+        remarks.append(f"{count(nameless, 'row')} of {path} without a tier, on the tier {EventTrack.name!r}")
+    return tuple(remarks)
 
 
 def _said(name: str, recordings: Texts, said: Texts, rows: np.ndarray) -> dict[str, str]:
@@ -183,6 +207,7 @@ def _gathered(
     tier = columns.joined(track.tier, ".") if track.tier else Texts(np.full(columns.rows, -1), [])
     if track.tier and track.name.startswith("."):
         tier = Texts(tier.numbers, [name + track.name for name in tier.names])
+    nameless = tier.numbers < 0
     tier = tier.with_default(track.name)
     onset = times[track.onset]
     offset, duration = (
@@ -208,7 +233,10 @@ def _gathered(
             f"{path} does not say when {shown(code.at(unknown[0]))} ends in data row {unknown[0] + 1}; a point event "
             "has its onset as its offset"
         )
-    return _TrackEvents(rows, tier.take(rows), code.take(rows), onset[rows], offset[rows])
+    lost = int(nameless[rows].sum()) if track.tier else 0
+    return _TrackEvents(
+        rows, tier.take(rows), code.take(rows), onset[rows], offset[rows], lost if lost < len(rows) else 0
+    )
 
 
 def _paired(

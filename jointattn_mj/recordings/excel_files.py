@@ -71,7 +71,7 @@ def _text(cell: Any) -> str:
 
 
 def clock(seconds: float) -> str:
-    """A time as 00:01:02.500000."""
+    """Write a time as hours, minutes and seconds: 62.5 is ``00:01:02.500000``."""
     whole = round(abs(seconds) * 1e6)
     minutes, rest = divmod(whole, 60_000_000)
     return f"{'-' * (seconds < 0)}{minutes // 60:02d}:{minutes % 60:02d}:{rest // 1_000_000:02d}.{rest % 1_000_000:06d}"

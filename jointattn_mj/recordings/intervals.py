@@ -8,6 +8,9 @@ from jointattn_mj.errors import SeriesError
 from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.sampling import NONE
 
+MISSING = ""
+"""Code of an interval whose code is not known."""
+
 
 @dataclass(frozen=True)
 class Intervals:
@@ -44,7 +47,7 @@ def intervals_of(events: Events, recording: str, tier: str) -> Intervals:
     table = events.table
     rows = (table["recording"] == recording) & (table["tier"] == tier) & (table["offset"] > table["onset"])
     onset, offset, code = (table[name][rows] for name in ("onset", "offset", "code"))
-    code = np.array(["" if label is None else str(label) for label in code], object)
+    code = np.array([MISSING if label is None else str(label) for label in code], object)
     if len(onset) > 1:
         over = offset[:-1] - onset[1:]
         if over.max() > events.resolution + 1e-9:

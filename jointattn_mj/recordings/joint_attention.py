@@ -13,7 +13,7 @@ import numpy as np
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.options import Checked, Count, NotNegative, Real
 from jointattn_mj.recordings.events import Events
-from jointattn_mj.recordings.intervals import Intervals, at_times, intervals_of, overlaps
+from jointattn_mj.recordings.intervals import MISSING, Intervals, at_times, intervals_of, overlaps
 from jointattn_mj.recordings.sampling import NONE
 
 MUTUAL, SHARED, LEADER, ENGAGEMENT = "mutual gaze", "shared attention", "leader", "engagement"
@@ -70,6 +70,11 @@ class JointAttentionRules(Checked):
         if self.infant == self.partner:
             raise ConfigError(f"infant and partner need tiers of their own; both are {self.infant!r}")
 
+    @property
+    def no_target(self) -> frozenset[str]:
+        """Codes of looks at nothing that could be shared. Where a code is missing, nobody knows the target."""
+        return frozenset({self.infant_at_partner, self.partner_at_infant, *self.nowhere, MISSING})
+
 
 @dataclass(frozen=True)
 class GazeFollowing:
@@ -87,7 +92,7 @@ class GazeFollowing:
 
 @dataclass(frozen=True, repr=False)
 class JointAttention:
-    """What was derived."""
+    """Gaze following, mutual gaze and engagement, as derived from two tiers of looks."""
 
     events: Events
     """All events with the derived tiers."""
@@ -210,11 +215,10 @@ def _tiers(
     at_partner, at_infant = infant.coded(rules.infant_at_partner), partner.coded(rules.partner_at_infant)
     mutual = [(on, off) for on, off, _, _ in overlaps(at_partner, at_infant) if off - on >= rules.least_mutual_s]
     yield MUTUAL, [("mutual", on, off) for on, off in mutual]
-    faces = {rules.infant_at_partner, rules.partner_at_infant, *rules.nowhere}
     shared, leaders = [], []
     for onset, offset, i, j in overlaps(infant, partner):
         target = str(infant.code[i])
-        if target == str(partner.code[j]) and target not in faces:
+        if target == str(partner.code[j]) and target not in rules.no_target:
             shared.append((target, onset, offset))
             ahead = partner.onset[j] - infant.onset[i]
             leader = TOGETHER if abs(ahead) <= rules.together_s else rules.infant if ahead > 0 else rules.partner
@@ -247,12 +251,11 @@ def _followed(
     recording: str, follower: str, own: Intervals, other: Intervals, rules: JointAttentionRules
 ) -> Iterator[GazeFollowing]:
     """Each look of ``other`` at a target that ``own`` does not look at yet."""
-    nothing = {rules.infant_at_partner, rules.partner_at_infant, *rules.nowhere}
     already = at_times(own, other.onset) == other.code
-    looks = {target: own.coded(target).onset for target in {str(code) for code in other.code} - nothing}
+    looks = {target: own.coded(target).onset for target in {str(code) for code in other.code} - rules.no_target}
     for onset, offset, code, there_already in zip(other.onset, other.offset, other.code, already, strict=True):
         target = str(code)
-        if target in nothing or there_already:
+        if target in rules.no_target or there_already:
             continue
         until = min(onset + rules.follow_within_s, offset if rules.still_looking else np.inf)
         following = int(np.searchsorted(looks[target], onset, "right"))

@@ -59,9 +59,9 @@ def draw_lags(path: Path, scans: Sequence[tuple[str, LagScan]], step: float | No
         title: Of the figure.
         unit: Of the values.
     """
-    from jointattn_mj.io.figures import save
+    from jointattn_mj.io.figures import save, without_formulas
 
-    save(lag_figure(scans, step, title, unit), path)
+    save(without_formulas(lag_figure(scans, step, title, unit)), path)
 
 
 def lag_figure(

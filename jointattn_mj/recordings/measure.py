@@ -27,7 +27,7 @@ from jointattn_mj.contingency.table import Steps, steps
 from jointattn_mj.errors import ConfigError, SeriesError
 from jointattn_mj.io.results import bracket, claimed_paths, number, share, write_results
 from jointattn_mj.options import Whole
-from jointattn_mj.recordings.delays import check_delay, delay_in_steps
+from jointattn_mj.recordings.delays import check_delay, delay_in_steps, lag_title
 from jointattn_mj.recordings.dyads import DyadResult, by_dyad, scan_over_dyads
 from jointattn_mj.recordings.groups import GroupOptions, groups_of
 from jointattn_mj.recordings.lags import draw_lags, lag_rows, lag_words
@@ -458,7 +458,8 @@ def _unit(options: MeasureOptions) -> str:
 def _title(options: MeasureOptions, coded: Recordings) -> str:
     given = f" | {' & '.join(options.condition)}" if options.condition else ""
     recordings = len(set(coded.groups))
-    lag = "" if options.lag.strip() == "1" else f", lag {options.lag}"
+    steps = delay_in_steps("lag", options.lag, coded.step)
+    lag = "" if steps == 1 else f", {lag_title(steps, coded.step)}"
     return (
         f"{' & '.join(options.source)} -> {' & '.join(options.target)}{given}: {coded.transitions} steps in "
         f"{recordings} recording{'s' * (recordings != 1)}{lag}, {_unit(options)}"

@@ -99,7 +99,9 @@ class Coding:
         events = [part for part in content if isinstance(part, Events)]
         if len(events) < len(content):
             path = next(part.path for part in content if isinstance(part, TableFile))
-            raise SeriesError(f"{path} has a row for every step, and no events; take steps()")
+            raise SeriesError(
+                f"{path} has a row for every step, and no events: no columns that say when something begins and ends"
+            )
         known: set[tuple[str, str]] = set()
         for part in events:
             tiers = {(recording, tier) for recording, tiers in part.tiers.items() for tier in tiers}
@@ -291,11 +293,11 @@ class Coding:
         options = TransitionOptions(**self._told(step, how), given=given, target=target)
         return run_transitions(options, Coding(self.source, options, tuple(dict.fromkeys(options.both))).steps(step))
 
-    def agreement(self, second: "Coding", tiers: Sequence[str] | None = None, **how: Any) -> tuple["Agreement", ...]:
+    def agreement(self, second: Any, tiers: Sequence[str] | None = None, **how: Any) -> tuple["Agreement", ...]:
         """Compare with a second coder, as ``jointattn agreement`` does.
 
         Args:
-            second: Coding of the same recordings.
+            second: Coding of the same recordings, or what ``read`` takes, which is then read like this one.
             tiers: Tiers that are compared; None: all that both have.
             how: Fields of ``AgreementOptions``, such as ``step`` or ``tolerance_s``.
 
@@ -316,7 +318,8 @@ class Coding:
         """
         from jointattn_mj.recordings.agreement import AgreementOptions, agreement
 
-        return agreement(self.events, second.events, tiers, AgreementOptions(**how))
+        other = second if isinstance(second, Coding) else replace(self, source=second)
+        return agreement(self.events, other.events, tiers, AgreementOptions(**how))
 
     def report(self, out: Path | str, **how: Any) -> "RecordingReport":
         """Make one page of the coding, as ``jointattn recordings`` does.
@@ -352,7 +355,8 @@ class Coding:
     def _told(self, step: float | None, how: dict[str, Any]) -> dict[str, Any]:
         """Fields of the options of a test of this coding."""
         own = {name: getattr(self.options, name) for name in _names(ReadOptions)}
-        return {**own, "file": Path(self._name), "step": step, **how}
+        delays = {name: str(how[name]) for name in ("lag", "scan") if isinstance(how.get(name), int)}  # in steps
+        return {**own, "file": Path(self._name), "step": step, **how, **delays}
 
     @property
     def _whole(self) -> Any:

@@ -99,7 +99,7 @@ class ReportOptions(ReadOptions, JointAttentionRules, GroupOptions):
         if self.row_s < 1:
             raise ConfigError(f"row_s: expected at least 1 second in a row; got {self.row_s:g}")
         delay_in_steps("lag", self.lag, self.step)
-        given = {*self.sensors, *self.actions} & set(self.results)
+        given = {*(self.sensors or (self.partner,)), *(self.actions or (self.infant,))} & set(self.results)
         if given:
             raise ConfigError(f"results: {min(given)!r} is a sensor or an action, too; its own past says what it says")
 
@@ -391,7 +391,7 @@ def analyse(
         **{f"({sensor}, {action}) -> {result}": tested for (sensor, action, result), tested in found.items()},
     }
     left_out = [f"tier {tier!r} is not ranked, as it has the same value in all steps" for tier in still]
-    notes = dict.fromkeys([*steps.notes(), *left_out, *_notes(named, options)])
+    notes = dict.fromkeys([*steps.notes(), *left_out, *_notes(named, options), *_font_notes(events)])
     return RecordingReport(
         options, events, attention, steps, pairs, _adjusted(pairs), found, _adjusted(found), transitions, agreements,
         tuple(notes), over, group_of, options.out,
@@ -409,6 +409,20 @@ def _notes(results: Mapping[str, MeasureResult], options: ReportOptions) -> list
     }
     every = (note for result in results.values() for note in result.notes)
     return [*notes_on_tests(list(tested.items()), *asked), *(note for note in every if note not in alone)]
+
+
+def _font_notes(events: Events) -> list[str]:
+    """Which characters of tiers and codes the figures cannot show."""
+    from jointattn_mj.io.figures import without_font  # drawing takes half a second to import
+
+    codes = (code for code in events.table.arrow["code"].unique().to_pylist() if code)
+    boxes = without_font([*events.tier_names, *codes])
+    if not boxes:
+        return []
+    return [
+        f"no font of this computer has {' '.join(boxes[:10])}{' ...' if len(boxes) > 10 else ''}: PNG figures show "
+        "boxes in their place. Install one, such as Noto Sans CJK"
+    ]
 
 
 def _events(options: ReportOptions, tiers: Sequence[str]) -> list[Event]:

@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -112,7 +114,7 @@ def timeline(
         *(Patch(color=ink, label=state) for state, ink in ENGAGED.items()),
     ]
     columns = int(np.ceil(len(handles) / np.ceil(len(handles) / 7)))
-    figure.legend(handles=handles, loc="outside upper left", ncols=columns, fontsize=8, frameon=False)
+    _legend(figure, handles, loc="outside upper left", ncols=columns, fontsize=8)
     return figure
 
 
@@ -169,6 +171,7 @@ def ranking_figure(rows: Sequence[tuple[str, Mapping[str, Any]]], measure: str, 
     axes.axvline(0, color="black", lw=0.6)
     axes.set_yticks(range(len(rows)), [name for name, _ in rows], fontsize=9)
     axes.set_ylim(len(rows) - 0.5, -0.5)
+    axes.locator_params(axis="x", nbins=6)
     axes.set_xlabel(f"effective {measure} ({unit})", fontsize=9)
     axes.spines[["top", "right"]].set_visible(False)
     return figure
@@ -192,11 +195,12 @@ def dyad_figure(results: Mapping[tuple[str, str], DyadResult], unit: str) -> Fig
         values = [value.corrected for value in result.of_group(group)]
         spread = np.linspace(-0.16, 0.16, len(values)) if len(values) > 1 else np.zeros(1)
         axes.plot(values, at + spread, "o", color="#4c78a8", ms=4, alpha=0.6)
-        axes.plot(group.interval, [at, at], color="#c0392b", lw=2)
-        axes.plot(group.mean, at, "D", color="#c0392b", ms=6)
+        axes.plot(group.interval, [at, at], color=POINT, lw=2)
+        axes.plot(group.mean, at, "D", color=POINT, ms=6)
     axes.axvline(0, color="black", lw=0.6)
     axes.set_yticks(range(len(lines)), [name for name, _, _ in lines], fontsize=9)
     axes.set_ylim(len(lines) - 0.5, -0.5)
+    axes.locator_params(axis="x", nbins=6)
     axes.set_xlabel(f"effective transfer entropy ({unit}); diamond: mean and interval over recordings", fontsize=9)
     axes.spines[["top", "right"]].set_visible(False)
     return figure
@@ -212,18 +216,27 @@ def latency_figure(chances: Sequence[GazeFollowing], followers: Sequence[str], w
     """
     figure = Figure((7.5, 2.8), layout="constrained")
     axes = figure.subplots()
+    handles: list[Artist] = []
     for ink, follower in zip(INKS, followers, strict=False):
         own = np.array([opportunity.latency for opportunity in chances if opportunity.follower == follower])
         if len(own):
             followed = np.sort(own[np.isfinite(own)])
             times = np.concatenate([[0.0], followed, [within_s]])
             shares = np.concatenate([[0.0], np.arange(1, len(followed) + 1), [len(followed)]]) / len(own)
-            axes.step(times, shares, where="post", color=ink, lw=1.8, label=f"{follower} follows (n = {len(own)})")
+            name = f"{follower} follows (n = {len(own)})"
+            handles += axes.step(times, shares, where="post", color=ink, lw=1.8, label=name)
     axes.set_xlim(0, within_s)
     axes.set_ylim(0, 1)
     axes.set_xlabel("seconds after the partner began to look there", fontsize=9)
     axes.set_ylabel("share of looks followed", fontsize=9)
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(fontsize=9, frameon=False, loc="upper left")
+    if handles:
+        _legend(axes, handles, fontsize=9, loc="upper left")
     axes.spines[["top", "right"]].set_visible(False)
     return figure
+
+
+def _legend(owner: Figure | Axes, handles: Sequence[Artist], **how: Any) -> None:
+    """A legend with all labels: matplotlib leaves out those that begin with _ unless they are set afterwards."""
+    legend = owner.legend(handles, list(map(str, range(len(handles)))), frameon=False, **how)
+    for text, handle in zip(legend.get_texts(), handles, strict=True):
+        text.set_text(str(handle.get_label()))

@@ -42,7 +42,7 @@ def compared(report: "RecordingReport") -> tuple[Rows, Rows]:
 
 
 def _joint_attention(report: "RecordingReport") -> tuple[Rows, Rows]:
-    """What people report of joint attention."""
+    """Groups compared by what articles report of joint attention, a row a measure; and tests of the differences."""
     assert report.group_of is not None
     rows = [row for row in report.attention.rows() if row["recording"] in report.group_of]
     labels = np.array([report.group_of[row["recording"]] for row in rows])

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 
 from jointattn_mj.contingency.local import carriers
+from jointattn_mj.io.figures import without_formulas
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.page import drawn, page
 from jointattn_mj.io.provenance import plain, versions
@@ -53,7 +54,7 @@ def write_page(report: RecordingReport, folder: Path) -> None:
     names = write_tables(report, folder)
     images = {}
     for stem, figure in _figures(report).items():
-        content, images[stem] = drawn(figure)
+        content, images[stem] = drawn(without_formulas(figure))
         (folder / "figures").mkdir(exist_ok=True)
         write_whole(folder / "figures" / f"{stem}.png", lambda path, content=content: path.write_bytes(content))  # type: ignore[misc]
     shown = [recording for recording in report.events.recordings][:MOST_TIMELINES]
@@ -75,6 +76,7 @@ def write_page(report: RecordingReport, folder: Path) -> None:
         "dyads": _of_dyads(report.pairs),
         "by_recording": _by_recording(report),
         "hidden": len(report.events.recordings) - len(shown),
+        "agreement_notes": list(dict.fromkeys(note for agreed in report.agreements for note in agreed.notes())),
         "drawn_s": MOST_ROWS * report.options.row_s,
         "settings": _settings(report.options),
         "versions": versions(),
@@ -82,10 +84,14 @@ def write_page(report: RecordingReport, folder: Path) -> None:
     }
     filters: dict[str, Any] = {
         "number": number,
+        "with_interval": lambda row: f"{number(row['effective'])} {bracket((row['low'], row['high']))}".removesuffix(
+            " -"
+        ),
         "bracket": lambda row: bracket((row["low"], row["high"])),
         "two_digits": lambda ends: "-" if ends[0] != ends[0] else "[{:.2f}, {:.2f}]".format(*ends),
         "share": share,
         "short": _short,
+        "decimals": lambda value: "-" if value != value else f"{value:.2f}",
         "sentence": lambda words: words[:1].upper() + words[1:],
     }
     text = page("jointattn_mj.recordings", PAGE, values, p=lambda p: p_words(p)[2:].removeprefix("= "), **filters)
@@ -122,7 +128,7 @@ def _figures(report: RecordingReport) -> dict[str, Figure]:
 
 
 def _transitions(report: RecordingReport) -> list[dict[str, Any]]:
-    """Those that stand out most, of both directions."""
+    """The transitions that stand out most by their residuals, more frequent or less than by chance."""
     rows = [
         {"source": pair[0], "result": pair[1], "p_shift": None, **row}
         for pair in report.transitions

@@ -28,10 +28,10 @@ def wilson(count: int, of: int) -> tuple[float, float]:
 
 
 def methods_paragraph(report: "RecordingReport") -> str:
-    """The paragraph.
+    """Write the paragraph on methods for an article: what was coded, sampled and tested, and how.
 
     Args:
-        report: What was done and found.
+        report: The analysis, with its options.
     """
     o, r = report.options, report.options.rules
     seconds = np.array(list(report.attention.seconds.values()))

@@ -106,7 +106,7 @@ def sample(events: "Events", step: float, tiers: Sequence[str], options: SampleO
 
 @dataclass(frozen=True)
 class _Sampled:
-    """One recording: a value for every step."""
+    """A recording that has been sampled: for every tier a code a step."""
 
     recording: str
     codes: dict[str, np.ndarray]
@@ -297,8 +297,11 @@ def _missed(taken: np.ndarray, line: TierLine, edges: np.ndarray) -> int:
 
 
 def _inside(line: TierLine, edges: np.ndarray) -> np.ndarray:
-    """Which steps lie within an interval as a whole."""
-    first, last = np.searchsorted(edges, line.onset), np.searchsorted(edges, line.offset, "right") - 1
+    """Which steps lie as a whole within an interval, or within several that adjoin."""
+    parted = line.onset[1:] > line.offset[:-1]
+    onset = np.concatenate([line.onset[:1], line.onset[1:][parted]])
+    offset = np.concatenate([line.offset[:-1][parted], line.offset[-1:]])
+    first, last = np.searchsorted(edges, onset), np.searchsorted(edges, offset, "right") - 1
     n = len(edges) - 1
     not_empty = last > first
     kept: np.ndarray = _filled(first[not_empty], last[not_empty], np.zeros(int(not_empty.sum()), np.int64), n) == 0

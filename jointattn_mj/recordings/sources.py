@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from jointattn_mj.errors import SeriesError
+from jointattn_mj.io.progress import count
 from jointattn_mj.options import Real
 from jointattn_mj.recordings.event_layout import EventLayout
 from jointattn_mj.recordings.event_tables import read_event_table
@@ -66,7 +67,7 @@ def files_of(path: Path) -> tuple[list[Path], list[str]]:
     try:
         if not path.is_dir():
             return [path], []
-        inside = sorted(file for file in path.iterdir() if file.is_file() and not file.name.startswith("."))
+        inside = sorted(file for file in path.iterdir() if file.is_file() and not file.name.startswith((".", "~$")))
     except (OSError, ValueError) as error:
         raise SeriesError(f"cannot read {str(path)[:200]!r}: {getattr(error, 'strerror', None) or error}") from error
     files = [file for file in inside if file.suffix.lower() in SUFFIXES]
@@ -74,7 +75,9 @@ def files_of(path: Path) -> tuple[list[Path], list[str]]:
     if not files:
         raise SeriesError(f"cannot read the folder {path}: it has no file that ends in {', '.join(sorted(SUFFIXES))}")
     more = ", ..." if len(others) > 3 else ""
-    left_out = [f"{len(others)} files of {path} are no recordings by their names: {', '.join(others[:3])}{more}"]
+    left_out = [
+        f"{count(len(others), 'file')} of {path} left out, by their names no recordings: {', '.join(others[:3])}{more}"
+    ]
     return files, left_out if others else []
 
 
@@ -179,7 +182,7 @@ def open_table_as(
 
 
 def open_frame(
-    frame: object, options: SourceOptions, wanted: Sequence[str] | None, sampled: bool, about: Sequence[str] = ()
+    frame: Any, options: SourceOptions, wanted: Sequence[str] | None, sampled: bool, about: Sequence[str] = ()
 ) -> Events | TableFile:
     """Open a table of pandas, polars or pyarrow (see :func:`open_source`).
 
@@ -201,7 +204,8 @@ def open_frame(
         elif hasattr(frame, "to_arrow"):
             table = frame.to_arrow()
         else:
-            table = pa.Table.from_pandas(frame, preserve_index=False)
+            named = [name for name in frame.index.names if name is not None and name not in frame.columns]
+            table = pa.Table.from_pandas(frame.reset_index(named) if named else frame, preserve_index=False)
     except (pa.ArrowException, TypeError, ValueError, AttributeError) as error:
         raise SeriesError(
             f"expected a path, or a table of pandas, polars or pyarrow; got {type(frame).__name__}"

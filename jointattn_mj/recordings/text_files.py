@@ -31,6 +31,8 @@ SNIFFED_ROWS = 20
 SEARCHED_LINES = 100
 """Lines among which a header further down is looked for."""
 _HEAD_BYTES = 1 << 20
+_BLANK = re.compile(r'[\s",;|]*')
+"""A line without a cell that has something in it."""
 _SEPARATOR = re.compile(r'"?sep=(.)"?\s*')
 _CONTROL = re.compile(rb"[\0-\x08\x0e-\x19\x1b-\x1f]")
 
@@ -113,7 +115,7 @@ def layout(
 ) -> TextLayout:
     """Find the header of UTF-8 text, and the delimiter that it and the next rows agree on.
 
-    A line ``sep=;``, as Excel writes it, may stand above the header, and so may other lines, which have another
+    A line ``sep=;``, as Excel writes it, may stand above the header, and so may blank lines, and others with another
     number of columns, or which a blank line parts from the header.
 
     Args:
@@ -134,6 +136,7 @@ def layout(
     start = lines.tell()
     told = _SEPARATOR.fullmatch(lines.readline())
     start = lines.tell() if told else start
+    skipped, start = _blank_lines(lines, start)
     first = _layout_at(text, start, path, told[1] if told else delimiter)
     if heads(first.header):
         return first
@@ -149,10 +152,25 @@ def layout(
             if heads(candidate.header):
                 rows = [_cells(line, candidate.delimiter) for line in above]
                 return (
-                    candidate if are_above(rows, candidate.header) else replace(first, named_in=skip_rows + len(above))
+                    candidate
+                    if are_above(rows, candidate.header)
+                    else replace(first, named_in=skip_rows + skipped + len(above))
                 )
         above.append(line)
     return first
+
+
+def _blank_lines(lines: io.StringIO, start: int) -> tuple[int, int]:
+    """How many blank lines stand at ``start``, and where the next one begins; none if nothing else comes."""
+    lines.seek(start)
+    for skipped in range(SEARCHED_LINES):
+        at = lines.tell()
+        line = lines.readline()
+        if not line:
+            break
+        if not _BLANK.fullmatch(line):
+            return skipped, at
+    return 0, start
 
 
 def _layout_at(text: str, start: int, path: Path, delimiter: str | None) -> TextLayout:

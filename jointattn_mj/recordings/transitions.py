@@ -12,7 +12,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.results import claimed_paths, share, write_results
 from jointattn_mj.options import Real, Seed, Whole
-from jointattn_mj.recordings.delays import check_delay, delay_in_steps
+from jointattn_mj.recordings.delays import check_delay, delay_in_steps, lag_title
 from jointattn_mj.recordings.reader import ReadOptions
 from jointattn_mj.recordings.sequential import (
     LagTable,
@@ -32,7 +32,7 @@ BETWEEN = ":"
 
 @dataclass(frozen=True, kw_only=True)
 class TransitionOptions(ReadOptions):
-    """What follows what."""
+    """Which codes are counted as following which, and how that is tested."""
 
     file: tyro.conf.Positional[Path] = field(kw_only=False)
     """A file of events or steps, or a folder of such files, each a recording."""
@@ -144,7 +144,7 @@ def run_transitions(options: TransitionOptions, coded: Recordings | None = None)
         recordings = len(set(coded.groups))
         whole = bool(table.possible.all())
         over = yules_q_over(coded, *options.both, how, impossible) if recordings > 1 and whole else None
-        lag = "together" if how.lag == 0 else f"lag {options.lag}"
+        lag = lag_title(how.lag, None if options.unit == "events" else coded.step) if how.lag else "together"
         title = (
             f"{options.both[0]} -> {options.both[1]}: {table.total:,} pairs of {options.unit}, {lag}, "
             f"{count(recordings, 'recording')}"

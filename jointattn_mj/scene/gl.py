@@ -16,24 +16,30 @@ WINDOWED = ("glfw", "glx", "enable", "enabled", "on", "true", "1")
 CHOICES = ("", "egl", "osmesa", *WINDOWED, *DISABLED)
 """Values of ``MUJOCO_GL`` that MuJoCo takes on Linux, in any case; dm_control wants small letters, and knows no glx."""
 EGL_PLATFORM_DEVICE = 0x313F
+DEVICE = "MUJOCO_EGL_DEVICE_ID"
+"""Names the one device that EGL is to open, by its number."""
 READERS = ("mujoco", "dm_control")
 """Packages that read ``MUJOCO_GL`` when they are imported."""
 LIBRARIES = {"egl": ("libEGL.so.1", "libOpenGL.so.0"), "osmesa": ("libOSMesa.so.8", "libOSMesa.so")}
 
+WITHOUT = "Without images, `--perception state` works as it is."
 INSTALL = (
     "Install one of these and start again:\n"
     "  EGL:    apt-get install --no-install-recommends libegl1 libopengl0 libgl1-mesa-dri\n"
     "  OSMesa: apt-get install --no-install-recommends libosmesa6, then set MUJOCO_GL=osmesa\n"
-    "Without images, `--perception state` works as it is."
+    f"{WITHOUT}"
 )
 
-
-_why_not = "Images need an OpenGL library, and none that works was found."
+_refused = ""
+"""Why the backend that the user names is not taken."""
 
 
 def why_not() -> str:
-    """Why rendering is disabled, and what to install."""
-    return f"{_why_not} {INSTALL}"
+    """Why rendering is disabled, and what to do: nothing is to be installed where only ``MUJOCO_GL`` is in the way."""
+    works = next((backend for backend in LIBRARIES if available(backend)), None)
+    if works is None:
+        return f"{_refused or 'Images need an OpenGL library, and none that works was found.'} {INSTALL}"
+    return f"{_refused or 'MUJOCO_GL turns rendering off.'} {works} works here: leave MUJOCO_GL out. {WITHOUT}"
 
 
 def _loads(name: str) -> bool:
@@ -59,8 +65,11 @@ def _egl_opens() -> bool:
         return False
     devices, count = (pointer * 16)(), number()
     ctypes.CFUNCTYPE(number, number, pointer, pointer)(query)(16, devices, ctypes.byref(count))
-    chosen = os.environ.get("MUJOCO_EGL_DEVICE_ID", "")
-    numbers = range(count.value) if not chosen.isdecimal() else range(int(chosen), min(int(chosen) + 1, count.value))
+    chosen = os.environ.get(DEVICE)
+    try:
+        numbers = [index for index in range(count.value) if chosen is None or index == int(chosen)]
+    except ValueError:  # and MuJoCo would end in a traceback
+        return False
     display_of = ctypes.CFUNCTYPE(pointer, number, pointer, pointer)(open_display)
     displays = (display_of(EGL_PLATFORM_DEVICE, devices[index], None) for index in numbers)
     return any(display and egl.eglInitialize(display, None, None) for display in displays)
@@ -117,8 +126,12 @@ def choose_backend() -> None:
     chosen = "glfw" if chosen in WINDOWED else chosen
     if not chosen:
         os.environ["MUJOCO_GL"] = next((backend for backend in LIBRARIES if available(backend)), "disable")
+        if DEVICE in os.environ and rendering_disabled():
+            _disable(_no_device())
     elif chosen not in CHOICES:
         _disable(f"MUJOCO_GL={chosen} was asked for, which is no way to render; egl and osmesa are.")
+    elif chosen == "egl" and DEVICE in os.environ and not available(chosen):
+        _disable(_no_device())
     elif chosen in LIBRARIES and not available(chosen):
         _disable(f"MUJOCO_GL={chosen} was asked for, but {LIBRARIES[chosen][0]} cannot be loaded, or has no driver.")
     elif chosen == "glfw" and not available(chosen):
@@ -127,9 +140,13 @@ def choose_backend() -> None:
         os.environ["MUJOCO_GL"] = chosen
 
 
-def _disable(why_not: str) -> None:
-    global _why_not
-    _why_not, os.environ["MUJOCO_GL"] = why_not, "disable"
+def _no_device() -> str:
+    return f"{DEVICE}={os.environ[DEVICE]!r:.80} is no device that EGL opens here: leave it out."
+
+
+def _disable(refused: str) -> None:
+    global _refused
+    _refused, os.environ["MUJOCO_GL"] = refused, "disable"
 
 
 def rendering_disabled() -> bool:

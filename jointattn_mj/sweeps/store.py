@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from jointattn_mj.errors import OutputError, TrialError
-from jointattn_mj.io.files import write_whole
+from jointattn_mj.io.files import make_folder, write_whole
 from jointattn_mj.io.lock import locked
 from jointattn_mj.io.provenance import plain
 from jointattn_mj.sweeps.claim import Claim, Setting, Trial, Trials
@@ -57,7 +57,6 @@ ADDED: dict[str, dict[str, Any]] = {
     "table": {"wrong": 0.0, "profile_shows": "gaze"},
     "rendered": {"least_turned": 0},
     "senses": {"frontal_likeness": 0.0},
-    "local": {"taking_away": 0.0},
     "robot": {"mean_face": {"subtracted": False, "every": 3, "known": 5, "most": 1800}},
     "gaze": {"gate_sharpness": 3.0, "commands": "direction", "wait_for_still_face": False, "read_again": False},
 }  # fmt: skip
@@ -215,12 +214,7 @@ class Store:
             OutputError: A folder cannot be made.
         """
         for folder in (self._trials(claim), self._failed(claim)):
-            try:
-                folder.mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise OutputError(
-                    f"cannot make the folder {folder}: {error.strerror}; choose another folder"
-                ) from error
+            make_folder(folder)
             for path in folder.glob(".*"):
                 with suppress(OSError):  # another run has just renamed the file, or the folder is read-only
                     if time.time() - path.stat().st_mtime > ABANDONED_S:

@@ -6,6 +6,7 @@ import numpy as np
 from dm_env import specs
 
 from jointattn_mj.errors import ActionError
+from jointattn_mj.options import shown
 
 
 def checked(action: Any, spec: specs.BoundedArray) -> np.ndarray:
@@ -24,13 +25,13 @@ def checked(action: Any, spec: specs.BoundedArray) -> np.ndarray:
     try:
         values = np.asarray(action)
     except Exception as error:  # ragged lists, and whatever an object's own conversion raises
-        raise ActionError(f"{_expected(spec)}; got {_shown(action)} ({error})") from error
+        raise ActionError(f"{_expected(spec)}; got {shown(action)} ({shown(error)})") from error
     if values.dtype.kind not in "iuf":
-        raise ActionError(f"{_expected(spec)}; got {_shown(action)}, which is {values.dtype}, no numbers")
+        raise ActionError(f"{_expected(spec)}; got {shown(action)}, which is {values.dtype}, no numbers")
     if values.shape != spec.shape:
-        raise ActionError(f"{_expected(spec)}; got shape {values.shape}: {_shown(action)}")
+        raise ActionError(f"{_expected(spec)}; got shape {values.shape}: {shown(action)}")
     if not np.isfinite(values).all():
-        raise ActionError(f"{_expected(spec)}; got {_shown(action)}, which is not finite: check what chose it")
+        raise ActionError(f"{_expected(spec)}; got {shown(action)}, which is not finite: check what chose it")
     clipped: np.ndarray = np.minimum(np.maximum(values, spec.minimum), spec.maximum)
     return clipped
 
@@ -38,8 +39,3 @@ def checked(action: Any, spec: specs.BoundedArray) -> np.ndarray:
 def _expected(spec: specs.BoundedArray) -> str:
     names = (spec.name or "numbers").replace("\t", ", ")
     return f"an action is {names}: shape {spec.shape}, from {spec.minimum} to {spec.maximum}"
-
-
-def _shown(action: Any) -> str:
-    shown = repr(action)
-    return shown if len(shown) <= 80 else f"{shown[:77]}..."

@@ -5,6 +5,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import shown
 
 
 def unknown(what: str, got: object, known: Iterable[str]) -> ConfigError:
@@ -18,7 +19,7 @@ def unknown(what: str, got: object, known: Iterable[str]) -> ConfigError:
     names = list(known)
     near = get_close_matches(str(got), names, n=1)
     perhaps = f"; perhaps you meant {near[0]}" if near else ""
-    return ConfigError(f"no {what} {got!r}{perhaps}; there are: {', '.join(names)}")
+    return ConfigError(f"no {what} {shown(got)}{perhaps}; there are: {', '.join(names)}")
 
 
 def require(name: str, given: Any, *kinds: type) -> None:
@@ -28,4 +29,4 @@ def require(name: str, given: Any, *kinds: type) -> None:
         ConfigError: ``given``, the argument called ``name``, is of none of the ``kinds``.
     """
     if not isinstance(given, kinds):
-        raise ConfigError(f"{name}: expected {' or '.join(kind.__name__ for kind in kinds)}; got {given!r}")
+        raise ConfigError(f"{name}: expected {' or '.join(kind.__name__ for kind in kinds)}; got {shown(given)}")

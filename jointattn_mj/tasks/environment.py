@@ -14,6 +14,7 @@ from dm_env import specs
 
 from jointattn_mj.errors import ConfigError, ObservationError, StateError
 from jointattn_mj.guards.closing import Closable
+from jointattn_mj.options import shown
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.caregiver import FRAME_S, TransferScript
 from jointattn_mj.scene.dressing import Conditions
@@ -132,7 +133,7 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
             self._seeds = np.random.SeedSequence(entropy)
         except (TypeError, ValueError) as error:
             raise ConfigError(
-                f"random: expected a whole number of 0 or more as seed, or None; got {random!r}"
+                f"random: expected a whole number of 0 or more as seed, or None; got {shown(random)}"
             ) from error
         self.random = np.random.RandomState(np.random.MT19937(self._seeds))
         """Random numbers for wrappers of dm_control, which take their noise from here; tasks draw none."""
@@ -346,7 +347,7 @@ class Environment(Closable, control.Environment):  # type: ignore[misc]
         for name in settings.keys() - _SETTINGS:
             raise unknown("argument of an environment", name, ("time_limit", *_SETTINGS))
         if not isinstance(time_limit, (int, float)) or not time_limit > 0:
-            raise ConfigError(f"time_limit must be a positive number of seconds; got {time_limit!r}")
+            raise ConfigError(f"time_limit must be a positive number of seconds; got {shown(time_limit)}")
         control_timestep = kind.frames * FRAME_S
         super().__init__(
             task.cast().physics, task, time_limit=time_limit, control_timestep=control_timestep, **settings

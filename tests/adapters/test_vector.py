@@ -1,9 +1,12 @@
 """Many worlds of ``follow`` in one process are as many single ones."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 
-from jointattn_mj.errors import ActionError, ConfigError, EpisodeError
+from jointattn_mj.errors import ActionError, ClosedError, ConfigError, EpisodeError
 
 pytestmark = pytest.mark.integration
 
@@ -69,15 +72,38 @@ def test_it_is_what_gymnasium_makes_unless_asked_otherwise():
     made.close()
 
 
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda made: pickle.loads(pickle.dumps(made))])
+def test_a_copy_has_the_future_of_the_original(copied):
+    made = gymnasium.make_vec("jointattn_mj:Follow-v0", num_envs=2, time_limit=0.5)
+    made.reset(seed=1), made.step(np.full((2, 2), 0.5))
+    twin, rng = copied(made), np.random.default_rng(0)
+    for _ in range(7):
+        actions = rng.uniform(-1, 1, (2, 2))
+        (ours, *rest), (theirs, *others) = made.step(actions), twin.step(actions)
+        np.testing.assert_equal((ours, rest), (theirs, others))
+    made.close(), twin.close()
+    with pytest.raises(ClosedError, match="FollowVector"):
+        twin.step(actions)
+    with pytest.raises(ClosedError, match="FollowVector"):
+        twin.reset()
+
+
+@pytest.mark.parametrize("number", [0, -1, 1.5, np.nan, "2", None, True])
+def test_no_number_of_worlds(number):
+    with pytest.raises(ConfigError, match="num_envs"):
+        gymnasium.make_vec("jointattn_mj:Follow-v0", num_envs=number, camera=False)
+
+
 def test_bad_input():
     made = gymnasium.make_vec("jointattn_mj:Follow-v0", num_envs=2, camera=False)
     with pytest.raises(EpisodeError, match="reset"):
         made.step(np.zeros((2, 2)))
     made.reset(seed=0)
     for wrong in (np.full((2, 2), np.nan), np.zeros(2), np.zeros((3, 2)), [["left", "right"]] * 2):
-        with pytest.raises(ActionError):
+        with pytest.raises(ActionError) as caught:
             made.step(wrong)
-    for wrong in (-1, 0.5, [1], [1, -1]):
+        assert "\n" not in str(caught.value)
+    for wrong in (-1, 0.5, [1], [1, -1], np.array(1)):
         with pytest.raises(ConfigError):
             made.reset(seed=wrong)
     made.close()

@@ -107,7 +107,7 @@ def test_arguments_are_named_like_options():
 
     assert arguments(jointattn_mj.Session.run, "progress", "kind") == options(LoggedSessionOptions)
     assert arguments(jointattn_mj.perceive, "video", "options", "progress") == options(PerceiveOptions)
-    assert set(typing.get_type_hints(PerceiveFields)) | {"video"} == options(PerceiveConfig)
+    assert set(typing.get_type_hints(PerceiveFields)) | {"video"} == options(PerceiveConfig) | {"motion_cues"}
     assert arguments(jointattn_mj.run_claim, "claim", "watcher") | {"claims"} == options(ExperimentRunOptions)
 
 

@@ -6,14 +6,19 @@ import sys
 import types
 from contextlib import contextmanager
 from dataclasses import replace
+from inspect import signature
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from jointattn_mj import Session, SessionResult, SessionSummary, Table
+from jointattn_mj import Development, Session, SessionResult, SessionSummary, Table, perceive
+from jointattn_mj.api.perceive import PerceiveFields
+from jointattn_mj.cli.old_names import typed_names
+from jointattn_mj.cli.parsing import module_of
 from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.presets import PRESETS
 from jointattn_mj.gaze_following.run import run_in_memory
 from jointattn_mj.gaze_following.session import SessionRun
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
@@ -174,3 +179,28 @@ def test_what_needs_a_folder():
 def test_a_folder_without_a_session(tmp_path):
     with pytest.raises(OutputError, match="give the folder of a finished run"):
         SessionResult.open(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("command", "arguments"),
+    [
+        ("session", {*signature(Session).parameters, *signature(Session.run).parameters}),
+        ("perceive", {*signature(perceive).parameters, *PerceiveFields.__annotations__}),
+    ],
+)
+def test_every_option_of_a_command_is_an_argument(command, arguments):
+    options = typed_names(getattr(module_of(command), command))
+    assert {option.removeprefix("--").replace("-", "_") for option in options if "." not in option} <= arguments
+
+
+def test_parts_are_configs_or_what_differs():
+    shut = Session(robot={"gaze": {"gate": "shut"}}, motion_cues=False, caregiver="noa")
+    assert (shut.robot.gaze.gate, shut.robot.attention.motion_cues) == ("shut", False)
+    assert shut.world.scene.caregiver == "noa"
+    learner = PRESETS["cross_situational"]
+    opened = Session(preset="cross_situational", robot={"gaze": {"gate": "open"}})
+    assert opened.robot == replace(learner, gaze=replace(learner.gaze, gate="open"))
+    assert replace(opened, seed=2).robot == opened.robot
+    assert Session(robot=RobotConfig(), motion_cues=False) == Session(motion_cues=False)
+    noa = Development("fast", world="rendered", caregiver="noa").config
+    assert noa.rendered.stage.world.scene.caregiver == "noa"

@@ -26,7 +26,7 @@ def session() -> SynchronisedSession:
     return session
 
 
-def test_every_shift_starts_and_ends_while_her_gaze_rests_on_one_thing(session):
+def test_every_shift_starts_and_ends_while_the_caregivers_gaze_rests_on_one_thing(session):
     assert len(session.shifts) > 40
     for row in session.shifts:
         assert row.phase_at_launch == row.phase_at_landing and row.phase_at_launch in RESTS

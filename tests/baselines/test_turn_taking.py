@@ -70,7 +70,7 @@ def test_a_table_too_full_is_named(monkeypatch):
         draw_tables(ObjectTableConfig(objects=40, region="outside"), 2, np.random.default_rng(0))
 
 
-def test_she_turns_to_the_side_where_the_object_is():
+def test_the_caregiver_turns_to_the_side_where_the_object_is():
     ahead, robots_left, near_robot = gaze_deg(np.array([[1.0, 0.0], [1.0, 0.3], [0.6, 0.0]]))
     assert ahead[0] == pytest.approx(0) and ahead[1] == pytest.approx(np.degrees(np.arctan2(1.08 - 0.741, 0.5)))
     assert robots_left[0] == pytest.approx(-np.degrees(np.arctan2(0.3, 0.5)))  # world +y is to her right
@@ -82,7 +82,7 @@ def bank() -> FaceBank:
     return render_faces(FaceBankConfig(faces=120, familiar=60), np.random.default_rng(0))
 
 
-def test_faces_are_rendered_found_and_tell_where_she_looks(bank):
+def test_faces_are_rendered_detected_and_tell_where_the_caregiver_looks(bank):
     assert bank.patches.shape == (120, 1024) and bank.gaze.shape == (120, 2)  # none was missed
     inputs = bank.inputs(10.0)
     assert np.sqrt(np.square(inputs.patterns).sum(axis=1).mean()) == pytest.approx(10, rel=1e-4)
@@ -104,7 +104,7 @@ def test_a_face_is_taken_by_the_direction_of_gaze():
     assert (distance == np.linalg.norm(faces.gaze - gaze_deg(locations)[:, :, None], axis=-1).min(axis=-1)).all()
 
 
-def test_visual_feedback_reaches_some_object_and_hers_by_chance():
+def test_visual_feedback_reaches_some_object_and_the_caregivers_by_chance():
     faces = code_faces()
     robot = taker(replace(SHORT, gate="shut"), faces)
     outcomes = run_attempts(robot, situations(faces, VIEW_3), faces, 3000, np.random.default_rng(3))
@@ -121,7 +121,7 @@ def test_visual_feedback_does_not_reach_what_was_never_in_view():
     assert not outcomes.reached.any() and not outcomes.in_view.any()
 
 
-def test_any_object_then_hers_in_view_then_outside():
+def test_any_object_then_the_caregivers_in_view_then_outside():
     faces = code_faces()
     quick = TurnTakerConfig(rate=0.006, first_face_weight=0.1, gate_midpoint=8000.0, gate_width=2500.0)
     robot = taker(quick, faces)
@@ -163,7 +163,7 @@ def test_a_failed_attempt_teaches_nothing_and_tests_change_nothing():
     assert robot.time == 0 and all((a == b).all() for a, b in zip(before, robot.network, strict=True))
 
 
-def test_same_seed_same_life_and_blind_eyes_reach_nothing():
+def test_same_seed_same_run_and_blind_eyes_reach_nothing():
     faces = code_faces()
     table = situations(faces, TABLE_3)
     first, again = (run_attempts(taker(SHORT, faces), table, faces, 500, np.random.default_rng(7)) for _ in range(2))
@@ -182,7 +182,7 @@ def test_ending_at_the_first_object_takes_fewer_steps():
     assert outcomes.reached.mean() > 0.99 and outcomes.movements.mean() < 3
 
 
-def test_a_life_in_counts(monkeypatch, bank):
+def test_a_run_in_counts(monkeypatch, bank):
     monkeypatch.syspath_prepend(str(Path(__file__).parents[2]))
     from experiments.turn_taking import analysis, sweep
     from jointattn_mj.sweeps.claim import Trial

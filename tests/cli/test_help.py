@@ -11,11 +11,15 @@ from shell import Shell
 from jointattn_mj import __version__
 from jointattn_mj.cli.commands import COMMANDS, overview
 from jointattn_mj.cli.help import ADVANCED
+from jointattn_mj.cli.old_names import typed_names
+from jointattn_mj.cli.parsing import module_of
 
 pytestmark = pytest.mark.integration
 
 SCREENS, LINES, COLUMNS = 2, 45, 100
 OPTION = re.compile(r"^ +(?:-h, )?(--[\w.-]+)", re.M)
+UNNAMED = ("--file", "--first", "--second", "--video", "--objects")
+"""Typed without a name; the last stands beside another form."""
 PARTS = {"session": ("--robot.", "--pixels.", "--world."), "perceive": ("--attention.", "--pixels.", "--som.")}
 
 
@@ -73,6 +77,22 @@ def test_everyday_help_is_part_of_all(jointattn, command):
     for part in PARTS[command]:
         assert [option for option in long if option.startswith(part)]
     assert "--help-all" in everyday and "--config FILE" in everyday
+
+
+@pytest.mark.parametrize("command", ["measure", "discover", "recordings", "transitions", "agreement", "perceive"])
+def test_help_all_has_every_option_once(jointattn, command):
+    known = typed_names(getattr(module_of(command), command))
+    everyday, everything = (jointattn(command, option).out for option in ("--help", "--help-all"))
+    listed = OPTION.findall(everything)
+    assert known - {*listed, *UNNAMED} == set()
+    assert len(listed) == len(set(listed)) > len(OPTION.findall(everyday))
+    assert "--help-all" in everyday and ADVANCED in everything
+
+
+def test_help_has_no_marks_of_docstrings(jointattn):
+    for words in (("session", "--help-all"), ("view", "--help"), ("develop", "table", "--help-all")):
+        said = jointattn(*words).out
+        assert "``" not in said and "\n\n\n" not in said
 
 
 def test_tuned_constants_come_last(jointattn):

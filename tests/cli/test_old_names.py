@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar, Literal
 
 import pytest
 
+from jointattn_mj import Development, Session
 from jointattn_mj.cli.old_names import with_names_of_today
 from jointattn_mj.options import FLAT, GOES, TOP_LEVEL, Checked, RenamedWarning, Share
 
@@ -185,3 +186,14 @@ class TestConfigFile:
         outcome = jointattn(*arguments)
         assert outcome.code == 2
         assert words in outcome.err
+
+
+def test_an_old_name_from_python_is_told_of_once():
+    for make, name in (
+        (lambda: Development("fast", mind={}), "mind is now called agent"),
+        (lambda: Session(perception="truth"), r"^Session.perception 'truth' is now called 'state'"),
+        (lambda: Session(world={"behaviour": {"rest_place": (1.0, 0.4, 0.8)}}), "rest_place is now called"),
+    ):
+        with pytest.warns(RenamedWarning, match=name) as told:
+            make()
+        assert len(told) == 1

@@ -94,7 +94,7 @@ def test_lags_that_are_measured_part_by_part_have_the_same_surrogates(method, mo
         monkeypatch.setattr(scan, "AT_ONCE", most)
         rng, done = np.random.default_rng(5), []
         options = TestOptions(60, method=method)
-        series = [s[one] for one in cut], [r[one] for one in cut]
+        series = [s[rows] for rows in cut], [r[rows] for rows in cut]
         scans.append(c.scan_lags("te", *series, lags=range(1, 9), options=options, seed=rng, progress=done.append))
         told.append(sum(done))
         following.append(rng.random())
@@ -136,9 +136,9 @@ def test_values_of_every_measure_add_up_to_it():
     for measure in MEASURES.values():
         given = steps(s, r, a)
         local = local_of_steps(given, measure)
-        assert sum(one.contribution for one in local) == pytest.approx(measure.value(given.entries()))
-        assert sum(one.count for one in local) == given.transitions
-        assert {one.known for one in local} == {measure.given}
+        assert sum(value.contribution for value in local) == pytest.approx(measure.value(given.entries()))
+        assert sum(value.count for value in local) == given.transitions
+        assert {value.known for value in local} == {measure.given}
     words = local_of_steps(steps(s, r), MEASURES["mutual_information"])[0].words(("gaze", "", "toy"))
     assert "with" not in words
     assert "->" not in words

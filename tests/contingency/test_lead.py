@@ -30,13 +30,13 @@ def test_what_is_strong_but_rare_comes_first():
     data = rare_and_frequent()
     whole = discover(data, *EVENTS, options=TestOptions(99, resamples=0))
     local = discover(data, *EVENTS, options=FEW, measure="local")
-    assert [one.event for one in whole[:2]] == ["(hand, gaze) -> seen", "(face, gaze) -> smile"]
-    assert [one.event for one in local[:2]] == ["(face, gaze) -> smile", "(hand, gaze) -> seen"]
-    assert [one.p_adjusted <= 0.05 for one in local] == [True, True, False, False]
-    assert local[0].first > 0.99 and sum(one.first for one in local) == pytest.approx(1)
+    assert [result.event for result in whole[:2]] == ["(hand, gaze) -> seen", "(face, gaze) -> smile"]
+    assert [result.event for result in local[:2]] == ["(face, gaze) -> smile", "(hand, gaze) -> seen"]
+    assert [result.p_adjusted <= 0.05 for result in local] == [True, True, False, False]
+    assert local[0].first > 0.99 and sum(result.first for result in local) == pytest.approx(1)
     lead = local[0].lead
-    assert {one.sensor for one in lead.situations} == {2} and 0.05 <= lead.share < 0.08
-    assert {(one.sensor, one.action) for one in local[0].values} == {(2, 2)}, "which look answers which"
+    assert {situation.sensor for situation in lead.situations} == {2} and 0.05 <= lead.share < 0.08
+    assert {(value.sensor, value.action) for value in local[0].values} == {(2, 2)}, "which look answers which"
     low, high = local[0].significance.interval
     assert low < local[0].significance.value < high
 
@@ -50,14 +50,14 @@ def test_value_is_a_slow_sum():
     lead = lead_of_steps(acted(s, a, r), how, TestOptions(surrogates=9), 1.0, np.random.default_rng(1))
     rows = list(zip(r[:-1], s[:-1], a[:-1], r[1:], strict=True))
     value, whole = 0.0, 0
-    for one in lead.situations:
-        here = [row for row in rows if row[:2] == (one.result, one.sensor)]
-        assert len(here) == one.transitions
+    for situation in lead.situations:
+        here = [row for row in rows if row[:2] == (situation.result, situation.sensor)]
+        assert len(here) == situation.transitions
         actions = sorted({row[2] for row in here})
-        q = {x: np.mean([row[3] for row in rows if (row[0], row[2]) == (one.result, x)]) for x in actions}
+        q = {x: np.mean([row[3] for row in rows if (row[0], row[2]) == (situation.result, x)]) for x in actions}
         n = {x: sum(row[2] == x for row in here) for x in actions}
         k = {x: sum(row[3] for row in here if row[2] == x) for x in actions}
-        base = np.mean([row[3] for row in rows if row[0] == one.result])
+        base = np.mean([row[3] for row in rows if row[0] == situation.result])
         total = 0.0
         for _ in range(2000):
             p = {x: rng.beta(k[x] + 2 * q[x], n[x] - k[x] + 2 * (1 - q[x])) if 0 < q[x] < 1 else q[x] for x in actions}

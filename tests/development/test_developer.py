@@ -14,7 +14,7 @@ from jointattn_mj.contingency.online.counts import ALONE, OF_ACTION, OF_SENSOR, 
 from jointattn_mj.contingency.online.detector import DetectorConfig
 from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.contingency.online.modules import make_module
-from jointattn_mj.contingency.online.reactive import RandomModule
+from jointattn_mj.contingency.online.reactive import CuriousModule, RandomModule
 from jointattn_mj.development.agent import FADED, Developer, DeveloperConfig
 from jointattn_mj.errors import ConfigError, SeriesError
 
@@ -80,7 +80,7 @@ class Diary:
 @pytest.mark.parametrize(("n_steps", "modules"), [(90, 0), (900, 3)])
 def test_memory_whole(n_steps, modules):
     diary = Diary(HASTY, n_steps)
-    diary.check(lambda t, born: (t >= born).astype(float))
+    diary.check(lambda t, initial: (t >= initial).astype(float))
     assert len(diary.agent.modules) == modules
 
 
@@ -88,7 +88,7 @@ def test_memory_whole(n_steps, modules):
 def test_history_full(n_steps):
     """As in a life in which the variables of all modules had existed from the beginning."""
     diary = Diary(replace(HASTY, history="full"), n_steps)
-    diary.check(lambda t, born: np.ones(len(t)))
+    diary.check(lambda t, initial: np.ones(len(t)))
     assert diary.agent.modules
 
 
@@ -97,13 +97,13 @@ def test_memory_reset(n_steps):
     diary = Diary(replace(HASTY, memory="reset"), n_steps)
     last = max(diary.born.values())
     assert last > 0
-    diary.check(lambda t, born: (t >= last).astype(float))
+    diary.check(lambda t, initial: (t >= last).astype(float))
 
 
 @pytest.mark.parametrize("n_steps", [140, 151, 152, 400, 900])
 def test_memory_window(n_steps):
     diary = Diary(replace(HASTY, memory="window"), n_steps)
-    diary.check(lambda t, born: (t >= max(born, len(t) - 150)).astype(float))
+    diary.check(lambda t, initial: (t >= max(initial, len(t) - 150)).astype(float))
     assert n_steps < 900 or diary.agent.modules
 
 
@@ -111,7 +111,7 @@ def test_memory_window(n_steps):
 def test_memory_fading(n_steps):
     patient = replace(HASTY.detector, threshold=0.05)
     diary = Diary(replace(HASTY, memory="fading", horizon=40, detector=patient), n_steps)
-    diary.check(lambda t, born: np.where(t >= born, np.exp((t - t[-1]) / 40), 0.0))
+    diary.check(lambda t, initial: np.where(t >= initial, np.exp((t - t[-1]) / 40), 0.0))
     assert (np.exp(n_steps / 40) > FADED > diary.agent.state.past.weight[0]) == (n_steps == 1000)
     assert n_steps < 1000 or diary.agent.modules
 
@@ -249,6 +249,17 @@ def test_joints_without_a_reactive_module_move_at_random():
         Developer(Doors().variables, HASTY, 0, [RandomModule("tail")])
 
 
+@pytest.mark.parametrize("part", range(3))
+def test_more_values_than_steps_are_kept_with(part):
+    sizes = [[2, 2], [2, 2], [2, 2]]
+    sizes[part] = [2, 128]
+    keeps = DeveloperConfig(DetectorConfig(stop_rule="local"))
+    with pytest.raises(ConfigError, match="at most 127 values each; got 128 values of "):
+        Developer(variables(*sizes), keeps)
+    with pytest.raises(ConfigError, match="at most 127 values"):
+        Developer(variables(*sizes), DeveloperConfig(), 0, [CuriousModule("a0")])
+
+
 BAD = [
     ({"memory": "long"}, ("memory", "long")),
     ({"history": "never"}, ("history", "never")),
@@ -258,6 +269,9 @@ BAD = [
     ({"memory": "fading", "detector": DetectorConfig(stop_rule="confidence")}, ("fading", "confidence")),
     ({"memory": "fading", "detector": DetectorConfig(correction="miller_madow")}, ("fading", "correction")),
     ({"memory": "window", "history": "full"}, ("full", "window")),
+    ({"detector": DetectorConfig(stop_rule="local", measure="tc")}, ("local", "measure sac", "got tc")),
+    ({"detector": DetectorConfig(stop_rule="local", correction="miller_madow")}, ("correction none", "miller_madow")),
+    ({"detector": DetectorConfig(stop_rule="local"), "history": "full"}, ("history since_creation", "full")),
 ]
 
 

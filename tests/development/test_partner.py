@@ -25,11 +25,11 @@ from jointattn_mj.scene.world import AS_USUAL, WorldConfig, build_physics
 pytestmark = pytest.mark.integration
 
 SPOTS = 3
-PACE_OF_HERS = PartnerConfig()
+PACE_OF_THE_CAREGIVER = PartnerConfig()
 STILL = np.zeros(2)
 
 
-def world_of(seed: int = 0, partner: PartnerConfig = PACE_OF_HERS, **chances: float) -> PartnerWorld:
+def world_of(seed: int = 0, partner: PartnerConfig = PACE_OF_THE_CAREGIVER, **chances: float) -> PartnerWorld:
     """A world of three places and two objects."""
     config = WorldConfig(behaviour=PACE)
     config = replace(config, scene=replace(config.scene, objects=OBJECTS[:2]))
@@ -37,66 +37,66 @@ def world_of(seed: int = 0, partner: PartnerConfig = PACE_OF_HERS, **chances: fl
     return PartnerWorld(config, build_physics(config), np.random.SeedSequence(seed), AS_USUAL, partner, table)
 
 
-def partner_of(seed: int = 0, partner: PartnerConfig = PACE_OF_HERS, **chances: float) -> Partner:
+def partner_of(seed: int = 0, partner: PartnerConfig = PACE_OF_THE_CAREGIVER, **chances: float) -> Partner:
     """Who sits there, without the robot looking at anything."""
-    her = world_of(seed, partner, **chances).caregiver
-    her.watch(NOWHERE)
-    return her
+    person = world_of(seed, partner, **chances).caregiver
+    person.watch(NOWHERE)
+    return person
 
 
-def advance(her: Partner, until, frames: int = 3000) -> int:
+def advance(person: Partner, until, frames: int = 3000) -> int:
     """Frames until something holds."""
     for frame in range(frames):
         if until():
             return frame
-        her.advance()
+        person.advance()
     raise AssertionError(f"it has not come about in {frames} frames")
 
 
-def looks_at_an_object(her: Partner) -> bool:
-    return her.phase == Phase.GAZE and her.looks_at < SPOTS
+def looks_at_an_object(person: Partner) -> bool:
+    return person.phase == Phase.GAZE and person.looks_at < SPOTS
 
 
 def seconds(frames: int) -> float:
     return frames * FRAME_S
 
 
-def test_objects_lie_at_places_of_their_own_or_in_her_hand():
-    her, spots = partner_of(1), spot_positions(SPOTS, WorldConfig().scene)
-    before, carried = her.at.copy(), 0
+def test_objects_lie_at_locations_of_their_own_or_in_the_hand():
+    person, spots = partner_of(1), spot_positions(SPOTS, WorldConfig().scene)
+    before, carried = person.at.copy(), 0
     for _ in range(9000):
-        her.advance()
-        assert len(set(her.at)) == 2
-        for number, location in enumerate(her.at):
-            if number != her.held:
-                assert np.abs(her.objects[number] - spots[location]).max() <= her.partner.jitter_m + 1e-9
-        carried += not np.array_equal(before, her.at)
-        before = her.at.copy()
+        person.advance()
+        assert len(set(person.at)) == 2
+        for number, location in enumerate(person.at):
+            if number != person.held:
+                assert np.abs(person.objects[number] - spots[location]).max() <= person.partner.jitter_m + 1e-9
+        carried += not np.array_equal(before, person.at)
+        before = person.at.copy()
     assert carried > 5
 
 
-def test_she_looks_at_what_she_is_said_to_look_at():
-    her = partner_of(2)
+def test_the_caregiver_looks_at_what_is_said():
+    person = partner_of(2)
     for _ in range(3000):
-        her.advance()
-        if her.phase == Phase.GAZE:
-            yaw, pitch = her.joints[:2] + her.joints[2:4]
-            if her.looks_at == SPOTS:
+        person.advance()
+        if person.phase == Phase.GAZE:
+            yaw, pitch = person.joints[:2] + person.joints[2:4]
+            if person.looks_at == SPOTS:
                 assert abs(yaw) < 1e-9 and abs(pitch) < 1e-9
             else:
-                off = her.objects[her.target] - np.append(her._origin[:2], her._eye[2])
+                off = person.objects[person.target] - np.append(person._origin[:2], person._eye[2])
                 assert np.arctan2(-off[1], -off[0]) == pytest.approx(yaw, abs=1e-6)
 
 
-def test_she_answers_joint_attention_in_time_and_not_otherwise():
+def test_the_caregiver_answers_joint_attention_in_time_and_not_otherwise():
     lags = []
     for seed in range(8):
-        her = partner_of(seed, lead=0.0)
-        advance(her, lambda her=her: looks_at_an_object(her))
-        her.watch(her.looks_at)
-        lags.append(advance(her, lambda her=her: her.looks_at == SPOTS))
-        assert her.option == AFTER_JOINT_ATTENTION
-    low, high = PACE_OF_HERS.latency_s
+        person = partner_of(seed, lead=0.0)
+        advance(person, lambda person=person: looks_at_an_object(person))
+        person.watch(person.looks_at)
+        lags.append(advance(person, lambda person=person: person.looks_at == SPOTS))
+        assert person.option == AFTER_JOINT_ATTENTION
+    low, high = PACE_OF_THE_CAREGIVER.latency_s
     assert all(low - 2 * FRAME_S <= seconds(lag) <= high + 2 * FRAME_S for lag in lags)
     assert len(set(lags)) > 3
     cold = partner_of(0, lead=0.0, answer=0.0)
@@ -113,15 +113,15 @@ def test_she_answers_joint_attention_in_time_and_not_otherwise():
         assert elsewhere.option != AFTER_JOINT_ATTENTION
 
 
-def test_she_follows_the_robot_from_its_face_to_an_object():
+def test_the_caregiver_follows_the_robot_from_its_face_to_an_object():
     followed = 0
     for seed in range(8):
-        her = partner_of(seed, lead=1.0, follow=1.0)
-        advance(her, lambda her=her: her.phase == Phase.GAZE and her.looks_at == SPOTS)
-        shown = int(her.at[0])
-        her.watch(shown)
-        advance(her, lambda her=her: her.looks_at != SPOTS)
-        followed += her.option == RJA and her.looks_at == shown
+        person = partner_of(seed, lead=1.0, follow=1.0)
+        advance(person, lambda person=person: person.phase == Phase.GAZE and person.looks_at == SPOTS)
+        shown = int(person.at[0])
+        person.watch(shown)
+        advance(person, lambda person=person: person.looks_at != SPOTS)
+        followed += person.option == RJA and person.looks_at == shown
     assert followed >= 6  # a glance may be over before she has answered
     never = partner_of(0, lead=1.0, follow=0.0)
     never.watch(int(never.at[0]))
@@ -130,12 +130,12 @@ def test_she_follows_the_robot_from_its_face_to_an_object():
         assert never.option != RJA
 
 
-def test_she_leads_and_comes_back():
-    her = partner_of(4, lead=1.0)
-    advance(her, lambda: her.option == IJA)
-    shown = her._returns_to
-    advance(her, lambda: her.option == IJA_BACK)
-    assert her.looks_at == shown
+def test_the_caregiver_leads_and_comes_back():
+    person = partner_of(4, lead=1.0)
+    advance(person, lambda: person.option == IJA)
+    shown = person._returns_to
+    advance(person, lambda: person.option == IJA_BACK)
+    assert person.looks_at == shown
 
 
 def test_eye_contact_lasts_longer_than_waiting_alone_but_not_for_ever():
@@ -143,37 +143,37 @@ def test_eye_contact_lasts_longer_than_waiting_alone_but_not_for_ever():
     for robot in (NOWHERE, SPOTS):
         waits[robot] = []
         for seed in range(12):
-            her = partner_of(seed, lead=0.0)
-            advance(her, lambda her=her: looks_at_an_object(her))
-            her.watch(her.looks_at)
-            advance(her, lambda her=her: her.looks_at == SPOTS)
-            her.watch(robot)
-            waits[robot].append(advance(her, lambda her=her: her.looks_at != SPOTS))
+            person = partner_of(seed, lead=0.0)
+            advance(person, lambda person=person: looks_at_an_object(person))
+            person.watch(person.looks_at)
+            advance(person, lambda person=person: person.looks_at == SPOTS)
+            person.watch(robot)
+            waits[robot].append(advance(person, lambda person=person: person.looks_at != SPOTS))
     assert np.mean(waits[SPOTS]) > np.mean(waits[NOWHERE]) + 0.4 / FRAME_S
 
 
-def test_she_greets_before_all_else_and_when_she_is_asked_to():
-    her = partner_of(6, PartnerConfig(greets=3))
+def test_the_caregiver_greets_before_all_else_and_when_asked_to():
+    person = partner_of(6, PartnerConfig(greets=3))
     for _ in range(2):
-        frames = advance(her, lambda: not her.greeting and her.looks_at != SPOTS)
+        frames = advance(person, lambda: not person.greeting and person.looks_at != SPOTS)
         assert seconds(frames) > 2.0
-        advance(her, lambda: her.held is not None)
-        her.greet()
-        assert her.greeting
-        advance(her, lambda: her.phase == Phase.GREET)
-        assert her.held is None and her.looks_at == SPOTS
+        advance(person, lambda: person.held is not None)
+        person.greet()
+        assert person.greeting
+        advance(person, lambda: person.phase == Phase.GREET)
+        assert person.held is None and person.looks_at == SPOTS
 
 
 def test_a_table_that_is_full_leaves_nothing_to_carry():
     config = WorldConfig(behaviour=PACE)
     config = replace(config, scene=replace(config.scene, objects=OBJECTS[:3]))
     table, physics = TableConfig(objects=3), build_physics(config)
-    her = PartnerWorld(
+    person = PartnerWorld(
         config, physics, np.random.SeedSequence(0), AS_USUAL, PartnerConfig(carries=1.0), table
     ).caregiver
     for _ in range(3000):
-        her.advance()
-        assert her.held is None
+        person.advance()
+        assert person.held is None
 
 
 def test_a_world_goes_on_from_a_pickle_as_if_nothing_had_happened():

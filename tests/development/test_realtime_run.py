@@ -15,11 +15,11 @@ from jointattn_mj.errors import ConfigError
 
 pytestmark = pytest.mark.integration
 
-TRUTH = RealtimeConfig(perception="state", familiarise_minutes=1.0)
+STATE = RealtimeConfig(perception="state", familiarise_minutes=1.0)
 FAST = PRESETS["fast"]
 
 
-def new_run(config: RealtimeConfig = TRUTH, seed: int = 3, table: TableConfig = FAST.world) -> RealtimeRun:
+def new_run(config: RealtimeConfig = STATE, seed: int = 3, table: TableConfig = FAST.world) -> RealtimeRun:
     return RealtimeRun(table, config, FAST.agent, seed, 4000, sample_every=50)
 
 
@@ -43,10 +43,10 @@ def test_a_step_is_over_when_attention_has_had_enough(steps_done):
     frames = np.diff(steps_done.ended)
     assert (frames > 0).all() and steps_done.ended[-1] == steps_done.frame
     stayed = steps_done.log(GAZE)[:-2] == steps_done.log(GAZE)[1:-1]
-    period, shift = TRUTH.attention.selection_period, TRUTH.shift_frames
+    period, shift = STATE.attention.selection_period, STATE.shift_frames
     assert (frames[1:][stayed] % period == 0).all()  # no head turn: draws alone end it
     assert (frames[1:][~stayed] >= period + shift).all()
-    longest = TRUTH.longest_s * 30
+    longest = STATE.longest_s * 30
     assert frames.max() <= longest + 2 * shift
 
 
@@ -65,15 +65,15 @@ def test_it_is_said_for_people_what_categories_of_faces_mean(steps_done):
     assert steps_done.minutes_at(steps_done.steps_done) == steps_done.minutes
 
 
-def test_motion_cues_make_another_life_of_the_same_seed():
-    quick = replace(TRUTH.attention, motion_delay=2.0)  # at once: what moves in fixations of 0.3 s moves for few frames
-    runs = [new_run(replace(TRUTH, attention=attention)) for attention in (quick, replace(quick, motion_cues=False))]
+def test_motion_cues_make_another_run_of_the_same_seed():
+    quick = replace(STATE.attention, motion_delay=2.0)  # at once: what moves in fixations of 0.3 s moves for few frames
+    runs = [new_run(replace(STATE, attention=attention)) for attention in (quick, replace(quick, motion_cues=False))]
     for run in runs:
         run.run_until(1.0)
     assert not np.array_equal(runs[0].ended, runs[1].ended)
 
 
-def test_a_stored_life_goes_on_to_the_same_end(steps_done):
+def test_a_stored_run_goes_on_to_the_same_end(steps_done):
     whole, stored = new_run(), new_run()
     for steps in (1, 36, 100):
         stored.advance(steps)
@@ -89,7 +89,7 @@ def test_another_number_of_places():
     assert set(run.log(GAZE)) == set(range(5))
 
 
-def test_a_life_from_pictures_goes_on_from_a_pickle():
+def test_a_run_from_images_goes_on_from_a_pickle():
     config = RealtimeConfig(familiarise_minutes=0.4)
     whole = new_run(config, seed=5)
     stored: RealtimeRun = pickle.loads(pickle.dumps(whole))

@@ -52,7 +52,7 @@ def assert_same(run, other_run):
     ]
 
 
-def test_with_the_truth_it_is_the_life_at_the_symbolic_table():
+def test_with_the_state_it_is_the_run_at_the_symbolic_table():
     """The agent is the same, and so is the table; only perception lies between them."""
     n_steps = 1500
     visible, symbolic = steps_done(TRUE, n_steps), TableRun(TABLE, HASTY, 2, n_steps)
@@ -67,7 +67,7 @@ def test_with_the_truth_it_is_the_life_at_the_symbolic_table():
     assert visible.stage.world.rendered_frames < n_steps  # nobody looked
 
 
-def test_pictures_tell_what_the_truth_is(run):
+def test_images_tell_what_the_state_is(run):
     counts, objects = run.confusion(), run.object_confusion()
     assert counts.sum() == objects.sum() == run.steps_done
     assert counts[:-1, :-1].max(axis=1).sum() >= 0.97 * counts[:, :-1].sum()
@@ -95,11 +95,11 @@ def test_frontal_is_what_greeted_it(run):
     assert np.mean(run.log("profile") == elsewhere) > 0.98
 
 
-def test_a_turn_is_a_picture(run):
+def test_a_step_is_an_image(run):
     assert run.stage.world.rendered_frames == run.steps_done + SHORT.exploration + SHORT.calibration
 
 
-def test_the_same_seed_lives_the_same_life_however_it_is_interrupted(run):
+def test_the_same_seed_is_the_same_run_however_it_is_interrupted(run):
     assert_same(steps_done(SHORT, 400, stops=(1, 37)), run)
     other = RenderedRun(TABLE, SHORT, HASTY, 2, 400)
     other.advance(123)

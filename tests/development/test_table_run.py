@@ -88,7 +88,7 @@ def test_the_log_says_what_happened(undisturbed):
     assert np.array_equal(agent.state.counts.entries, run.agent.state.counts.entries)
 
 
-def test_the_same_seed_is_the_same_life(undisturbed):
+def test_the_same_seed_is_the_same_run(undisturbed):
     same(undisturbed, steps_done(undisturbed.agent.config))
     other = steps_done(undisturbed.agent.config, seed=5)
     assert not np.array_equal(undisturbed.log("gesture"), other.log("gesture"))
@@ -164,12 +164,12 @@ def test_contingency_is_that_of_the_log(correction):
         for turn_, row in zip(n_steps, values, strict=True):
             expected = c.state_action_contingency(*(column[:turn_] for column in columns), correction=correction)
             assert row[number] == pytest.approx(expected, abs=1e-12)
-    born = [0] * 12 + [run.detections[0].step] * (len(run.agent.events) - 12)
+    initial = [0] * 12 + [run.detections[0].step] * (len(run.agent.events) - 12)
     for number in range(len(list(first.with_module("module 1").events()))):
-        assert np.isnan(values[:, number]).tolist() == (n_steps < born[number]).tolist()
+        assert np.isnan(values[:, number]).tolist() == (n_steps < initial[number]).tolist()
 
 
-def test_samples_do_not_change_the_life():
+def test_samples_do_not_change_the_run():
     often, seldom = steps_done(sample_every=1), steps_done(sample_every=STEPS + 1)
     assert all(np.array_equal(often.log(column), seldom.log(column)) for column in often.columns)
     assert len(often.contingency()[0]) == STEPS
@@ -186,6 +186,12 @@ def test_what_is_left_when_no_more_modules_are_made():
     assert nothing.agent.modules == []
     assert nothing.detections[0].module is None
     assert set(nothing.log("driver of shift gaze")) == {0}
+
+
+def test_what_is_found_without_a_module_is_found_once():
+    run = steps_done(replace(AGENTS["local"], most_modules=1), n_steps=2000)
+    assert [detection.module is None for detection in run.detections][:2] == [False, True]
+    assert len({detection.event for detection in run.detections}) == len(run.detections)
 
 
 def test_a_robot_that_avoids_faces():
@@ -224,7 +230,7 @@ def test_presets_live(name):
         ({"agent": replace(HASTY, most_modules=127)}, "129"),
     ],
 )
-def test_impossible_lives(arguments, word):
+def test_impossible_runs(arguments, word):
     with pytest.raises(ConfigError, match=word):
         TableRun(**({"world": WORLD, "agent": HASTY, "seed": 0, "n_steps": 10} | arguments))
 

@@ -54,7 +54,7 @@ def test_what_is_sensed(name):
     variables = table_variables(config)
     seed = np.random.SeedSequence(3)
     world = new_table(config, seed)
-    hers = np.random.default_rng(np.random.SeedSequence(3).spawn(2)[1])
+    caregivers = np.random.default_rng(np.random.SeedSequence(3).spawn(2)[1])
     rng = np.random.default_rng(1)
     s, r, a = np.zeros(2, np.int64), np.zeros(len(variables.results), np.int64), np.zeros(2, np.int64)
     robot = gaze = config.spots
@@ -74,7 +74,7 @@ def test_what_is_sensed(name):
         assert np.array_equal(full, world.full)
         assert np.array_equal(kind, world.kind)
         gaze, returns_to, option = shift_gaze(
-            world.rules, full, robot, gaze, returns_to, hers, np.zeros(config.spots, bool)
+            world.rules, full, robot, gaze, returns_to, caregivers, np.zeros(config.spots, bool)
         )
         assert world.state[[ROBOT, CAREGIVER, RETURNS_TO, OPTION]].tolist() == [robot, gaze, returns_to, option]
         assert r.tolist() == (early if config.order == "robot_first" else results())
@@ -134,7 +134,7 @@ def test_the_same_seed_is_the_same_world():
     assert runs[0] == runs[1] != runs[2]
 
 
-def test_where_objects_lie_does_not_depend_on_what_she_does():
+def test_where_objects_lie_does_not_depend_on_what_the_caregiver_does():
     """The world and the caregiver draw from streams of their own."""
     others = TableConfig(caregiver=TableCaregiverConfig(follow=0.0, lead=0.0, at_objects=0.5))
     laid = [[table.full.tolist() for table, *_ in n_steps(config, 100)] for config in (CHAPTER_5, others)]

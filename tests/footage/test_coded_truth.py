@@ -44,6 +44,8 @@ def test_a_folder_of_perceive_is_read_as_its_events(tmp_path):
 def test_codings_of_other_objects_are_refused(tmp_path):
     with pytest.raises(ConfigError, match=r"none of the objects \(cup\).*blue, partner, red"):
         coded(tmp_path, names=("cup",))
+    with pytest.raises(ConfigError, match="says of no time"):
+        coded(tmp_path, "onset_s,offset_s,tier,code\n0,1,looks at,unsure\n")
     with pytest.raises(SeriesError):
         CodedLooks.read(tmp_path / "none.csv", ("red",))
 

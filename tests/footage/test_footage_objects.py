@@ -18,6 +18,8 @@ from jointattn_mj.footage.rest import Rest, RestConfig
 from jointattn_mj.footage.run import percepts
 from jointattn_mj.footage.shots import ShotConfig, Shots
 from jointattn_mj.footage.spans import Spans, write_spans
+from jointattn_mj.footage.summary import notes
+from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.perception.objects import ColourConfig
 from jointattn_mj.scene import gl
 
@@ -142,6 +144,18 @@ class TestPicked:
         assert np.isnan(said[10:20]).all()
         np.testing.assert_allclose(np.delete(said, range(10, 20)), 111.5 + np.delete(np.arange(30), range(10, 20)))
 
+    def test_where_something_else_is_found(self, tmp_path):
+        """Something larger has the same colours: that is on the list of what to check, and a good pick is not."""
+        image = table((100, 100, 12, 12, (120, 122, 125)), (200, 150, 24, 24, (120, 122, 125)))
+        video = encode(tmp_path / "a.mkv", np.repeat(image[None], 9, axis=0))
+        for x, y, said in ((104, 104, ["cup not found where it was picked"]), (210, 160, [])):
+            viewing = Viewing(PerceiveConfig(video, objects=(f"cup@0.1s:{x},{y}",), detector=DETECTOR))
+            viewing.prepare()
+            for still in viewing.footage:
+                viewing.see(still)
+            assert [check.code for check in viewing.checks()] == said
+            assert [check.start for check in viewing.checks()] == [3] * len(said)
+
     def test_later_than_the_video(self, tmp_path):
         video = encode(tmp_path / "a.mp4", counted(10), "-c:v", "libx264")
         with pytest.raises(FootageError, match=r"picked at 5 s.*ends before"):
@@ -231,18 +245,23 @@ def test_spans(tmp_path):
 
 
 @pytest.mark.integration
-def test_times_are_those_of_the_file(tmp_path):
+@pytest.mark.parametrize("name", ["both.mkv", "both.ts"])
+def test_times_are_those_of_the_file(tmp_path, name):
     """Sound begins two seconds before the image: players, and so codings, count from there."""
     import subprocess
 
     import imageio_ffmpeg
 
     video = encode(tmp_path / "a.mp4", counted(30), "-c:v", "libx264")
-    both = tmp_path / "both.mkv"
+    both = tmp_path / name
     sound = ["-f", "lavfi", "-t", "4", "-i", "sine"]
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-v", "error", *sound, "-itsoffset", "2", "-i", str(video)]
     subprocess.run([*command, "-map", "0:a", "-map", "1:v", "-c:v", "copy", str(both)], check=True)
     assert Footage(video).start_s == 0
     assert Footage(both).start_s == pytest.approx(2, abs=0.03)
+    viewing = Viewing(PerceiveConfig(both, detector=DETECTOR))
+    for still in viewing.footage:
+        viewing.see(still)
+    assert not any("cut off" in note for note in notes(viewing, False))
     first = next(percepts(PerceiveConfig(both, detector=DETECTOR)))
     assert first.time_s == pytest.approx(2, abs=0.03)

@@ -66,6 +66,20 @@ def test_variable_rate(tmp_path, name):
     assert shown(Footage(path))[:43] == [max(n for n in there if n <= frame) for frame in range(43)]
 
 
+@pytest.mark.parametrize("name", ["a.mp4", "a.webm", "a.ts"])
+def test_a_gap_in_a_variable_rate(tmp_path, name):
+    """As browsers leave it where the page was hidden: the file says how long it is, so the last image holds."""
+    codec = ("-c:v", "libvpx", "-deadline", "realtime") if name == "a.webm" else ("-c:v", "libx264")
+    gap = ("-vf", f"setpts='PTS+gte(N,20)*{LONGEST_HOLD_S + 2}/TB'", "-fps_mode", "vfr")
+    footage = Footage(encode(tmp_path / name, counted(40), *gap, *codec))
+    stills = list(footage)
+    after = 20 + round(30 * (LONGEST_HOLD_S + 2))
+    numbers = [number_of(still.image) for still in stills]
+    assert numbers[: after + 19] == [*range(20), *[19] * (after - 20), *range(20, 39)]
+    assert [frame for frame, still in enumerate(stills) if still.cut] == [0, after]
+    assert footage.jumps == 0
+
+
 def test_odd_sizes_and_pixels_that_are_not_square(tmp_path):
     path = encode(tmp_path / "a.mp4", counted(5, 63, 47), "-vf", "setsar=4/3", "-pix_fmt", "yuv444p")
     footage = Footage(path)
@@ -149,6 +163,13 @@ def test_neither_timestamps_nor_a_rate(monkeypatch, tmp_path, fps):
     assert numbers == [0, 1, 2]
 
 
+def test_the_unit_of_a_clock_is_no_rate(monkeypatch, tmp_path):
+    """A Matroska file of irregular images declares 1000 a second; the last one is shown for a frame."""
+    footage = footage_of(monkeypatch, tmp_path, Capture([0, 97, 225], fps=1000))
+    assert footage.fps == 0
+    assert shown(footage) == [0, 0, 0, 1, 1, 1, 1, 2]
+
+
 def test_no_video(tmp_path, capfd):
     """Named, with the file, in one line; nothing else is said on stderr."""
     video = encode(tmp_path / "whole.mp4", counted(30), "-c:v", "libx264").read_bytes()
@@ -190,6 +211,14 @@ def test_names(tmp_path, monkeypatch, name):
     encode(tmp_path / name, counted(9), "-c:v", "libx264")
     monkeypatch.chdir(tmp_path)
     assert shown(Footage(Path(name))) == list(range(9))
+
+
+def test_a_name_that_is_not_utf8(tmp_path):
+    """OpenCV dies of it."""
+    path = tmp_path / os.fsdecode(b"a\xff.mp4")
+    path.write_bytes(b"anything")
+    with pytest.raises(FootageError, match="is not UTF-8"):
+        Footage(path)
 
 
 def interlaced(path: Path, images: np.ndarray, *arguments: str) -> Path:

@@ -1,12 +1,14 @@
 """Coding where a person looks: what can be told, what cannot, and that it says so."""
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.cli import perceive
+from jointattn_mj.errors import ConfigError, FootageError, SeriesError
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.looks.check import Codings
 from jointattn_mj.footage.looks.coding import AWAY, PARTNER, UNSEEN, UNSURE, ObservedLooks, code_looks
@@ -14,7 +16,7 @@ from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.footage.looks.learning import NEVER, learn_evidence, posterior, smoothed
 from jointattn_mj.footage.looks.locations import known_locations, last_locations, placements
 from jointattn_mj.footage.looks.tables import looks_spans, looks_table
-from jointattn_mj.footage.run import run_perceive
+from jointattn_mj.footage.run import compared, run_perceive
 from jointattn_mj.recordings.agreement import kappa
 
 NAMES = ("cup", "ball", "car")
@@ -234,6 +236,15 @@ def test_kappa_is_of_what_both_answer(tmp_path):
     assert found["observed"] == pytest.approx(20 / 25)
 
 
+def test_one_code_alone_has_no_kappa(tmp_path):
+    """JSON knows no NaN, and the command says it in words."""
+    mine = Codings.read(coding(tmp_path / "a.csv", (0, 10, "cup")))
+    found = compared(mine, coding(tmp_path / "events.csv", (0, 10, "cup")).parent)
+    assert found["kappa"] is None and found["low"] is None
+    looks = {"placements": {}, "coded": False, "why_not": "no", "check": found}
+    assert "kappa has no meaning, as both have one code alone, over 10 s" in perceive._of_looks(looks)
+
+
 def test_codings_that_cannot_be_compared(tmp_path):
     mine, late = coding(tmp_path / "a.csv", (0, 10, "cup")), coding(tmp_path / "b.csv", (20, 30, "cup"))
     with pytest.raises(SeriesError, match="no time in common"):
@@ -242,10 +253,25 @@ def test_codings_that_cannot_be_compared(tmp_path):
     two.write_text("onset_s,offset_s,tier,code\n0,1,a,cup\n0,1,b,cup\n")
     with pytest.raises(SeriesError, match="one tier"):
         Codings.read(two)
+    with pytest.raises(SeriesError, match="'cup' until 10 s and 'ball' from 5 s"):
+        Codings.read(coding(tmp_path / "d.csv", (0, 10, "cup"), (5, 12, "ball")))
     with pytest.raises(ConfigError, match="looks must be set"):
         run_perceive(PerceiveConfig(tmp_path / "no.mp4"), PerceiveOptions(tmp_path / "out", check=mine))
     with pytest.raises(ConfigError, match=r"labels .* looks must be set"):
         run_perceive(PerceiveConfig(tmp_path / "no.mp4", labels=mine), PerceiveOptions(tmp_path / "out"))
+
+
+def test_codes_of_other_things_are_refused_before_the_video_is_watched(tmp_path):
+    """In capitals, say; a check may have some codes beside the objects, and labels none."""
+    config, out = PerceiveConfig(tmp_path / "no.mp4", objects=("blue",), looks=True), PerceiveOptions(tmp_path / "out")
+    other = coding(tmp_path / "a.csv", (0, 1, "BLUE"))
+    with pytest.raises(SeriesError, match="'BLUE' is none of blue, partner, away"):
+        run_perceive(config, replace(out, check=other))
+    both = coding(tmp_path / "b.csv", (0, 1, "blue"), (1, 2, "hands"))
+    with pytest.raises(FootageError, match="does not exist"):
+        run_perceive(config, replace(out, check=both))
+    with pytest.raises(SeriesError, match="'hands' is none of"):
+        run_perceive(replace(config, labels=both), out)
 
 
 def test_labels_at_times(tmp_path):

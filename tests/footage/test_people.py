@@ -11,7 +11,7 @@ from clips import DETECTOR, counted, encode
 from shell import refused
 
 from jointattn_mj.errors import ConfigError, ExtraError
-from jointattn_mj.footage import yunet
+from jointattn_mj.footage import people, yunet
 from jointattn_mj.footage.blurring import blurred
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.head import MOST_DEG, NOSE, yaw_of
@@ -117,7 +117,12 @@ class TestFaceOfInterest:
         with pytest.raises(ConfigError, match="largest, the number of a person, or a region"):
             PerceiveConfig(Path("a.mp4"), face=words)
 
-    def test_templates_tell_nobody_apart(self):
+    def test_templates_tell_nobody_apart(self, tmp_path):
+        """So they cannot blur everybody, either."""
+        with pytest.raises(ConfigError, match="blur_faces: only the detector yunet"):
+            run_perceive(
+                PerceiveConfig(Path("a.mp4"), detector="templates"), PerceiveOptions(tmp_path, blur_faces=True)
+            )
         with pytest.raises(ConfigError, match="only the detector yunet"):
             PerceiveConfig(Path("a.mp4"), face="2", detector="templates")
 
@@ -137,6 +142,23 @@ def test_a_blurred_face_is_unrecognisable():
     np.testing.assert_array_equal(image, kept)
     assert hidden[80:130, 80:120].std() < 0.25 * image.std()
     np.testing.assert_array_equal(hidden[:, :60], image[:, :60])
+
+
+def test_where_a_face_was_lost_stays_blurred(monkeypatch):
+    """The network misses a face at the border that anybody recognises; after ten seconds, or a cut, it is gone."""
+    image = np.random.default_rng(0).integers(0, 256, (120, 160, 3), np.uint8)
+    face = np.array([[40, 30, 30, 40, 48, 45, 62, 45, 55, 52, 49, 62, 61, 62, 0.9]], np.float32)
+    monkeypatch.setattr(people, "faces_in", lambda *_: face)
+    monkeypatch.setattr(people, "faces_near", lambda image, boxes, *_: np.full((len(boxes), 15), np.nan, np.float32))
+    for cut in (False, True):
+        known, hidden = People(PeopleConfig(), 10, 0.4), []
+        known.see(image, 0, True)
+        monkeypatch.setattr(people, "faces_in", lambda *_: face[:0])
+        for frame in range(1, 115):
+            known.see(image, frame, cut and frame == 50)
+            hidden.append(len(known.to_blur()))
+        assert hidden == ([1] * 49 + [0] * 65 if cut else [1] * 100 + [0] * 14)
+        monkeypatch.setattr(people, "faces_in", lambda *_: face)
 
 
 @needs_network
@@ -177,7 +199,7 @@ class TestClips:
         """A face that leaves by the border is not there, is on the list, and is the same afterwards."""
         summary, rows = watched("syn_border.mp4", tmp_path / "out")
         missing = sorted(set(range(240)) - {row["image"] for row in rows})
-        assert 30 <= len(missing) <= 50 and missing[-1] - missing[0] < 60
+        assert 30 <= len(missing) <= 60 and missing[-1] - missing[0] < 70
         assert min(row["x_px"] + row["width_px"] / 2 for row in rows) >= 0  # what lies beyond is guessed
         lost = next(moment for moment in summary["check"] if moment["what"] == "face lost")
         assert lost["from_s"] == pytest.approx(missing[0] / 30, abs=0.1)

@@ -20,7 +20,9 @@ from experiments.recorded.table_video import FOV_DEG, HEIGHT, TILT_DEG, WIDTH, W
 from jointattn_mj import SessionResult
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.sessions import session as sessions
+from jointattn_mj.footage.sessions.camera import PAUSED_S, CameraSource
 from jointattn_mj.footage.sessions.config import CameraSessionConfig, VideoSessionConfig
+from jointattn_mj.footage.sessions.latency import CameraCount
 from jointattn_mj.footage.sessions.lens import HeadConfig, Lens
 from jointattn_mj.footage.sessions.run import run_footage_session
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
@@ -267,6 +269,23 @@ def test_a_present_person_can_go_on_later(table, tmp_path):
     opened = SessionResult.open(tmp_path / "out")
     assert (opened.config, opened.summary) == (camera, summary)
     assert opened.summary.camera == summary.camera and len(opened.frames) == 60
+
+
+def test_a_pause_is_no_loss_and_a_later_camera_goes_on_with_the_clock(table):
+    """Time goes on where the first camera stopped, pause included, and images of the pause are not lost ones."""
+    count, times, open_s = CameraCount(), [], []
+    asked = CameraSessionConfig(objects=("red",), detector="templates", head=HEAD, camera=str(table / "table.mp4"))
+    for pause_s in (PAUSED_S + 0.3, 0.0):
+        source = CameraSource(asked, count)
+        for number in range(4):
+            times.append(source.next().time_s)
+            time.sleep(pause_s * (number == 2))
+        open_s.append(count.seconds)  # as a checkpoint holds it
+        source.close()
+    assert times == sorted(times)
+    assert times[3] - times[2] > PAUSED_S
+    assert count.images_lost < 30 * PAUSED_S
+    assert open_s[0] > PAUSED_S and open_s == sorted(open_s)
 
 
 def test_objects_can_be_picked(table, tmp_path):

@@ -324,7 +324,7 @@ def test_familiarise():
         FamiliariseConfig(minutes=0)
 
 
-def test_same_seed_same_life():
+def test_same_seed_same_run():
     def runs(seed):
         scene = Scene()
         robot = GazeFollower(RobotConfig(), scene, 2, np.random.SeedSequence(seed))

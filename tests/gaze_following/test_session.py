@@ -178,7 +178,7 @@ def test_shifts_and_frames_agree(files):
             assert list(shifts[column].fillna("-")) == list(frames[frame_column].astype(object).fillna("-").iloc[at])
 
 
-def test_the_referee_counts_again(files):
+def test_scoring_counts_again(files):
     """Success at launch and at landing, worked out anew from the places of the objects in the frames."""
     for row in files.to_objects.itertuples():
         head = np.array([row.landing_pan_deg, row.landing_tilt_deg])

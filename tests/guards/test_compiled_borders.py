@@ -24,8 +24,9 @@ def codes() -> Iterator[Case]:
     from jointattn_mj.contingency.discovery import discover
     from jointattn_mj.contingency.granger import linear_granger
     from jointattn_mj.contingency.local import local_contingency
+    from jointattn_mj.contingency.scan import scan_lags
     from jointattn_mj.contingency.series import joint, recode
-    from jointattn_mj.contingency.significance import assess
+    from jointattn_mj.contingency.significance import adjust, assess
 
     fine = np.arange(20) % 3
     wrong = {
@@ -53,8 +54,15 @@ def codes() -> Iterator[Case]:
         if name != "another length":
             yield f"joint {name}", lambda g=given: joint(g, fine)
             yield f"recode {name}", lambda g=given: recode(g)
-    for groups in ([NAN], [0.5], [0, 0, 0], ["a", "b"]):
+    for groups in ([NAN], [0.5], [0, 0, 0], ["a", "b"], [[0], [0, 1]]):
         yield f"groups {groups}", lambda g=groups: assess("transfer_entropy", fine, fine, groups=g)
+    for odd in (None, -1, NAN, 0.5, "a", b"a", {0: 1}, [[0], [0, 1]], np.array(0.5), [None], (i for i in range(2))):
+        if not isinstance(odd, list):  # numpy makes seeds of lists
+            yield f"seed {odd}", lambda s=odd: assess("transfer_entropy", fine, fine, seed=s)
+        yield f"lags {odd}", lambda s=odd: scan_lags("transfer_entropy", fine, fine, lags=s)
+        yield f"p-values {odd}", lambda s=odd: adjust(s, "none")
+    yield "adjust by an array", lambda: adjust([0.5], np.zeros(2))
+    yield "corrected by an array", lambda: measures.transfer_entropy(fine, fine, correction=np.zeros(2))
     for base in (1, 0, -2, NAN, "2", None):
         yield f"base {base}", lambda b=base: measures.transfer_entropy(fine, fine, base=b)
     for surrogates in (0, -1, 1.5, NAN, "9"):
@@ -308,7 +316,7 @@ def harmless() -> Iterator[Case]:
     for shape in ((240, 320), (20, 30), (240, 320)):
         gray = rng.integers(0, 256, shape, np.uint8)
         yield f"motion in {shape}", lambda g=gray: motion.update(g, (-50, -50, 10**6, 10**6), colours.nothing())
-    for dtype in ("bool", "int8", "uint8", "int32", "uint64", "float32"):
+    for dtype in ("bool", "int8", "uint8", "int32", "uint64", "float16", "float32"):
         series = (np.arange(20) % 2).astype(dtype)
         yield f"series of {dtype}", lambda s=series: transfer_entropy(s[::-1], s)
 

@@ -546,10 +546,17 @@ class TestAttacks:
             load(forge(tmp_path / "c", nests), CONFIG)
 
     def test_keys_that_take_for_ever(self, tmp_path):
-        """A tuple of twice a tuple, and so on: its hash takes 2^200 steps."""
-        doubled = [["tuple", [number + 2], [number + 2]] for number in range(200)]
+        """A tuple of twice a tuple, and so on: its hash takes 2^20 steps."""
+        doubled = [["tuple", [number + 2], [number + 2]] for number in range(20)]
         with pytest.raises(CheckpointError, match="cannot be a key"):
             load(forge(tmp_path / "c", [["dict", [1], 0], *doubled, ["tuple"]]), CONFIG)
+
+    @pytest.mark.parametrize("kind", ["tuple", "list"])
+    def test_values_that_take_for_ever_to_write(self, tmp_path, kind):
+        """As many as 2^60, and in an error message all of them."""
+        doubled = [[kind, [number + 1], [number + 1]] for number in range(60)]
+        with pytest.raises(CheckpointError, match="unfolds"):
+            load(forge(tmp_path / "c", [*doubled, [kind]]), CONFIG, kind=(int, float))
 
     @pytest.mark.parametrize(
         "content",

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from jointattn_mj.errors import OutputError
 from jointattn_mj.gaze_following import figures
 from jointattn_mj.io import checkpoint
-from jointattn_mj.io.files import forget_partial, free_name, write_whole
+from jointattn_mj.io.files import forget_partial, free_name, held, write_whole
 from jointattn_mj.io.parquet import write_parquet
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.results import claimed_paths, write_results
@@ -95,6 +95,14 @@ def test_other_errors_pass_through_and_leave_nothing(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         write_whole(tmp_path / "file", fail)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_whose_name_is_not_utf8(tmp_path):
+    """Refused at once, and not by the writer of tables after a long run."""
+    folder = tmp_path / os.fsdecode(b"a\xff")
+    with pytest.raises(OutputError, match="is not UTF-8"), held(folder / "in_it"):
+        pass
+    assert not folder.exists()
 
 
 def test_forget_partial(tmp_path):

@@ -152,11 +152,18 @@ def test_a_copy_without_its_file(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "change", [{"name": "../numbers"}, {"name": ""}, {"shape": (1 << 40, 3)}, {"shape": (0, 3)}, {"stored": 12}]
-)
+    "change",
+    [
+        {"name": "../numbers"}, {"name": ""}, {"shape": (1 << 40, 3)}, {"shape": (0, 3)}, {"shape": (-5, -3)},
+        {"shape": (1, 10**9)}, {"shape": (5, 3.0)}, {"stored": 12}, {"stored": -1}, {"checksum": "x"},
+        {"kind": "O"}, {"kind": "V4"}, {"kind": "<U1"}, {"kind": "<f8"}, {"kind": "<c8"},
+        {"waiting": np.zeros((1, 1), np.float32)}, {"waiting": np.zeros((9, 3), np.float32)}, {"waiting": [[0, 0, 0]]},
+        {"full": [np.zeros((5, 3), object)]}, {"full": [np.zeros((5, 1), np.float32)] * 2},
+    ],
+)  # fmt: skip
 def test_a_state_from_somebody_else(change):
-    """Names no file outside of the folder, and takes no more memory than its rows."""
-    with pytest.raises(ValueError, match=r"numbers|no store"):
+    """Names no file outside of the folder, takes no more memory than its rows, and reads none as objects."""
+    with pytest.raises(ValueError, match=r"numbers|no store|must be"):
         RowStore.__new__(RowStore).__setstate__(store(13).__getstate__() | change)
 
 

@@ -42,6 +42,12 @@ def test_numbers_that_are_not_finite(tmp_path, learned, name, value):
         read_weights(tmp_path / "w.npz")
 
 
+def test_numbers_whose_square_overflows(tmp_path, learned):
+    write_weights(tmp_path / "w.npz", learned | {"som_weights": np.full((81, 2), 1e29)})
+    with pytest.raises(CheckpointError, match=r"no real number up to 1e\+15 in som_weights"):
+        read_weights(tmp_path / "w.npz")
+
+
 def bomb(shape: tuple[int, ...], data: bytes, size: int | None = None) -> bytes:
     """A small file that asks for much memory."""
     member, file = io.BytesIO(), io.BytesIO()
@@ -77,6 +83,8 @@ def test_files_that_ask_for_more_than_they_have(tmp_path, content):
         ("iterations", np.array(-1)),
         ("iterations", np.array(1.5)),
         ("iterations", np.array([3])),
+        ("iterations", np.array(2**63, np.uint64)),
+        ("som_seen", np.array(2**62)),
         ("iterations", np.array("3")),
         ("som_seen", np.array(np.nan)),
         ("som_seen", np.array(-5)),

@@ -187,6 +187,8 @@ class TestFromWhenToWhen:
         events = self.looks().joined(Events.of(["seen"] * 2, ["yes"] * 2, [0, 4.2], [2, 6]))
         steps = events.steps(0.5, ["gaze", "smile"], coded="seen")
         assert [len(part) for part in steps.columns["gaze"]] == [4, 3]
+        phases = self.looks().joined(Events.of(["phase"] * 2, ["play", "rest"], [0, 2.2], [2.2, 6]))
+        assert [len(part) for part in phases.steps(0.5, ["gaze", "smile"], coded="phase").columns["gaze"]] == [12]
         with pytest.raises(SeriesError, match="no tier 'seen'"):
             self.looks().steps(0.5, coded="seen")
 

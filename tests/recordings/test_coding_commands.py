@@ -45,7 +45,7 @@ def test_transitions(jointattn, coded, tmp_path):
     words = ("transitions", coded / "first", "--recording", "recording", "--step", 0.5, "--given", "mother")
     done = jointattn(*words, "--target", "infant", "--lag", "1s", "--surrogates", 50, "--out", tmp_path / "t")
     assert (done.code, done.err) == (0, "")
-    assert "4 recordings" in done.out
+    assert "lag 2 (1 s), 4 recordings" in done.out
     rows = json.loads((tmp_path / "t.json").read_text())["rows"]
     (row,) = [row for row in rows if (row["given"], row["target"]) == ("cup", "cup")]
     steps = recordings.read(coded / "first", recording="recording").steps(0.5)
@@ -86,7 +86,7 @@ def test_agreement(jointattn, coded, tmp_path):
     (row,) = json.loads((tmp_path / "a.json").read_text())["rows"]
     first, second = (recordings.read(coded / name, recording="recording") for name in ("first", "second"))
     (same,) = first.agreement(second, ["mother"], resamples=50)
-    assert row["kappa"] == same.kappa
+    assert row["kappa"] == same.kappa == first.agreement(coded / "second", ["mother"], resamples=0)[0].kappa
     assert 0.8 < row["low"] < row["kappa"] < row["high"] < 1
     tolerant = jointattn(*words, "--resamples", 0, "--tolerance-s", 0.3)
     assert "mother   0.99" in tolerant.out  # but for the ends
@@ -98,5 +98,9 @@ def test_transitions_as_a_method(coded):
     found = recordings.read(coded / "first", recording="recording").transitions(
         "mother", "infant", 0.5, lag="1s", surrogates=20
     )
+    same = recordings.read(coded / "first", recording="recording").transitions(
+        "mother", "infant", 0.5, lag=2, surrogates=0
+    )
+    assert (same.table.counts == found.table.counts).all()
     assert found.rows()[0]["count"] == found.table.counts[0, 0]
     assert "Yule's Q" in found.text()

@@ -296,6 +296,16 @@ class TestTables:
         assert steps.groups == [0, 0]
         assert "5 of 20 steps have missing values; recordings were cut there" in steps.notes()
 
+    def test_rows_without_a_tier_or_a_recording(self, write):
+        """Cells left blank below the first of a group, as people fill in tables: nothing moves in silence."""
+        header, rows = "dyad,tier,onset,offset,code\n", "d1,a,0,0.5,x\nd1,a,0.5,1,y\n{},,1,1.5,x\n"
+        path = write(header + rows.format("d1"))
+        events = recordings.read(path).events
+        assert events.tier_names == ("a", "events")
+        assert events.remarks == (f"1 row of {path} without a tier, on the tier 'events'",)
+        with pytest.raises(SeriesError, match=r"'dyad' of .* names no recording in 1 row, the first in data row 3"):
+            _ = recordings.read(write(header + rows.format(""))).events
+
     def test_columns_without_a_header(self, write):
         path = write("ann,x,0,500\nann,y,500,1000\n")
         events = recordings.read(path, columns=["tier", "code", "onset", "offset"], time_unit="ms").events
@@ -360,11 +370,12 @@ class TestFolders:
         write(content("boris aggregated").replace(b"x,2026", b"bob,2026"), "all/b.csv")
         write("", "all/film.mp4")
         write("", "all/.hidden.csv")
+        write("", "all/~$b.xlsx")
         steps = read_recordings(tmp_path / "all", ["mother", "infant"], step=0.1)
         assert steps.names == ("ann", "bob")
         assert (steps.groups, steps.transitions) == ([0, 1], 98)
         assert [letters(steps, "infant", part) for part in (0, 1)] == [CODES["infant"]] * 2
-        assert "1 files of" in steps.notes()[0] and "film.mp4" in steps.notes()[0]
+        assert "1 file of" in steps.notes()[0] and "film.mp4" in steps.notes()[0]
 
     def test_tables_of_steps(self, write, tmp_path):
         for name in ("ann", "bob"):
@@ -404,6 +415,7 @@ class TestFromPython:
         pandas = pytest.importorskip("pandas")
         frame = arrow().to_pandas()
         coding = recordings.read(frame)
+        assert recordings.read(frame.set_index("tier")).events.table == coding.events.table
         back = coding.events.to_pandas()
         assert isinstance(back, pandas.DataFrame)
         assert back[["tier", "code", "onset", "offset"]].to_numpy().tolist() == [list(row) for row in GAZE]
@@ -455,6 +467,9 @@ def test_columns_about_recordings_are_no_codes(write):
     changed = write(path.read_text().replace("a,6,mother", "a,7,mother", 1))
     with pytest.raises(SeriesError, match="'age' changes within recording 'a': 6, 7"):
         recordings.read(changed).about("age")
+    of_a = "".join(line[2:] for line in lines.splitlines(keepends=True) if line[0] == "a")
+    alone = write(f"age,who,start,duration,look\n{of_a}")
+    assert recordings.read(alone).about("age") == {alone.stem: "6"}  # named by its file
 
 
 def test_groups_of_recordings_from_tiers_and_tables(write):

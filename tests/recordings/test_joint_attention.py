@@ -66,6 +66,12 @@ class TestJointAttention:
         with pytest.raises(SeriesError, match="no tier 'baby'"):
             joint_attention(events(), JointAttentionRules(infant="baby"))
 
+    def test_missing_codes_share_nothing(self):
+        """Where nobody knows what either looks at, nobody knows that it is the same."""
+        found = joint_attention(events([("mother", None, 0, 5), ("infant", None, 1, 6)]))
+        assert rows(found, "shared attention") == rows(found, "infant follows") == []
+        assert found.opportunities == ()
+
     def test_derived_tiers_are_steps_like_others(self):
         steps = joint_attention(events()).events.steps(0.5)
         assert set(steps.labels["engagement"]) == {"(none)", "supported", "coordinated"}
@@ -118,11 +124,26 @@ class TestAgreement:
         assert forward.interval[0] < forward.kappa < forward.interval[1]
         assert forward.row()["kappa"] == forward.kappa
 
+    def test_missing_codes_and_point_events_are_left_out_and_told(self):
+        first = events([("gaze", None, 0, 4), ("gaze", "face", 4, 8), ("gaze", "toy", 8, 10), ("gaze", "wink", 9, 9)])
+        second = events([("gaze", "face", 0, 6), ("gaze", None, 6, 7), ("gaze", "toy", 7, 10)])
+        (found,) = agreement(first, second, options=AgreementOptions(step=0.5))
+        assert (found.labels, found.matrix.tolist()) == (("face", "toy"), [[4, 2], [0, 4]])
+        assert (found.missing_s, found.moments) == (5, 1)
+        assert found.notes() == (
+            "left out of the tier 'gaze', as a code is missing: 5.0 s",
+            "left out of the tier 'gaze', as they have no length: 1 point event",
+        )
+        with pytest.raises(SeriesError, match="its codes are missing"):
+            agreement(first, events([("gaze", None, 0, 10)]))
+
     def test_recordings_of_one_coder_alone_are_told_of(self):
         both = events([("gaze", "face", 0, 5), ("gaze", "toy", 5, 9)] * 2, recording=["a", "a", "b", "b"])
         (found,) = agreement(both, events([("gaze", "face", 0, 6), ("gaze", "toy", 6, 8)], recording=["b", "b"]))
         assert found.notes() == ("left out, as only one coder has coded it: 1 recording (a) and 1.0 s",)
         assert (found.alone, found.row()["left_out"]) == (("a",), "a")
+        more = both.joined(events([("hand", "rest", 0, 1)], recording="a"))
+        assert agreement(both, more)[0].notes() == ("left out, as only one coder has coded it: 1 tier (hand)",)
 
     def test_what_cannot_be_compared(self):
         first = events([("gaze", "face", 0, 10)])
@@ -132,5 +153,7 @@ class TestAgreement:
             agreement(first, first, ["hand"])
         with pytest.raises(SeriesError, match="no time"):
             agreement(first, events([("gaze", "face", 20, 30)]))
+        with pytest.raises(SeriesError, match="look whether its times are right"):
+            agreement(long := events([("gaze", "face", 0, 9e8)]), long)
         (alone,) = agreement(first, first)
         assert np.isnan(alone.kappa)

@@ -23,7 +23,7 @@ try:
 except SystemExit as ended:
     code = ended.code
 used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-cpu = sum(one.ru_utime + one.ru_stime for one in used)
+cpu = sum(usage.ru_utime + usage.ru_stime for usage in used)
 peak = next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmHWM")) / 1e6
 print(json.dumps({"code": code, "wall_s": time.monotonic() - begun, "cpu_s": cpu, "peak_gb": peak}), file=sys.stderr)
 """

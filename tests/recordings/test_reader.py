@@ -56,6 +56,7 @@ SAME = {
     "UTF-16 without its other mark": "a\tb\nx\t1\ny\t0\nx\t1\n".encode("utf-16-be"),
     "vertical bars": "a|b\nx|1\ny|0\nx|1\n",
     "lines above the header": "Observation id;dyad 3;\nMedia file;x.mp4;\na;b\nx;1\ny;0\nx;1\n",
+    "blank lines at the start": "\n;;\nObservation id;dyad 3\n\na;b\nx;1\ny;0\nx;1\n",
     "a blank line above the header": "Observation id;dyad 3\n;\na;b\nx;1\ny;0\nx;1\n",
     "UTF-32 with a mark": "a;b\nx;1\ny;0\nx;1\n".encode("utf-32"),
 }

@@ -1,20 +1,24 @@
 """The page of coded interaction: what it says is what the measures say, and it is one file."""
 
+import base64
 import csv
 import json
 import re
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 from jointattn_mj import recordings
 from jointattn_mj.errors import ConfigError, OutputError, SeriesError
+from jointattn_mj.io.figures import lacking, without_font, without_formulas
+from jointattn_mj.io.page import drawn
 from jointattn_mj.recordings.agreement import AgreementOptions, agreement
 from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.export import write_events
-from jointattn_mj.recordings.joint_attention import joint_attention
+from jointattn_mj.recordings.joint_attention import JointAttentionRules, joint_attention
 from jointattn_mj.recordings.report import ReportOptions, run_report
-from jointattn_mj.recordings.report_figures import timeline
+from jointattn_mj.recordings.report_figures import code_colours, timeline
 
 FEW = {"surrogates": 60, "resamples": 20, "step": 0.5, "lag": "0.5s", "scan": "2s"}
 
@@ -114,6 +118,19 @@ def test_a_timeline_draws_only_what_is_in_its_rows():
     assert drawn < 60 * 20  # of 3,000 looks
 
 
+@pytest.mark.filterwarnings("error")
+def test_words_of_figures_are_as_users_wrote_them():
+    """Dollar signs, codes that begin with _, and characters that the figures' own font lacks."""
+    codes = ["$\\frac{a$", "_b", "球"]
+    looks = Events.of(["mo$ther^{"] * 3 + ["infant"], [*codes, codes[0]], [0, 1, 2, 0], [1, 2, 3, 3])
+    rules = JointAttentionRules(partner="mo$ther^{")
+    figure = timeline(joint_attention(looks, rules), looks.tier_names, "1", 3, code_colours(looks))
+    _, uri = drawn(without_formulas(figure))
+    assert {*codes, *looks.tier_names} <= {text.get_text() for text in figure.findobj(Text)}
+    kept = set("球") & set(base64.b64decode(uri.partition(",")[2]).decode())  # as text, where no font draws it
+    assert kept == set(without_font(codes)) <= set(lacking(codes)) == set("球")
+
+
 def test_events_are_ranked_by_sac(report, codings):
     coded = recordings.read(codings / "first")
     (first, second) = report.events_ranked()
@@ -189,12 +206,14 @@ def test_what_cannot_be_reported_is_told(codings, report, tmp_path):
         run_report(ReportOptions(codings / "first", out=tmp_path / "x", by="age"))
     with pytest.raises(ConfigError, match="scan"):
         ReportOptions(codings / "first", out=tmp_path / "x", scan="soon")
+    with pytest.raises(ConfigError, match="'infant' is a sensor or an action, too"):
+        ReportOptions(codings / "first", out=tmp_path / "x", results=("infant",))
 
 
 def test_tiers_without_change_are_not_ranked(codings, tmp_path):
     """What never changes says nothing; counted among the tests it would only make p of the others larger."""
-    one = recordings.read(codings / "second").events
-    silent = one.joined(Events.of(["voice"], ["sings"], [0.0], [95.0], recording="a <b>"))
+    events = recordings.read(codings / "second").events
+    silent = events.joined(Events.of(["voice"], ["sings"], [0.0], [95.0], recording="a <b>"))
     report = recordings.read(silent.to_pandas(), recording="recording").report(tmp_path / "out", **FEW)
     assert {row["source"] for row in report.ranking()} == {"mother", "infant"}
     assert "tier 'voice' is not ranked, as it has the same value in all steps" in report.notes

@@ -126,7 +126,7 @@ def test_places_spread_evenly_over_the_table():
     assert ((used - expected) ** 2 / expected).sum() < 8
 
 
-def test_same_seed_same_life():
+def test_same_seed_same_run():
     first, second, other = (live(caregiver(seed=seed), 0.5) for seed in (3, 3, 4))
     assert all(np.array_equal(a[3], b[3]) and np.array_equal(a[4], b[4]) for a, b in zip(first, second, strict=True))
     assert not np.array_equal(first[0][3], other[0][3])

@@ -165,7 +165,7 @@ def test_the_arm_leaves_the_face_free(run):
     assert np.max(hidden) < 0.05
 
 
-def test_same_seed_same_life():
+def test_same_seed_same_run():
     runs = [DevelopmentRun(seed, frames=300) for seed in (1, 1, 2)]
     np.testing.assert_array_equal(runs[0].qpos, runs[1].qpos)
     np.testing.assert_array_equal(runs[0].objects, runs[1].objects)

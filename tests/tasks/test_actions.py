@@ -13,6 +13,18 @@ from jointattn_mj.viewing.play import play_episodes
 pytestmark = pytest.mark.integration
 
 every_task = pytest.mark.parametrize("task", [task for _, task in ALL_TASKS])
+
+
+class Mute:
+    """Has neither words nor numbers."""
+
+    def __repr__(self):
+        raise RuntimeError("no")
+
+    def __array__(self, *arguments, **settings):
+        raise ValueError("no\nnumbers")
+
+
 WRONG = {
     "NaN": [0.1, np.nan],
     "all NaN": np.full(2, np.nan),
@@ -33,7 +45,9 @@ WRONG = {
     "complex": [1j, 0],
     "yes and no": [True, False],
     "beyond 64 bits": [10**30, 0],
-    "dates": np.array(["2020-01-01", "2020-01-02"], "datetime64[D]"),
+    "dates": np.array(["2020-01-01T00:00:00", "2020-01-02T00:00:00"], "datetime64[s]"),
+    "masked NaN": np.ma.masked_invalid([0.1, np.nan]),
+    "without words": Mute(),
     "a record": np.zeros(2, [("pan", float)]),
 }
 FINE = {

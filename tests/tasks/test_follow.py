@@ -29,7 +29,7 @@ def direction(environment, target: int, off: float = 0.0) -> np.ndarray:
     return np.radians(directions_to(environment.physics.object_positions())[target] + [0, off])
 
 
-def test_she_looks_at_one_object_all_the_time(follow):
+def test_the_caregiver_looks_at_one_object_all_the_time(follow):
     targets = set()
     for _ in range(20):
         step = follow.reset()

@@ -53,7 +53,7 @@ def test_people_vary_and_models_are_compiled_once_a_person():
     environment.close()
 
 
-def test_one_thing_varies_and_life_goes_on_as_it_would_have():
+def test_one_thing_varies_and_all_else_goes_on_as_it_would_have():
     """Light and camera have no influence on what happens."""
     runs = []
     for variation in ("none", "lights+camera+textures"):
@@ -69,7 +69,7 @@ def test_one_thing_varies_and_life_goes_on_as_it_would_have():
     np.testing.assert_array_equal(*runs)
 
 
-def test_pace_is_hers():
+def test_pace_is_the_caregivers():
     environment = load("joint_attention", "follow", task_kwargs={"variation": VariationConfig(pace=0.5), "random": 3})
     visible = set()
     for _ in range(4):

@@ -18,7 +18,7 @@ POINTS = 24
 
 @dataclass(frozen=True)
 class Day:
-    """A long run."""
+    """A long run: its command, and how long it takes in simulated time."""
 
     name: str
     command: str
@@ -49,7 +49,7 @@ RESULTS = (".png", ".parquet")
 
 @dataclass
 class Course:
-    """What was seen of a run's process."""
+    """Memory and files of a run's process over time."""
 
     seconds: list[float] = field(default_factory=list)
     """Since the start."""
@@ -124,7 +124,7 @@ def spend(day: Day, share: float, out: Path) -> dict[str, object]:
 
 
 def summary(spent: list[dict]) -> dict[str, object]:
-    """Of all days."""
+    """Rows and troubles of all long runs, for the file of results."""
     return {
         "rows": [run["row"] for run in spent],
         "wrong": [{"run": run["row"]["run"], "trouble": run["trouble"]} for run in spent if run["trouble"]],

@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from jointattn_mj.contingency.names import OF_EVENTS, measure_choice
+from jointattn_mj.contingency.names import LOCAL, OF_EVENTS, measure_choice
 from jointattn_mj.contingency.online.counts import ALONE, OF_ACTION, OF_SENSOR, OWN, Counts, local_variance
 from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import checked_by
@@ -43,9 +43,11 @@ class DetectorConfig(Checked):
     contingent they are in the situations where they hold; the options of this rule are ``--agent.local.*``."""
     modelled: Literal["keep", "drop"] = "keep"
     """What happens to an event that has a module. ``keep``: it stays in the ranking and can keep others from being
-    found. ``drop``: it leaves the ranking; the agent then makes modules of all other events, one after the other."""
+    found. ``drop``: it leaves the ranking; the agent then makes modules of all other events, one after the other. Stop
+    rule local always drops it."""
     warm_up: Annotated[int, Whole("[0, 1e10]")] = 100
-    """Transitions before anything can be found; estimates from next to nothing do not change either."""
+    """Transitions before anything can be found; estimates from next to nothing do not change either. Stop rule local
+    has its first look instead."""
     threshold: Annotated[float, Real("(0, 1e9]")] = 5e-5
     """Stop rule convergence: theta (section 5.3.1), the largest change of an estimate in a step, in units of the
     measure."""
@@ -71,6 +73,11 @@ class DetectorConfig(Checked):
         "stop_rule": {"still": "convergence", "certain": "confidence"},
         "modelled": {"block": "keep"},
     }
+
+    @property
+    def ranks_by(self) -> str:
+        """Short name of the measure that ranks the events: that of stop rule local, or else ``measure``."""
+        return LOCAL.short if self.stop_rule == "local" else self.measure
 
 
 class Rule(NamedTuple):
@@ -98,7 +105,7 @@ class Watch(NamedTuple):
     values: np.ndarray
     """(E,) current estimate of each event's measure, in the config's base."""
     modelled: np.ndarray
-    """(E,) whether an event has its module."""
+    """(E,) whether an event was found before: it has its module, unless there were as many as there can be."""
     first: np.ndarray
     """(2,) the event with the highest estimate, and for how many steps in a row it has been the first without a change
     of ``threshold`` or more."""

@@ -11,10 +11,13 @@ import numpy as np
 
 from jointattn_mj.contingency.online.events import Event, Variables
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
+from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.compiled import njit
 
 MANY = 1000
 """Number of combinations of sensations above which those that occurred are numbered anew."""
+LARGEST = 2**62
+"""Number of combinations above which their numbers would overflow."""
 
 
 class Experience(NamedTuple):
@@ -27,6 +30,21 @@ class Experience(NamedTuple):
     """(rows, actions) int8 commands of the joints, then whether each module was used."""
     r: np.ndarray
     """(rows, results) int8 values."""
+
+
+def check_kept(variables: Variables) -> None:
+    """Refuse variables whose values do not fit into the tables.
+
+    Raises:
+        ConfigError: One has too many.
+    """
+    most = np.iinfo(np.int8).max
+    for variable in (*variables.sensors, *variables.actions, *variables.results):
+        if len(variable.values) > most:
+            raise ConfigError(
+                "stop rule local, and modules that learn, keep all steps, of variables with at most "
+                f"{most} values each; got {len(variable.values)} values of {variable.name!r}. Sort them into fewer"
+            )
 
 
 def empty_experience(rows: int, sensors: int, actions: int, results: int) -> Experience:
@@ -140,7 +158,7 @@ class PastSteps:
             np.array([len(variable.values) for variable in group])
             for group in (variables.sensors, variables.actions, variables.results)
         ]
-        self._together = joint_code(self._r, self._values[2])
+        self._together = ranks(joint_code(self._r, self._values[2]))
 
     @property
     def of_world(self) -> int:
@@ -165,12 +183,12 @@ class PastSteps:
         before = np.zeros(self._r.shape, np.int64, order="F")
         values = np.zeros(len(before.T), np.int64)
         for result in range(len(values)):
-            codes = self._together if joint else self._r[:, result].astype(np.int64)
-            for other in given.get(result, ()):
-                codes = 2 * codes + self._s[:, other]
-            occurs = np.bincount(codes) > 0
-            before[:, result] = (np.cumsum(occurs) - 1)[codes]
-            values[result] = occurs.sum()
+            codes, uses = self._together if joint else self._r[:, result], given.get(result, ())
+            if uses:
+                most = int(codes.max(initial=0)) + 1
+                codes = joint_code(np.column_stack([codes, self._s[:, uses]]), [most] + [2] * len(uses))
+            before[:, result] = ranks(codes)
+            values[result] = before[:, result].max(initial=-1) + 1
         numbers = np.array(events, np.int64).reshape(-1, 3)
         sizes = [counts[numbers[:, part]] for part, counts in enumerate(self._values)]
         return EventColumns(
@@ -190,7 +208,7 @@ class PastSteps:
         after = joint_code(self._s[1:, : self.of_world], values)
         sizes = int(values[0]), int(self._values[1][joint]), int(after.max(initial=-1)) + 1
         if sizes[2] > MANY:
-            after = np.unique(after, return_inverse=True)[1]
+            after = ranks(after)
             sizes = (*sizes[:2], int(after.max()) + 1)
         return self._s[:-1, 0], self._a[:-1, joint], after, sizes
 
@@ -257,11 +275,24 @@ def _last_outcomes(action: np.ndarray, after: np.ndarray, actions: int) -> np.nd
 def joint_code(values: np.ndarray, sizes: Sequence[int] | np.ndarray) -> np.ndarray:
     """Several variables as one: their values as a number in mixed radix, the last changing fastest.
 
+    Of so many variables that the number would overflow, the first ones that occur together are numbered first.
+
     Args:
         values: (n, variables) values.
         sizes: Number of values of each variable.
     """
-    code = np.zeros(len(values), np.int64)
-    for column, size in zip(values.T, sizes, strict=True):
-        code = code * size + column
+    code, bound = np.zeros(len(values), np.int64), 1
+    for column, size in zip(values.T, map(int, sizes), strict=True):
+        if bound * size > LARGEST:
+            code, bound = ranks(code), max(1, len(code))
+        code, bound = code * size + column, bound * size
     return code
+
+
+def ranks(codes: np.ndarray) -> np.ndarray:
+    """(n,) the codes, 0 or more, numbered anew from 0 in their order, so that each number occurs."""
+    if codes.max(initial=0) > MANY + len(codes):
+        number: np.ndarray = np.unique(codes, return_inverse=True)[1]
+    else:
+        number = (np.cumsum(np.bincount(codes) > 0) - 1)[codes]
+    return number

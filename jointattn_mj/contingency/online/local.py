@@ -28,20 +28,14 @@ from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.contingency.online.experience import EventColumns, PastSteps, beyond_last
 from jointattn_mj.contingency.online.local_values import (
-    QUANTILES,
     Weighing,
     count,
     event_values,
-    evidences,
-    exceeding,
     log_evidence,
+    next_first,
     predictive_evidence,
-    surely_lower,
 )
 from jointattn_mj.options import Checked, Count, NotNegative, Positive, Real, Share
-
-NEGLIGIBLE = 1e-5
-"""Probability of being higher below which a rival needs no doubt."""
 
 
 @dataclass(frozen=True)
@@ -84,12 +78,10 @@ class LocalConfig(Checked):
     """Whether an event must wait whose result a module brings about, until every result has a module; in place of
     ``given_modules``."""
     increasing_first: bool = True
-    """Whether an event that makes its result rarer waits for events of the same sensor and action that make another
-    result more frequent, and is no rival to any."""
-    taking_away: Annotated[float, Real("[0, 1]")] = 0.3
-    """With ``increasing_first``: an event makes its result rarer if what it contributes by that exceeds what it
-    contributes by making it more frequent, by more than this share of both. With two spots, looking at one finds what
-    looking at the other misses; the sign of so small a difference is chance, and at 0 it decides who waits."""
+    """Whether an event that makes its result rarer waits for events of the same sensor and action that surely make
+    another result more frequent, and is no rival to any. What is not surely contingent (``deviations``) is not waited
+    for: with two spots, looking at one finds what looking at the other misses, so that chance decides which of the two
+    a result seems to become."""
     needs_offers: bool = True
     """Whether an event is passed over as long as its module would offer nothing."""
     hindsight: bool = True
@@ -97,8 +89,8 @@ class LocalConfig(Checked):
     made. In the text it counts as used where it drove."""
     maps: Literal["follow", "frozen"] = "follow"
     """Whether maps are read anew at each look, or stay as they were made."""
-    offer_gain: Annotated[float, Real("[0, 1]")] = 0.25
-    """Share of the largest gain of a map that each offer must gain (see ``followed_maps``)."""
+    offer_gain: Annotated[float, Real("[0, 1)")] = 0.25
+    """Share of the largest gain of a map that each offer must exceed (see ``followed_maps``)."""
     offer_deviations: NotNegative = 1.0
     """Standard deviations by which the gain of an offer must be above 0."""
     when_served: Literal["go_on", "stop"] = "go_on"
@@ -115,6 +107,7 @@ def search(
     steps: PastSteps,
     events: Sequence[Event],
     served: Sequence[Event],
+    known: np.ndarray,
     since: int,
     config: LocalConfig,
     offers: Callable[[Event], bool],
@@ -125,6 +118,7 @@ def search(
         steps: All steps so far.
         events: The E events that are ranked.
         served: Events that have a module, in the order of these.
+        known: (E,) whether each event was found before, with or without a module; it is not found again.
         since: Step at which the last module was made.
         config: Settings.
         offers: Whether the module of an event would offer anything.
@@ -136,24 +130,22 @@ def search(
     lead, hoped = np.zeros((2, len(events), 2))
     rise = np.zeros(len(events))
     event_values(columns, since, _weighing(config), lead, hoped, rise)
-    rises = rise > -config.taking_away
-    values = lead[:, 0].copy()
+    values, sure = lead[:, 0].copy(), lead[:, 0] > config.deviations * lead[:, 1]
     evidence = np.full(len(events), np.nan)
-    ranked = _candidates(events, served, rises, config)
+    ranked = _candidates(events, served, known, rise > 0, sure, config)
     ranked = ranked[np.argsort(-values[ranked], kind="stable")]
     if config.needs_offers:
         while len(ranked) and not offers(events[ranked[0]]):
             ranked = ranked[1:]
     limits = float(config.tolerance), float(config.doubt), float(config.best)
-    for number in ranked[values[ranked] > config.deviations * lead[ranked, 1]]:
-        rivals = ranked[ranked != number]
-        if (
-            not surely_lower(lead[number], hoped[rivals], evidence[rivals], *limits)
-            and _is_first(columns, lead[number], rivals, hoped, evidence, config)
-            and (number == ranked[0] or not config.needs_offers or offers(events[number]))
-            and _is_evident(steps, columns, int(number), events, served, since, config)
-        ):
-            return int(number), values
+    tried = ranked[sure[ranked]]
+    at = next_first(columns, tried, 0, ranked, lead, hoped, evidence, limits)
+    while at < len(tried):
+        number = int(tried[at])
+        is_offered = number == ranked[0] or not config.needs_offers or offers(events[number])
+        if is_offered and _is_evident(steps, columns, number, events, served, since, config):
+            return number, values
+        at = next_first(columns, tried, at + 1, ranked, lead, hoped, evidence, limits)
     return NOTHING, values
 
 
@@ -174,41 +166,6 @@ def _alike(steps: PastSteps, served: Sequence[Event], config: LocalConfig) -> Ma
     for number, event in enumerate(served if config.given_modules else ()):
         alike.setdefault(event.result, []).append(steps.of_world + number)
     return alike
-
-
-def _is_first(
-    columns: EventColumns,
-    first: np.ndarray,
-    rivals: np.ndarray,
-    hoped: np.ndarray,
-    evidence: np.ndarray,
-    config: LocalConfig,
-) -> bool:
-    """Whether no rival is higher, surely enough.
-
-    Args:
-        columns: Of all events.
-        first: (2,) value of the first event.
-        rivals: Numbers of its rivals.
-        hoped: (E, 2) values of all events as rivals.
-        evidence: (E,) log evidence of each event as far as it was needed before, NaN else; more is written.
-        config: Settings.
-    """
-    higher = np.zeros((len(rivals), len(QUANTILES)))
-    exceeding(first, hoped[rivals], config.tolerance, higher)
-    if config.doubt:
-        doubted = np.flatnonzero(higher.mean(axis=1) > NEGLIGIBLE)
-        known = np.clip(_evidence_of(columns, rivals[doubted], evidence), -500, 500)
-        higher[doubted] /= 1 + config.doubt * np.exp(-known)[:, None]
-    return bool((1 - higher).prod(axis=0).mean() >= config.best)
-
-
-def _evidence_of(columns: EventColumns, numbers: np.ndarray, evidence: np.ndarray) -> np.ndarray:
-    """Log evidence of some events (their numbers); ``evidence`` (E,) keeps what was counted, NaN else."""
-    new = numbers[np.isnan(evidence[numbers])]
-    evidence[new] = evidences(columns, new)
-    known: np.ndarray = evidence[numbers]
-    return known
 
 
 def _is_evident(
@@ -233,18 +190,33 @@ def _is_evident(
     return bool(predictive_evidence(*series.columns, max(since, begin), series.sizes) >= enough)
 
 
-def _candidates(events: Sequence[Event], served: Sequence[Event], rises: np.ndarray, config: LocalConfig) -> np.ndarray:
-    """Numbers of the events that may be found, and are rivals of each other."""
+def _candidates(
+    events: Sequence[Event],
+    served: Sequence[Event],
+    known: np.ndarray,
+    rises: np.ndarray,
+    sure: np.ndarray,
+    config: LocalConfig,
+) -> np.ndarray:
+    """Numbers of the events that may be found, and are rivals of each other.
+
+    Args:
+        events: The E events that are ranked.
+        served: Those that have a module.
+        known: (E,) whether each was found before.
+        rises: (E,) whether each makes its result more frequent.
+        sure: (E,) whether each is surely contingent.
+        config: Settings.
+    """
     done = {event.result for event in served}
     all_served = done >= {event.result for event in events}
     if all_served and config.when_served == "stop":
         return np.zeros(0, np.int64)
-    known = set(served)
-    waits_for = {event[:2] for event, up in zip(events, rises, strict=True) if up and event not in known}
+    waits_for = {event[:2] for event, up in zip(events, rises & sure & ~known, strict=True) if up}
     return np.array([
         number
-        for number, (event, up) in enumerate(zip(events, rises, strict=True))
-        if event not in known
+        for number, (event, up, old) in enumerate(zip(events, rises, known, strict=True))
+        if not old
         and not (config.unserved_first and not all_served and event.result in done)
         and not (config.increasing_first and not up and event[:2] in waits_for)
     ], np.int64)  # fmt: skip

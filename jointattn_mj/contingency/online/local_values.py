@@ -24,6 +24,10 @@ is averaged over these as well. Contingency is carried by few of them, and those
 those that do if all were believed to carry some."""
 QUANTILES = tuple(NormalDist().inv_cdf((i + 0.5) / 64) for i in range(64))
 """Of the standard normal distribution, for means over it."""
+NEGLIGIBLE = 1e-5
+"""Probability of being higher below which a rival needs no doubt."""
+IMPOSSIBLE = 1e-17
+"""Such a probability that 1 less it is 1."""
 
 
 class Weighing(NamedTuple):
@@ -48,10 +52,14 @@ def count(
         before: (n,) what the result is conditioned on.
         after: (n,) values of a result; that of the next step is counted.
         span: First step, and the one after the last.
-        table: (R, S, A, R') counts, changed in place.
+        table: (R, S, A, R') counts, changed in place. Row by row and with one index that cannot be negative, a
+            transition takes half of the time.
     """
+    _, sensors, actions, outcomes = table.shape
+    flat = table.reshape(-1)
     for t in range(span[0], min(span[1], len(s) - 1)):
-        table[before[t], s[t], a[t], after[t + 1]] += 1.0
+        entry = ((before[t] * sensors + s[t]) * actions + a[t]) * outcomes + after[t + 1]
+        flat[np.uint64(entry)] += 1.0
 
 
 @njit(cache=True)
@@ -78,7 +86,7 @@ def event_values(
         surest, best = -np.inf, -np.inf
         for by_reference in (False, True):
             count(
-                columns.s[:, sensor], columns.a[:, action], columns.before[:, result], columns.r[:, result],
+                columns.s.T[sensor], columns.a.T[action], columns.before.T[result], columns.r.T[result],
                 (first, new) if by_reference else (new, len(columns.s)), table,
             )  # fmt: skip
             if not (how.reference if by_reference else how.actual):
@@ -110,7 +118,7 @@ def value_of(table: np.ndarray, by_reference: bool, how: Weighing, lead: np.ndar
     results, sensors, actions, outcomes = table.shape
     value = np.zeros((results * sensors, 5))  # share, mean, variance, rise, and the rise whatever its sign
     q, base, times = np.zeros((actions, outcomes)), np.zeros(outcomes), np.zeros((sensors, actions))
-    p, room = np.zeros((actions, outcomes)), np.zeros((3, outcomes))
+    p, room = np.zeros((2, actions, outcomes)), np.zeros((3, outcomes))
     m, total = 0, 0.0
     for r in range(results):
         if _pool(table[r], q, base, times) == 0.0:
@@ -196,7 +204,7 @@ def _situation(
         base: (R',) p(r' | r).
         by_reference: Whether each action weighs the same.
         concentration: Transitions that the prior is worth.
-        p: (A, R') working space.
+        p: (2, A, R') working space: the posterior's mean, and digamma functions of its parameters.
         room: (3, R') working space.
         value: (5,) its second is the mean of D, nats, its third the variance, its fourth what the actions contribute
             to D by making a result more frequent, less what they contribute by making it rarer, its fifth the sum of
@@ -219,17 +227,18 @@ def _situation(
         if times[a] == 0.0:
             continue
         weight, total = 1.0 / tried if by_reference else times[a] / n, times[a] + concentration
-        divergence = 0.0
+        divergence, top = 0.0, digamma(total + 1.0)
         for k in range(outcomes):
-            x = p[a, k] = (counts[a, k] + concentration * q[a, k]) / total
+            x = p[0, a, k] = (counts[a, k] + concentration * q[a, k]) / total
             mixed[k] += weight * x
             scatter[k] += weight * weight * x * (1.0 - x) / (total + 1.0)
             if by_reference:
                 center[k] += weight * q[a, k]
             if 0.0 < q[a, k] < 1.0:
                 divergence += x * math.log(x / q[a, k])
-                mean += weight * x * (digamma(total * x + 1.0) - digamma(total + 1.0) - math.log(q[a, k]))
-        rise += weight * divergence * (1.0 if p[a, 0] < q[a, 0] else -1.0)
+                p[1, a, k] = digamma(total * x + 1.0)
+                mean += weight * x * (p[1, a, k] - top - math.log(q[a, k]))
+        rise += weight * divergence * (1.0 if p[0, a, 0] < q[a, 0] else -1.0)
         moved += weight * divergence
     for k in range(outcomes):
         x = mixed[k]
@@ -244,23 +253,26 @@ def _situation(
         if times[a] == 0.0:
             continue
         weight, total = 1.0 / tried if by_reference else times[a] / n, times[a] + concentration
-        variance += weight * weight * _scatter(p[a], q[a], center, total, (1.0 - weight) ** 2)
+        variance += weight * weight * _scatter(p[0, a], p[1, a], q[a], center, total, (1.0 - weight) ** 2)
     value[1], value[2], value[3], value[4] = mean, variance, rise, moved
 
 
 @njit(cache=True)
-def _scatter(p: np.ndarray, q: np.ndarray, center: np.ndarray, total: float, rest: float) -> float:
+def _scatter(
+    p: np.ndarray, expected: np.ndarray, q: np.ndarray, center: np.ndarray, total: float, rest: float
+) -> float:
     """Variance of sum_k x_k (log(x_k / q_k) - c_k), where x has a Dirichlet distribution.
 
     Args:
         p: (R',) mean of x.
+        expected: (R',) digamma(total p + 1).
         q: (R',) see above.
         center: (R',) c.
         total: Sum of the distribution's parameters.
         rest: Share of what is not linear in x that counts.
     """
     square = mean = first = second = 0.0
-    top, slope = digamma(total + 2.0), trigamma(total + 2.0)
+    low, top, slope = digamma(total + 1.0), digamma(total + 2.0), trigamma(total + 2.0)
     for k in range(len(p)):
         x = p[k]
         if not 0.0 < x < 1.0:
@@ -269,14 +281,14 @@ def _scatter(p: np.ndarray, q: np.ndarray, center: np.ndarray, total: float, res
         linear = math.log(x) - shift
         first += x * linear
         second += x * linear * linear
-        mean += x * (digamma(a + 1.0) - digamma(total + 1.0) - shift)
+        mean += x * (expected[k] - low - shift)
         d = digamma(a + 2.0) - top - shift
         square += x * (a + 1.0) / (total + 1.0) * (d * d + trigamma(a + 2.0) - slope)
         for j in range(k):
             y = p[j]
             if 0.0 < y < 1.0:
-                term = digamma(a + 1.0) - top - shift
-                other_term = digamma(total * y + 1.0) - top - math.log(q[j]) - center[j]
+                term = expected[k] - top - shift
+                other_term = expected[j] - top - math.log(q[j]) - center[j]
                 square += 2.0 * x * y * total / (total + 1.0) * (term * other_term - slope)
     linear = (second - first * first) / (total + 1.0)
     whole = square - mean * mean
@@ -306,19 +318,76 @@ def trigamma(x: float) -> float:
 
 
 @njit(cache=True)
+def next_first(
+    columns: EventColumns,
+    tried: np.ndarray,
+    at: int,
+    rivals: np.ndarray,
+    lead: np.ndarray,
+    hoped: np.ndarray,
+    evidence: np.ndarray,
+    limits: tuple[float, float, float],
+) -> int:
+    """The next of some events of which no other is higher, surely enough.
+
+    Args:
+        columns: Of all E events.
+        tried: Numbers of the events, in the order in which they are tried.
+        at: Place in ``tried`` of the one with which to begin.
+        rivals: Numbers of the events that are rivals of each other, those tried among them.
+        lead: (E, 2) values of the events as the first.
+        hoped: (E, 2) their values as rivals.
+        evidence: (E,) log evidence of each event as far as it was needed before, NaN else; more is written.
+        limits: ``tolerance``, ``doubt`` and ``best`` of ``LocalConfig``.
+
+    Returns:
+        Its place in ``tried``; the number of these if there is none.
+    """
+    while at < len(tried) and not _is_first(columns, tried[at], rivals, lead, hoped, evidence, limits):
+        at += 1
+    return at
+
+
+@njit(cache=True)
+def _is_first(
+    columns: EventColumns, number: int, rivals: np.ndarray, lead: np.ndarray, hoped: np.ndarray, evidence: np.ndarray,
+    limits: tuple[float, float, float],
+) -> bool:  # fmt: skip
+    """Whether no rival of an event is higher; most fall by one whose evidence is known, before more is counted."""
+    tolerance, doubt, best = limits
+    below, higher = np.ones(len(QUANTILES)), np.zeros(len(QUANTILES))
+    for with_evidence in (True, False):
+        for rival in rivals:
+            known = doubt == 0.0 or not math.isnan(evidence[rival])
+            if rival == number or known != with_evidence:
+                continue
+            lowest = (1.0 + tolerance) * (lead[number, 0] + QUANTILES[0] * lead[number, 1])
+            if _above(hoped[rival], lowest) < IMPOSSIBLE:
+                continue
+            exceeding(lead[number], hoped[rival], tolerance, higher)
+            if doubt > 0.0 and higher.mean() > NEGLIGIBLE:
+                if not known:
+                    evidence[rival] = evidence_of(columns, rival)
+                higher /= 1.0 + doubt * math.exp(-min(max(evidence[rival], -500.0), 500.0))
+            below *= 1.0 - higher
+            if below.mean() < best - 1e-9:
+                return False
+    enough: bool = below.mean() >= best
+    return enough
+
+
+@njit(cache=True)
 def exceeding(first: np.ndarray, hoped: np.ndarray, tolerance: float, higher: np.ndarray) -> None:
-    """How probable it is that rivals are higher than the first, for each of some values that the first may have.
+    """How probable it is that a rival is higher than the first, for each of some values that the first may have.
 
     Args:
         first: (2,) mean and standard deviation of the first.
-        hoped: (rivals, 2) those of its rivals.
+        hoped: (2,) those of the rival.
         tolerance: Share of the first's value by which a rival may be higher.
-        higher: (rivals, quantiles) is written.
+        higher: (quantiles,) is written.
     """
     for j, quantile in enumerate(QUANTILES):
-        bound = (1.0 + tolerance) * (first[0] + quantile * first[1])
-        for i in range(len(hoped)):
-            higher[i, j] = _above(hoped[i], bound)
+        higher[j] = _above(hoped, (1.0 + tolerance) * (first[0] + quantile * first[1]))
 
 
 @njit(cache=True, forceinline=True)
@@ -331,44 +400,16 @@ def _above(value: np.ndarray, bound: float) -> float:
 
 
 @njit(cache=True)
-def surely_lower(
-    first: np.ndarray, hoped: np.ndarray, evidence: np.ndarray, tolerance: float, doubt: float, best: float
-) -> bool:
-    """Whether one rival alone is higher too probably; most events fall by this, before the evidence of all is counted.
-
-    Args:
-        first: (2,) mean and standard deviation of an event.
-        hoped: (rivals, 2) those of its rivals.
-        evidence: (rivals,) log evidence of those, NaN where it is not known yet.
-        tolerance: Share of the first value by which a rival may be higher.
-        doubt: Odds that a rival is not contingent at all.
-        best: Least probability that no rival is higher.
-    """
-    for i in range(len(hoped)):
-        if doubt > 0.0 and math.isnan(evidence[i]):
-            continue
-        belief = 1.0 / (1.0 + doubt * math.exp(-min(max(evidence[i], -500.0), 500.0))) if doubt > 0.0 else 1.0
-        higher = 0.0
-        for quantile in QUANTILES:
-            higher += _above(hoped[i], (1.0 + tolerance) * (first[0] + quantile * first[1]))
-        if 1.0 - belief * higher / len(QUANTILES) < best - 1e-9:
-            return True
-    return False
-
-
-@njit(cache=True)
-def evidences(columns: EventColumns, chosen: np.ndarray) -> np.ndarray:
-    """Log evidence of the chosen events (their numbers), from all steps; see ``log_evidence``."""
-    logs = np.zeros(len(chosen))
-    for i, e in enumerate(chosen):
-        sensor, action, result, first = columns.events[e]
-        sizes = columns.sizes[e]
-        table = np.zeros((sizes[0], sizes[1], sizes[2], sizes[3]))
-        count(
-            columns.s[:, sensor], columns.a[:, action], columns.before[:, result], columns.r[:, result],
-            (first, len(columns.s)), table,
-        )  # fmt: skip
-        logs[i] = log_evidence(table)
+def evidence_of(columns: EventColumns, number: int) -> float:
+    """Log evidence of an event (its number), from all steps; see ``log_evidence``."""
+    sensor, action, result, first = columns.events[number]
+    sizes = columns.sizes[number]
+    table = np.zeros((sizes[0], sizes[1], sizes[2], sizes[3]))
+    count(
+        columns.s.T[sensor], columns.a.T[action], columns.before.T[result], columns.r.T[result],
+        (first, len(columns.s)), table,
+    )  # fmt: skip
+    logs: float = log_evidence(table)
     return logs
 
 
@@ -383,27 +424,45 @@ def log_evidence(table: np.ndarray) -> float:
     results, sensors, actions, outcomes = table.shape
     q = _pooled(table)
     total, factor = np.zeros((2, len(STRENGTHS), len(AFFECTED))), np.zeros((2, len(STRENGTHS)))
+    of_a, of_s = np.zeros((actions, outcomes, 1 + len(STRENGTHS))), np.zeros((outcomes, 1 + len(STRENGTHS)))
     for r in range(results):
+        for a in range(actions):
+            _logs(q[r, a], of_a[a])
         for s in range(sensors):
             n_s = table[r, s].sum()
             if n_s == 0.0:
                 continue
-            of_s = table[r, s].sum(axis=0) / n_s
+            p_s = table[r, s].sum(axis=0) / n_s
+            _logs(p_s, of_s)
             for a in range(actions):
                 n = table[r, s, a].sum()
                 if n == 0.0:
                     continue
                 for i, strength in enumerate(STRENGTHS):
                     factor[:, i] = math.lgamma(strength) - math.lgamma(n + strength)
-                    for part in range(2):
-                        for k in range(outcomes):
-                            c = table[r, s, a, k]
-                            if c > 0.0:
-                                p = q[r, a, k] if part == 0 else of_s[k]
-                                b = strength * p
-                                factor[part, i] += math.lgamma(c + b) - math.lgamma(b) - c * math.log(p)
+                    for k in range(outcomes):
+                        c = table[r, s, a, k]
+                        if c > 0.0:
+                            b, d = strength * q[r, a, k], strength * p_s[k]
+                            factor[0, i] += math.lgamma(c + b) - of_a[a, k, 1 + i] - c * of_a[a, k, 0]
+                            factor[1, i] += math.lgamma(c + d) - of_s[k, 1 + i] - c * of_s[k, 0]
                 _add(factor, total)
     return min(_log_mean_exp(total[0]), _log_mean_exp(total[1]))
+
+
+@njit(cache=True)
+def _logs(p: np.ndarray, logs: np.ndarray) -> None:
+    """Logarithms that are the same for all counts.
+
+    Args:
+        p: (R',) probabilities.
+        logs: (R', 1 + strengths) is written where p is above 0: log(p), and log gamma(strength p).
+    """
+    for k in range(len(p)):
+        if p[k] > 0.0:
+            logs[k, 0] = math.log(p[k])
+            for i, strength in enumerate(STRENGTHS):
+                logs[k, 1 + i] = math.lgamma(strength * p[k])
 
 
 @njit(cache=True)

@@ -5,7 +5,7 @@ Your own is a class with a method ``table``, as in ``ReactiveModule``.
 
 import math
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Protocol, TypeGuard
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from jointattn_mj.contingency.online.events import Variable, Variables
 from jointattn_mj.contingency.online.experience import PastSteps
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.options import Checked, Positive, Share
+
+ROUNDING = 1e-5
+"""By how much the probabilities of a row may miss 1."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ class ReactiveTable:
 
     def __post_init__(self) -> None:
         odds = np.asarray(self.odds, float)
-        if odds.ndim != 2 or (odds < 0).any() or not np.allclose(odds.sum(axis=1), 1):
+        if odds.ndim != 2 or (odds < 0).any() or not (np.abs(odds.sum(axis=1) - 1) <= ROUNDING).all():
             raise ConfigError(f"a reactive module of {self.joint!r} needs odds (values, commands), each row a sum of 1")
         if not 0 < self.trust < float("inf"):
             raise ConfigError(f"a reactive module of {self.joint!r} needs a trust above 0; got {self.trust}")
@@ -41,7 +44,6 @@ class ReactiveModule(Protocol):
         """Its table for an agent with these variables."""
 
 
-@runtime_checkable
 class LearningModule(ReactiveModule, Protocol):
     """What a reactive module that learns must have in addition."""
 
@@ -52,6 +54,11 @@ class LearningModule(ReactiveModule, Protocol):
             variables: Of the agent.
             steps: What was sensed, done and found.
         """
+
+
+def learns(module: ReactiveModule) -> TypeGuard[LearningModule]:
+    """Whether a reactive module learns; asked at every look, so by the name of its method."""
+    return hasattr(module, "learned")
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ class Transitions(NamedTuple):
     """(n,) result in the next step."""
 
     def some(self, which: np.ndarray | slice) -> "Transitions":
-        """A part of them."""
+        """Some of the transitions, by a mask, indices or a slice."""
         return Transitions(*(column[which] for column in self))
 
 

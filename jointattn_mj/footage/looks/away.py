@@ -38,14 +38,14 @@ def probability_away(evidence: Evidence, known: np.ndarray, still: np.ndarray, l
     )
     chances = len(evidence.by_chance) // max(n, 1)
     by_chance = by_chance[np.tile(_all_around(known), chances) & ~still[whose]]
-    found = np.zeros(n)
+    probability = np.zeros(n)
     if usable.sum() < PER_BIN or len(by_chance) < PER_BIN:
-        return found
+        return probability
     seldom = float(np.quantile(by_chance, low))
     share = float(np.clip((most[usable] <= seldom).mean() / max((by_chance <= seldom).mean(), 1e-9), *SHARES))
-    found[usable] = _of_chance(most[usable], by_chance, share)
-    found[~usable & ~still[best]] = share
-    return found
+    probability[usable] = _of_chance(most[usable], by_chance, share)
+    probability[~usable & ~still[best]] = share
+    return probability
 
 
 def _of_chance(values: np.ndarray, by_chance: np.ndarray, share: float) -> np.ndarray:
@@ -68,7 +68,9 @@ def _averaged(evidence: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Evidence for the best candidate (n,), over a second around each look, and which one that is."""
     window = np.ones(LOOKS) / LOOKS
     floored = np.maximum(evidence, LEAST)
-    over_time = np.stack([np.convolve(one, window, "full")[LOOKS // 2 :][: len(one)] for one in floored.T], axis=1)
+    over_time = np.stack(
+        [np.convolve(column, window, "full")[LOOKS // 2 :][: len(column)] for column in floored.T], axis=1
+    )
     return over_time.max(axis=1), over_time.argmax(axis=1)
 
 

@@ -11,6 +11,7 @@ from jointattn_mj.footage.looks.coding import UNSEEN, UNSURE
 from jointattn_mj.footage.looks.tables import TIER
 from jointattn_mj.recordings.agreement import AgreementOptions, agreement
 from jointattn_mj.recordings.events import Events
+from jointattn_mj.recordings.intervals import intervals_of
 from jointattn_mj.recordings.reader import read
 
 LEFT_OUT = (UNSURE, UNSEEN, "turn")
@@ -40,7 +41,7 @@ class Codings:
                 time with "unsure", "turn" or "cannot be seen" is left out. Columns onset_s and offset_s are seconds.
 
         Raises:
-            SeriesError: It cannot be read, or has not one such tier of one recording.
+            SeriesError: It cannot be read, has not one such tier of one recording, or looks overlap on it.
         """
         events = read(path).events
         tiers = events.tier_names
@@ -48,14 +49,33 @@ class Codings:
             raise SeriesError(f"{path} must have one tier, or one called {TIER!r}; it has {', '.join(tiers) or 'none'}")
         if len(events.recordings) != 1:
             raise SeriesError(f"{path} must be of one recording; it has {len(events.recordings)}")
-        table = events.select([TIER if TIER in tiers else tiers[0]]).table
+        own = intervals_of(events, events.recordings[0], TIER if TIER in tiers else tiers[0])
         looks = [
             (float(onset), float(offset), str(code))
-            for onset, offset, code in zip(table["onset"], table["offset"], table["code"], strict=True)
-            if code is not None and offset > onset
+            for onset, offset, code in zip(own.onset, own.offset, own.code, strict=True)
+            if code
         ]
         answers = tuple(look for look in looks if look[2] not in LEFT_OUT)
         return cls(path, answers, sum(offset - onset for onset, offset, _ in looks))
+
+    def check_codes(self, names: tuple[str, ...], all_of_them: bool) -> None:
+        """Check that codes are names of what can be looked at, before a video is watched for them.
+
+        Args:
+            names: What can be looked at.
+            all_of_them: Whether each must be; else one of them will do, for a person codes more than that.
+
+        Raises:
+            SeriesError: They are not.
+        """
+        codes = {code for _, _, code in self.looks}
+        strange = sorted(codes - set(names))
+        if strange and (all_of_them or len(strange) == len(codes)):
+            code, which = ("code", "is") if len(strange) == 1 else ("codes", "are")
+            raise SeriesError(
+                f"{self.path}: the {code} {', '.join(map(repr, strange))} {which} none of {', '.join(names)}; name the "
+                "objects as they are coded: NAME=#colour"
+            )
 
     def at(self, times: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
         """What was coded at some times.
@@ -86,8 +106,9 @@ class Codings:
             other: The other coder.
 
         Returns:
-            ``kappa``, ``low`` and ``high`` (its 95% interval, by blocks of 30 s), ``observed`` (share of seconds that
-            agree), ``seconds`` that were compared, ``left_out`` (share of the time coded here that was not), and
+            ``kappa``, ``low`` and ``high`` (its 95% interval, by blocks of 30 s; NaN where kappa has no meaning, as
+            with one code alone), ``observed`` (share of seconds that agree), ``seconds`` that were compared,
+            ``left_out`` (share of the time coded here that was not), and
             ``kappa_by_code``.
 
         Raises:

@@ -17,7 +17,7 @@ import numpy as np
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.colours import sought_objects
 from jointattn_mj.footage.picked import colours_at, require_apart
-from jointattn_mj.footage.reader import RATE, Footage
+from jointattn_mj.footage.reader import RATE, Footage, check_utf8
 from jointattn_mj.footage.sessions.config import CameraSessionConfig
 from jointattn_mj.footage.sessions.latency import CameraCount
 from jointattn_mj.footage.sessions.session import FootageSessionRun
@@ -33,23 +33,24 @@ PAUSED_S = 1.0
 class CameraSource:
     """Reads a camera, or plays a video file as if it were one."""
 
-    def __init__(self, config: CameraSessionConfig, count: CameraCount, frames: int = 0):
+    def __init__(self, config: CameraSessionConfig, count: CameraCount):
         """Open the camera, and wait for its first image.
 
         Args:
             config: Which camera.
-            count: Counts images; it is changed.
-            frames: Of the session so far, from which the clock goes on.
+            count: Counts images, of earlier cameras of the session too, whose clock goes on; it is changed.
 
         Raises:
             FootageError: There is no such camera, or it gives no image.
         """
         self.aspect = 1.0
-        self._name, self._count, self._start_s = config.camera, count, frames / RATE
+        self._name, self._count = config.camera, count
         self._new = threading.Condition()
         self._image: np.ndarray | None = None
         self._number, self._taken_s, self._fresh = -1, 0.0, False
         self._ended, self._closed = False, False
+        self._lost = count.images_lost  # when a frame was taken last
+        self._open_s = count.seconds  # of the cameras before this one
         self._images = self._of_file(Path(config.camera)) if _is_file(config.camera) else self._of_device(config)
         self._shown = -1
         self._due_s: float = 0.0
@@ -77,6 +78,8 @@ class CameraSource:
         now = time.monotonic()
         if now - self._due_s > PAUSED_S:
             self._due_s, cut = now, True
+            with self._new:
+                self._count.images_lost = self._lost  # nobody was to look at those meanwhile
         late = now > self._due_s + 1 / RATE
         if not late:
             time.sleep(max(0.0, self._due_s - now))
@@ -91,7 +94,8 @@ class CameraSource:
                 assert self._image is not None
                 self._kept, self._shown, self._fresh = self._image, self._number, False
                 self._kept_s = self._taken_s
-            seconds = self._start_s + self._kept_s - self._opened_s
+            self._lost = self._count.images_lost
+            seconds = self._open_s + self._kept_s - self._opened_s
             return WideFrame(self._kept, self._shown, seconds, cut, self._kept_s)
 
     def close(self) -> None:
@@ -99,7 +103,6 @@ class CameraSource:
         if not self._closed:
             self._closed = True
             self._thread.join(2.0)
-            self._count.seconds += time.monotonic() - self._opened_s
 
     def _read(self) -> None:
         """Take up images as they come; runs in a thread of its own."""
@@ -107,6 +110,7 @@ class CameraSource:
             taken = time.monotonic()
             with self._new:
                 self._count.images += 1
+                self._count.seconds = self._open_s + taken - self._opened_s
                 self._count.images_lost += self._fresh
                 self._image, self._number, self._taken_s, self._fresh = image, self._number + 1, taken, True
                 self._new.notify_all()
@@ -123,6 +127,7 @@ class CameraSource:
             FootageError: It cannot be opened.
         """
         name = config.camera
+        check_utf8(name)
         given: int | str = int(name) if re.fullmatch(r"\d{1,3}", name) else name
         level = cv2.utils.logging.getLogLevel()
         cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
@@ -181,14 +186,11 @@ class CameraSessionRun(FootageSessionRun):
 
     def open_source(self, frames: int) -> CameraSource:
         """See ``FootageSessionRun``."""
-        return CameraSource(self.config, self.count, frames)
+        return CameraSource(self.config, self.count)
 
     def camera_times(self) -> CameraTimes:
         """See ``FootageSessionRun``."""
-        latency, source = self.perceiver.latency, self.wide.source
-        seconds = self.count.seconds
-        if isinstance(source, CameraSource):
-            seconds += time.monotonic() - source._opened_s
+        latency, seconds = self.perceiver.latency, self.count.seconds
         return CameraTimes(
             images=self.count.images,
             images_a_second=self.count.images / seconds if seconds > 0 else None,

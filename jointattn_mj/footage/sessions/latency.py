@@ -13,9 +13,9 @@ class CameraCount:
 
     Attributes:
         images: Images that the camera has given.
-        images_lost: Those that were followed by another before they were taken up.
+        images_lost: Those that were followed by another before they were taken up, without those of a pause.
         frames_lost: Frames in which the robot saw no new image because the machine was late.
-        seconds: Time for which the camera was open.
+        seconds: Time for which the camera was open, up to its last image.
     """
 
     images: int = 0

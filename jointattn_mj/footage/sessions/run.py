@@ -56,16 +56,14 @@ def run_footage_session(
         CheckpointError: ``resume`` without a fitting checkpoint.
         SeriesError: The coding cannot be read.
     """
-    kind: Any = kind_of(config)
-    told: Any = progress
-    prepared: Any = prepare
     if out is not None:
         options = SessionOptions(out=out, resume=resume, checkpoint_minutes=checkpoint_minutes)
-        summary: Any = run_session(config, options, told, kind, prepare=prepared)  # type: ignore[arg-type]
-        return summary  # type: ignore[no-any-return]
+        run: Any = run_session  # its types are those of sessions in the rendered world
+        summary: FootageSessionSummary = run(config, options, progress, kind_of(config), prepare=prepare)
+        return summary
     if resume:
         raise ConfigError("resume needs the folder out of the session that is to go on")
-    return _run_without_trace(kind(config), told, prepare)
+    return _run_without_trace(kind_of(config)(config), progress, prepare)
 
 
 def _run_without_trace(session: FootageSessionRun, progress: Hook, prepare: Hook) -> FootageSessionSummary:

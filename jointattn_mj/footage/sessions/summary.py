@@ -23,7 +23,7 @@ class CameraTimes(Summary):
     images_a_second: float | None
     """Their rate."""
     images_lost: int
-    """Images that came before the one before them was taken up: nobody has looked at them."""
+    """Images that were followed by another before they were taken up, but for those of a pause."""
     frames_lost: int
     """Frames of a thirtieth of a second in which the robot saw no new image because the machine was late."""
     latency_median_ms: float | None

@@ -65,7 +65,7 @@ ODD: dict[str, tuple[tuple[str, ...], float]] = {
     "large.mp4": ((*H264, "-vf", "scale=4096:3072", "-frames:v", "3"), 0.1),
     "pixels not square.mp4": ((*H264, "-vf", "setsar=2/1"), SECONDS),
     "pixels absurd.mkv": (("-c:v", "ffv1", "-vf", "setsar=1000/1"), SECONDS),
-    "rate 5.mp4": ((*H264, "-r", "5"), SECONDS),
+    "rate 5.mp4": ((*H264, "-vf", "fps=5"), SECONDS),  # with -r 5, ffmpeg writes seven images
     "rate 59.94.mp4": ((*H264, "-r", "60000/1001"), SECONDS),
     "rate 240.mp4": ((*H264, "-r", "240"), SECONDS),
     "rate varies.mkv": ((*H264, "-vf", "setpts='N*(1+mod(N,5))/90/TB'", "-fps_mode", "vfr"), 1.5),
