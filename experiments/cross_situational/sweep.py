@@ -14,6 +14,7 @@ from jointattn_mj.gaze_following.presets import PRESETS
 from jointattn_mj.gaze_following.session import FRAMES_PER_MINUTE, SessionRun
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.options import Checked, Real, Share, Whole
+from jointattn_mj.perception.mean_face import MeanFaceConfig
 from jointattn_mj.perception.percept import Observation, Perceiver
 from jointattn_mj.perception.pixels import PixelPerception
 from jointattn_mj.scene.camera import direction_of
@@ -154,6 +155,14 @@ def upright(**options: Any) -> Upright:
     return replace(made, config=replace(made.config, world=replace(world, layout=layout, behaviour=behaviour)))
 
 
+def meeting(teachers: int, subtracted: bool) -> Strangers:
+    """A robot that learns with some people and then meets the others; faces as they are, or less their mean."""
+    config = condition("pixels").config
+    mean_face = MeanFaceConfig(subtracted=subtracted)
+    alike = replace(config, robot=replace(config.robot, mean_face=mean_face))
+    return Strangers(alike, PEOPLE[:teachers], PEOPLE[teachers:])
+
+
 COMPLETE = "in_view+base+competition+wait+again"
 
 
@@ -195,12 +204,11 @@ SETTINGS = {
     ),
     "hour": Setting(condition(minutes=60), 10),
     "variation": Setting(condition("pixels", variation="all"), 10),
-    "strangers/one_teacher": Setting(
-        Strangers(condition("pixels").config, PEOPLE[:1], PEOPLE[1:]), 10
-    ),
-    "strangers/three_teachers": Setting(
-        Strangers(condition("pixels").config, PEOPLE[:3], PEOPLE[3:]), 10
-    ),
+    **{
+        f"strangers/{words}{coded}": Setting(meeting(teachers, subtracted), 10)
+        for words, teachers in (("one_teacher", 1), ("three_teachers", 3))
+        for coded, subtracted in (("", False), ("_mean_face", True))
+    },
     **{f"told/{part}": Setting(condition("pixels", kind=PartlySeen, told=part), 10) for part in PARTS},
     "upright/state_no_cues": Setting(upright(), 10),
     "upright/state_cues_thesis": Setting(upright(cues=True, preset="thesis"), 10),

@@ -13,8 +13,9 @@ from jointattn_mj.gaze_following.gate import GazeConfig, HeadShift, gate_probabi
 from jointattn_mj.gaze_following.learners import LearnerConfig, Locations, make_learner
 from jointattn_mj.io.progress import count
 from jointattn_mj.options import Checked, Real, Whole
+from jointattn_mj.perception.mean_face import MeanFace, MeanFaceConfig
 from jointattn_mj.perception.percept import Observation, Perceiver, Percept
-from jointattn_mj.perception.som import SOM, SOMConfig, whole_number
+from jointattn_mj.perception.som import IMAGE_DIMENSION, SOM, SOMConfig, whole_number
 from jointattn_mj.scene.camera import direction_of, off_centre
 
 TIE = 1e-9
@@ -43,6 +44,8 @@ class RobotConfig(Checked):
     """The online contingency learning module (6.3.3)."""
     som: SOMConfig = field(default_factory=SOMConfig)
     """The self-organising map of face patterns (6.3.3, 6.4.1)."""
+    mean_face: MeanFaceConfig = field(default_factory=MeanFaceConfig)
+    """Faces as deviations from this person's mean, so that what was learned serves for other people."""
     familiarise: FamiliariseConfig = field(default_factory=FamiliariseConfig)
     """The minutes before the session in which the map is learned (6.4.1)."""
 
@@ -89,6 +92,7 @@ class GazeFollower:
         face: Number of the candidate that is the face; objects come before it.
         attention: Attention selector.
         som: Self-organising map of face patterns.
+        mean_face: Mean of the face patterns, if they are coded as deviations from it; else None.
         learner: Maps a face to the motor command that leads from it to the object.
         attended: Candidate that is fixated, or None.
         percept: Percept of this frame; None while the head turns.
@@ -111,6 +115,8 @@ class GazeFollower:
         self.face = objects
         self.attention: Attention = AttentionSelector(config.attention, objects, attention)
         self.som = SOM(perceiver.pattern_size, config.som, som)
+        subtracted = config.mean_face.subtracted and perceiver.pattern_size >= IMAGE_DIMENSION
+        self.mean_face = MeanFace(perceiver.pattern_size, config.mean_face) if subtracted else None
         self.learner = make_learner(config.learner, len(self.som.weights), learner)
         self.iterations = 0
         self.attended: int | None = None
@@ -141,7 +147,9 @@ class GazeFollower:
             percept = self.perceiver.perceive(observation, landed=True)
             if percept.visible[self.face]:
                 self._hold(direction_of(percept.px[self.face], head))
-                self.som.update(self.perceiver.face_pattern())
+                if self.mean_face is not None:
+                    self.mean_face.update(self.perceiver.face_pattern())
+                self.som.update(self._coded_face())
         self.attended = self.face
         return self._command
 
@@ -154,6 +162,8 @@ class GazeFollower:
         self.percept = percept = self.perceiver.perceive(observation, shift is not None)
         if shift is not None:
             self._land(shift, percept, np.degrees(observation.head_angles))
+        if self.mean_face is not None and self.attended == self.face and percept.visible[self.face]:
+            self.mean_face.look(self.perceiver.face_pattern)
         chosen = self._choose(percept, fixating=shift is None)
         if chosen is not None:
             self._launch(chosen, percept, np.degrees(observation.head_angles))
@@ -166,7 +176,12 @@ class GazeFollower:
 
     def face_input(self) -> np.ndarray:
         """Activations (k,) of the map for the face in the last percept: the learner's input."""
-        return self.som.activations(self.perceiver.face_pattern())
+        return self.som.activations(self._coded_face())
+
+    def _coded_face(self) -> np.ndarray:
+        """The face pattern of the last percept, as the map takes it."""
+        pattern = self.perceiver.face_pattern()
+        return pattern if self.mean_face is None else self.mean_face.deviation(pattern)
 
     def _choose(self, percept: Percept, fixating: bool) -> int | None:
         """The candidate to which the gaze shifts in this frame; None if it stays, or waits for the face to be still.
@@ -364,6 +379,7 @@ class GazeFollower:
         """All that was learned, by name: the map of faces, the learner's weights, and l of eq. 6.8."""
         return {
             **{f"som_{name}": array for name, array in self.som.arrays().items()},
+            **({} if self.mean_face is None else {"mean_face": self.mean_face.mean.copy()}),
             "learner": self.learner.weights(),
             "iterations": np.array(self.iterations),
         }
@@ -381,9 +397,21 @@ class GazeFollower:
             if som.weights.shape[1] != size:
                 raise ConfigError(f"a map of faces of {size} numbers each is needed; got {som.weights.shape[1]}")
             iterations = whole_number("iterations", weights["iterations"])
+            mean_face = self._known_mean_face(weights)
             self.learner.load(weights["learner"])
-            self.som, self.iterations = som, iterations
+            self.som, self.iterations, self.mean_face = som, iterations, mean_face
         except KeyError as error:
             raise ConfigError(f"these weights lack {error}; {source}") from error
         except (ValueError, TypeError, IndexError) as error:
             raise ConfigError(f"these weights do not fit ({error}); {source}") from error
+
+    def _known_mean_face(self, weights: Mapping[str, np.ndarray]) -> MeanFace | None:
+        """The mean face to begin with, if this robot subtracts one."""
+        if self.mean_face is None:
+            if "mean_face" in weights:
+                raise ConfigError("their units hold deviations from a mean face, which is not subtracted here")
+            return None
+        mean = MeanFace.from_array(weights["mean_face"], self.config.mean_face)
+        if len(mean.mean) != self.perceiver.pattern_size:
+            raise ConfigError(f"a mean face of {self.perceiver.pattern_size} numbers is needed; got {len(mean.mean)}")
+        return mean

@@ -70,6 +70,7 @@ gaze_following.varied_session: VariedSessionRun
 io.rows: RowStore
 perception.categories: FaceCategories GroupingConfig
 perception.faces: FaceDetector FaceDetectorConfig FaceFix
+perception.mean_face: MeanFace MeanFaceConfig
 perception.motion: Motion MotionConfig MotionDetector
 perception.objects: Areas ColourAreas ColourConfig
 perception.percept: Percept

@@ -11,6 +11,7 @@ from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, R
 from jointattn_mj.gaze_following.attention import AttentionConfig
 from jointattn_mj.gaze_following.gate import GazeConfig
 from jointattn_mj.gaze_following.learners import LearnerConfig, Locations
+from jointattn_mj.perception.mean_face import MeanFaceConfig
 from jointattn_mj.perception.percept import Percept, StillObservation
 from jointattn_mj.scene.camera import in_image, pixel_of
 
@@ -375,6 +376,21 @@ class TestWeights:
         weights = self.learned().weights() | {name: array}
         with pytest.raises(ConfigError, match="do not fit"):
             make(Scene()).load(weights)
+
+    def test_a_mean_face(self):
+        scene, config = Scene(), RobotConfig(mean_face=MeanFaceConfig(subtracted=True))
+        scene.pattern_size = 1024
+        robot = GazeFollower(config, scene, 2, np.random.SeedSequence(0))
+        weights = robot.weights()
+        robot.load(weights)
+        for wrong in (np.zeros(1025), np.zeros((2, 2)), np.array("words")):
+            with pytest.raises(ConfigError, match="mean face"):
+                robot.load(weights | {"mean_face": wrong})
+        without = GazeFollower(RobotConfig(), scene, 2, np.random.SeedSequence(0))
+        with pytest.raises(ConfigError, match="hold deviations from a mean face"):
+            without.load(weights)
+        with pytest.raises(ConfigError, match="lack 'mean_face'"):
+            robot.load(without.weights())
 
     def test_another_code(self):
         other = make(Scene(), learner={"code": "linear"})
