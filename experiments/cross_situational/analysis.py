@@ -35,6 +35,8 @@ LONGER = {
     "watching": "after watching only",
     "watching_thesis": "after watching only, the dissertation's rule",
     "hour": "an hour",
+    "strangers/one_teacher_mean_face": "strangers, one teacher, faces less their mean",
+    "strangers/three_teachers_mean_face": "strangers, three teachers, faces less their mean",
 }
 WORDS = {"no_cues": "without motion cues", "cues": "with motion cues", "thesis": "the dissertation's rule"}
 
