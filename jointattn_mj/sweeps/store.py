@@ -57,6 +57,7 @@ ADDED: dict[str, dict[str, Any]] = {
     "table": {"wrong": 0.0, "profile_shows": "gaze"},
     "rendered": {"least_turned": 0},
     "senses": {"frontal_likeness": 0.0},
+    "local": {"waits_deviations": 0.0},
     "robot": {"mean_face": {"subtracted": False, "every": 3, "known": 5, "most": 1800}},
     "gaze": {"gate_sharpness": 3.0, "commands": "direction", "wait_for_still_face": False, "read_again": False},
 }  # fmt: skip

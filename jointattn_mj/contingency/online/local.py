@@ -78,10 +78,12 @@ class LocalConfig(Checked):
     """Whether an event must wait whose result a module brings about, until every result has a module; in place of
     ``given_modules``."""
     increasing_first: bool = True
-    """Whether an event that makes its result rarer waits for events of the same sensor and action that surely make
-    another result more frequent, and is no rival to any. What is not surely contingent (``deviations``) is not waited
-    for: with two spots, looking at one finds what looking at the other misses, so that chance decides which of the two
-    a result seems to become."""
+    """Whether an event that makes its result rarer waits for events of the same sensor and action that make another
+    result more frequent, and is no rival to any."""
+    waits_deviations: NotNegative = 1.0
+    """With ``increasing_first``: standard deviations by which the value of an event must be above 0 to be waited for.
+    With two spots, looking at one finds what looking at the other misses, so that chance decides which of the two a
+    result seems to become; at 0 an event may wait for ever for one that is nothing."""
     needs_offers: bool = True
     """Whether an event is passed over as long as its module would offer nothing."""
     hindsight: bool = True
@@ -132,7 +134,8 @@ def search(
     event_values(columns, since, _weighing(config), lead, hoped, rise)
     values, sure = lead[:, 0].copy(), lead[:, 0] > config.deviations * lead[:, 1]
     evidence = np.full(len(events), np.nan)
-    ranked = _candidates(events, served, known, rise > 0, sure, config)
+    waited_for = (rise > 0) & (values > config.waits_deviations * lead[:, 1])
+    ranked = _candidates(events, served, known, rise > 0, waited_for, config)
     ranked = ranked[np.argsort(-values[ranked], kind="stable")]
     if config.needs_offers:
         while len(ranked) and not offers(events[ranked[0]]):
@@ -195,7 +198,7 @@ def _candidates(
     served: Sequence[Event],
     known: np.ndarray,
     rises: np.ndarray,
-    sure: np.ndarray,
+    waited_for: np.ndarray,
     config: LocalConfig,
 ) -> np.ndarray:
     """Numbers of the events that may be found, and are rivals of each other.
@@ -205,14 +208,14 @@ def _candidates(
         served: Those that have a module.
         known: (E,) whether each was found before.
         rises: (E,) whether each makes its result more frequent.
-        sure: (E,) whether each is surely contingent.
+        waited_for: (E,) whether events that make their results rarer wait for it.
         config: Settings.
     """
     done = {event.result for event in served}
     all_served = done >= {event.result for event in events}
     if all_served and config.when_served == "stop":
         return np.zeros(0, np.int64)
-    waits_for = {event[:2] for event, up in zip(events, rises & sure & ~known, strict=True) if up}
+    waits_for = {event[:2] for event, up in zip(events, waited_for & ~known, strict=True) if up}
     return np.array([
         number
         for number, (event, up, old) in enumerate(zip(events, rises, known, strict=True))
