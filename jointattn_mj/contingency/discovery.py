@@ -49,7 +49,7 @@ class Finding:
     """Values that carry the contingency, those that add most first; left out of events that are not significant."""
     lead: Lead | None = None
     """Measure local: where the event is surest to be contingent."""
-    first: float = float("nan")
+    first: float | None = None
     """Measure local: probability, by the posterior, that no other event has a higher effective value."""
 
     @property

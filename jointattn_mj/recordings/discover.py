@@ -136,7 +136,7 @@ class DiscoverResult:
             parts = f"{share(finding.normalised if lead is None else lead.share):>9}"
             lines.append(
                 f"{finding.event:{width}}{number(significance.value):>10}{number(significance.corrected):>11}{bracket(significance.interval):>22}"
-                f"{parts}{'' if lead is None else f'{finding.first:7.0%}'}"
+                f"{parts}{'' if finding.first is None else f'{finding.first:7.0%}'}"
                 f"{significance.z:8.1f}{significance.p:9.4f}{finding.p_adjusted:9.4f}{mark}"
             )
         for finding in self.findings:
