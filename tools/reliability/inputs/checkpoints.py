@@ -41,7 +41,7 @@ RUNS = tuple(
         "session --minutes 0.4 --robot.familiarise.minutes 0.2 --checkpoint-minutes 0.05",
         f"{PERCEIVE} --no-overlay",
         f"{PERCEIVE} --looks",
-        f"{PERCEIVE} --detector templates --blur-faces",
+        f"{PERCEIVE} --detector templates",
     )
 )
 FROM_PYTHON = """
