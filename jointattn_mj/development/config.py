@@ -77,7 +77,7 @@ class DevelopmentConfig(Checked):
         Raises:
             ConfigError: There is no such preset.
         """
-        own: Self = cls()  # type: ignore[call-arg]  # that of a world, which it says
+        own: Self = cls()  # type: ignore[call-arg]  # the config of each world has a default for `world`
         start = changed(own, {"preset": given["preset"]}) if "preset" in given else own
         preset = PRESETS[start.preset]
         return replace(start, table=preset.world, agent=preset.agent, reactive=preset.reactive)
