@@ -188,7 +188,7 @@ def test_what_is_left_when_no_more_modules_are_made():
     assert set(nothing.log("driver of shift gaze")) == {0}
 
 
-def test_what_is_found_without_a_module_is_found_once():
+def test_what_is_detected_without_a_module_is_found_once():
     run = steps_done(replace(AGENTS["local"], most_modules=1), n_steps=2000)
     assert [detection.module is None for detection in run.detections][:2] == [False, True]
     assert len({detection.event for detection in run.detections}) == len(run.detections)
