@@ -14,7 +14,7 @@ from jointattn_mj.scene.batched_eye import BatchedEye
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 
 PART_WIDTH, PART_HEIGHT = 8, 48
-"""Pixels. Thirty-two rays run in step on a card; eight columns wide, they are a tile of 8x4."""
+"""Pixels; parts of 32x24 are as fast."""
 NOWHERE = -(1 << 20)
 """Corner of a part in which nothing is to be seen, so that its rays cost next to nothing."""
 
