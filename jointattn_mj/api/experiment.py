@@ -8,7 +8,7 @@ from jointattn_mj.api.claims import experiments_registry
 from jointattn_mj.errors import ConfigError, SweepError
 from jointattn_mj.io.progress import count
 from jointattn_mj.options import Whole, check_argument, path_of
-from jointattn_mj.sweeps.backends import new_backend
+from jointattn_mj.parallel.backend_choice import new_backend
 from jointattn_mj.sweeps.registry import Registry, registry_of
 from jointattn_mj.sweeps.report import write_report
 from jointattn_mj.sweeps.run import Selection, SweepWatcher, run

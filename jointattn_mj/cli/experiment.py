@@ -142,7 +142,7 @@ def _stored(registry: Registry, claim: str, folder: Path) -> str:
 
 def _run(registry: Registry, options: ExperimentRunOptions) -> None:
     from jointattn_mj.io.progress import count
-    from jointattn_mj.sweeps.backends import new_backend
+    from jointattn_mj.parallel.backend_choice import new_backend
     from jointattn_mj.sweeps.progress import SweepProgress
     from jointattn_mj.sweeps.run import Selection, run
 

@@ -1,7 +1,6 @@
-"""Where trials are computed: in processes of this machine (loky), in some that share a graphics card (gpu), or by the
-workers of a running dask scheduler.
+"""Where trials are computed: in processes of this machine (loky), or by the workers of a running dask scheduler.
 
-All take a function with its arguments and return a ``concurrent.futures.Future``. They differ in how the death of a
+Both take a function with its arguments and return a ``concurrent.futures.Future``. They differ in how the death of a
 worker shows, and in what else it ends.
 """
 
@@ -21,7 +20,6 @@ from joblib.externals.loky.backend.resource_tracker import ensure_running
 from joblib.externals.loky.process_executor import BrokenProcessPool
 
 from jointattn_mj.errors import ConfigError, SweepError
-from jointattn_mj.sweeps.crowd import Crowd
 from jointattn_mj.sweeps.worker import SINGLE_THREADED, start
 
 
@@ -186,27 +184,3 @@ def gone(error: BaseException) -> SweepError:
 def lost_touch(error: BaseException) -> bool:
     """Whether a future ended with ``error`` because the workers are gone."""
     return isinstance(error, CancelledError) or type(error).__name__ in ("CommClosedError", "FutureCancelledError")
-
-
-def new_backend(name: str, jobs: int, address: str | None) -> Backend:
-    """Make the backend that the options ask for.
-
-    Args:
-        name: ``loky``, ``gpu`` or ``dask``.
-        jobs: Processes of loky and gpu; 0 for one a core.
-        address: Address of the dask scheduler.
-
-    Raises:
-        ConfigError: The options contradict each other.
-        ExtraError: The extra ``gpu`` is not installed.
-        SweepError: The scheduler cannot be reached.
-    """
-    if name != "dask":
-        if address is not None:
-            raise ConfigError(
-                f"`address={address!r}` is for `backend='dask'`; the processes of {name} are on this machine"
-            )
-        return Loky(jobs) if name == "loky" else Crowd(jobs)
-    if address is None:
-        raise ConfigError("`backend='dask'` needs `address`, such as tcp://127.0.0.1:8786")
-    return Dask(address)

@@ -10,8 +10,8 @@ import pytest
 from jointattn_mj.errors import ConfigError, ExtraError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
+from jointattn_mj.parallel.crowd import Crowd, CrowdWorkerDied
 from jointattn_mj.scene.world import WorldConfig
-from jointattn_mj.sweeps.crowd import Crowd, CrowdWorkerDied
 
 
 def test_what_it_needs(monkeypatch):

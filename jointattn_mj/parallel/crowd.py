@@ -92,7 +92,7 @@ class Crowd:
         eyes, tasks = ([Pipe() for _ in range(self.jobs)] for _ in range(2))
         self._children = [start_child("jointattn_mj.scene.eye_server", "serve_eyes", [theirs for theirs, _ in eyes])]
         for (_, eye), (task, theirs) in zip(eyes, tasks, strict=True):
-            self._children.append(start_child("jointattn_mj.sweeps.crowd_worker", "work", [theirs, eye], environment))
+            self._children.append(start_child("jointattn_mj.parallel.crowd_worker", "work", [theirs, eye], environment))
             task.send(self.at_once)
         self._workers = [task for task, _ in tasks]
         threading.Thread(target=self._listen, args=(list(self._workers),), daemon=True).start()
