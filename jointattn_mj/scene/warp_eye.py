@@ -46,6 +46,8 @@ class WarpEye(RedrawingEye):
         """
         super().__init__(physics)
         self._scene, self._anew = scene, draws == "all"
+        height, width = self._buffer.shape[:2]
+        self._grid = np.stack(np.meshgrid(range(0, width, PART_WIDTH), range(0, height, PART_HEIGHT)), -1)
 
     def render(self) -> np.ndarray:
         """The image now; see ``Eye.render``.
@@ -64,9 +66,9 @@ class WarpEye(RedrawingEye):
 
     def _render_part(self, x0: int, y0: int, x1: int, y1: int) -> None:
         data = self._physics.data.ptr
-        x = np.arange(x0 // PART_WIDTH * PART_WIDTH, x1, PART_WIDTH)
-        y = np.arange(y0 // PART_HEIGHT * PART_HEIGHT, y1, PART_HEIGHT)
-        corners = np.stack(np.meshgrid(x, y), -1).reshape(-1, 2)
+        rows = slice(y0 // PART_HEIGHT, -(-y1 // PART_HEIGHT))
+        columns = slice(x0 // PART_WIDTH, -(-x1 // PART_WIDTH))
+        corners = self._grid[rows, columns].reshape(-1, 2)
         draw = _draw_parts.get() or _own_server()
         draw(PartsRequest(self._scene, data.qpos, data.mocap_pos, corners, self._buffer))
 
