@@ -136,8 +136,9 @@ class DevelopmentSummary:
             KeyError: Something is missing.
             TypeError: Something is of another kind.
         """
-        for old in OLD_KEYS.keys() & document.keys():
-            warn_renamed(f"{old} in a summary of development", OLD_KEYS[old])
+        for old, name in OLD_KEYS.items():
+            if old in document:
+                warn_renamed(f"{old} in a summary of development", name)
         more = {OLD_KEYS.get(key, key): value for key, value in document.items()}
         modules = [
             LearnedModule(

@@ -46,8 +46,9 @@ class Summary:
             True
         """
         hints, known = get_type_hints(cls), {field.name for field in fields(cls)}  # type: ignore[arg-type]
-        for old in cls.RENAMED.keys() & values.keys():
-            warn_renamed(f"{cls.__name__}.{old}", cls.RENAMED[old])
+        for old, name in cls.RENAMED.items():
+            if old in values:
+                warn_renamed(f"{cls.__name__}.{old}", name)
         named = {cls.RENAMED.get(name, name): value for name, value in values.items()}
         if named.keys() != known:
             wrong = ", ".join(sorted(known ^ named.keys()))
