@@ -103,13 +103,16 @@ class Crowd:
             for ready in wait(workers):
                 worker: Any = ready
                 try:
-                    number, result = worker.recv()
+                    number, result, error = worker.recv()
                 except (EOFError, OSError):
                     return self._give_up(workers)
                 with self._lock:
                     future, _ = self._futures.pop(number)
                     self._load[worker] -= 1
-                future.set_result(result)
+                if error is None:
+                    future.set_result(result)
+                else:
+                    future.set_exception(error)
 
     def _give_up(self, workers: list[Connection]) -> None:
         with self._lock:

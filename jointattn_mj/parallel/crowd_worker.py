@@ -7,9 +7,11 @@ block for the eye server; two blocks take turns, so that one half of the trials 
 import pickle
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Any
 
+from jointattn_mj.errors import JointAttnError
 from jointattn_mj.io.extras import extra
 from jointattn_mj.scene.eye_block import EyeBlock, PartsRequest
 from jointattn_mj.scene.eye_client import EyeClient
@@ -25,7 +27,7 @@ class CrowdWorker:
         """Get ready.
 
         Args:
-            tasks: From which (number, function, arguments) come, pickled; (number, result) go back.
+            tasks: From which (number, function, arguments) come, pickled; (number, result, error) go back.
             eyes: To the eye server.
             at_once: Trials at once.
 
@@ -53,29 +55,44 @@ class CrowdWorker:
                 self._alive += 1
             while self._ready:
                 self._go_on(self._ready.popleft())
-            for blocks in self._open.values():
-                if blocks and blocks[0].filled:
-                    self._submit(blocks)
-            if self._drawn:
-                self._take_images()
+            with suppress(JointAttnError):  # those that wait have been told
+                for blocks in self._open.values():
+                    if blocks and blocks[0].filled:
+                        self._submit(blocks)
+                if self._drawn:
+                    self._take_images()
 
     def _compute(self, number: int, function: Callable[..., object], arguments: tuple[Any, ...]) -> Callable[[], None]:
         """What a greenlet runs: a trial, whose images are drawn while others go on."""
         hub = self._greenlet.getcurrent()
 
         def trial() -> None:
-            with parts_drawn_by(hub.switch):
-                result = function(*arguments)
-            self._tasks.send((number, result))
+            try:
+                with parts_drawn_by(hub.switch):
+                    result, error = function(*arguments), None
+            except Exception as raised:
+                result, error = None, raised
+            self._tasks.send((number, result, error))
 
         return trial
 
-    def _go_on(self, trial: Any) -> None:
-        """Let a trial go on to its next image or its end."""
-        request: PartsRequest | None = trial.switch()
-        if trial.dead or request is None:
+    def _go_on(self, trial: Any, error: JointAttnError | None = None) -> None:
+        """Let a trial go on to its next image or its end; with an ``error``, which is raised where it waits."""
+        request: PartsRequest = trial.switch() if error is None else trial.throw(error)
+        if trial.dead:
             self._alive -= 1
             return
+        try:
+            self._ask(request, trial)
+        except JointAttnError as broken:
+            self._go_on(trial, broken)
+
+    def _ask(self, request: PartsRequest, trial: Any) -> None:
+        """Fill a request in, and submit its block when it is full, or half of all trials wait for it.
+
+        Raises:
+            JointAttnError: The server is gone; the trial waits for nothing then.
+        """
         if request.scene not in self._open:
             self._open[request.scene] = [self._client.open(request) for _ in range(2)]
         blocks = self._open[request.scene]
@@ -92,8 +109,15 @@ class CrowdWorker:
         self._drawn += 1
 
     def _take_images(self) -> None:
-        """Wait for a block from the server; the trials that wait for its images can go on."""
-        scene, block = self._client.receive()
+        """Wait for a block from the server; the trials that wait for its images can go on, or fail with the server."""
+        try:
+            scene, block = self._client.receive()
+        except JointAttnError as error:
+            lost = [trial for trials in self._waiting.values() for trial in trials]
+            self._open, self._waiting, self._drawn = {}, {}, 0
+            for trial in lost:
+                self._go_on(trial, error)
+            raise
         self._drawn -= 1
         self._open[scene].append(block)
         self._ready += self._waiting.pop(id(block))

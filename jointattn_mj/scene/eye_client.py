@@ -4,10 +4,12 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from jointattn_mj.errors import GLError
+from jointattn_mj.errors import GLError, JointAttnError
 from jointattn_mj.scene.batched_parts import PART_HEIGHT, PART_WIDTH
 from jointattn_mj.scene.eye_block import EyeBlock, EyeBlockLayout, PartsRequest
 from jointattn_mj.scene.model import SceneConfig
+
+ENDED = "the process that draws images has ended; what it printed says why"
 
 
 @dataclass(frozen=True)
@@ -41,18 +43,26 @@ class EyeClient:
         self._blocks: list[tuple[SceneConfig, EyeBlock]] = []
 
     def open(self, request: PartsRequest) -> EyeBlock:
-        """A new block, for requests of the same scene as this one."""
+        """A new block, for requests of the same scene as this one.
+
+        Raises:
+            GLError: The server has ended.
+        """
         height, width = request.image.shape[:2]
         parts = -(-height // PART_HEIGHT) * -(-width // PART_WIDTH)
         sizes = len(request.angles), len(request.positions), self._images, parts, PART_WIDTH * PART_HEIGHT
         block = EyeBlock(EyeBlockLayout(*sizes), number=len(self._blocks))
-        self._connection.send(OpenBlock(block.number, request.scene, block.layout, block.path))
+        self._send(OpenBlock(block.number, request.scene, block.layout, block.path))
         self._blocks.append((request.scene, block))
         return block
 
     def submit(self, block: EyeBlock) -> None:
-        """Ask for what was added to a block."""
-        self._connection.send(DrawBlock(block.number, block.filled))
+        """Ask for what was added to a block.
+
+        Raises:
+            GLError: The server has ended.
+        """
+        self._send(DrawBlock(block.number, block.filled))
 
     def receive(self) -> tuple[SceneConfig, EyeBlock]:
         """Wait for the next block that is drawn, with its scene; the parts are in the images that asked for them then.
@@ -64,9 +74,17 @@ class EyeClient:
         try:
             answer = self._connection.recv()
         except (EOFError, OSError) as error:
-            raise GLError("the process that draws images has ended; what it printed says why") from error
-        if isinstance(answer, BaseException):
+            raise GLError(ENDED) from error
+        if isinstance(answer, JointAttnError):
             raise answer
+        if isinstance(answer, BaseException):
+            raise GLError(f"the process that draws images has stopped: {answer}") from answer
         scene, block = self._blocks[answer]
         block.deliver(PART_WIDTH)
         return scene, block
+
+    def _send(self, message: object) -> None:
+        try:
+            self._connection.send(message)
+        except OSError as error:
+            raise GLError(ENDED) from error

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointattn_mj.errors import ConfigError, ExtraError
+from jointattn_mj.errors import ConfigError, ExtraError, GLError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.parallel.crowd import Crowd, CrowdWorkerDied
@@ -60,6 +60,15 @@ def test_trials_that_take_turns_come_out_as_alone(backend):
     assert np.array_equal(results[1][0], path)
     assert np.array_equal(results[1][1], image)
     assert not np.array_equal(results[0][1], image)
+
+
+@pytest.mark.gpu
+def test_the_end_of_the_eye_server_is_told_to_every_trial(backend):
+    futures = [backend.submit(heads, seed) for seed in (1, 2, 3)]
+    backend._children[0].kill()
+    for future in futures:
+        with pytest.raises(GLError, match="has ended"):
+            future.result(timeout=600)
 
 
 @pytest.mark.gpu
