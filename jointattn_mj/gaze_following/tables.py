@@ -58,9 +58,8 @@ def _write(
         for axis in range(3):
             row[column] = objects[k, axis]
             column += 1
-    row[column : column + n] = saliency
-    row[column + n : column + 2 * n] = motion
-    row[column + 2 * n : column + 3 * n] = interest
+    for k in range(n):
+        row[column + k], row[column + n + k], row[column + 2 * n + k] = saliency[k], motion[k], interest[k]
 
 
 @njit(cache=True)
