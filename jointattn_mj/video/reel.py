@@ -18,6 +18,8 @@ from jointattn_mj.errors import VideoError
 
 QUALITY = 26
 """Constant rate factor of x264; less is better and larger. 24 adds a sixth to the size, 28 takes a seventh off."""
+CHEAP = "cabac=1:aq-mode=1:bframes=3:b-adapt=0:deblock=0,0"
+"""What x264's preset ultrafast leaves out and a quick film needs: with it, half the size for a sixth more time."""
 FRAGMENTED = ("-movflags", "frag_keyframe+empty_moov+default_base_moof")
 """ffmpeg's arguments for an mp4 that plays even when it was cut short."""
 INSTALL = "Install ffmpeg (`apt-get install ffmpeg`, or `pip install imageio-ffmpeg`), or run without the video."
@@ -53,7 +55,7 @@ class Reel:
         height, width, _ = self._shape
         even = height % 2 == width % 2 == 0
         how = (
-            f"-preset superfast -threads 1 -g {round(2 * self._rate)}" if self._quick
+            f"-preset ultrafast -x264-params {CHEAP} -threads 1 -g {round(2 * self._rate)}" if self._quick
             else f"-preset veryfast -g {max(1, round(self._rate))}"
         )  # fmt: skip
         arguments = (
