@@ -88,7 +88,7 @@ class Motion:
         return f"Motion(face_moves={self.face_moves}, objects moving={moving}, {len(self.blocks)} blocks)"
 
 
-NOTHING = np.int64(0)
+NOTHING: Any = np.int64(0)
 """For a plain 0, numba compiles what it is given to once more."""
 
 
