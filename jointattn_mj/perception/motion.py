@@ -173,7 +173,8 @@ def _measure(
     An object whose centroid moved less than ``least`` has no flow, nor has a face without any changed grey value.
     Returns the number of blocks.
     """
-    n, count = len(visible), NOTHING
+    n = len(visible)
+    count: int = NOTHING
     part, face = np.zeros(4, np.int64), np.zeros(4, box.dtype)
     for k in range(n):
         strength[k] = 0.0
