@@ -39,7 +39,7 @@ class Reel:
             height: Of the images, pixels.
             width: Of the images, pixels.
             rate: Images a second.
-            quick: Encode in half the time, to a file that is a third larger. Sides are even numbers of pixels.
+            quick: Encode in a third of the time, to a file about twice as large. Sides are even numbers of pixels.
         """
         self._path = path.absolute()  # ffmpeg takes what stands before a colon in a bare name as a protocol
         self._shape, self._rate = (height, width, 3), rate
