@@ -51,7 +51,7 @@ from jointattn_mj.cli.main import main
 {code}
 print(*sorted(name for name in {modules} if name in sys.modules))
 """
-DRAWN_OR_TESTED = ("matplotlib", "scipy.stats", "scipy.cluster", "scipy.optimize", "scipy.fft", "jinja2")
+DRAWN_OR_TESTED = ("matplotlib", "scipy.stats", "scipy.cluster", "scipy.optimize", "scipy.fft", "mediapy", "jinja2")
 """What only figures, tests and films need."""
 
 

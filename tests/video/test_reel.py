@@ -34,7 +34,7 @@ def test_images_in_order(tmp_path, quick):
 
 
 def test_colours_of_a_quick_film(tmp_path):
-    """Chroma is computed here, and not by ffmpeg."""
+
     colours = np.array([(200, 30, 30), (30, 200, 30), (30, 30, 200), (200, 200, 30)], np.uint8)
     with Reel(tmp_path / "a.mp4", 64, 64, 10, quick=True) as reel:
         for _ in range(3):
