@@ -116,7 +116,7 @@ class Session(VariedSessionConfig):
         *,
         resume: bool = False,
         video: bool = False,
-        video_every: int = 1,
+        video_every: int = 2,
         rerun: str | PathLike[str] | None = None,
         checkpoint_minutes: float = 2.0,
         progress: Callable[[SessionRun], object] = lambda session: None,

@@ -1,11 +1,11 @@
 """The result of a session from Python, of a folder too: with the caregiver of chapter 6, or before a person."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from jointattn_mj.footage.sessions.config import CameraSessionConfig, VideoSessionConfig
-from jointattn_mj.footage.sessions.result import FootageSessionResult
-from jointattn_mj.footage.sessions.summary import FootageSessionSummary
 from jointattn_mj.gaze_following.result import FinishedSession, SessionFolder
 from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.gaze_following.summary import SessionSummary
@@ -13,6 +13,9 @@ from jointattn_mj.gaze_following.varied_session import VariedSessionConfig
 from jointattn_mj.io.configs import read_config, values_in
 from jointattn_mj.io.kinds import check_kind
 from jointattn_mj.options import path_of
+
+if TYPE_CHECKING:
+    from jointattn_mj.footage.sessions.result import FootageSessionResult
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -65,10 +68,8 @@ class SessionResult(FinishedSession[SessionConfig, SessionSummary]):
         check_kind(path, SessionResult.__name__)
         config = path / "config.yaml"
         values = values_in(config) if config.exists() else {}
-        for name, kind in (("video_file", VideoSessionConfig), ("camera", CameraSessionConfig)):
-            if name in values:
-                people = FootageSessionSummary.read(path / "summary.json")
-                return FootageSessionResult(read_config(config, kind), people, SessionFolder(path))
+        if "video_file" in values or "camera" in values:
+            return _before_a_person(path, values)
         summary = SessionSummary.read(path / "summary.json")
         return cls(read_config(config, VariedSessionConfig), summary, SessionFolder(path))
 
@@ -78,3 +79,19 @@ class SessionResult(FinishedSession[SessionConfig, SessionSummary]):
     def _last_minute(self) -> float:
         """By the robot's clock, on which nothing comes before the session."""
         return self.config.minutes
+
+
+def _before_a_person(folder: Path, values: Mapping[str, Any]) -> "FootageSessionResult":
+    """The result of a session before a person, with what such sessions import: most need none of it.
+
+    Args:
+        folder: Of the session.
+        values: Of its config.yaml.
+    """
+    from jointattn_mj.footage.sessions.config import CameraSessionConfig, VideoSessionConfig
+    from jointattn_mj.footage.sessions.result import FootageSessionResult
+    from jointattn_mj.footage.sessions.summary import FootageSessionSummary
+
+    kind = VideoSessionConfig if "video_file" in values else CameraSessionConfig
+    summary = FootageSessionSummary.read(folder / "summary.json")
+    return FootageSessionResult(read_config(folder / "config.yaml", kind), summary, SessionFolder(folder))

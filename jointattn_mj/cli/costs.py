@@ -90,7 +90,7 @@ def measured(words: str, environment: Mapping[str, str] | None = None) -> Cost:
     paths = os.pathsep.join([package, *filter(None, [os.environ.get("PYTHONPATH")])])
     process = subprocess.Popen(
         command,
-        env={**os.environ, "PYTHONPATH": paths, **(environment or {})},
+        env={**os.environ, "PYTHONPATH": paths, "PYTHONDONTWRITEBYTECODE": "", **(environment or {})},  # as installed
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )

@@ -12,6 +12,7 @@ from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.development.behaviour import SHORT, BehaviourLog
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.gaze_following.columns import described
+from jointattn_mj.io.arrow import number_array, word_array
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.parquet import write_parts
 from jointattn_mj.io.rows import spans
@@ -95,8 +96,8 @@ def _contingency(run: DevelopmentRun) -> Iterator[pa.Table]:
     meanings = {"step": "steps done", **dict.fromkeys(names, unit)}
     for first, last in spans(len(run.contingency_log), max(1, PART_BYTES // (8 * len(names)))):
         values = run.contingency_log.values(first, last)
-        columns = {"step": pa.array(run.contingency_log.n_steps(first, last))}
-        columns |= {name: pa.array(values[:, number], from_pandas=True) for number, name in enumerate(names)}
+        columns = {"step": number_array(run.contingency_log.n_steps(first, last))}
+        columns |= {name: number_array(column, np.isnan(column)) for name, column in zip(names, values.T, strict=True)}
         yield described(pa.table(columns), meanings)
 
 
@@ -119,7 +120,7 @@ def _steps(run: DevelopmentRun) -> Iterator[pa.Table]:
     done = BehaviourLog(run)
     for first, last in spans(run.steps_done, ROWS):
         steps = np.arange(first, last)
-        columns = {"step": pa.array(steps + 1)}
+        columns = {"step": number_array(steps + 1)}
         columns |= {name: _in_words(run.log(name, first, last), values) for name, values in words.items()}
         made = np.searchsorted(_made(run), steps, side="right")
         for name in drivers:
@@ -145,4 +146,4 @@ def _drivers(run: DevelopmentRun) -> tuple[tuple[str, ...], np.ndarray]:
 
 
 def _in_words(codes: np.ndarray, words: tuple[str, ...]) -> pa.Array:
-    return pa.DictionaryArray.from_arrays(pa.array(np.ascontiguousarray(codes, np.int8)), pa.array(words))
+    return pa.DictionaryArray.from_arrays(number_array(np.ascontiguousarray(codes, np.int8)), word_array(words))

@@ -41,9 +41,10 @@ class SessionOptions(Checked):
     resume: bool = False
     """Continue from the checkpoint in the folder, to the same final result."""
     video: bool = False
-    """Also write a video of what the robot attends to and why. Slow: every frame is rendered twice."""
-    video_every: Annotated[int, Whole("[1, 1e6]")] = 1
-    """Write one frame of the video for so many of the session: 1 is 30 a second, 2 is 15 and takes half the time."""
+    """Also write a video of what the robot attends to and why. Slower: the scene is also rendered
+    from outside."""
+    video_every: Annotated[int, Whole("[1, 1e6]")] = 2
+    """Write one frame of the video for so many of the session: 2 is 15 a second, 1 is 30 and takes twice the time."""
     checkpoint_minutes: Annotated[float, Real("(0, 1e6]")] = 2.0
     """Simulated minutes between checkpoints: at most so much is lost by a kill."""
 

@@ -12,6 +12,7 @@ from jointattn_mj.gaze_following.agent import GazeShift
 from jointattn_mj.gaze_following.columns import SHIFT, described
 from jointattn_mj.gaze_following.scoring import Judgement, Moment
 from jointattn_mj.gaze_following.tables import PHASES
+from jointattn_mj.io.arrow import number_array, word_array
 from jointattn_mj.io.parquet import write_parts
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.rows import RowStore, spans
@@ -216,11 +217,10 @@ class Shifts(Sequence[ShiftRow]):
 
     def _array(self, name: str, values: np.ndarray) -> pa.Array:
         missing = np.isnan(values)
-        numbers = np.where(missing, 0, values)
+        known = np.where(missing, 0, values)
         if name in self._words:
-            words = pa.array(self._words[name], pa.string())
-            return words.take(pa.array(numbers.astype(np.int8), mask=missing))
-        return pa.array(numbers.astype(_KINDS[name]), mask=missing)
+            return word_array(self._words[name]).take(number_array(known.astype(np.int8), missing))
+        return number_array(known.astype(_KINDS[name]), missing)
 
 
 def write_shifts(path: Path, shifts: Shifts) -> None:

@@ -11,6 +11,7 @@ import pyarrow as pa
 
 from jointattn_mj.gaze_following.agent import GazeFollower
 from jointattn_mj.gaze_following.columns import FRAME, described
+from jointattn_mj.io.arrow import number_array, word_array
 from jointattn_mj.io.compiled import njit
 from jointattn_mj.io.parquet import write_parts
 from jointattn_mj.io.rows import RowStore, spans
@@ -57,9 +58,8 @@ def _write(
         for axis in range(3):
             row[column] = objects[k, axis]
             column += 1
-    row[column : column + n] = saliency
-    row[column + n : column + 2 * n] = motion
-    row[column + 2 * n : column + 3 * n] = interest
+    for k in range(n):
+        row[column + k], row[column + n + k], row[column + 2 * n + k] = saliency[k], motion[k], interest[k]
 
 
 @njit(cache=True)
@@ -200,7 +200,7 @@ class FramePart:
     def table(self) -> pa.Table:
         """These frames, with names in place of numbers."""
         candidates = self._table.candidates
-        columns: dict[str, pa.Array] = {"time_s": pa.array((self.first + np.arange(len(self))) * FRAME_S)}
+        columns: dict[str, pa.Array] = {"time_s": number_array((self.first + np.arange(len(self))) * FRAME_S)}
         for name, candidate in self._table.index:
             label = name if candidate is None else f"{candidates[candidate]}_{name}"
             values = self.column(name, candidate)
@@ -212,7 +212,7 @@ class FramePart:
                 columns[label] = _typed(name, values)
         columns["face_error_px"] = _typed("face_error_px", self.face_error_px())
         for number, name in enumerate(candidates):
-            columns[f"{name}_really_moves"] = pa.array(self.really_moves(number))
+            columns[f"{name}_really_moves"] = number_array(self.really_moves(number))
         return described(pa.table(columns), FRAME, candidates)
 
 
@@ -227,14 +227,14 @@ def write_frames(path: Path, frames: FrameTable) -> None:
 
 def _named(values: np.ndarray, names: tuple[str, ...]) -> pa.Array:
     missing = np.isnan(values)
-    numbers = pa.array(np.where(missing, 0, values).astype(np.int8), mask=missing)
-    return pa.DictionaryArray.from_arrays(numbers, pa.array([str(name) for name in names]))
+    indices = number_array(np.where(missing, 0, values).astype(np.int8), missing)
+    return pa.DictionaryArray.from_arrays(indices, word_array(names))
 
 
 def _typed(name: str, values: np.ndarray) -> pa.Array:
     missing = np.isnan(values)
     if name in _BOOL:
-        return pa.array(np.where(missing, 0, values).astype(bool), mask=missing)
+        return number_array(np.where(missing, 0, values).astype(bool), missing)
     if name == "iterations":
-        return pa.array(values.astype(np.int32))
-    return pa.array(values, mask=missing)
+        return number_array(values.astype(np.int32))
+    return number_array(values, missing)

@@ -88,6 +88,10 @@ class Motion:
         return f"Motion(face_moves={self.face_moves}, objects moving={moving}, {len(self.blocks)} blocks)"
 
 
+NOTHING: Any = np.int64(0)
+"""For a plain 0, numba compiles what it is given to once more."""
+
+
 @njit(cache=True)
 def _changed(
     mask: np.ndarray, corner: np.ndarray, before: np.ndarray, corner_before: np.ndarray, shift_x: int, shift_y: int
@@ -116,7 +120,7 @@ def _moved_as_one(
     A small move gains pixels on one side and loses some on the other; or, for a box seen straight on, gains or loses
     just one row or column. After a move of a pixel or more, shifting the old mask leaves little difference.
     """
-    gained, lost = _changed(mask, corner, before, corner_before, 0, 0)
+    gained, lost = _changed(mask, corner, before, corner_before, NOTHING, NOTHING)
     if shift_x * shift_x + shift_y * shift_y <= 1.0:
         wide, high = box[2] - box[0], box[3] - box[1]
         wide_before, high_before = box_before[2] - box_before[0], box_before[3] - box_before[1]
@@ -169,8 +173,9 @@ def _measure(
     An object whose centroid moved less than ``least`` has no flow, nor has a face without any changed grey value.
     Returns the number of blocks.
     """
-    n, count = len(visible), 0
-    part = np.zeros(4, np.int64)
+    n = len(visible)
+    count: int = NOTHING
+    part, face = np.zeros(4, np.int64), np.zeros(4, box.dtype)
     for k in range(n):
         strength[k] = 0.0
         if visible[k] and visible_before[k]:
@@ -187,10 +192,10 @@ def _measure(
                 strength[k] = min(np.hypot(x, y), _mean_length(flow, start, count))
     start = count
     for k in range(4):
-        part[k] = face_part[k]
+        part[k], face[k] = face_part[k], face_box[k]
     if not _equal(now, before, part):
         count = region_flow(
-            now, before, part, np.array(face_box), step, -inset, 0, 0, reach, floor, n, count, blocks, flow, owners
+            now, before, part, face, step, -inset, NOTHING, NOTHING, reach, floor, n, count, blocks, flow, owners
         )
     strength[n] = _mean_length(flow, start, count)
     return count

@@ -42,7 +42,9 @@ def _expect(
 @njit(cache=True)
 def _remember(direction: np.ndarray, x: float, y: float, head: np.ndarray, rate: float) -> None:
     """Move a remembered direction (2,), degrees, by ``rate`` towards that of pixel (x, y), for a head at (2,), rad."""
-    direction += rate * (_direction_of(np.array([x, y]), np.degrees(head)) - direction)
+    there = _direction_of(np.array([x, y]), np.degrees(head))
+    for axis in range(2):
+        direction[axis] += rate * (there[axis] - direction[axis])
 
 
 @njit(cache=True)
@@ -52,7 +54,10 @@ def _gather(
 ) -> None:  # fmt: skip
     """Write the percept of the objects and, last, of the face."""
     n = len(areas_visible)
-    visible[:n], px[:n], moves[:n] = areas_visible, areas_px, objects_move
+    if not n + 1 == len(visible) == len(px) == len(moves) or not n == len(areas_px) == len(objects_move):
+        raise ValueError("the percept is not as long as the objects and a face")
+    for k in range(n):  # slices would compile strings, for their errors
+        visible[k], px[k, 0], px[k, 1], moves[k] = areas_visible[k], areas_px[k, 0], areas_px[k, 1], objects_move[k]
     visible[n], px[n, 0], px[n, 1], moves[n] = face_detected, x, y, face_moves
 
 

@@ -86,30 +86,56 @@ def _reach(
     grasp: np.ndarray,
     hand: np.ndarray,
 ) -> np.ndarray:
-    """``Arm.reach``, point by point. Compiled: in numpy it takes most of the planning, which falls into one frame."""
+    """``Arm.reach``, point by point. Compiled: in numpy it takes most of the planning, which falls into one frame.
+
+    Vectors of three numbers are written out: whole-array operations take four times as long to compile.
+    """
     joints = np.empty((len(points), 7))
+    frame, elbow, turned = np.empty((3, 3)), np.zeros((3, 3)), np.empty((3, 3))
+    along = np.empty(3)
     for t in range(len(points)):
-        to_wrist = points[t] - shoulder
+        squares = 0.0
         for i in range(3):
-            to_wrist[i] -= (hand[i] * grasp).sum()
-        distance = np.sqrt((to_wrist**2).sum())
-        along = to_wrist / distance
+            held = 0.0
+            for k in range(3):
+                held += hand[i, k] * grasp[k]
+            along[i] = points[t, i] - shoulder[i] - held
+            squares += along[i] * along[i]
+        distance = np.sqrt(squares)
+        for i in range(3):
+            along[i] /= distance
         distance = min(max(distance, abs(upper - fore) + 1e-6), upper + fore - 1e-6)
-        right = np.array([along[1], -along[0], 0.0]) / np.hypot(along[0], along[1])
-        side = np.cos(swing[t]) * right + np.sin(swing[t]) * np.cross(right, along)
+        level = np.hypot(along[0], along[1])
+        right_x, right_y = along[1] / level, -along[0] / level
+        cos_swing, sin_swing = np.cos(swing[t]), np.sin(swing[t])
 
         # Law of cosines: the angle at the shoulder between the line to the wrist and the upper arm, and the elbow's.
         at_shoulder = np.arccos((upper**2 + distance**2 - fore**2) / (2 * upper * distance))
         bend = np.pi - np.arccos((upper**2 + fore**2 - distance**2) / (2 * upper * fore))
+        cos_shoulder, sin_shoulder = np.cos(at_shoulder), np.sin(at_shoulder)
 
         # The upper arm's frame: x along it, y in the plane of the arm on the side to which the elbow bends.
-        x = np.cos(at_shoulder) * along + np.sin(at_shoulder) * side
-        y = np.sin(at_shoulder) * along - np.cos(at_shoulder) * side
-        frame = np.column_stack((x, y, np.cross(x, y)))
-        elbow = np.array([[np.cos(bend), -np.sin(bend), 0.0], [np.sin(bend), np.cos(bend), 0.0], [0.0, 0.0, 1.0]])
-        joints[t, :3] = rotation_to_zyx(frame)
+        above = right_y * along[2], -right_x * along[2], right_x * along[1] - right_y * along[0]
+        for i, right in enumerate((right_x, right_y, 0.0)):
+            side = cos_swing * right + sin_swing * above[i]
+            frame[i, 0] = cos_shoulder * along[i] + sin_shoulder * side
+            frame[i, 1] = sin_shoulder * along[i] - cos_shoulder * side
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            frame[i, 2] = frame[j, 0] * frame[k, 1] - frame[k, 0] * frame[j, 1]
+        elbow[0, 0], elbow[0, 1], elbow[1, 0], elbow[1, 1] = np.cos(bend), -np.sin(bend), np.sin(bend), np.cos(bend)
+        elbow[2, 2] = 1.0
+        angles = rotation_to_zyx(frame)
+        for i in range(3):
+            joints[t, i] = angles[i]
         joints[t, 3] = bend
-        joints[t, 4:] = rotation_to_zyx(_times(_times(frame, elbow).T, hand))
+        forearm = _times(frame, elbow)
+        for i in range(3):
+            for k in range(3):
+                turned[i, k] = forearm[k, i]
+        angles = rotation_to_zyx(_times(turned, hand))
+        for i in range(3):
+            joints[t, 4 + i] = angles[i]
     return joints
 
 

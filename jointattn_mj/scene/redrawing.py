@@ -6,15 +6,19 @@ a few at the edges of things, by one grey value or two: parts begin and end on a
 each time.
 """
 
+from collections.abc import Sequence
+from math import radians, tan
 from typing import Any
 
 import mujoco
 import numpy as np
 from dm_control.mujoco import Physics
+from dm_control.mujoco.engine import Camera
 
 from jointattn_mj.guards.restored import check_array
 from jointattn_mj.io.compiled import njit
-from jointattn_mj.scene.camera import FOCAL_PX, Eye
+from jointattn_mj.scene.camera import Eye
+from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 
 TILE_PX = 16
 """Parts of an image begin and end at multiples of this, pixels."""
@@ -28,14 +32,38 @@ _HIDDEN, _BOUNDED, _ENDLESS = 0, 1, 2
 class RedrawingEye(Eye):
     """Draws what has changed since its last image. Colours and lights must not: call ``forget`` after that."""
 
-    def __init__(self, physics: Physics):
-        super().__init__(physics)
+    def __init__(
+        self,
+        physics: Physics,
+        camera: str = "robot/eye",
+        width: int = IMAGE_WIDTH,
+        height: int = IMAGE_HEIGHT,
+        groups: Sequence[int] = (),
+        apart: str | None = None,
+    ):
+        """Prepare to render.
+
+        Args:
+            physics: Whose scene.
+            camera: Name of a camera of the model.
+            width: Of images, pixels.
+            height: Of images, pixels.
+            groups: Groups of geoms that are drawn beside those that MuJoCo draws by itself.
+            apart: Bodies whose names begin so have a part of the image for themselves, for they are far from the rest.
+        """
+        super().__init__(physics, camera, width, height)
         model = physics.model.ptr
         self._camera_id = model.camera(self._name).id
+        self._focal = height / 2 / tan(radians(model.cam_fovy[self._camera_id] / 2))
         self._bounds = model.geom_aabb.copy()
-        visible = mujoco.MjvOption().geomgroup[model.geom_group].astype(bool) & (model.geom_rgba[:, 3] > 0)
+        self._groups = mujoco.MjvOption().geomgroup.copy()
+        self._groups[list(groups)] = 1
+        visible = self._groups[model.geom_group].astype(bool) & (model.geom_rgba[:, 3] > 0)
         endless = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE
-        self._kinds = np.where(visible, np.where(endless, _ENDLESS, _BOUNDED), _HIDDEN)
+        kinds = np.where(visible, np.where(endless, _ENDLESS, _BOUNDED), _HIDDEN)
+        names = [model.body(body).name for body in model.geom_bodyid]
+        far = np.array([apart is not None and name.startswith(apart) for name in names])
+        self._parts = [np.where(part, kinds, _HIDDEN) for part in ([~far, far] if far.any() else [~far])]
         self._geoms = np.full((model.ngeom, 12), np.nan)  # position and orientation of each, as drawn
         self._stand = np.full(12, np.nan)  # the same of the camera
         self._box = np.zeros(4, np.int64)
@@ -44,15 +72,26 @@ class RedrawingEye(Eye):
         """Render the image now; see ``Eye.render``. What the caller changes in it would stay."""
         data = self._physics.data.ptr
         height, width = self._buffer.shape[:2]
-        whole = _find_changes(
-            data.geom_xpos, data.geom_xmat, self._bounds, self._kinds, data.cam_xpos[self._camera_id],
-            data.cam_xmat[self._camera_id], self._geoms, self._stand, self._box, width, height,
-        )  # fmt: skip
-        if whole:
-            self._render_all()
-        elif self._box[2] > self._box[0]:
-            self._render_part(*self._box.tolist())
+        for kinds in self._parts:
+            whole = _find_changes(
+                *self._poses(), self._bounds, kinds, data.cam_xpos[self._camera_id], data.cam_xmat[self._camera_id],
+                self._geoms, self._stand, self._box, width, height, self._focal,
+            )  # fmt: skip
+            if whole:
+                self._render_all()
+            elif self._box[2] > self._box[0]:
+                self._render_part(*self._box.tolist())
         return self._buffer
+
+    def _poses(self) -> tuple[np.ndarray, np.ndarray]:
+        """Positions (n, 3) and orientations (n, 9) of all that is drawn."""
+        data = self._physics.data.ptr
+        return data.geom_xpos, data.geom_xmat
+
+    def _open(self) -> Camera:
+        camera = super()._open()
+        camera.option.geomgroup[:] = self._groups
+        return camera
 
     def _render_all(self) -> None:
         """Draw the whole image."""
@@ -96,8 +135,9 @@ class RedrawingEye(Eye):
 
 @njit(cache=True)
 def _enclose(
-    pose: np.ndarray, bounds: np.ndarray, eye: np.ndarray, axes: np.ndarray, box: np.ndarray, width: int, height: int
-) -> bool:
+    pose: np.ndarray, bounds: np.ndarray, eye: np.ndarray, axes: np.ndarray, box: np.ndarray, width: int, height: int,
+    focal: float,
+) -> bool:  # fmt: skip
     """Widen ``box`` so that it holds a geom's corners, and a pixel around them; for arguments see ``_find_changes``.
 
     Returns:
@@ -112,7 +152,7 @@ def _enclose(
             across, up, ahead = across + axes[3 * k] * at, up + axes[3 * k + 1] * at, ahead - axes[3 * k + 2] * at
         if not ahead > NEAR_M:
             return False
-        x, y = width / 2 + FOCAL_PX * across / ahead, height / 2 - FOCAL_PX * up / ahead
+        x, y = width / 2 + focal * across / ahead, height / 2 - focal * up / ahead
         box[0], box[1] = min(box[0], max(0, int(x) - 1)), min(box[1], max(0, int(y) - 1))
         box[2], box[3] = max(box[2], min(width, int(x) + 2)), max(box[3], min(height, int(y) + 2))
     return True
@@ -122,6 +162,7 @@ def _enclose(
 def _find_changes(
     positions: np.ndarray, orientations: np.ndarray, bounds: np.ndarray, kinds: np.ndarray, eye: np.ndarray,
     axes: np.ndarray, drawn: np.ndarray, stand: np.ndarray, box: np.ndarray, width: int, height: int,
+    focal: float,
 ) -> bool:  # fmt: skip
     """Find the part of the image in which something has moved, and take note of what will be drawn.
 
@@ -137,6 +178,7 @@ def _find_changes(
         box: (4,) x0, y0, x1, y1 of the part, the last two exclusive, pixels; written to.
         width: Of the image, pixels.
         height: Of the image.
+        focal: Focal length, pixels.
 
     Returns:
         Whether all of the image is to be drawn.
@@ -159,7 +201,7 @@ def _find_changes(
         for now in range(2):  # where it was, and where it is
             if now:
                 drawn[i, :3], drawn[i, 3:] = positions[i], orientations[i]
-            whole |= not _enclose(drawn[i], bounds[i], eye, axes, box, width, height)
+            whole |= not _enclose(drawn[i], bounds[i], eye, axes, box, width, height, focal)
     if whole:
         stand[:3], stand[3:] = eye, axes
         for i in range(len(positions)):

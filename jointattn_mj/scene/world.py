@@ -385,8 +385,13 @@ def _set_out(
 
     Compiled: 0.8 microseconds a step instead of 3.9.
     """
-    speeds[:] = (joints - angles) / seconds
-    positions[:] = objects
+    if not len(joints) == len(angles) == len(speeds) or objects.shape != positions.shape:
+        raise ValueError("joints and objects do not fit the world")
+    for k in range(len(speeds)):
+        speeds[k] = (joints[k] - angles[k]) / seconds
+    for k in range(len(positions)):
+        for axis in range(positions.shape[1]):
+            positions[k, axis] = objects[k, axis]
 
 
 @njit(cache=True)

@@ -69,12 +69,24 @@ def _font(size: int, bold: bool) -> ImageFont.FreeTypeFont:
 
 @lru_cache(maxsize=1024)
 def _mask(text: str, size: int, bold: bool) -> np.ndarray:
-    """(h, w, 1) int32, 0..256: how much ink each pixel of the text takes. The height depends on the size alone."""
+    """(h, w, 1) uint16, 0..256: how much ink each pixel of the text takes. The height depends on the size alone."""
     font = _font(size, bold)
     ascent, descent = font.getmetrics()
     image = Image.new("L", (max(1, int(np.ceil(font.getlength(text)))), ascent + descent))
     ImageDraw.Draw(image).text((0, 0), text, fill=255, font=font)
-    return np.asarray(image, np.int32)[..., None] * 257 >> 8
+    return (np.asarray(image, np.int32)[..., None] * 257 >> 8).astype(np.uint16)
+
+
+@lru_cache(maxsize=1024)
+def _ink(text: str, size: int, bold: bool, colour: Colour) -> np.ndarray:
+    """(h, w, 3) uint16: what the text adds to an image, times 256."""
+    return _mask(text, size, bold) * np.array(colour, np.uint16)
+
+
+@lru_cache(maxsize=64)
+def _filled(shape: tuple[int, ...], colour: Colour) -> np.ndarray:
+    """An image of one colour."""
+    return np.full(shape, colour, np.uint8)
 
 
 def width_of(text: str, size: int = 14, bold: bool = False) -> int:
@@ -131,8 +143,8 @@ def write(
     skip_x, skip_y = max(0, -left), max(0, -top)
     area = image[top + skip_y : top + mask.shape[0], left + skip_x : end] if end > 0 else image[:0, :0]
     if area.size:
-        mask = mask[skip_y:, skip_x:][: area.shape[0], : area.shape[1]]
-        area[:] = area + ((np.array(colour) - area) * mask >> 8)
+        part = slice(skip_y, skip_y + area.shape[0]), slice(skip_x, skip_x + area.shape[1])
+        area[:] = (area * (256 - mask[part]) + _ink(text, size, bold, colour)[part]) >> 8
     return end
 
 
@@ -144,7 +156,7 @@ def shade(area: np.ndarray, colour: Colour, share: float) -> None:
         colour: Red, green and blue, 0 to 255.
         share: Of the colour, 0 to 1.
     """
-    cv2.addWeighted(area, 1 - share, np.broadcast_to(np.array(colour, np.uint8), area.shape), share, 0, dst=area)
+    cv2.addWeighted(area, 1 - share, _filled(area.shape, colour), share, 0, dst=area)
 
 
 def lines(

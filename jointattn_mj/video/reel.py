@@ -17,6 +17,8 @@ from jointattn_mj.errors import VideoError
 
 QUALITY = 26
 """Constant rate factor of x264; less is better and larger. 24 adds a sixth to the size, 28 takes a seventh off."""
+CHEAP = "cabac=1:aq-mode=1:bframes=3:b-adapt=0:deblock=0,0"
+"""What x264's preset ultrafast leaves out and a quick film needs: with it, half the size for a sixth more time."""
 FRAGMENTED = ("-movflags", "frag_keyframe+empty_moov+default_base_moof")
 """ffmpeg's arguments for an mp4 that plays even when it was cut short."""
 INSTALL = "Install ffmpeg (`apt-get install ffmpeg`, or `pip install imageio-ffmpeg`), or run without the video."
@@ -25,10 +27,10 @@ INSTALL = "Install ffmpeg (`apt-get install ffmpeg`, or `pip install imageio-ffm
 class Reel:
     """Writes RGB images to an mp4: ``with Reel(path, height, width, rate) as reel: reel.add(image)``.
 
-    If the process is killed, all but the last second or two plays.
+    If the process is killed, all but the last second or two plays, or three of a quick one.
     """
 
-    def __init__(self, path: Path, height: int, width: int, rate: float):
+    def __init__(self, path: Path, height: int, width: int, rate: float, quick: bool = False):
         """Prepare a file.
 
         Args:
@@ -36,10 +38,15 @@ class Reel:
             height: Of the images, pixels.
             width: Of the images, pixels.
             rate: Images a second.
+            quick: Encode in a third of the time, to a file about twice as large.
         """
         import mediapy
 
-        arguments = f"-preset veryfast -g {max(1, round(rate))} {' '.join(FRAGMENTED)} -flush_packets 1"
+        how = (
+            f"-preset ultrafast -x264-params {CHEAP} -threads 1 -g {round(2 * rate)}" if quick
+            else f"-preset veryfast -g {max(1, round(rate))}"
+        )  # fmt: skip
+        arguments = f"{how} {' '.join(FRAGMENTED)} -flush_packets 1"
         path = path.absolute()  # ffmpeg takes what stands before a colon in a bare name as a protocol
         self._writer = mediapy.VideoWriter(path, (height, width), fps=rate, crf=QUALITY, ffmpeg_args=arguments)
 

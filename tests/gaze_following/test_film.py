@@ -9,7 +9,6 @@ from pathlib import Path
 
 import cv2
 import imageio_ffmpeg
-import mediapy
 import numpy as np
 import pytest
 
@@ -120,7 +119,7 @@ def test_no_ffmpeg(tmp_path, monkeypatch):
     def nowhere() -> str:
         raise RuntimeError("No ffmpeg exe could be found.")
 
-    monkeypatch.setattr(mediapy, "video_is_available", lambda: False)
+    monkeypatch.setattr("shutil.which", lambda name: None)
     monkeypatch.setattr(imageio_ffmpeg, "get_ffmpeg_exe", nowhere)
     session = SessionRun(config("state"))
     with pytest.raises(VideoError, match="apt-get install ffmpeg"), Film(tmp_path / "video.mp4", session):
@@ -201,6 +200,22 @@ def test_the_light_of_an_onlooker_is_its_own():
     np.testing.assert_array_equal(world.model.light_diffuse, light)
     np.testing.assert_array_equal(world.image(), before)
     onlooker.close()
+    world.close()
+
+
+@needs_gl
+def test_what_moves_is_drawn_as_in_a_whole_view():
+    """But for movements of a fifth of a pixel, of which some are drawn later."""
+    world = SessionRun(config("state")).world
+    views = [Onlooker(world, 592, 340) for _ in range(2)]
+    for frame in range(60):
+        world.step(np.radians([20.0 * (frame > 20), -10.0]))
+        if frame % 3 == 0:
+            views[1]._eye.forget()
+            parts, whole = (view.render().astype(int) for view in views)
+            assert (np.abs(parts - whole).max(axis=2) > 8).mean() < 2e-3
+    for view in views:
+        view.close()
     world.close()
 
 

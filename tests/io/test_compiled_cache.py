@@ -22,6 +22,16 @@ from toy.inner import inner
 def outer():
     return inner()
 """
+ALLOCATES = """
+import numpy as np
+from toy.compiled import njit
+
+@njit(cache=True)
+def inner(n):
+    if n < 0:
+        raise ValueError("expected 0 or more; got", n)
+    return np.sort(np.linspace(n, 0.0, 5))
+"""
 ASK = "from toy.outer import outer; print(outer(), sum(outer.stats.cache_hits.values()))"
 
 
@@ -92,3 +102,16 @@ print(os.environ == before, repr(numba.config.CACHE_DIR), os.path.basename(own._
     (tmp_path / "mine.py").write_text("import numba\n\n@numba.njit(cache=True)\ndef own():\n    return 1\n")
     root = str(Path(compiled.__file__).parents[2])
     assert said(tmp_path / "x", code, PYTHONPATH=f"{tmp_path}:{root}") == "True '' __pycache__"
+
+
+def test_stored_functions_need_little_of_numba(toy):
+    """Those that allocate arrays and raise errors, too; what is compiled after them works as ever."""
+    (toy / "inner.py").write_text(ALLOCATES)
+    ask = (
+        "import sys; from toy.inner import inner; print(inner(8).tolist(), 'scipy.linalg' in sys.modules)\n"
+        "try: inner(-1)\nexcept ValueError as error: print(*error.args)\n"
+        "from toy.compiled import njit; print(njit(lambda n: inner(n).sum())(8))"
+    )
+    end = ["expected 0 or more; got -1", "20.0"]
+    assert said(toy, ask).splitlines() == ["[0.0, 2.0, 4.0, 6.0, 8.0] True", *end]
+    assert said(toy, ask).splitlines() == ["[0.0, 2.0, 4.0, 6.0, 8.0] False", *end]

@@ -24,12 +24,23 @@ def brightness(path: Path) -> list[float]:
         found.append(float(image.mean()))
 
 
-def test_images_in_order(tmp_path):
-    with Reel(tmp_path / "a.mp4", 48, 64, 10) as reel:
+@pytest.mark.parametrize("quick", [False, True])
+def test_images_in_order(tmp_path, quick):
+    with Reel(tmp_path / "a.mp4", 48, 64, 10, quick) as reel:
         for level in range(0, 200, 10):
             reel.add(np.full((48, 64, 3), level, np.uint8))
     np.testing.assert_allclose(brightness(tmp_path / "a.mp4"), np.arange(0, 200, 10), atol=4)
     assert cv2.VideoCapture(str(tmp_path / "a.mp4")).get(cv2.CAP_PROP_FPS) == pytest.approx(10)
+
+
+def test_colours_of_a_quick_film(tmp_path):
+
+    colours = np.array([(200, 30, 30), (30, 200, 30), (30, 30, 200), (200, 200, 30)], np.uint8)
+    with Reel(tmp_path / "a.mp4", 64, 64, 10, quick=True) as reel:
+        for _ in range(3):
+            reel.add(np.repeat(np.repeat(colours.reshape(2, 2, 3), 32, axis=0), 32, axis=1))
+    image = cv2.VideoCapture(str(tmp_path / "a.mp4")).read()[1][16::32, 16::32, ::-1]
+    np.testing.assert_allclose(image.reshape(4, 3), colours, atol=8)
 
 
 STOPPED = """

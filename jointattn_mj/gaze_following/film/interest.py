@@ -32,6 +32,7 @@ FRAMES = round(SECONDS / FRAME_S)
 """Frames that are drawn at a time."""
 _SPAN = 50  # the most over the least interest that is drawn
 _STRIPE = 15  # height of a stripe, pixels
+_BEND_PX, _POINTS = 0.05, 6  # a curve is drawn through where it bends so much, and through one frame in so many
 _MARGIN = 182  # left of the curves, for words; pixels
 _LEGENDS = ((17, 14), (15, 10), (12, 7), (10, 5))  # size of text and gap, pixels; the first that fits
 
@@ -104,13 +105,15 @@ class InterestPanel:
         edges = np.flatnonzero(np.diff(turning, prepend=False, append=False))
         for start, end in edges.reshape(-1, 2):  # while the head turns no interest changes
             band = plot[:, columns[start] : columns[end]]
-            band[:] = np.minimum(band.astype(np.int16) + 9, 255)
+            cv2.convertScaleAbs(band, dst=band, alpha=1, beta=9)
         x = columns[1:].astype(float)
         for number, ink in enumerate(self._inks):
             interest = table.column("interest", number)[-frames:]
             height = 1 + np.log(np.maximum(interest / self._most, 1 / _SPAN)) / np.log(_SPAN)
             y = self._plot.height - 3 - height * (self._plot.height - 6)
-            lines(plot, [np.column_stack([x, y])], ink, 2)
+            bends = np.abs(np.diff(y, 2, prepend=np.inf, append=np.inf)) > _BEND_PX  # straight parts need no points
+            bends[::_POINTS] = True
+            lines(plot, [np.column_stack([x, y])[bends]], ink, 2)
         candidates = len(self._inks)
         robot = np.where(turning, candidates, table.column("attended")[-frames:])
         self._draw_stripe(canvas, self._robot, robot, shown)

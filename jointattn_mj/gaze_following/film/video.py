@@ -25,7 +25,7 @@ class Film:
         """
         self._every = every
         self._composer = Composer(session)
-        self._reel = Reel(path, HEIGHT, WIDTH, 1 / (FRAME_S * every))
+        self._reel = Reel(path, HEIGHT, WIDTH, 1 / (FRAME_S * every), quick=True)
 
     def __enter__(self) -> "Film":
         """Start ffmpeg.
