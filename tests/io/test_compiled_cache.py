@@ -92,3 +92,27 @@ print(os.environ == before, repr(numba.config.CACHE_DIR), os.path.basename(own._
     (tmp_path / "mine.py").write_text("import numba\n\n@numba.njit(cache=True)\ndef own():\n    return 1\n")
     root = str(Path(compiled.__file__).parents[2])
     assert said(tmp_path / "x", code, PYTHONPATH=f"{tmp_path}:{root}") == "True '' __pycache__"
+
+
+def test_a_function_that_borrows(toy):
+    """Both of its forms are stored; Python calls the one that lets go of a generator."""
+    text = """
+import numpy as np
+from toy.compiled import njit
+
+@njit(cache=True, borrows=True)
+def drawn(random):
+    return random.random()
+
+@njit(cache=True)
+def twice(random):
+    return drawn(random) + drawn(random)
+"""
+    (toy / "outer.py").write_text(text)
+    ask = (
+        "import sys, numpy as np; from toy.outer import drawn, twice; random = np.random.default_rng(0); "
+        "drawn(random); before = sys.getrefcount(random); print(drawn(random) < 1, twice(random) < 2, "
+        "sys.getrefcount(random) - before, sum(drawn._counted.stats.cache_hits.values()))"
+    )
+    assert [said(toy, ask) for _ in range(2)] == ["True True 0 0", "True True 0 1"]
+    assert len(list((toy / "__pycache__").glob("outer.drawn*.nbi"))) == 2
