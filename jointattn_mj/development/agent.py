@@ -188,15 +188,25 @@ def think(state: AgentState, s: np.ndarray, r: np.ndarray) -> int:
     Returns:
         Number of the event that was just found to be contingent, or NOTHING.
     """
-    event = NOTHING
-    if state.n_steps[0] > 0 and state.counting:
-        if state.forgets:
-            _remember_for_a_while(state, r)
-        else:
-            add(state.counts, state.s, state.a, state.r, r, 1, len(state.counts.layout))
-        event = update(state.watch, state.counts)
+    event = count(state, r)
     choose(state, s, r)
     return event
+
+
+@njit(cache=True, borrows=True)
+def count(state: AgentState, r: np.ndarray) -> int:
+    """Count the last transition, which led to the results ``r`` (results,), and look for a contingent event.
+
+    Returns:
+        Number of the event that was just found to be contingent, or NOTHING.
+    """
+    if state.n_steps[0] == 0 or not state.counting:
+        return NOTHING
+    if state.forgets:
+        _remember_for_a_while(state, r)
+    else:
+        add(state.counts, state.s, state.a, state.r, r, 1, len(state.counts.layout))
+    return update(state.watch, state.counts)
 
 
 @njit(cache=True, borrows=True, forceinline=True)

@@ -9,7 +9,7 @@ from jointattn_mj.contingency.online.blocks import LONGEST, Block, new_block, pa
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.contingency.online.reactive import ReactiveModule
-from jointattn_mj.development.agent import AgentState, Developer, DeveloperConfig, choose, think
+from jointattn_mj.development.agent import AgentState, Developer, DeveloperConfig, choose, count
 from jointattn_mj.development.loop import DevelopmentRun, note, sample, streams
 from jointattn_mj.development.meaning import FACE
 from jointattn_mj.development.table.world import (
@@ -98,26 +98,20 @@ def _advance(
     t, event, in_blocks = first, NOTHING, agent.counting and not agent.forgets
     while t < last and event == NOTHING:
         n = min(patience(agent.watch), LONGEST, every - t % every, last - t) if in_blocks and t > 0 else 1
-        if n == 1:
+        for i in range(n):
             step(table, agent.a, s, r)
-            event = think(agent, s, r)
-            _note(table, agent, s, r, log[t - first])
-        else:
-            for i in range(n):
-                step(table, agent.a, s, r)
+            if in_blocks:
                 put(block, i, agent.s, agent.a, agent.r, r)
-                choose(agent, s, r)
-                _note(table, agent, s, r, log[t - first + i])
+            else:
+                event = count(agent, r)
+            choose(agent, s, r)
+            row = log[t - first + i]
+            column = note(agent, s, r, row)
+            row[column] = table.state[CAREGIVER]
+            row[column + 1] = table.state[OPTION]
+        if in_blocks and t > 0:
             event = take_in(agent.watch, agent.counts, block, n)
         t += n
         if t % every == 0:
             sample(agent, samples[t // every - 1 - first // every])
     return t, event
-
-
-@njit(cache=True, borrows=True, forceinline=True)
-def _note(table: TableState, agent: AgentState, s: np.ndarray, r: np.ndarray, row: np.ndarray) -> None:
-    """Write a step's row of the log."""
-    column = note(agent, s, r, row)
-    row[column] = table.state[CAREGIVER]
-    row[column + 1] = table.state[OPTION]
