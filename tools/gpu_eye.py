@@ -180,9 +180,9 @@ def difference(first: np.ndarray, second: np.ndarray) -> dict[str, float]:
     }
 
 
-def _about(device: Any, renderer: str) -> dict[str, Any]:
-    """Card, driver, date and versions."""
-    about = {"device": device.name, "date": date.today().isoformat(), "opengl": renderer}
+def card(device: Any) -> dict[str, Any]:
+    """Name of Warp's device, driver, date and versions."""
+    about = {"device": device.name, "date": date.today().isoformat()}
     asked = ["nvidia-smi", "--query-gpu=driver_version", "--format=csv,noheader"]
     if device.is_cuda:
         about["driver"] = subprocess.run(asked, capture_output=True, text=True, timeout=60).stdout.strip()
@@ -211,7 +211,7 @@ def main() -> None:
         subprocess.run([sys.executable, *words, "--poses", kept, "--out", options.out], check=True)
     poses, model = SessionPoses.read(kept), build_model()
     device = extra("gpu", "warp").get_device(options.device)
-    figures, rows = _about(device, poses.renderer), []
+    figures, rows = card(device) | {"opengl": poses.renderer}, []
     if len(poses.images):
         eye = BatchedEye(model, len(poses.images), device=options.device)
         eye.set_poses(*poses.taken(eye.worlds))

@@ -1,16 +1,20 @@
 """Write the figures of many worlds and many sessions into the page on speed: ``python -m tools.speed_page``.
 
-They come from ``experiments/gpu_eye.json`` and ``experiments/many_sessions.json``, which ``tools.gpu_eye`` and
-``tools.many_sessions`` write.
+They come from ``experiments/gpu_eye.json``, ``gpu_parts.json``, ``many_sessions.json`` and ``many_gpu_sessions.json``,
+which ``tools.gpu_eye``, ``tools.gpu_parts`` and ``tools.many_sessions`` write.
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
+
 HERE = Path(__file__).parents[1]
 PAGE = HERE / "docs" / "speed.md"
+KINDS = {"state": "from the state", "pixels": "from images", "warp": "from images of one card"}
+"""Kinds of sessions by the beginnings of their settings."""
 BEGIN, END = "<!-- {}: written by python -m tools.speed_page -->", "<!-- end of {} -->"
 
 
@@ -43,11 +47,26 @@ def _rays(row: Mapping[str, Any]) -> str:
     return " in ".join("x".join(map(str, tile)) for tile in row["tiles"]) or "by row"
 
 
+def parts_table(figures: Mapping[str, Any]) -> str:
+    """What a graphics card draws in parts: a row for each size of part."""
+    lines = [
+        f"{figures['device']}, {figures['date']}.", "",
+        "| part | parts at once | parts/s | whole images/s | draw | copy |", "|---|" + 5 * "--:|",
+    ]  # fmt: skip
+    for row in figures["rows"]:
+        wide, high = map(int, row["part"].split("x"))
+        pace = row["graph_images_per_s"][0]
+        whole = pace * wide * high / (IMAGE_WIDTH * IMAGE_HEIGHT)
+        draw, copy = row["graph_us"][0], row["copy_us"][0]
+        lines.append(f"| {row['part']} | {row['slots']:,} | {pace:,.0f} | {whole:,.0f} | {draw:.3f} | {copy:.3f} |")
+    return "\n".join(lines) + "\n"
+
+
 def sessions_table(figures: Mapping[str, Any]) -> str:
     """How fast many sessions ran."""
     lines = ["| sessions | processes | number | seconds | times real time | 1,000 sessions |", "|---|" + 5 * "--:|"]
     for row in figures["runs"]:
-        kind = "from the state" if row["setting"].startswith("state") else "from images"
+        kind = KINDS[row["setting"].partition("/")[0]]
         begin = f"| {kind} | {row['jobs']} | {row['sessions']} |"
         if "seconds" not in row:
             lines.append(f"{begin} none had ended after {row['given_up_after_s']:.0f} | | |")
@@ -57,9 +76,16 @@ def sessions_table(figures: Mapping[str, Any]) -> str:
     return f"{figures['cores']} cores, {figures['date']}.\n\n" + "\n".join(lines) + "\n"
 
 
+TABLES: dict[str, Callable[[Mapping[str, Any]], str]] = {
+    "gpu_eye": cards_table, "gpu_parts": parts_table, "many_sessions": sessions_table,
+    "many_gpu_sessions": sessions_table,
+}  # fmt: skip
+"""Files of figures, and how each is shown."""
+
+
 def with_figures(page: str) -> str:
     """The page with the figures that lie in ``experiments``."""
-    for name, table in (("gpu_eye", cards_table), ("many_sessions", sessions_table)):
+    for name, table in TABLES.items():
         figures = json.loads((HERE / "experiments" / f"{name}.json").read_text("utf-8"))
         before, _, rest = page.partition(BEGIN.format(name))
         after = rest.partition(END.format(name))[2]

@@ -8,7 +8,7 @@ from jointattn_mj.api.claims import experiments_registry
 from jointattn_mj.errors import ConfigError, SweepError
 from jointattn_mj.io.progress import count
 from jointattn_mj.options import Whole, check_argument, path_of
-from jointattn_mj.sweeps.backends import new_backend
+from jointattn_mj.parallel.backend_choice import new_backend
 from jointattn_mj.sweeps.registry import Registry, registry_of
 from jointattn_mj.sweeps.report import write_report
 from jointattn_mj.sweeps.run import Selection, SweepWatcher, run
@@ -22,7 +22,7 @@ def run_claim(
     seed: int | None = None,
     setting: str | None = None,
     jobs: int = 0,
-    backend: Literal["loky", "dask"] = "loky",
+    backend: Literal["loky", "gpu", "dask"] = "loky",
     address: str | None = None,
     registry: str | Registry | None = None,
     watcher: SweepWatcher | None = None,
@@ -38,7 +38,8 @@ def run_claim(
         seed: Seed of the first run; by default the claim's own.
         setting: Run only this setting, or all whose ids begin so.
         jobs: Trials at once on this machine; 0 runs one a core.
-        backend: Processes of this machine (``"loky"``), or the workers of a dask scheduler (``"dask"``).
+        backend: Processes of this machine (``"loky"``), processes with many trials each, whose images one graphics card
+            draws (``"gpu"``), or the workers of a dask scheduler (``"dask"``).
         address: Address of the dask scheduler.
         registry: Claims of your own: a :class:`Registry`, or the module whose REGISTRY it is.
         watcher: Is told how the trials go; ``sweeps.progress.SweepProgress()`` shows them on stderr.
@@ -59,7 +60,7 @@ def run_claim(
     """
     check_argument("claim", claim, str, "the id of a claim, such as '4.4'")
     check_argument("jobs", jobs, Annotated[int, Whole("[0, 10000]")])
-    check_argument("backend", backend, Literal["loky", "dask"])
+    check_argument("backend", backend, Literal["loky", "gpu", "dask"])
     check_argument("address", address, str | None)
     check_argument("registry", registry, Registry | str | None, "a Registry, or the name of the module that holds it")
     claims = registry if isinstance(registry, Registry) else registry_of(registry) if registry else None

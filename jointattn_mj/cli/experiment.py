@@ -43,8 +43,9 @@ class ExperimentRunOptions(Checked):
     """Run only this setting, or all whose ids begin so."""
     jobs: Annotated[int, Whole("[0, 1024]")] = 0
     """Trials at once on this machine; 0 runs one a core."""
-    backend: Literal["loky", "dask"] = "loky"
-    """Where trials run: in processes of this machine, or in the workers of a dask scheduler."""
+    backend: Literal["loky", "gpu", "dask"] = "loky"
+    """Where trials run: in processes of this machine; in processes with many trials each, whose images one graphics
+    card draws (extra gpu; for settings with world.renderer warp); or in the workers of a dask scheduler."""
     address: str | None = None
     """Address of the dask scheduler, such as tcp://127.0.0.1:8786."""
     registry: str = EXPERIMENTS
@@ -141,7 +142,7 @@ def _stored(registry: Registry, claim: str, folder: Path) -> str:
 
 def _run(registry: Registry, options: ExperimentRunOptions) -> None:
     from jointattn_mj.io.progress import count
-    from jointattn_mj.sweeps.backends import new_backend
+    from jointattn_mj.parallel.backend_choice import new_backend
     from jointattn_mj.sweeps.progress import SweepProgress
     from jointattn_mj.sweeps.run import Selection, run
 

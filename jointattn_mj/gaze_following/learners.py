@@ -8,12 +8,13 @@ dissertation take notice of the object reached alone, ``cross_situational`` weig
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Literal, Protocol
+from typing import Annotated, Any, Literal, Protocol
 
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.guards.border import numbers
+from jointattn_mj.guards.restored import check_array
 from jointattn_mj.options import Angle, Checked, Real, Whole
 
 
@@ -136,6 +137,16 @@ class PopulationCode:
         self._pans = np.linspace(*config.pan_range_deg, config.units[0])
         self._tilts = np.linspace(*config.tilt_range_deg, config.units[1])
         self._width = config.tuning_deg
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a code.
+
+        Raises:
+            ValueError: Its units lie beyond all directions.
+        """
+        self.__dict__.update(state)
+        for units, number in zip((self._pans, self._tilts), self.shape, strict=True):
+            check_array("the directions of units", units, (number,), float, -360, 360)
 
     def encode(self, command: np.ndarray) -> np.ndarray:
         """Activity (pan units, tilt units) for a command (2,), deg."""

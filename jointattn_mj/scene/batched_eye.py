@@ -33,6 +33,9 @@ class BatchedEye:
         device: Warp's device.
     """
 
+    _same_rays = True
+    """Whether the rays of all slots leave the camera alike."""
+
     def __init__(
         self, model: mujoco.MjModel, worlds: int, width: int = IMAGE_WIDTH, height: int = IMAGE_HEIGHT,
         device: str | None = None, camera: str = "robot/eye", samples: int = 1,
@@ -72,6 +75,7 @@ class BatchedEye:
                 model, nworld=worlds, cam_res=(width, height), cam_active=[camera], render_rgb=True, render_depth=False,
                 render_seg=False, enabled_geom_groups=EYE_GROUPS, samples_per_pixel=samples,
                 enable_specular=False, enable_emission=False,  # nothing in the scene shines
+                use_precomputed_rays=self._same_rays,
             )  # fmt: skip
             rays = self._context.ray.numpy().reshape(samples * samples, -1, 3)
             self._context.ray.assign(rays[:, self._pixels].reshape(-1, 3))

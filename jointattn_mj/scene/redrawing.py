@@ -49,11 +49,14 @@ class RedrawingEye(Eye):
             data.cam_xmat[self._camera_id], self._geoms, self._stand, self._box, width, height,
         )  # fmt: skip
         if whole:
-            return super().render()
-        x0, y0, x1, y1 = self._box.tolist()
-        if x1 > x0:
-            self._render_part(x0, y0, x1, y1)
+            self._render_all()
+        elif self._box[2] > self._box[0]:
+            self._render_part(*self._box.tolist())
         return self._buffer
+
+    def _render_all(self) -> None:
+        """Draw the whole image."""
+        super().render()
 
     def _render_part(self, x0: int, y0: int, x1: int, y1: int) -> None:
         """Draw the pixels from x0, y0 to x1, y1 (exclusive) into the image."""

@@ -4,7 +4,7 @@ A session steps a ``World`` directly; a dm_control task steps it over the task's
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import radians, sqrt
 from typing import Any, Literal, Self
 
@@ -13,7 +13,7 @@ import numpy as np
 from dm_control.mujoco import Physics
 from dm_control.mujoco.wrapper import MjModel
 
-from jointattn_mj.errors import NotFiniteError
+from jointattn_mj.errors import ConfigError, NotFiniteError
 from jointattn_mj.guards.closing import Closable, closed_one
 from jointattn_mj.guards.finite import check_finite
 from jointattn_mj.guards.restored import check_array
@@ -29,6 +29,7 @@ from jointattn_mj.scene.model import SceneConfig, build_model, rest_height
 from jointattn_mj.scene.movement import ARM_JOINTS, Arm
 from jointattn_mj.scene.redrawing import RedrawingEye
 from jointattn_mj.scene.rendering import RenderingPhysics
+from jointattn_mj.scene.warp_eye import WarpEye
 
 EYE_JOINTS = ("eye_left_yaw", "eye_left_pitch", "eye_right_yaw", "eye_right_pitch")
 SCRIPTED_JOINTS = tuple(f"caregiver/{name}" for name in ("neck_yaw", "neck_pitch", *EYE_JOINTS, *ARM_JOINTS))
@@ -54,6 +55,9 @@ class WorldConfig(Checked):
     draws: Literal["all", "changes"] = "all"
     """What of an image is drawn while the head stands still: all of it, or the part in which something has moved. That
     takes half the time or less, and differs in a few pixels at the edges of things."""
+    renderer: Literal["opengl", "warp"] = "opengl"
+    """What draws the images: OpenGL, or MuJoCo Warp on a graphics card (extra gpu), which many sessions at once can
+    share. Outlines and fine shading differ."""
 
 
 def steps_per_frame(model: mujoco.MjModel) -> int:
@@ -69,6 +73,13 @@ AS_USUAL = Conditions()
 def build_physics(config: WorldConfig, conditions: Conditions = AS_USUAL) -> Physics:
     """dm_control's physics of the compiled scene; with textures, where ``conditions`` paint patterns on surfaces."""
     return RenderingPhysics.from_model(MjModel(build_model(config.scene, blank=conditions.surfaces.contrast > 0)))
+
+
+def _new_eye(config: WorldConfig, physics: Physics) -> Eye:
+    """The robot's eye, as ``config`` asks for it."""
+    if config.renderer == "warp":
+        return WarpEye(physics, config.scene, config.draws)
+    return Eye(physics) if config.draws == "all" else RedrawingEye(physics)
 
 
 class World(Closable):
@@ -110,7 +121,7 @@ class World(Closable):
         self.config, self.physics = config, physics
         self.model = model = physics.model.ptr
         self.data = physics.data.ptr
-        self.eye = Eye(physics) if config.draws == "all" else RedrawingEye(physics)
+        self.eye = _new_eye(config, physics)
         scripted, head = (_spans(model, names) for names in (SCRIPTED_JOINTS, HEAD_JOINTS))
         self._script_angles, self._script_speeds = self.data.qpos[scripted[0]], self.data.qvel[scripted[1]]
         self._face_angles = self._script_angles[:2]
@@ -134,7 +145,16 @@ class World(Closable):
         Args:
             config: Looks, behaviour, layout. The caregiver's identity and the objects' names stay as compiled.
             conditions: Light, surfaces and camera.
+
+        Raises:
+            ConfigError: Looks or light are to change, and Warp draws, which has those of the compiled scene.
         """
+        if config.renderer == "warp" and (
+            config.scene != self.config.scene or replace(conditions, sensor=AS_USUAL.sensor) != AS_USUAL
+        ):
+            raise ConfigError(
+                "`world.renderer` warp draws the scene as it was compiled; looks, surfaces and light that change need opengl"
+            )
         if config is not self.config or conditions != AS_USUAL:
             self._wardrobe = self._wardrobe or Wardrobe(self.model)
         if self._wardrobe is not None:

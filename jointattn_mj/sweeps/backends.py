@@ -184,24 +184,3 @@ def gone(error: BaseException) -> SweepError:
 def lost_touch(error: BaseException) -> bool:
     """Whether a future ended with ``error`` because the workers are gone."""
     return isinstance(error, CancelledError) or type(error).__name__ in ("CommClosedError", "FutureCancelledError")
-
-
-def new_backend(name: str, jobs: int, address: str | None) -> Backend:
-    """Make the backend that the options ask for.
-
-    Args:
-        name: ``loky`` or ``dask``.
-        jobs: Processes of loky; 0 for one a core.
-        address: Address of the dask scheduler.
-
-    Raises:
-        ConfigError: The options contradict each other.
-        SweepError: The scheduler cannot be reached.
-    """
-    if name == "loky":
-        if address is not None:
-            raise ConfigError(f"`address={address!r}` is for `backend='dask'`; loky's processes are on this machine")
-        return Loky(jobs)
-    if address is None:
-        raise ConfigError("`backend='dask'` needs `address`, such as tcp://127.0.0.1:8786")
-    return Dask(address)

@@ -20,12 +20,14 @@ def checked(action: Any, spec: specs.BoundedArray) -> np.ndarray:
         The action, clipped to the bounds.
 
     Raises:
-        ActionError: Not numbers (text, None, complex, booleans), another shape, NaN or infinite.
+        ActionError: Not numbers (text, None, complex, booleans), another shape, masked, NaN or infinite.
     """
     try:
         values = np.asarray(action)
     except Exception as error:  # ragged lists, and whatever an object's own conversion raises
         raise ActionError(f"{_expected(spec)}; got {shown(action)} ({shown(error)})") from error
+    if np.ma.is_masked(action):
+        raise ActionError(f"{_expected(spec)}; got {shown(action)}, of which values are masked: fill them in")
     if values.dtype.kind not in "iuf":
         raise ActionError(f"{_expected(spec)}; got {shown(action)}, which is {values.dtype}, no numbers")
     if values.shape != spec.shape:

@@ -5,7 +5,14 @@ import pytest
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.gaze_following.cross_situational import CrossSituationalLearner
-from jointattn_mj.gaze_following.learners import Learner, LearnerConfig, LinearLearner, Locations, PopulationLearner
+from jointattn_mj.gaze_following.learners import (
+    Learner,
+    LearnerConfig,
+    LinearLearner,
+    Locations,
+    PopulationCode,
+    PopulationLearner,
+)
 from jointattn_mj.gaze_following.learners import make_learner as make
 from jointattn_mj.scene.camera import off_centre
 
@@ -166,3 +173,9 @@ def test_options_of_another_learner(code, options):
 def test_impossible_options(options):
     with pytest.raises(ConfigError, match=next(iter(options))):
         LearnerConfig(**options)
+
+
+def test_units_of_a_code_lie_in_directions():
+    code = PopulationCode(LearnerConfig())
+    with pytest.raises(ValueError, match="directions of units"):
+        code.__setstate__({**vars(code), "_pans": np.full(code.shape[0], np.inf)})

@@ -11,6 +11,7 @@ import pytest
 from jointattn_mj.errors import ConfigError, ExtraError, ObservationError
 from jointattn_mj.scene import gl
 from jointattn_mj.scene.batched_eye import BatchedEye, pixel_order
+from jointattn_mj.scene.batched_parts import PART_HEIGHT, PART_WIDTH, BatchedParts
 from jointattn_mj.scene.model import build_model
 
 
@@ -63,6 +64,25 @@ def test_images(model, poses):
     shift = round(160 / np.tan(np.radians(30.95)) * np.tan(0.2))  # what was in the middle is to the right now
     before, after = images[0, :, 150:170].astype(int), images[1, :, 150 + shift : 170 + shift].astype(int)
     assert np.abs(before - after).mean() < 0.25 * np.abs(before - images[1, :, 150:170]).mean()
+
+
+@pytest.mark.gpu
+def test_parts_are_those_of_whole_images(model, poses):
+    whole = BatchedEye(model, 2, device="cpu")
+    whole.set_poses(*poses)
+    whole.draw()
+    corners = np.stack(np.meshgrid(range(160, 320, PART_WIDTH), range(48, 192, PART_HEIGHT)), -1).reshape(-1, 2)
+    parts = BatchedParts(model, len(corners) + 1, device="cpu")
+    parts.angles[:], parts.objects[:] = poses[0][1], poses[1][1]
+    parts.set_corners(corners)
+    parts.draw()
+    pixels = parts.images()
+    assert not pixels[-1].any(), "a slot that nobody wants shows nothing"
+    drawn = np.zeros((240, 320, 3), np.uint8)
+    for part, (x, y) in zip(pixels, corners, strict=False):
+        drawn[y : y + PART_HEIGHT, x : x + PART_WIDTH] = part
+    off = np.abs(drawn[48:192, 160:].astype(int) - whole.images()[1, 48:192, 160:])
+    assert (off.max(2) > 2).sum() < 5
 
 
 @pytest.mark.gpu

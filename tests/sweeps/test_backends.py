@@ -11,7 +11,8 @@ import pytest
 from toys.registry import REGISTRY
 
 from jointattn_mj.errors import ConfigError, SweepError
-from jointattn_mj.sweeps.backends import Dask, Loky, new_backend
+from jointattn_mj.parallel.backend_choice import new_backend
+from jointattn_mj.sweeps.backends import Dask, Loky
 from jointattn_mj.sweeps.run import Selection, run
 from jointattn_mj.sweeps.store import Store
 

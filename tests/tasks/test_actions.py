@@ -47,6 +47,7 @@ WRONG = {
     "beyond 64 bits": [10**30, 0],
     "dates": np.array(["2020-01-01T00:00:00", "2020-01-02T00:00:00"], "datetime64[s]"),
     "masked NaN": np.ma.masked_invalid([0.1, np.nan]),
+    "masked": np.ma.masked_equal([0, 1], 1),
     "without words": Mute(),
     "a record": np.zeros(2, [("pan", float)]),
 }

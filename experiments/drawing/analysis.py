@@ -1,0 +1,65 @@
+"""Whether sessions come out alike when only what has changed is drawn, and when a graphics card draws many worlds."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
+from jointattn_mj.sweeps.statistics import mean_interval, paired_difference
+
+from ..sessions.analysis import MINUTES, QUANTITIES, curve, value
+
+WORDS = {
+    "opengl/all": "OpenGL, all of each image",
+    "opengl/changes": "OpenGL, what has changed",
+    "warp/changes": "Warp, what has changed",
+}
+USUAL = "opengl/all"
+COLOURS = {"opengl/all": "#2471a3", "opengl/changes": "#c0392b", "warp/changes": "#1e8449"}
+
+
+def analyse(trials: Trials) -> list[Comparison]:
+    """Each way's own values, and their differences from the usual way, seed by seed."""
+    findings = []
+    for name, words in WORDS.items():
+        part = trials.get(name, ())
+        for key, quantity in QUANTITIES.items():
+            if part:
+                ours = mean_interval([value(trial, key) for trial in part])
+                findings.append(Comparison(f"{quantity}; {words}", "not given", ours, Verdict.EXTENSION))
+    for name, words in WORDS.items():
+        both = {trial.seed: trial for trial in trials.get(USUAL, ())}
+        pairs = [(trial, both[trial.seed]) for trial in trials.get(name, ()) if trial.seed in both]
+        if name == USUAL or len(pairs) < 2:
+            continue
+        for key, quantity in QUANTITIES.items():
+            ours = paired_difference(*([value(side, key) for side in sides] for sides in zip(*pairs, strict=True)))
+            agrees = ours.low <= 0 <= ours.high
+            note = "the interval holds 0" if agrees else "the interval does not hold 0"
+            findings.append(Comparison(f"{quantity}; {words}, less {WORDS[USUAL]}", "not given", ours,
+                                       Verdict.EXTENSION, note))  # fmt: skip
+    return findings
+
+
+def draw(trials: Trials) -> Mapping[str, Figure]:
+    """Success over time, with a band of 95% for each way of drawing."""
+    if not any(name in trials for name in WORDS):
+        return {}
+    figure = Figure(figsize=(7, 4), layout="constrained")
+    axes = figure.subplots()
+    for name, words in WORDS.items():
+        part = trials.get(name, ())
+        if part:
+            estimates = [mean_interval(column) for column in np.array([curve(trial) for trial in part]).T]
+            low, high = [each.low for each in estimates], [each.high for each in estimates]
+            axes.fill_between(MINUTES, low, high, color=COLOURS[name], alpha=0.15, lw=0)
+            mean = [each.mean for each in estimates]
+            axes.plot(MINUTES, mean, color=COLOURS[name], label=f"{words} ({len(part)} sessions)")
+    axes.set(
+        xlabel="time (simulated minutes)", ylabel="share of right gaze shifts (eq. 6.9)", xlim=(0, 26), ylim=(0, 1)
+    )
+    axes.set_title("How often the robot looked where the caregiver looked", fontsize=11)
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize=8, loc="lower right")
+    return {"drawing": figure}

@@ -1,0 +1,28 @@
+"""Sessions of chapter 6 from images that are drawn in other ways (sections 6.4.1 and 6.4.3)."""
+
+from dataclasses import replace
+from typing import Literal
+
+from jointattn_mj.gaze_following.session import SessionConfig
+from jointattn_mj.sweeps.claim import Setting
+
+from ..sessions.sweep import session_config, trial
+
+__all__ = ["FIRST_SEED", "SETTINGS", "trial"]
+
+FIRST_SEED = 1000
+"""Sessions with one seed have one caregiver and one robot, whatever draws."""
+
+
+def drawn(renderer: Literal["opengl", "warp"], draws: Literal["all", "changes"]) -> SessionConfig:
+    """The default session with motion cues, from images that are drawn so."""
+    config = session_config("pixels", True)
+    return replace(config, world=replace(config.world, renderer=renderer, draws=draws))
+
+
+SETTINGS = {
+    "opengl/all": Setting(drawn("opengl", "all"), 20),
+    "opengl/changes": Setting(drawn("opengl", "changes"), 20),
+    "warp/changes": Setting(drawn("warp", "changes"), 20),
+}
+"""What draws, a slash, and what of an image it draws while the head stands still."""

@@ -1,0 +1,135 @@
+"""Trials whose images one graphics card draws: processes of this machine, each with many trials at once.
+
+A single image keeps a card waiting; it draws those of hundreds of worlds in hardly more time. Trials ask for images in
+the middle of their computation, so that each process goes on with another trial meanwhile (``crowd_worker``).
+"""
+
+import os
+import pickle
+import subprocess
+import threading
+from collections import Counter
+from collections.abc import Callable
+from concurrent.futures import Future, InvalidStateError
+from contextlib import suppress
+from importlib.util import find_spec
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection, wait
+from typing import Any
+
+from joblib import cpu_count
+
+from jointattn_mj.errors import ConfigError
+from jointattn_mj.io.child import start_child
+from jointattn_mj.io.extras import extra
+from jointattn_mj.sweeps.worker import SINGLE_THREADED
+
+AT_ONCE = 64
+"""Trials at once in a process. Half of them are drawn while the other half compute."""
+
+
+class CrowdWorkerDied(RuntimeError):
+    """A process with trials has ended."""
+
+
+class Crowd:
+    """Processes that share an eye server.
+
+    Args:
+        jobs: Number of processes; 0 for one a core.
+        at_once: Trials at once in each.
+
+    Raises:
+        ConfigError: A number is out of range.
+        ExtraError: The extra ``gpu`` is not installed.
+    """
+
+    deaths: tuple[type[BaseException], ...] = (CrowdWorkerDied,)
+    all_die_together = True
+    most_deaths = 3
+
+    def __init__(self, jobs: int = 0, at_once: int = AT_ONCE):
+        if jobs < 0 or at_once < 1:
+            raise ConfigError(
+                f"jobs must be 1 or more, or 0 for every core, and 1 or more trials at once; got {jobs}, {at_once}"
+            )
+        for module in ("greenlet", "mujoco_warp"):
+            if find_spec(module) is None:
+                extra("gpu", module)
+        self.jobs, self.at_once = jobs or cpu_count(), at_once
+        self._children: list[subprocess.Popen[bytes]] = []
+        self._workers: list[Connection] = []
+        self._load: Counter[Connection] = Counter()
+        self._futures: dict[int, tuple[Future[Any], Connection]] = {}
+        self._number = 0
+        self._lock = threading.Lock()
+
+    def slots(self) -> int:
+        return self.jobs * self.at_once
+
+    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        if not self._workers:
+            self._start()
+        future: Future[Any] = Future()
+        future.set_running_or_notify_cancel()
+        with self._lock:
+            worker = min(self._workers, key=self._load.__getitem__)
+            self._number += 1
+            self._futures[self._number] = future, worker
+            self._load[worker] += 1
+            number = self._number
+        try:
+            worker.send_bytes(pickle.dumps((number, function, arguments)))
+        except OSError as error:
+            with self._lock:
+                del self._futures[number]
+            raise CrowdWorkerDied from error
+        return future
+
+    def _start(self) -> None:
+        """Start the eye server and all workers."""
+        environment = {**SINGLE_THREADED, **os.environ}
+        eyes, tasks = ([Pipe() for _ in range(self.jobs)] for _ in range(2))
+        self._children = [start_child("jointattn_mj.scene.eye_server", "serve_eyes", [theirs for theirs, _ in eyes])]
+        for (_, eye), (task, theirs) in zip(eyes, tasks, strict=True):
+            self._children.append(start_child("jointattn_mj.parallel.crowd_worker", "work", [theirs, eye], environment))
+            task.send(self.at_once)
+        self._workers = [task for task, _ in tasks]
+        threading.Thread(target=self._listen, args=(list(self._workers),), daemon=True).start()
+
+    def _listen(self, workers: list[Connection]) -> None:
+        """Take results until a worker has ended; then all trials under way are lost."""
+        while True:
+            for ready in wait(workers):
+                worker: Any = ready
+                try:
+                    number, result, error = worker.recv()
+                except (EOFError, OSError):
+                    return self._give_up(workers)
+                with self._lock:
+                    future, _ = self._futures.pop(number)
+                    self._load[worker] -= 1
+                if error is None:
+                    future.set_result(result)
+                else:
+                    future.set_exception(error)
+
+    def _give_up(self, workers: list[Connection]) -> None:
+        with self._lock:
+            lost = [number for number, (_, worker) in self._futures.items() if worker in workers]
+            futures = [self._futures.pop(number)[0] for number in lost]
+        for future in futures:
+            with suppress(InvalidStateError):
+                future.set_exception(CrowdWorkerDied())
+
+    def restart(self) -> None:
+        self.close()
+
+    def close(self) -> None:
+        for child in self._children:
+            child.kill()
+        for child in self._children:
+            child.wait()
+        for worker in self._workers:
+            worker.close()
+        self._children, self._workers, self._load = [], [], Counter()
