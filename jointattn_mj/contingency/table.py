@@ -293,7 +293,7 @@ def _count(
         sources: Codes of the source lie below this.
         targets: Codes of the target lie below this.
     """
-    one, two = np.uint64(1), np.uint64(2)  # unsigned: indices that compiled code need not test
+    step, two = np.uint64(1), np.uint64(2)  # unsigned: indices that compiled code need not test
     all_conditions, all_sources, all_targets = np.uint32(conditions), np.uint32(sources), np.uint32(targets)
     all_states = np.uint32(targets * conditions * sources)
     states, entries = np.empty(2 * BLOCK, np.uint32), np.empty(BLOCK, np.uint32)
@@ -311,13 +311,13 @@ def _count(
         if len(pairs):
             for pair in range(n // two):
                 first = two * pair
-                both = states[first] * all_states + states[first + one]
+                both = states[first] * all_states + states[first + step]
                 entries[pair] = both * all_targets + np.uint32(target[t + first + two])
             for pair in range(n // two):
                 pairs[entries[pair]] += 1
             counted = two * (n // two)
         for i in range(counted, n):
-            table[np.uint64(states[i]) * all_targets + np.uint32(target[t + i + one])] += 1
+            table[np.uint64(states[i]) * all_targets + np.uint32(target[t + i + step])] += 1
         t += n
     for recording in range(1, len(bounds) - 1):  # what was counted from one recording into the next
         end = np.uint64(bounds[recording] - 1)
@@ -325,4 +325,4 @@ def _count(
         if len(condition):
             row = row * all_conditions + np.uint32(condition[end])
         row = row * all_sources + np.uint32(source[end])
-        table[row * all_targets + np.uint32(target[end + one])] -= 1
+        table[row * all_targets + np.uint32(target[end + step])] -= 1

@@ -99,7 +99,16 @@ def patience(watch: Watch) -> int:
 
 @njit(cache=True, borrows=True, forceinline=True)
 def put(block: Block, i: int, s: np.ndarray, a: np.ndarray, r: np.ndarray, r_next: np.ndarray) -> None:
-    """Write transition ``i`` of a block; values as in ``counts.add``."""
+    """Write a transition.
+
+    Args:
+        block: Changed in place.
+        i: Number of the transition in the block.
+        s: (sensors,) values at step t.
+        a: (actions,) values at step t.
+        r: (results,) values at step t.
+        r_next: (results,) values at step t + 1.
+    """
     for j in range(len(s)):
         block.s[j, i] = s[j]
     for j in range(len(a)):

@@ -194,7 +194,20 @@ def _location(layout: np.ndarray, context: int, r: int, s: int, a: int) -> np.ui
 def check_add(
     counts: Counts, s: np.ndarray, a: np.ndarray, r: np.ndarray, r_next: np.ndarray, weight: float, contexts: int
 ) -> None:
-    """Refuse what ``add`` cannot count."""
+    """Refuse what ``add`` cannot count.
+
+    Args:
+        counts: Tables.
+        s: Of ``add``, as the others.
+        a: Likewise.
+        r: Likewise.
+        r_next: Likewise.
+        weight: Likewise.
+        contexts: Likewise.
+
+    Raises:
+        ObservationError: Compiled code would count it elsewhere.
+    """
     if not 0 <= contexts <= len(counts.layout):
         raise ObservationError(f"there are {len(counts.layout)} contexts; got {contexts}")
     of = counts.layout[: int(contexts)].astype(np.int64).T
