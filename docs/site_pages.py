@@ -48,6 +48,11 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     return files
 
 
+def on_page_content(content: str, **_: object) -> str:
+    """Let every figure open by itself, where a phone can enlarge it."""
+    return re.sub(r'<img [^>]*src="([^"]+)"[^>]*>', r'<a href="\1">\g<0></a>', content)
+
+
 def _folders() -> list[Path]:
     """The package and its sub-packages."""
     return sorted(path.parent for path in PACKAGE.rglob("__init__.py"))

@@ -75,6 +75,8 @@ RENAMED: tuple[tuple[str, str], ...] = (
     (r"detector/stability_of$", "detector/of"),
     (r"/calibration$", "/greeting"),
     (r"/exploration$", "/watching"),
+    (r"detected_without_a_module", "found_without_a_module"),
+    (r"minutes_when_detected", "minutes_when_found"),
 )
 """What has been renamed since the record before: a pattern of names now, and what it was; in this order."""
 UNTOLD = ("wall_seconds", "versions", "platform", "python", "system", "machine", "seconds", "created", "checkpoint.bin")

@@ -60,7 +60,7 @@ class Upright(Condition):
 
 
 @dataclass(frozen=True)
-class PartlySeen(Condition):
+class PartlyVisible(Condition):
     """A session from images in which the robot is told parts of the percept by the state, without error."""
 
     told: Part = "all"
@@ -209,7 +209,7 @@ SETTINGS = {
         for words, teachers in (("one_teacher", 1), ("three_teachers", 3))
         for coded, subtracted in (("", False), ("_mean_face", True))
     },
-    **{f"told/{part}": Setting(condition("pixels", kind=PartlySeen, told=part), 10) for part in PARTS},
+    **{f"told/{part}": Setting(condition("pixels", kind=PartlyVisible, told=part), 10) for part in PARTS},
     "upright/state_no_cues": Setting(upright(), 10),
     "upright/state_cues_thesis": Setting(upright(cues=True, preset="thesis"), 10),
     "upright/pixels_no_cues": Setting(upright(perception="pixels"), 10),
@@ -246,7 +246,7 @@ class ConditionRun(VariedSessionRun):
     def new_perceiver(self, rng: np.random.Generator) -> Perceiver:
         """See ``SessionRun``."""
         perceiver = super().new_perceiver(rng)
-        if isinstance(self._condition, PartlySeen) and isinstance(perceiver, PixelPerception):
+        if isinstance(self._condition, PartlyVisible) and isinstance(perceiver, PixelPerception):
             return PartlyTold(perceiver, self.world, self._condition.told)
         return perceiver
 

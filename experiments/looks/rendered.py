@@ -10,7 +10,7 @@ import numpy as np
 from jointattn_mj.footage.config import PerceiveConfig
 from jointattn_mj.footage.looks.coding import ObservedLooks
 from jointattn_mj.footage.looks.log import LooksLog
-from jointattn_mj.footage.looks.run import looks_seen
+from jointattn_mj.footage.looks.run import observed_looks
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.scene.camera import Eye
@@ -78,5 +78,5 @@ def perceived(config: PerceiveConfig, minutes: tuple[float, ...]) -> dict[float,
             for end in minutes:
                 if viewing.frames == round(end * 60 * RATE):
                     album = copy.deepcopy(viewing.album)
-                    seen[end] = looks_seen(log, viewing, album.learn(config.som) if album.offered else None)
+                    seen[end] = observed_looks(log, viewing, album.learn(config.som) if album.offered else None)
     return seen

@@ -62,6 +62,10 @@ class JointAttentionEnv(gymnasium.Env[dict[str, Any], np.ndarray]):
             {name: _space(spec) for name, spec in self.environment.observation_spec().items()}
         )
 
+    def __repr__(self) -> str:
+        """Around that of ``environment``: ``JointAttentionEnv(Environment(Follow, step 3 of 30))``."""
+        return f"{type(self).__name__}({self.environment!r})"
+
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict]:
         """Start an episode.
 

@@ -70,6 +70,10 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
         )  # that stay in an episode
         self._steps = np.full(num_envs, -1)  # in this episode; -1: there is none
 
+    def __repr__(self) -> str:
+        """In one line: ``FollowVector(4 worlds)``."""
+        return f"{type(self).__name__}({'closed' if self.closed else f'{self.num_envs} worlds'})"
+
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

@@ -179,5 +179,7 @@ def text(summary: DevelopmentSummary) -> str:
     for module in summary.modules:
         name = f" ({module.name})" if module.name.endswith("-m") else ""
         lines.append(f"{module.step:>10,}  {module.event:48}  {module.means}{name}")
-    lines += [f"{event.step:>10,}  {event.event:48}  found, no module made" for event in summary.found_without_a_module]
+    lines += [
+        f"{event.step:>10,}  {event.event:48}  found, no module made" for event in summary.detected_without_a_module
+    ]
     return "\n".join(lines)

@@ -12,7 +12,7 @@ import numpy as np
 
 from jointattn_mj.io.compiled import njit
 
-PER_RUN, PER_WORD, PER_PLACE = 5.4, 0.4, 1.6
+PER_RUN, PER_WORD, PER_LOOKUP = 5.4, 0.4, 1.6
 """Nanoseconds: of a run, of 64 transitions of one value each, and of one transition looked up alone, as measured."""
 WORTH = 2**14
 """Transitions from which on counting by words is thought of."""
@@ -83,12 +83,12 @@ def counter(rest: np.ndarray, source: np.ndarray, rests: int, sources: int) -> C
     """
     counts = np.bincount(rest, minlength=rests)
     words = len(rest) / 64 * (sources - 1)
-    often = np.flatnonzero(counts * PER_PLACE > words * PER_WORD)
+    often = np.flatnonzero(counts * PER_LOOKUP > words * PER_WORD)
     rare = len(rest) - int(counts[often].sum())
     changes = sum(1 + np.count_nonzero(codes[1:] != codes[:-1]) for codes in (rest, source))
     if len(rest) < WORTH or sources > 256 or len(rest) >= 2**31:
         return Runs(_runs(rest), _runs(source), (rests, sources))
-    if len(often) * words * PER_WORD + rare * PER_PLACE > changes * PER_RUN:
+    if len(often) * words * PER_WORD + rare * PER_LOOKUP > changes * PER_RUN:
         return Runs(_runs(rest), _runs(source), (rests, sources))
     small = source.astype(np.uint8)
     is_rare = np.ones(rests, bool)

@@ -1,7 +1,7 @@
 """Options that a run has in every world, and options that follow from a preset unless they are given."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -13,7 +13,7 @@ from jointattn_mj.development.meaning import CAREGIVER, GAZE
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.world import TableConfig
 from jointattn_mj.errors import ConfigError
-from jointattn_mj.options import Checked, Choice, Seed, Whole, changed, meant, shown, with_new_names
+from jointattn_mj.options import Checked, Choice, Seed, Whole, changed, check_argument, meant, shown, with_new_names
 
 Every = Annotated[int, Whole("[1, 1e10]")]
 WORLDS = {
@@ -77,10 +77,11 @@ class DevelopmentConfig(Checked):
         Raises:
             ConfigError: There is no such preset.
         """
-        own: Self = cls()  # type: ignore[call-arg]  # the config of each world has a default for `world`
-        start = changed(own, {"preset": given["preset"]}) if "preset" in given else own
-        preset = PRESETS[start.preset]
-        return replace(start, table=preset.world, agent=preset.agent, reactive=preset.reactive)
+        name = given.get("preset", cls.preset)
+        check_argument("preset", name, Annotated[str, Choice(PRESETS)])
+        preset = PRESETS[name]
+        chosen: dict[str, Any] = {"table": preset.world, "agent": preset.agent, "reactive": preset.reactive}
+        return cls(preset=name, **chosen)
 
     @property
     def kind(self) -> type[DevelopmentRun]:

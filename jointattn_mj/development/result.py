@@ -18,10 +18,9 @@ from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.files import claimed, write_whole
 from jointattn_mj.io.former_columns import present_name
 from jointattn_mj.io.kinds import check_kind
-from jointattn_mj.io.notices import notice
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import write_config
-from jointattn_mj.options import path_of
+from jointattn_mj.options import path_of, warn_renamed
 
 if TYPE_CHECKING:  # pyarrow takes half a second to import
     from jointattn_mj.io.table import Table
@@ -217,7 +216,7 @@ class _Folder:
         path, old = self.folder / name, self.folder / OLD_NAMES.get(name, name)
         if path.exists() or path == old or not old.exists():
             return path
-        notice(f"{old} was written by an earlier version; the file is now called {name}, its column turn step")
+        warn_renamed(str(old), name)
         return old
 
 

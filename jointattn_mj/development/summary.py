@@ -10,8 +10,13 @@ from jointattn_mj.development.behaviour import BEHAVIOURS, SHORT, BehaviourPhase
 from jointattn_mj.development.loop import DevelopmentRun
 from jointattn_mj.development.meaning import Meaning
 from jointattn_mj.io.provenance import plain
+from jointattn_mj.options import warn_renamed
 
-OLD_KEYS = {"turns_watched_before": "exploration_steps"}
+OLD_KEYS = {
+    "turns_watched_before": "exploration_steps",
+    "found_without_a_module": "detected_without_a_module",
+    "minutes_when_found": "minutes_when_detected",
+}
 """Keys of ``summary.json`` by their names in the last version."""
 RANKED = 10
 """Events in the final ranking."""
@@ -82,7 +87,7 @@ class DevelopmentSummary:
     steps: int
     """Steps done."""
     modules: tuple[LearnedModule, ...]
-    found_without_a_module: tuple[UnmodelledEvent, ...]
+    detected_without_a_module: tuple[UnmodelledEvent, ...]
     phases: tuple[PhaseSummary, ...]
     measure: str
     """Measure of contingency that ranks the events: ``sac``, ``tc`` or ``local``, SAC where an event is surest to be
@@ -115,7 +120,7 @@ class DevelopmentSummary:
                 }
                 for module in self.modules
             ],
-            "found_without_a_module": [vars(event) for event in self.found_without_a_module],
+            "detected_without_a_module": [vars(event) for event in self.detected_without_a_module],
             "behaviours": dict(zip(SHORT, BEHAVIOURS, strict=True)),
             "phases": [vars(part) | {"rates": dict(part.rates)} for part in self.phases],
             "measure": self.measure,
@@ -125,12 +130,15 @@ class DevelopmentSummary:
 
     @classmethod
     def from_json(cls, document: Mapping[str, Any]) -> "DevelopmentSummary":
-        """What ``to_json`` gave.
+        """What ``to_json`` gave; keys of the last version are taken with a warning.
 
         Raises:
             KeyError: Something is missing.
             TypeError: Something is of another kind.
         """
+        for old, name in OLD_KEYS.items():
+            if old in document:
+                warn_renamed(f"{old} in a summary of development", name)
         more = {OLD_KEYS.get(key, key): value for key, value in document.items()}
         modules = [
             LearnedModule(
@@ -145,7 +153,9 @@ class DevelopmentSummary:
             seed=more.pop("seed"),
             steps=more.pop("steps"),
             modules=tuple(modules),
-            found_without_a_module=tuple(UnmodelledEvent(**event) for event in more.pop("found_without_a_module")),
+            detected_without_a_module=tuple(
+                UnmodelledEvent(**event) for event in more.pop("detected_without_a_module")
+            ),
             phases=tuple(PhaseSummary(**part) for part in more.pop("phases")),
             measure=more.pop("measure"),
             highest_at_the_end=tuple(RankedEvent(**event) for event in more.pop("highest_at_the_end")),
@@ -185,7 +195,7 @@ def summarise(
         **names,
         steps=run.steps_done,
         modules=tuple(made),
-        found_without_a_module=tuple(beyond),
+        detected_without_a_module=tuple(beyond),
         phases=tuple(
             PhaseSummary(
                 f"P{number}",

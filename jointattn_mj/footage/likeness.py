@@ -12,7 +12,7 @@ from jointattn_mj.footage.yunet import BOX, LANDMARKS
 
 SIDE = 48
 """Side of the upright face whose edges are compared, pixels."""
-PLACES = np.array([[16, 18], [32, 18], [24, 28], [17, 36], [31, 36]], np.float32)
+UPRIGHT = np.array([[16, 18], [32, 18], [24, 28], [17, 36], [31, 36]], np.float32)
 """Where its landmarks come to lie."""
 LEVELS = (6, 8, 8)
 """Steps of lightness and of the two axes of colour (CIE Lab)."""
@@ -52,7 +52,7 @@ def appearance(image: np.ndarray, face: np.ndarray) -> Appearance:
     """
     x, y, wide, high = (float(value) for value in face[BOX])
     landmarks = face[LANDMARKS].reshape(5, 2).astype(np.float32)
-    upright = cv2.estimateAffinePartial2D(landmarks, PLACES, method=cv2.LMEDS)[0]
+    upright = cv2.estimateAffinePartial2D(landmarks, UPRIGHT, method=cv2.LMEDS)[0]
     if upright is None:
         scale = SIDE / max(wide, high)
         upright = np.array([[scale, 0, -x * scale], [0, scale, -y * scale]])

@@ -1,7 +1,6 @@
 """Watches a video: frame by frame for Python, or to its end with results, checkpoints and an overlay in a folder."""
 
 import json
-import time
 from collections.abc import Callable, Iterator
 from itertools import islice
 from pathlib import Path
@@ -11,14 +10,12 @@ from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
 from jointattn_mj.footage.colours import candidate_names
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.frames import PerceivedFrame, frame_now
-from jointattn_mj.footage.log import PerceptLog
 from jointattn_mj.footage.looks.check import Codings
 from jointattn_mj.footage.looks.coding import AWAY, PARTNER
 from jointattn_mj.footage.looks.log import LooksLog
 from jointattn_mj.footage.looks.run import leave_looks
-from jointattn_mj.footage.overlay import HEIGHT, WIDTH, FootageOverlay
-from jointattn_mj.footage.people_log import PeopleLog
 from jointattn_mj.footage.reader import RATE, Still
+from jointattn_mj.footage.records import CHECKPOINT, ViewingCheckpoint, ViewingRecords
 from jointattn_mj.footage.spans import write_spans
 from jointattn_mj.footage.summary import OLD_KEYS, summarise
 from jointattn_mj.footage.viewing import Viewing
@@ -27,9 +24,8 @@ from jointattn_mj.io.files import claimed, write_whole
 from jointattn_mj.io.interrupts import Interrupts, deferred
 from jointattn_mj.io.provenance import plain, write_config
 from jointattn_mj.io.results import without_nan
-from jointattn_mj.io.rows import RowStore, forget_log, log_folder
+from jointattn_mj.io.rows import forget_log
 from jointattn_mj.options import warn_renamed
-from jointattn_mj.video.parted import PartedReel
 from jointattn_mj.video.reel import find_ffmpeg
 
 
@@ -83,7 +79,7 @@ def run_perceive(
     codings = _codings(config, options.check, "check")
     known = _codings(config, config.labels, "labels")
     viewing = Viewing(config)
-    frozen = options.out / "checkpoint.bin"
+    frozen = options.out / CHECKPOINT
     with claimed(options.out, options.resume), checkpoint.gone_on_with(frozen, options.resume, progress):
         return _run(viewing, options, codings, known, progress)
 
@@ -96,70 +92,33 @@ def _run(
     progress: Callable[[Viewing], object],
 ) -> dict[str, Any]:
     """Watch a video in a folder that is held for it."""
-    out, config, started = options.out, viewing.config, time.perf_counter()
-    every = options.overlay_every if options.overlay else None
-    spent, rows, people_rows, looks_rows = 0.0, None, None, None
-    if options.resume:
-        kinds = (float, bool, dict, RowStore, RowStore, RowStore)
-        spent, finished, state, rows, people_rows, looks_rows = checkpoint.load(
-            out / "checkpoint.bin", config, kind=kinds
-        )
-        if finished:
-            return _summary_of_finished(out, codings)
-        viewing.restore(state)
-        if state["blur_faces"] != options.blur_faces:
-            asked = f"`blur_faces={state['blur_faces']}`"
-            raise CheckpointError(f"the viewing in {out} was begun with {asked}; resume with that")
-        if state["overlay_every"] != every:
-            asked = f"`overlay_every={state['overlay_every']}`" if state["overlay_every"] else "`overlay=False`"
-            raise CheckpointError(f"the viewing in {out} was begun with {asked}; resume with that")
-    log = PerceptLog(out, viewing.names, rows)
-    faces = PeopleLog(out, people_rows)
-    looks = LooksLog(out, viewing.names, viewing.watcher.perceiver.pattern_size, looks_rows)
-    film = PartedReel(log_folder(out), HEIGHT, WIDTH, RATE / (every or 1), viewing.frames)
-
-    def wall_seconds() -> float:
-        return spent + time.perf_counter() - started
-
-    def save_checkpoint(finished: bool = False) -> None:
-        film.cut()
-        state = {**viewing.state(), "overlay_every": every, "blur_faces": options.blur_faces}
-        checkpoint.save(
-            out / "checkpoint.bin", (wall_seconds(), finished, state, log.rows, faces.rows, looks.rows), config
-        )
-
-    if not options.resume:
+    out, config = options.out, viewing.config
+    kept = ViewingCheckpoint.load(out, config) if options.resume else None
+    if kept is not None and kept.finished:
+        return _summary_of_finished(out, codings)
+    if kept is None:
         viewing.prepare()
-        save_checkpoint()
+    records = ViewingRecords(viewing, options, kept)
+    if kept is None:
+        records.save_checkpoint()
     if not (out / "config.yaml").exists():
         write_config(out / "config.yaml", config)
-    drawing = FootageOverlay(viewing.names, viewing.rgb, config.attention, options.blur_faces)
     pause = max(1, round(options.checkpoint_minutes * 60 * RATE))
-    with deferred() as interrupts, film:
+    with deferred() as interrupts, records:
         for still in _new_frames(viewing, interrupts):
-            mapped = viewing.see(still)
-            log.add(viewing.watcher, still.number, still.fresh)
-            if still.fresh:
-                faces.add(viewing.visible_faces, viewing.chosen, viewing.frames - 1, still.number)
-            if config.looks and (viewing.frames - 1) % config.coding.every == 0:
-                looks.add(viewing)
-            if every is not None and (viewing.frames - 1) % every == 0:
-                film.add(drawing.compose(still.image, mapped, viewing, log), viewing.frames - 1)
+            records.add(still, viewing.see(still))
             if viewing.frames % RATE == 0:
                 progress(viewing)
             if viewing.frames % pause == 0:
-                save_checkpoint()
-        save_checkpoint()
-    start_s = viewing.footage.start_s
-    log.write(out / "percepts.parquet", start_s)
-    if viewing.people is not None:
-        faces.write(out / "people.parquet", start_s, viewing.people.owner)
-    if every is not None:
-        film.join(out / "overlay.mp4")
-    summary = _leave_results(viewing, options, looks, codings, known, interrupts.requested, wall_seconds())
+                records.save_checkpoint()
+        records.save_checkpoint()
+    records.write()
+    summary = _leave_results(
+        viewing, options, records.looks, codings, known, interrupts.requested, records.wall_seconds
+    )
     if interrupts.requested:
         raise KeyboardInterrupt
-    save_checkpoint(finished=True)
+    records.save_checkpoint(finished=True)
     forget_log(out)
     return summary
 

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self, get_args, get_origin, get_type_hints
 from jointattn_mj.errors import OutputError
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.provenance import plain
-from jointattn_mj.options import RenamedWarning
+from jointattn_mj.options import RenamedWarning, warn_renamed
 
 WIDTH = 110
 """Characters of a summary's repr."""
@@ -28,7 +28,7 @@ class Summary:
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:
-        """The summary whose :meth:`plain` values are given, by names of this version or of the last.
+        """The summary whose :meth:`plain` values are given, by names of this version or, with a warning, of the last.
 
         Args:
             values: A value for every field.
@@ -46,6 +46,9 @@ class Summary:
             True
         """
         hints, known = get_type_hints(cls), {field.name for field in fields(cls)}  # type: ignore[arg-type]
+        for old, name in cls.RENAMED.items():
+            if old in values:
+                warn_renamed(f"{cls.__name__}.{old}", name)
         named = {cls.RENAMED.get(name, name): value for name, value in values.items()}
         if named.keys() != known:
             wrong = ", ".join(sorted(known ^ named.keys()))

@@ -292,58 +292,43 @@ def _run(
     """Measure, test, and write where ``paths`` says."""
     (source, of_source), (target, of_target) = coded.joined(options.source), coded.joined(options.target)
     condition, of_condition = coded.joined(options.condition) if options.condition else (None, ())
-    timing = options.timing(coded.step)
     whole = steps(source, target, condition, coded.groups)
-    given = timed(whole, timing)
+    given = timed(whole, options.timing(coded.step))
     progress = patient(progress, options.draws, options.yes)
     streams = np.random.SeedSequence(options.seed).spawn(len(CONDITIONED) + 2)
     measured = _measured(given, options, streams, progress)
     tested = [(value.name, value.significance) for value in measured]
-    notes = [*coded.notes(), *notes_on_tests(tested, options.method, options.surrogates)]
-    scans: list[tuple[str, LagScan]] = []
-    if options.scan is not None:
-        lags = range(1, delay_in_steps("scan", options.scan, coded.step) + 1)
-        unit, rng = check_base(options.base), np.random.default_rng(streams[len(CONDITIONED)])
-        each = _over_recordings(coded, options)
-        for measure in options.scanned:
-            if each:
-                stream = streams[len(CONDITIONED)].spawn(1)[0]
-                scan = scan_over_dyads(whole, measure, lags, timing, _of_one(options), unit, stream, progress)
-            else:
-                scan = scan_steps(whole, measure, lags, timing, options.test(), unit, rng, progress)
-            scans.append((measure.name, scan))
-        notes.append(_scan_note(scans[0][1]))
+    scans = _scans(whole, coded, options, streams[len(CONDITIONED)], progress)
     dyads = _by_recording(given, coded, options, group_of, streams[-1])
-    notes += [note for dyad in dyads[:1] for note in dyad.out_of_reach(ALPHA)]
-    try:
-        granger = float("nan") if options.measures else _granger(given, options.base)
-    except SeriesError as error:
-        granger = float("nan")
-        notes.append(str(error))
+    granger, without_granger = _granger(given, options)
+    notes = (
+        *coded.notes(),
+        *notes_on_tests(tested, options.method, options.surrogates),
+        *(_scan_note(scan) for _, scan in scans[:1]),
+        *(note for dyad in dyads[:1] for note in dyad.out_of_reach(ALPHA)),
+        *without_granger,
+    )
     names = " & ".join(options.source), " & ".join(options.condition), " & ".join(options.target)
     labels = dict(zip(names, (of_source, of_condition, of_target), strict=True))
-    result = MeasureResult(
-        _title(options, coded),
-        measured,
-        granger,
-        tuple(notes),
-        tuple(scans),
-        dyads,
-        coded.step,
-        names,
-        labels,
-        options.explain,
-    )
+    title = _title(options, coded)
+    result = MeasureResult(title, measured, granger, notes, scans, dyads, coded.step, names, labels, options.explain)
     if paths is not None:
-        if scans:
-            draw_lags(_beside(paths[0], "lags"), scans, coded.step, result.title.split(":")[0], _unit(options))
-        lags_and_values = {"lags": result.lag_rows()} if scans else {}
-        if dyads:
-            lags_and_values["recordings"] = result.dyad_rows()
-            lags_and_values["groups"] = [asdict(group) for dyad in dyads for group in dyad.groups]
-            lags_and_values["comparisons"] = [asdict(pair) for dyad in dyads for pair in dyad.comparisons]
-        write_results(paths, result.rows(), options, notes=result.notes, **lags_and_values, values=result.value_rows())
+        _write(result, paths, options)
     return result
+
+
+def _write(result: MeasureResult, paths: tuple[Path, Path], options: MeasureOptions) -> None:
+    """Write the tables, and curves over lags where these were scanned."""
+    more: dict[str, Any] = {}
+    if result.scans:
+        subject = result.title.split(":")[0]
+        draw_lags(_beside(paths[0], "lags"), result.scans, result.step, subject, _unit(options))
+        more["lags"] = result.lag_rows()
+    if result.dyads:
+        more["recordings"] = result.dyad_rows()
+        more["groups"] = [asdict(group) for dyad in result.dyads for group in dyad.groups]
+        more["comparisons"] = [asdict(pair) for dyad in result.dyads for pair in dyad.comparisons]
+    write_results(paths, result.rows(), options, notes=result.notes, **more, values=result.value_rows())
 
 
 def notes_on_tests(named: Sequence[tuple[str, Significance]], asked: str, surrogates: int) -> list[str]:
@@ -408,6 +393,28 @@ def _of_one(options: MeasureOptions) -> TestOptions:
     return replace(options.test(), method="auto") if options.method == "partners" else options.test()
 
 
+def _scans(
+    whole: Steps,
+    coded: Recordings,
+    options: MeasureOptions,
+    stream: np.random.SeedSequence,
+    progress: Callable[[int], object],
+) -> tuple[tuple[str, LagScan], ...]:
+    """Names of the measures that were scanned over lags, and what came out; nothing where no scan is asked for."""
+    if options.scan is None:
+        return ()
+    lags = range(1, delay_in_steps("scan", options.scan, coded.step) + 1)
+    timing, unit, rng = options.timing(coded.step), check_base(options.base), np.random.default_rng(stream)
+    each = _over_recordings(coded, options)
+
+    def scanned(measure: Measure) -> LagScan:
+        if each:
+            return scan_over_dyads(whole, measure, lags, timing, _of_one(options), unit, stream.spawn(1)[0], progress)
+        return scan_steps(whole, measure, lags, timing, options.test(), unit, rng, progress)
+
+    return tuple((measure.name, scanned(measure)) for measure in options.scanned)
+
+
 def _scan_note(scan: LagScan) -> str:
     """Where p over lags comes from."""
     how = " or ".join(WORDS[method] for method in scan.method.split(" or "))
@@ -438,12 +445,18 @@ def _by_recording(
     )
 
 
-def _granger(given: Steps, base: float) -> float:
-    """Linear Granger causality at the lag of ``given``; it knows no histories."""
+def _granger(given: Steps, options: MeasureOptions) -> tuple[float, tuple[str, ...]]:
+    """Linear Granger causality at the lag of ``given``, or NaN; and why there is none where it was not left out by
+    naming measures. It knows no histories."""
+    if options.measures:
+        return float("nan"), ()
     if given.history is not None:
-        raise SeriesError("linear Granger is of one past value of the target; left out")
+        return float("nan"), ("linear Granger is of one past value of the target; left out",)
     condition = None if given.condition is None else given.condition.split()
-    return linear_granger(given.source.split(), given.target.split(), condition, base)
+    try:
+        return linear_granger(given.source.split(), given.target.split(), condition, options.base), ()
+    except SeriesError as error:
+        return float("nan"), (str(error),)
 
 
 def _beside(path: Path, what: str) -> Path:

@@ -17,7 +17,7 @@ from jointattn_mj.io.files import held, write_whole
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import plain, versions
 from jointattn_mj.io.results import without_nan
-from jointattn_mj.options import NotNegative, Real, Seed, Whole
+from jointattn_mj.options import NotNegative, Real, Seed, Whole, warn_renamed
 from jointattn_mj.recordings.agreement import Agreement, AgreementOptions, agreement
 from jointattn_mj.recordings.delays import check_delay, delay_in_steps
 from jointattn_mj.recordings.dyads import LEAST_P
@@ -137,7 +137,7 @@ class RecordingReport:
     """Transfer entropy from the one tier to the other, at the lag. From three recordings on, each has a value too."""
     p_adjusted: Mapping[tuple[str, str], float]
     """By Holm, for all pairs."""
-    found: Mapping[Event, MeasureResult]
+    sac: Mapping[Event, MeasureResult]
     """SAC of events: sensor, action and result, at the lag."""
     p_of_events: Mapping[Event, float]
     """By Holm, for all events."""
@@ -156,6 +156,12 @@ class RecordingReport:
     def __repr__(self) -> str:
         where = "" if self.out is None else f", in {self.out}"
         return f"RecordingReport({len(self.attention.seconds)} recordings, {len(self.pairs)} pairs of tiers{where})"
+
+    @property
+    def found(self) -> Mapping[Event, MeasureResult]:
+        """Old name of ``sac``."""
+        warn_renamed("RecordingReport.found", "sac")
+        return self.sac
 
     def text(self) -> str:
         """The main values, to read on a terminal."""
@@ -180,7 +186,7 @@ class RecordingReport:
         rows = [
             {"sensor": event[0], "action": event[1], "result": event[2],
              **self._tested(result, self.p_of_events[event])}
-            for event, result in self.found.items()
+            for event, result in self.sac.items()
         ]  # fmt: skip
         return sorted(rows, key=lambda row: (-row["effective"], row["sensor"], row["action"], row["result"]))
 
@@ -223,7 +229,7 @@ class RecordingReport:
             "sac": self.events_ranked(),
             "sac_values": [
                 {"event": f"({s}, {a}) -> {r}", **row}
-                for (s, a, r), result in self.found.items()
+                for (s, a, r), result in self.sac.items()
                 for row in result.value_rows()
             ],
             "dyads": [row for pair, result in pairs for row in named(pair, result.dyad_rows())],
@@ -249,7 +255,7 @@ class RecordingReport:
 
     def out_of_reach(self, what: Literal["pair of tiers", "event"]) -> list[str]:
         """Why no pair of tiers, or no event, can be significant: there are too few surrogates for so many of them."""
-        results = (self.pairs if what == "pair of tiers" else self.found).values()
+        results = (self.pairs if what == "pair of tiers" else self.sac).values()
         drawn = [result.measured[0].significance.surrogates for result in results]
         least = [
             LEAST_P if result.dyads and result.dyads[0].groups[0].dyads > 1 else 1 / (1 + surrogates)
@@ -374,7 +380,7 @@ def analyse(
         return run_measure(how, progress, steps, group_of)
 
     pairs = {(source, target): measured(source, target) for source in tiers for target in tiers if source != target}
-    found = {(sensor, action, result): measured(sensor, result, action) for sensor, action, result in asked}
+    sac = {(sensor, action, result): measured(sensor, result, action) for sensor, action, result in asked}
     lag = delay_in_steps("lag", options.lag, options.step)
     sequential = SequentialOptions(lag=lag, surrogates=options.surrogates, seed=options.seed)
     transitions = {pair: lag_table(steps, *pair, sequential) for pair in (options.looks, options.looks[::-1])}
@@ -388,12 +394,12 @@ def analyse(
         agreements = agreement(events, second, None, same)
     named = {
         **{f"{source} -> {target}": result for (source, target), result in pairs.items()},
-        **{f"({sensor}, {action}) -> {result}": tested for (sensor, action, result), tested in found.items()},
+        **{f"({sensor}, {action}) -> {result}": tested for (sensor, action, result), tested in sac.items()},
     }
     left_out = [f"tier {tier!r} is not ranked, as it has the same value in all steps" for tier in still]
     notes = dict.fromkeys([*steps.notes(), *left_out, *_notes(named, options), *_font_notes(events)])
     return RecordingReport(
-        options, events, attention, steps, pairs, _adjusted(pairs), found, _adjusted(found), transitions, agreements,
+        options, events, attention, steps, pairs, _adjusted(pairs), sac, _adjusted(sac), transitions, agreements,
         tuple(notes), over, group_of, options.out,
     )  # fmt: skip
 

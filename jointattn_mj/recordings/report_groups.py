@@ -28,7 +28,7 @@ def compared(report: "RecordingReport") -> tuple[Rows, Rows]:
     groups, comparisons = _joint_attention(report)
     named: list[tuple[str, MeasureResult]] = [
         *((f"transfer entropy: {a} → {b}", result) for (a, b), result in report.pairs.items()),
-        *((f"SAC: ({s}, {a}) → {r}", result) for (s, a, r), result in report.found.items()),
+        *((f"SAC: ({s}, {a}) → {r}", result) for (s, a, r), result in report.sac.items()),
     ]
     for name, result in named:
         for of_dyads in result.dyads[:1]:

@@ -116,7 +116,7 @@ def _figures(report: RecordingReport) -> dict[str, Figure]:
     figures["transitions"] = transition_figure(report.transitions, lag_s, options.alpha)
     pairs = [(f"{row['source']} → {row['target']}", row) for row in report.ranking()]
     figures["ranking"] = ranking_figure(pairs, "transfer entropy", UNIT)
-    if report.found:
+    if report.sac:
         figures["sac"] = ranking_figure([(_event(row), row) for row in report.events_ranked()], "SAC", UNIT)
     scans = [(f"{a} → {b}", scan) for (a, b), result in report.pairs.items() for _, scan in result.scans]
     figures["lags"] = lag_figure(scans, options.step, "transfer entropy", UNIT, options.alpha)
@@ -176,9 +176,9 @@ def _event(row: Mapping[str, Any]) -> str:
 def _carriers(report: RecordingReport, row: Mapping[str, Any]) -> list[str]:
     """The values that carry an event that is significant, in words."""
     event = row["sensor"], row["action"], row["result"]
-    found = report.found[event]
-    kept = carriers(found.measured[0].values, report.options.alpha) if row["significant"] else ()
-    return [value.words(event, found.labels) for value in kept]
+    result = report.sac[event]
+    kept = carriers(result.measured[0].values, report.options.alpha) if row["significant"] else ()
+    return [value.words(event, result.labels) for value in kept]
 
 
 def _groups(report: RecordingReport) -> list[dict[str, Any]]:

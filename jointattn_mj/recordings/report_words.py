@@ -132,7 +132,7 @@ def _results(report: "RecordingReport") -> list[str]:
 
 def _events_words(report: "RecordingReport") -> list[str]:
     """Events by their SAC: how, and what was found."""
-    if not report.found:
+    if not report.sac:
         return []
     values = "; ".join(
         f"({row['sensor']}, {row['action']}) to {row['result']}: {number(row['effective'])} bits "
@@ -141,7 +141,7 @@ def _events_words(report: "RecordingReport") -> list[str]:
     )
     return [
         f"State-action contingency (SAC) is what two tiers together say about the next value of a third, beyond what "
-        f"each says alone, at the same lag and tested likewise; p of {count(len(report.found), 'event')} was corrected "
+        f"each says alone, at the same lag and tested likewise; p of {count(len(report.sac), 'event')} was corrected "
         f"by Holm's method: {values}."
     ]
 

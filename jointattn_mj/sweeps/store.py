@@ -46,6 +46,7 @@ CHOICES_IN_KEYS = {
     "stop_rule": {"convergence": "still", "confidence": "certain"},
     "modelled": {"keep": "block"},
     "history": {"since_creation": "made", "full": "ever"},
+    "looks_at": {"location": "place"},
 }
 """Choices of fields that have been renamed, by field and choice as they are called now; likewise."""
 

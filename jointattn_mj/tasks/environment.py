@@ -354,6 +354,12 @@ class Environment(Closable, control.Environment):  # type: ignore[misc]
         )  # fmt: skip
         self._step_limit = np.ceil(time_limit / control_timestep - 1e-6)  # 3 s of 0.1 s are 30 steps, not 31
 
+    def __repr__(self) -> str:
+        """Task and step of the episode: ``Environment(Follow, step 3 of 30)``."""
+        if self.closed:
+            return f"{type(self).__name__}(closed)"
+        return f"{type(self).__name__}({type(self._task).__name__}, step {self._step_count} of {self.step_limit})"
+
     def reset(self) -> Any:
         """Start the next episode; returns its first time step."""
         self._switch_to(self._task.cast().physics, self._physics.legacy_step)

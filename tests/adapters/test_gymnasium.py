@@ -50,6 +50,13 @@ def test_without_gymnasium_it_asks_for_it_by_name():
     assert "pip install 'jointattn-mj[gym]'" in done.stderr
 
 
+def test_an_environment_says_what_it_is_in_a_line():
+    environment = gymnasium.make(FOLLOW, camera=False).unwrapped
+    assert repr(environment) == "JointAttentionEnv(Environment(Follow, step 0 of 30))"
+    environment.close()
+    assert repr(environment) == "JointAttentionEnv(Environment(closed))"
+
+
 @every_id
 def test_it_is_the_task(name):
     """The same observations and rewards as dm_control's, for the same seed and actions."""

@@ -108,7 +108,7 @@ class TestLog:
     def test_percepts(self, logged):
         path, session, _ = logged
         visible = {}
-        for chunk in columns(path, "world/robot_eye/seen"):
+        for chunk in columns(path, "world/robot_eye/visible"):
             visible |= dict(
                 zip(chunk["frame"], zip(chunk["Boxes2D:centers"], chunk["Boxes2D:labels"], strict=True), strict=True)
             )

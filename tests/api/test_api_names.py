@@ -124,6 +124,7 @@ print(Session.__name__, load.__name__)
 """
 
 
+@pytest.mark.integration
 def test_nothing_is_imported_before_it_is_asked_for():
     done = subprocess.run([sys.executable, "-c", LIGHT], capture_output=True, text=True)
     assert done.stderr == ""

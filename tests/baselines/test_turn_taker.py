@@ -1,8 +1,10 @@
-"""The three-layered network against torch, visual feedback's choice, the gate."""
+"""The three-layered network against its formula and numerical gradients, visual feedback's choice, the gate."""
+
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pytest
-import torch
 
 from jointattn_mj.baselines.turn_taking.agent import FEEDBACK, TurnTaker, TurnTakerConfig, feedback_target
 from jointattn_mj.errors import ConfigError
@@ -15,15 +17,31 @@ def robot(**options) -> TurnTaker:
     return TurnTaker(TurnTakerConfig(**(defaults | options)), INPUTS, np.random.default_rng(0))
 
 
-def tensors(taker: TurnTaker) -> list[torch.Tensor]:
-    return [torch.tensor(array.astype(np.float64), requires_grad=True) for array in taker.network]
+def weights_of(taker: TurnTaker) -> list[np.ndarray]:
+    return [array.astype(np.float64) for array in taker.network]
 
 
-def forward(weights: list[torch.Tensor], face: np.ndarray, heads: np.ndarray, scale: float) -> torch.Tensor:
+def forward(weights: list[np.ndarray], face: np.ndarray, heads: np.ndarray, scale: float) -> np.ndarray:
     face_weights, head_weights, threshold, out, out_threshold = weights
-    drive = face_weights @ torch.tensor(face, dtype=torch.float64) + threshold
-    hidden = torch.tanh(torch.tensor(heads / scale) @ head_weights.T + drive)
+    hidden = np.tanh(heads / scale @ head_weights.T + face_weights @ face.astype(np.float64) + threshold)
     return (hidden @ out.T + out_threshold) * scale
+
+
+def error(weights: list[np.ndarray], face: np.ndarray, heads: np.ndarray, movements: np.ndarray, scale: float) -> float:
+    return float((((forward(weights, face, heads, scale) - movements) / scale) ** 2).sum() / 2)
+
+
+def gradient(weights: list[np.ndarray], value_of: Callable[[], float], step: float = 1e-5) -> list[np.ndarray]:
+    """Of ``value_of()``, by central differences; weights are moved, one after the other, and put back."""
+    gradients = [np.empty_like(array) for array in weights]
+    for array, slopes in zip(weights, gradients, strict=True):
+        for index, value in np.ndenumerate(array):
+            array[index] = value + step
+            above = value_of()
+            array[index] = value - step
+            slopes[index] = (above - value_of()) / (2 * step)
+            array[index] = value
+    return gradients
 
 
 def pairs(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -35,22 +53,21 @@ def pairs(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def test_the_command_is_a_three_layered_networks_output():
     taker = robot()
     face, heads, _ = pairs(1)
-    expected = forward(tensors(taker), face, heads, taker.config.angle_scale_deg).detach().numpy()
+    expected = forward(weights_of(taker), face, heads, taker.config.angle_scale_deg)
     assert [taker.movement(face, head) for head in heads] == pytest.approx(expected, rel=1e-5)
 
 
-def test_learning_is_one_gradient_step_as_torch_takes_it():
+def test_learning_is_one_step_down_the_gradient():
     taker, scale = robot(), 30.0
-    weights = tensors(taker)
-    descent = torch.optim.SGD(weights, lr=taker.config.rate)
+    weights = weights_of(taker)
     for seed in range(5):
         face, heads, movements = pairs(seed)
-        descent.zero_grad()
-        ((forward(weights, face, heads, scale) - torch.tensor(movements)) / scale).square().sum().mul(0.5).backward()
-        descent.step()
+        slopes = gradient(weights, partial(error, weights, face, heads, movements, scale))
+        for array, slope in zip(weights, slopes, strict=True):
+            array -= taker.config.rate * slope
         taker.learn(face, heads, movements)
     for own, expected in zip(taker.network, weights, strict=True):
-        assert own == pytest.approx(expected.detach().numpy(), abs=1e-5)
+        assert own == pytest.approx(expected, abs=1e-5)
 
 
 def test_it_learns_online_where_faces_look():

@@ -283,6 +283,7 @@ class TestGranger:
             c.linear_granger(np.arange(3000), np.arange(3000) % 2)
 
 
+@pytest.mark.integration
 def test_imports_nothing_heavy():
     heavy = ("mujoco", "cv2", "dm_control", "torch", "matplotlib")
     program = (

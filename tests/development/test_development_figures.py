@@ -141,7 +141,7 @@ class TestMaps:
         assert axes.get_yticklabels()[7].get_text() == "object: yes, caregiver's face: at spot 3"
         assert [label.get_text() for label in axes.get_xticklabels()] == ["spot 1", "spot 2", "spot 3", "caregiver"]
 
-    @pytest.mark.parametrize("count", [0, 1, 3, 6])
+    @pytest.mark.parametrize("count", [0, 1, 6])
     def test_many(self, tmp_path, count):
         draw_maps(tmp_path / "maps.png", [map_image({(0, 0): 1})] * count)
         assert cv2.imread(str(tmp_path / "maps.png")) is not None

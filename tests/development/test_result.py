@@ -16,6 +16,7 @@ from jointattn_mj.development.run import Development
 from jointattn_mj.development.summary import DevelopmentSummary
 from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.errors import CheckpointError, ConfigError, OutputError
+from jointattn_mj.options import RenamedWarning
 
 pytestmark = pytest.mark.integration
 
@@ -140,16 +141,19 @@ def test_folders_without_a_result(tmp_path):
         Development("fast", steps=10).run(out=tmp_path / "none", resume=True)
 
 
-def test_tables_of_the_last_version_are_read(result, folder, tmp_path, capsys):
-    """turns.parquet with a column turn."""
+def test_a_folder_of_the_last_version_is_read(result, folder, tmp_path):
+    """turns.parquet with a column turn, and old keys of the summary."""
     result.save(tmp_path / "old")
     for name, old in (("steps.parquet", "turns.parquet"), ("contingency.parquet", "contingency.parquet")):
         table = pq.read_table(folder / name)
         (tmp_path / "old" / name).unlink()
         pq.write_table(table.rename_columns({"step": "turn"}), tmp_path / "old" / old)
-    opened = DevelopmentResult.open(tmp_path / "old")
-    assert opened == result
-    assert "steps.parquet" in capsys.readouterr().err
+    summary = tmp_path / "old" / "summary.json"
+    summary.write_text(summary.read_text().replace("detected_without_a_module", "found_without_a_module"))
+    with pytest.warns(RenamedWarning, match="is now called detected_without_a_module"):
+        opened = DevelopmentResult.open(tmp_path / "old")
+    with pytest.warns(RenamedWarning, match=r"turns\.parquet is now called steps\.parquet"):
+        assert opened == result
 
 
 @pytest.mark.parametrize("module", [runs, results])

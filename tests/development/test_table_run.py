@@ -1,4 +1,4 @@
-"""A life at a table: the log says what happened, and however it is interrupted, it goes on the same."""
+"""A run at a table: the log says what happened, and however it is interrupted, it goes on the same."""
 
 import pickle
 from dataclasses import replace
@@ -19,6 +19,8 @@ from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.development.table.world import CAREGIVER, OPTION, TableConfig, new_table, step, table_variables
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.io import rows
+
+pytestmark = pytest.mark.integration
 
 HASTY = DeveloperConfig(detector=DetectorConfig(threshold=2e-3), most_modules=3)
 """Finds something every few hundred turns."""
@@ -188,7 +190,7 @@ def test_what_is_left_when_no_more_modules_are_made():
     assert set(nothing.log("driver of shift gaze")) == {0}
 
 
-def test_what_is_found_without_a_module_is_found_once():
+def test_what_is_detected_without_a_module_is_found_once():
     run = steps_done(replace(AGENTS["local"], most_modules=1), n_steps=2000)
     assert [detection.module is None for detection in run.detections][:2] == [False, True]
     assert len({detection.event for detection in run.detections}) == len(run.detections)

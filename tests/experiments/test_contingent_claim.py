@@ -57,7 +57,7 @@ def test_distractors_are_never_handled():
 
 
 @pytest.mark.parametrize(
-    ("kind", "options"), [(sweep.Upright, {"looks_away": 0.5}), (sweep.PartlySeen, {"told": "motion"})]
+    ("kind", "options"), [(sweep.Upright, {"looks_away": 0.5}), (sweep.PartlyVisible, {"told": "motion"})]
 )
 def test_conditions_that_contradict_each_other(kind, options):
     with pytest.raises(ConfigError, match=r"handles all|needs perception pixels; got state"):

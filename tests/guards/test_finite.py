@@ -36,6 +36,7 @@ def spoil_physics(session):
     session.world._head_angles[:] = np.nan
 
 
+@pytest.mark.integration
 @pytest.mark.parametrize(
     ("spoil", "words"),
     [(spoil_learner, "learner"), (spoil_map, "som_weights|activations"), (spoil_physics, "unstable|joint")],

@@ -541,7 +541,7 @@ class TestAttacks:
             load(tmp_path / "c", CONFIG)
 
     def test_nests_without_end(self, tmp_path):
-        nests = [["list", [number + 1]] for number in range(10**5)] + [["list"]]
+        nests = [["list", [number + 1]] for number in range(2 * 10**4)] + [["list"]]
         with pytest.raises(CheckpointError, match="Recursion"):
             load(forge(tmp_path / "c", nests), CONFIG)
 

@@ -3,6 +3,7 @@
 import errno
 import os
 import resource
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -35,13 +36,15 @@ def figure() -> Figure:
     return figure
 
 
-@pytest.fixture
+@contextmanager
 def full_disk():
-    """No file can be longer than 1000 bytes."""
+    """No file can be longer than 1000 bytes; nor can a log of the tests, so no longer than needed."""
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
 
 
 def test_a_file_is_replaced_in_one_step(tmp_path):
@@ -59,11 +62,11 @@ def test_a_file_is_replaced_in_one_step(tmp_path):
 
 
 @pytest.mark.parametrize("name", WRITERS)
-def test_full_disk(tmp_path, full_disk, name, capfd):
+def test_full_disk(tmp_path, name, capfd):
     """One named error; the old file is still there, and nothing else."""
     path = tmp_path / name
     path.write_bytes(b"old")
-    with pytest.raises(OutputError, match="free space") as caught:
+    with full_disk(), pytest.raises(OutputError, match="free space") as caught:
         WRITERS[name](path)
     assert str(path) in str(caught.value)
     assert path.read_bytes() == b"old"

@@ -23,6 +23,13 @@ def learned():
     return session.weights()
 
 
+@pytest.fixture(scope="module")
+def session():
+    session = SessionRun(CONFIG)
+    yield session
+    session.close()
+
+
 def test_round_trip(tmp_path, learned):
     write_weights(tmp_path / "w.npz", learned)
     again = read_weights(tmp_path / "w.npz")
@@ -96,14 +103,12 @@ def test_files_that_ask_for_more_than_they_have(tmp_path, content):
         ("learner", np.zeros((82, 21, 12))),
     ],
 )
-def test_a_robot_takes_nothing_that_does_not_fit(learned, name, value):
+def test_a_robot_takes_nothing_that_does_not_fit(session, learned, name, value):
     """And stays as it was."""
-    session = SessionRun(CONFIG)
     before = session.weights()
     with pytest.raises(ConfigError, match="do not fit"):
         session.robot.load(learned | {name: value})
     after = session.weights()
-    session.close()
     for each, array in before.items():
         np.testing.assert_array_equal(after[each], array)
 

@@ -8,9 +8,13 @@ from jointattn_mj.perception.batched_areas import BatchedColourAreas, batched_gr
 from jointattn_mj.perception.objects import ColourAreas
 from jointattn_mj.scene.objects import OBJECTS
 
-torch = pytest.importorskip("torch")
-
 RGB = np.array([thing.rgb for thing in OBJECTS[:6]])
+
+
+@pytest.fixture(scope="module")
+def torch():
+    """Imported when it is needed: it takes a second."""
+    return pytest.importorskip("torch")
 
 
 def images(height, width, seed):
@@ -29,7 +33,7 @@ def images(height, width, seed):
 
 
 @pytest.mark.parametrize(("height", "width"), [(240, 320), (64, 64), (56, 88)])
-def test_same_as_one_by_one(height, width):
+def test_same_as_one_by_one(torch, height, width):
     made, alone = images(height, width, seed=height), ColourAreas(RGB)
     tensor = torch.as_tensor(made)
     found, gray, visible = BatchedColourAreas(RGB).find(tensor), batched_gray(tensor).numpy(), []
@@ -46,7 +50,7 @@ def test_same_as_one_by_one(height, width):
     assert 0.2 < np.mean(visible) < 0.95  # neither all nor none
 
 
-def test_refuses_other_tensors():
+def test_refuses_other_tensors(torch):
     areas = BatchedColourAreas(RGB)
     for wrong in (torch.zeros(2, 240, 320, 3), torch.zeros(2, 60, 80, 3, dtype=torch.uint8)):
         with pytest.raises(ObservationError, match="multiples of 8"):

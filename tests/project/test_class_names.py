@@ -2,20 +2,17 @@
 
 import ast
 from collections import Counter
-from pathlib import Path
 
 import pytest
+from sources import parsed
 
-ROOT = Path(__file__).parents[2]
 NOT_OURS = {"one", "she", "her", "hers", "life", "lives", "mind", "minds", "picture", "pictures"}
 """Words for which there is a plainer one: the noun itself, the caregiver, run, agent, image."""
 
 
 @pytest.fixture(scope="module")
 def nodes() -> list[ast.AST]:
-    folders = [ROOT / name for name in ("jointattn_mj", "experiments", "tools")]
-    paths = [path for folder in folders for path in sorted(folder.rglob("*.py"))]
-    return [node for path in paths for node in ast.walk(ast.parse(path.read_text("utf-8")))]
+    return [node for tree in parsed().values() for node in ast.walk(tree)]
 
 
 def test_no_two_public_classes_have_one_name(nodes):

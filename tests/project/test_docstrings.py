@@ -3,9 +3,9 @@
 import ast
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from sources import ROOT, parsed
+
 FUNCTION = ast.FunctionDef | ast.AsyncFunctionDef
 ELSEWHERE = re.compile(r"\bsee(\s+:\w+:|\s)`|\barguments\b[^.]*\b(of|see)\b", re.IGNORECASE)
 """A docstring that names where the arguments are described, as that of a method of a protocol does."""
@@ -40,12 +40,7 @@ def not_described(function: FUNCTION) -> list[str]:
 
 
 def test_arguments_are_described():
-    files = [
-        path for folder in ("jointattn_mj", "experiments", "tools") for path in sorted((ROOT / folder).rglob("*.py"))
-    ]
-    functions = [
-        (path, function) for path in files for function in public_functions(ast.parse(path.read_text("utf-8")))
-    ]
+    functions = [(path, function) for path, tree in parsed().items() for function in public_functions(tree)]
     assert sum(len(arguments(function)) >= 3 for _, function in functions) > 300
     assert [
         f"{path.relative_to(ROOT)}: {function.name} does not say what {', '.join(missing)} is"

@@ -3,9 +3,9 @@
 import ast
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from sources import ROOT, parsed
+
 PACKAGE = ROOT / "jointattn_mj"
 ROW = re.compile(r"^\| (`[^|]+`[^|]*) \|", re.MULTILINE)
 FORMER_NAMES = ("contingency", "jointattn_mj.recordings.reader")
@@ -33,9 +33,11 @@ def modules_named(tree: ast.AST) -> Iterator[str]:
 def upwards() -> list[str]:
     """Every import that does not run down, but those within a folder."""
     row, found = layers(), []
-    for path in sorted(PACKAGE.rglob("*.py")):
+    for path, tree in parsed().items():
+        if PACKAGE not in path.parents:
+            continue
         own = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
-        for module in modules_named(ast.parse(path.read_text("utf-8"))) if own != "__init__" else ():
+        for module in modules_named(tree) if own != "__init__" else ():
             other = module.split(".")[1]
             if other not in (own, "__version__") and row[other] <= row[own] and (own, module) != FORMER_NAMES:
                 found.append(f"{path.relative_to(ROOT)} names {module}")

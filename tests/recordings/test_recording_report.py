@@ -20,6 +20,8 @@ from jointattn_mj.recordings.joint_attention import JointAttentionRules, joint_a
 from jointattn_mj.recordings.report import ReportOptions, run_report
 from jointattn_mj.recordings.report_figures import code_colours, timeline
 
+pytestmark = pytest.mark.integration
+
 FEW = {"surrogates": 60, "resamples": 20, "step": 0.5, "lag": "0.5s", "scan": "2s"}
 
 
@@ -143,6 +145,8 @@ def test_events_are_ranked_by_sac(report, codings):
     (row,) = [row for row in (first, second) if row["result"] == "shared attention"]
     assert row["effective"] == alone.dyads[0].groups[0].mean
     assert sum(value["contribution"] for value in report.tables()["sac_values"]) > 0
+    with pytest.warns(FutureWarning, match="found is now called sac"):
+        assert report.found is report.sac
 
 
 def test_tables_lie_beside_it(report, codings):

@@ -47,6 +47,7 @@ with deferred() as interrupts, Reel(Path(sys.argv[1]), 48, 64, 30) as reel:
 """
 
 
+@pytest.mark.integration
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
 def test_signals_to_all_leave_every_image(tmp_path, name):
     """A terminal sends Ctrl-C to ffmpeg as well, which would finish its file at once."""

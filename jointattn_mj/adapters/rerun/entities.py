@@ -4,7 +4,7 @@
 |---|---|
 | `world/<body>` | pose and shapes of a body; world frame, metres |
 | `world/robot_eye`, `.../image` | pose of the robot's camera, and its images |
-| `world/robot_eye/seen` | boxes around detected candidates |
+| `world/robot_eye/visible` | boxes around detected candidates |
 | `world/robot_eye/flow` | optical flow of textured blocks, enlarged |
 | `world/robot_eye/goal` | goal of the gaze shift, and the learner's guess |
 | `world/gaze/robot`, `world/gaze/person` | lines of sight of robot and caregiver, green on the same object |
@@ -25,7 +25,7 @@ from jointattn_mj.scene.caregiver import FRAME_S
 
 WORLD = "world"
 EYE = f"{WORLD}/robot_eye"
-IMAGE, VISIBLE, FLOW, GOAL = (f"{EYE}/{name}" for name in ("image", "seen", "flow", "goal"))
+IMAGE, VISIBLE, FLOW, GOAL = (f"{EYE}/{name}" for name in ("image", "visible", "flow", "goal"))
 ROBOTS_GAZE, PERSONS_GAZE = f"{WORLD}/gaze/robot", f"{WORLD}/gaze/person"
 INTEREST, FACES, ACTIVATIONS = "agent/interest", "agent/faces", "agent/activations"
 DECIDES = "agent/decides"

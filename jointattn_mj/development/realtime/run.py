@@ -174,7 +174,7 @@ class RealtimeRun(ObservedRun):
         return {
             "caregiver": self.world.config.scene.caregiver,
             "minutes": self.minutes,
-            "minutes_when_found": [self.minutes_at(detection.step) for detection in self.detections],
+            "minutes_when_detected": [self.minutes_at(detection.step) for detection in self.detections],
             **super().more(),
         }
 

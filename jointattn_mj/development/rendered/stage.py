@@ -5,7 +5,7 @@ caregiver's head and eyes, the objects, and the robot's head and hand are moved 
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -34,9 +34,11 @@ class StageConfig(Checked):
     Heads turn most of the way to what is looked at, but never the same part of it."""
     motor_noise_deg: Annotated[float, Real("[0, 15]")] = 0.5
     """Standard deviation, pan and tilt, of where the robot's head comes to rest, degrees."""
-    looks_at: Literal["place", "object"] = "place"
-    """What the caregiver's eyes rest on when an object lies at the spot. ``place``: the middle of the spot, so that the
-    jitter of objects is one more imprecision. ``object``: the object, wherever it lies; for large jitter."""
+    looks_at: Literal["location", "object"] = "location"
+    """What the caregiver's eyes rest on when an object lies at the spot. ``location``: the middle of the spot, so that
+    the jitter of objects is one more imprecision. ``object``: the object, wherever it lies; for large jitter."""
+
+    OLD_CHOICES: ClassVar = {"looks_at": {"place": "location"}}
 
 
 class Stage:

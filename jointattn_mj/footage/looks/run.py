@@ -37,7 +37,7 @@ def leave_looks(
         SeriesError: ``known`` has a code that is no candidate.
     """
     config, start_s = viewing.config.coding, viewing.footage.start_s
-    observed, frames = looks_seen(log, viewing, som), log.frames()
+    observed, frames = observed_looks(log, viewing, som), log.frames()
     times = start_s + frames / RATE
     labels = None if known is None else known.at(times, (*observed.names, AWAY))
     coded = code_looks(observed, config, labels)
@@ -45,7 +45,7 @@ def leave_looks(
     return coded.summary(config), looks_spans(coded, frames, viewing.frames)
 
 
-def looks_seen(log: LooksLog, viewing: Viewing, som: SOM | None) -> ObservedLooks:
+def observed_looks(log: LooksLog, viewing: Viewing, som: SOM | None) -> ObservedLooks:
     """What was seen so far.
 
     Args:

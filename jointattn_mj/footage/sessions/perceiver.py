@@ -74,7 +74,7 @@ class WidePerception(FootagePerception):
         self.people = People(config.people, RATE, config.face_follow) if people else None
         self.shots = Shots(config.shots)
         self.interest = FaceOfInterest(FaceRule.parsed(config.face))
-        self.seen: list[Sighting] = []
+        self.visible_faces: list[Sighting] = []
         self.chosen: Sighting | None = None
         self.fresh_frames = 0
         self.latency = Latency()
@@ -84,7 +84,7 @@ class WidePerception(FootagePerception):
 
     def __getstate__(self) -> dict[str, Any]:
         """All but the faces of the last frame."""
-        return {**vars(self), "seen": [], "chosen": None}
+        return {**vars(self), "visible_faces": [], "chosen": None}
 
     def perceive(self, observation: Observation, landed: bool) -> Percept:
         """The percept of this frame; see ``perception.percept.Perceiver``."""
@@ -101,8 +101,8 @@ class WidePerception(FootagePerception):
             self.fresh_frames += 1
             cut = self.shots.see(wide_frame.image) or wide_frame.cut
             if self.people is not None:
-                self.seen = self.people.see(wide_frame.image, self._world.frames, cut)
-                self.chosen = self.interest.choose(self.seen, cut)
+                self.visible_faces = self.people.see(wide_frame.image, self._world.frames, cut)
+                self.chosen = self.interest.choose(self.visible_faces, cut)
         self.areas.show_faces(self._boxes(wide_frame.image, head), cut, self.shots.shifted)
         self._number, self._head = wide_frame.number, head
         percept = super().perceive(observation, landed or cut or self.shots.camera_moves)
@@ -122,7 +122,7 @@ class WidePerception(FootagePerception):
         boxes = []
         if self.chosen is None:
             self.faces.show(None, wide_image, HeadView(lens, head, np.zeros(2)))
-        for sighting in sorted(self.seen, key=lambda sighting: sighting is not self.chosen):
+        for sighting in sorted(self.visible_faces, key=lambda sighting: sighting is not self.chosen):
             view = HeadView(lens, head, sighting.centre - 0.5)
             if sighting is self.chosen:
                 self.faces.show(sighting, wide_image, view)
