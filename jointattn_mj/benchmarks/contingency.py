@@ -17,8 +17,9 @@ import numpy as np
 
 from jointattn_mj.benchmarks.figures import Figures
 from jointattn_mj.contingency.measures import transfer_entropy
-from jointattn_mj.contingency.online.counts import Counts, add, empty_counts
-from jointattn_mj.contingency.online.detector import DetectorConfig, Watch, new_watch, update
+from jointattn_mj.contingency.online.blocks import LONGEST, Block, new_block, patience, put, take_in
+from jointattn_mj.contingency.online.counts import Counts, empty_counts
+from jointattn_mj.contingency.online.detector import DetectorConfig, Watch, new_watch
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.development.table.presets import PRESETS, Preset
 from jointattn_mj.development.table.run import TableRun
@@ -134,20 +135,28 @@ class _Detecting:
             self.variables = self.variables.with_module(f"module {number + 1}")
         events, random = list(self.variables.events()), np.random.default_rng(0)
         self.counts, self.watch = empty_counts(self.variables, events), new_watch(DetectorConfig(), len(events))
+        groups = self.variables.sensors, self.variables.actions, self.variables.results
+        sensors, actions, results = map(len, groups)
+        self.block = new_block(sensors, actions, results, len(self.counts.n))
         self.series = tuple(
             np.column_stack([random.integers(0, len(variable.values), TRANSITIONS + 1) for variable in group])
-            for group in (self.variables.sensors, self.variables.actions, self.variables.results)
+            for group in groups
         )
 
     def run(self) -> None:
-        _detect(self.watch, self.counts, *self.series)
+        _detect(self.watch, self.counts, self.block, *self.series)
 
 
-@njit(cache=True)
-def _detect(watch: Watch, counts: Counts, s: np.ndarray, a: np.ndarray, r: np.ndarray) -> None:
-    for t in range(len(s) - 1):
-        add(counts, s[t], a[t], r[t], r[t + 1], 1, len(counts.layout))
-        update(watch, counts)
+@njit(cache=True, borrows=True)
+def _detect(watch: Watch, counts: Counts, block: Block, s: np.ndarray, a: np.ndarray, r: np.ndarray) -> None:
+    """Count and rank as a run does: as many transitions at once as the stop rule lets."""
+    t, last = 0, len(s) - 1
+    while t < last:
+        n = min(patience(watch), LONGEST, last - t)
+        for i in range(n):
+            put(block, i, s[t + i], a[t + i], r[t + i], r[t + i + 1])
+        take_in(watch, counts, block, n)
+        t += n
 
 
 class Recomputing:

@@ -227,9 +227,13 @@ def _plain(given: Sequence[Any]) -> list[int] | None:
 
 
 def _as_codes(array: np.ndarray) -> np.ndarray:
-    """Codes as int32 where they were that or less, otherwise int64; those in uint64 are known to be small enough."""
+    """Codes as int32 where they are that or less, otherwise int64; those in uint64 are known to be small enough."""
+    if array.dtype in _UNSIGNED and array.flags.c_contiguous:
+        return array
     if array.dtype == np.uint64:
         return np.ascontiguousarray(array).view(np.int64)
+    if array.dtype == np.uint32 and array.max() < 2**31:
+        return np.ascontiguousarray(array).view(np.int32)
     return np.ascontiguousarray(array, np.int32 if np.can_cast(array.dtype, np.int32) else np.int64)
 
 

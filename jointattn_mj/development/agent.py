@@ -146,14 +146,14 @@ FADED = 1e9
 """Memory fading: when the weight exceeds this, it becomes 1 again and all counts are divided by it."""
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def _copy(values: np.ndarray, to: np.ndarray) -> None:
     """Copy into the first elements of ``to``."""
     for i in range(len(values)):
         to[i] = values[i]
 
 
-@njit(cache=True)
+@njit(cache=True, borrows=True)
 def _remember_for_a_while(state: AgentState, r_next: np.ndarray) -> None:
     """Count the last transition, and let older ones fade or take the oldest out."""
     counts, past = state.counts, state.past
@@ -176,7 +176,7 @@ def _remember_for_a_while(state: AgentState, r_next: np.ndarray) -> None:
     past.contexts[slot] = contexts
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def think(state: AgentState, s: np.ndarray, r: np.ndarray) -> int:
     """A step: count the last transition, look for a contingent event, then choose ``state.a``.
 
@@ -188,13 +188,36 @@ def think(state: AgentState, s: np.ndarray, r: np.ndarray) -> int:
     Returns:
         Number of the event that was just found to be contingent, or NOTHING.
     """
-    event = NOTHING
-    if state.n_steps[0] > 0 and state.counting:
-        if state.forgets:
-            _remember_for_a_while(state, r)
-        else:
-            add(state.counts, state.s, state.a, state.r, r, 1, len(state.counts.layout))
-        event = update(state.watch, state.counts)
+    event = count(state, r)
+    choose(state, s, r)
+    return event
+
+
+@njit(cache=True, borrows=True)
+def count(state: AgentState, r: np.ndarray) -> int:
+    """Count the last transition, which led to the results ``r`` (results,), and look for a contingent event.
+
+    Returns:
+        Number of the event that was just found to be contingent, or NOTHING.
+    """
+    if state.n_steps[0] == 0 or not state.counting:
+        return NOTHING
+    if state.forgets:
+        _remember_for_a_while(state, r)
+    else:
+        add(state.counts, state.s, state.a, state.r, r, 1, len(state.counts.layout))
+    return update(state.watch, state.counts)
+
+
+@njit(cache=True, borrows=True, forceinline=True)
+def choose(state: AgentState, s: np.ndarray, r: np.ndarray) -> None:
+    """A step without what ``think`` counts: take the observations over, and choose ``state.a``.
+
+    Args:
+        state: Changed in place.
+        s: (sensors,) observed values of the world's sensors, without S_Pi.
+        r: (results,) observed values.
+    """
     state.n_steps[0] += 1
     _copy(s, state.s)
     _copy(state.a[len(state.driver) :], state.s[len(s) :])
@@ -202,7 +225,6 @@ def think(state: AgentState, s: np.ndarray, r: np.ndarray) -> int:
     select(state.maps, state.s, state.r, state.random, state.strength, state.a, state.driver)
     if state.keeping:
         keep(state.experience, state.n_steps[0] - 1, state.s, state.a, state.r)
-    return event
 
 
 class Developer:

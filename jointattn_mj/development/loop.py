@@ -234,7 +234,7 @@ class DevelopmentRun(ABC):
         return min(last, pause) if pause else last
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def think_and_note(
     agent: AgentState,
     s: np.ndarray,
@@ -247,9 +247,8 @@ def think_and_note(
 ) -> tuple[int, int]:
     """A step of the agent, and its row of the log.
 
-    Compiled into the loop of ``table.run``: 1.7 to 1.9 microseconds a step with the table; 2.1 to 2.3 if its parts were
-    not inlined (``forceinline``). Called from Python it takes 50, nearly all of them to hand over the arrays of the
-    state. A step with an image takes 1500 to 2000.
+    Called from Python it takes 50 microseconds, nearly all of them to hand over the arrays of the state. A step with an
+    image takes 1500 to 2000.
 
     Args:
         agent: State of the agent, changed in place.
@@ -265,8 +264,23 @@ def think_and_note(
         Number of the event that was found, or NOTHING; and the column in which the row goes on.
     """
     event = think(agent, s, r)
+    column = note(agent, s, r, log[t - first])
+    if (t + 1) % every == 0:
+        sample(agent, samples[(t + 1) // every - 1 - first // every])
+    return event, column
+
+
+@njit(cache=True, borrows=True, forceinline=True)
+def note(agent: AgentState, s: np.ndarray, r: np.ndarray, row: np.ndarray) -> int:
+    """Write a step's row of the log; returns the column in which it goes on.
+
+    Args:
+        agent: State of the agent.
+        s: (sensors,) values of the world's sensors.
+        r: (results,) values of the results.
+        row: (columns,) is written.
+    """
     joints, location = len(agent.driver), 0
-    row = log[t - first]
     for values in (s, r):
         for value in values:
             row[location] = value
@@ -274,8 +288,11 @@ def think_and_note(
     for joint in range(joints):
         row[location + joint] = agent.a[joint]
         row[location + joints + joint] = agent.driver[joint]
-    if (t + 1) % every == 0:
-        note = samples[(t + 1) // every - 1 - first // every]
-        for number in range(len(agent.watch.values)):
-            note[number] = agent.watch.values[number]
-    return event, location + 2 * joints
+    return location + 2 * joints
+
+
+@njit(cache=True, borrows=True, forceinline=True)
+def sample(agent: AgentState, row: np.ndarray) -> None:
+    """Write every event's contingency into a row (events,)."""
+    for number in range(len(agent.watch.values)):
+        row[number] = agent.watch.values[number]

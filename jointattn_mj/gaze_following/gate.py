@@ -135,6 +135,6 @@ class HeadShift:
         return self.frame >= len(self._progress)
 
     def _reference(self, frame: int) -> np.ndarray:
-        part = (self._progress[frame] - self._offset) / (1 - self._offset)
-        reference: np.ndarray = self._start + part * (self._end - self._start)
-        return reference
+        part = (float(self._progress[frame]) - self._offset) / (1 - self._offset)
+        (from_pan, from_tilt), (to_pan, to_tilt) = self._start.tolist(), self._end.tolist()
+        return np.array([from_pan + part * (to_pan - from_pan), from_tilt + part * (to_tilt - from_tilt)])

@@ -94,8 +94,8 @@ class StatePerception:
             observation: Only the head's angles are read, rad.
             landed: Whether the head has just come to rest; then no motion is detected, as with images.
         """
-        head = observation.head_angles
-        pan, tilt = radians(degrees(head[0])), radians(degrees(head[1]))
+        pan, tilt = observation.head_angles.tolist()
+        pan, tilt = radians(degrees(pan)), radians(degrees(tilt))
         self._rng.random(out=self._draws)
         self._rng.standard_normal(out=self._noise)
         moving = self._world.moving(self.config.face_moves_above_deg_s, self.config.object_moves_above_m_s)

@@ -39,7 +39,7 @@ HEAD_STILL_DEG_S = 0.5
 
 UNSTABLE = tuple(getattr(mujoco.mjtWarning, f"mjWARN_BAD{name}") for name in ("QPOS", "QVEL", "QACC", "CTRL"))
 """MuJoCo's warnings of NaN and huge numbers."""
-_HEAD_STILL = np.radians(HEAD_STILL_DEG_S)
+_HEAD_STILL = radians(HEAD_STILL_DEG_S)
 
 
 @dataclass(frozen=True)
@@ -272,7 +272,7 @@ class World(Closable):
 
     def head_moves(self) -> bool:
         """Whether the robot's head turns, so that flow in the image is its own."""
-        pan, tilt = self._head_speeds
+        pan, tilt = self._head_speeds.tolist()
         moves: bool = max(abs(pan), abs(tilt)) > _HEAD_STILL
         return moves
 

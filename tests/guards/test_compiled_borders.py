@@ -74,6 +74,7 @@ def codes() -> Iterator[Case]:
 
 def agents() -> Iterator[Case]:
     """Counts, detector, selector and agents, transition by transition."""
+    from jointattn_mj.contingency.online.blocks import LONGEST, new_block, take_in
     from jointattn_mj.contingency.online.counts import add, divide, empty_counts, local_variance, set_joint_table
     from jointattn_mj.contingency.online.detector import DetectorConfig, new_watch, update
     from jointattn_mj.contingency.online.events import Variable, Variables
@@ -117,6 +118,13 @@ def agents() -> Iterator[Case]:
     }.items():  # fmt: skip
         yield f"joint table {name}", lambda t=table: set_joint_table(counts, 0, t)
     yield "update with another number of events", lambda: update(new_watch(DetectorConfig(), len(events) + 3), counts)
+    watch, block = new_watch(DetectorConfig(), len(events)), new_block(2, 1, 2, len(counts.n))
+    for n in (0, LONGEST + 1):
+        yield f"a block of {n}", lambda n=n: take_in(watch, counts, block, n)
+    yield "a block of another world", lambda: take_in(watch, counts, new_block(2, 1, 2, 1), 1)
+    high = new_block(2, 1, 2, len(counts.n))
+    high.s[0] = 200
+    yield "a block with a high value", lambda: take_in(watch, counts, high, 1)
     maps = flat_maps(world, [], [RandomModule("a0").table(world)], SelectorConfig())
     working = {"strength": np.zeros(1), "a": np.zeros(1, np.int64), "driver": np.zeros(1, np.int64)}
 

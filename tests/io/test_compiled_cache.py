@@ -115,3 +115,27 @@ def test_stored_functions_need_little_of_numba(toy):
     end = ["expected 0 or more; got -1", "20.0"]
     assert said(toy, ask).splitlines() == ["[0.0, 2.0, 4.0, 6.0, 8.0] True", *end]
     assert said(toy, ask).splitlines() == ["[0.0, 2.0, 4.0, 6.0, 8.0] False", *end]
+
+
+def test_a_function_that_borrows(toy):
+    """Both of its forms are stored; Python calls the one that lets go of a generator."""
+    text = """
+import numpy as np
+from toy.compiled import njit
+
+@njit(cache=True, borrows=True)
+def drawn(random):
+    return random.random()
+
+@njit(cache=True)
+def twice(random):
+    return drawn(random) + drawn(random)
+"""
+    (toy / "outer.py").write_text(text)
+    ask = (
+        "import sys, numpy as np; from toy.outer import drawn, twice; random = np.random.default_rng(0); "
+        "drawn(random); before = sys.getrefcount(random); print(drawn(random) < 1, twice(random) < 2, "
+        "sys.getrefcount(random) - before, sum(drawn._counted.stats.cache_hits.values()))"
+    )
+    assert [said(toy, ask) for _ in range(2)] == ["True True 0 0", "True True 0 1"]
+    assert len(list((toy / "__pycache__").glob("outer.drawn*.nbi"))) == 2

@@ -162,26 +162,26 @@ def set_joint_table(counts: Counts, event: int, table: np.ndarray) -> None:
         counts.n[number] = visible.sum()
 
 
-@njit(cache=True)
+@njit(cache=True, borrows=True)
 def _series(count: float) -> float:
     """(c+1) ln(c+1) - c ln c of a whole count c beyond the list, exact to the last digits."""
     series: float = np.log(count) + 1.0 + (0.5 - (1.0 / 6.0 - 1.0 / (12.0 * count)) / count) / count
     return series
 
 
-@njit(cache=True)
-def _one_more(count: float, gains: np.ndarray) -> float:
+@njit(cache=True, borrows=True)
+def one_more(count: float, gains: np.ndarray) -> float:
     """(c+1) ln(c+1) - c ln c of a whole count c."""
     return gains[np.uint64(np.int64(count))] if count < LISTED else _series(count)
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def _c_ln_c(count: float) -> float:
     value: float = count * np.log(count) if count > 0.0 else 0.0
     return value
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def _location(layout: np.ndarray, context: int, r: int, s: int, a: int) -> np.uint64:
     """Where in ``entries`` the row of (r, v) begins. Unsigned: no test for negative ones."""
     location = np.uint64(layout[context, OFFSET])
@@ -191,9 +191,23 @@ def _location(layout: np.ndarray, context: int, r: int, s: int, a: int) -> np.ui
     return location
 
 
-def _check_add(
+def check_add(
     counts: Counts, s: np.ndarray, a: np.ndarray, r: np.ndarray, r_next: np.ndarray, weight: float, contexts: int
 ) -> None:
+    """Refuse what ``add`` cannot count.
+
+    Args:
+        counts: Tables.
+        s: Of ``add``, as the others.
+        a: Likewise.
+        r: Likewise.
+        r_next: Likewise.
+        weight: Likewise.
+        contexts: Likewise.
+
+    Raises:
+        ObservationError: Compiled code would count it elsewhere.
+    """
     if not 0 <= contexts <= len(counts.layout):
         raise ObservationError(f"there are {len(counts.layout)} contexts; got {contexts}")
     of = counts.layout[: int(contexts)].astype(np.int64).T
@@ -220,8 +234,8 @@ def _check_add(
             raise ObservationError("a transition that was never counted cannot be taken out again")
 
 
-@checked_by(_check_add)
-@njit(cache=True, forceinline=True)
+@checked_by(check_add)
+@njit(cache=True, borrows=True, forceinline=True)
 def add(
     counts: Counts, s: np.ndarray, a: np.ndarray, r: np.ndarray, r_next: np.ndarray, weight: float, contexts: int
 ) -> None:
@@ -250,7 +264,7 @@ def add(
             if less < LISTED and row_less < LISTED:
                 gain = gains[np.uint64(np.int64(less))] - gains[np.uint64(np.int64(row_less))]
             else:
-                gain = _one_more(less, gains) - _one_more(row_less, gains)
+                gain = one_more(less, gains) - one_more(row_less, gains)
             sums[c] += weight * gain
         else:
             sums[c] += (_c_ln_c(after) - _c_ln_c(before)) - (_c_ln_c(row_after) - _c_ln_c(row_before))
@@ -267,7 +281,7 @@ def _check_divide(counts: Counts, weight: float) -> None:
 
 
 @checked_by(_check_divide)
-@njit(cache=True)
+@njit(cache=True, borrows=True)
 def divide(counts: Counts, weight: float) -> None:
     """Divide all counts by ``weight``; the measures stay, since its logarithms cancel in each difference."""
     for location in range(len(counts.entries)):
@@ -283,7 +297,7 @@ def _check_event(counts: Counts, event: int, single: int) -> None:
 
 
 @checked_by(_check_event)
-@njit(cache=True)
+@njit(cache=True, borrows=True)
 def local_variance(counts: Counts, event: int, single: int) -> float:
     """Variance of the measure's value from transition to transition, nats squared: n times that of the estimate.
 
@@ -319,7 +333,7 @@ def local_variance(counts: Counts, event: int, single: int) -> float:
     return variance
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def _share(counts: Counts, context: int, r: int, s: int, a: int, r_next: int) -> float:
     """p(r' | r, v); 0 where it never occurred."""
     row, entries = _location(counts.layout, context, r, s, a), counts.entries

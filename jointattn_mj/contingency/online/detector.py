@@ -166,7 +166,7 @@ def grown(watch: Watch, events: int, event: int, anew: bool) -> Watch:
     )
 
 
-@njit(cache=True)
+@njit(cache=True, borrows=True)
 def _squared_error(counts: Counts, event: int, single: int) -> float:
     """Squared standard error of the estimate of ``event``, nats squared; 0 without a transition."""
     n = counts.n[counts.of_event[event, OWN]]
@@ -174,7 +174,7 @@ def _squared_error(counts: Counts, event: int, single: int) -> float:
     return square
 
 
-@njit(cache=True)
+@njit(cache=True, borrows=True)
 def _is_confident(watch: Watch, counts: Counts) -> bool:
     """Stop rule confidence: whether the first estimate is precise enough and no other can be much higher."""
     rule, values, first = watch.rule, watch.values, watch.first[0]
@@ -190,6 +190,44 @@ def _is_confident(watch: Watch, counts: Counts) -> bool:
     return True
 
 
+@njit(cache=True, borrows=True, forceinline=True)
+def judge(watch: Watch, counts: Counts, first: int, highest: float, second: float, change: float) -> int:
+    """Test the stop rule after a transition.
+
+    Args:
+        watch: State of the detector, its estimates included; the rest is changed in place.
+        counts: Counts of its events.
+        first: Event with the highest estimate, or NOTHING.
+        highest: Its estimate.
+        second: The next highest.
+        change: Largest change of an estimate by the transition.
+
+    Returns:
+        Number of the event that has just been found, or NOTHING.
+    """
+    rule = watch.rule
+    gap = highest - second if len(watch.values) > 1 else highest
+    if rule.gap:
+        change = abs(gap - watch.gap[0])
+    watch.gap[0] = gap
+    watch.first[1] = watch.first[1] + 1 if first == watch.first[0] and change < rule.threshold else 0
+    watch.first[0] = first
+    watch.time[0] += 1
+    waiting = (
+        watch.time[0] <= watch.time[1]
+        if rule.confidence
+        else watch.time[0] <= rule.warm_up or watch.first[1] < rule.hold
+    )
+    if waiting:
+        return NOTHING
+    if rule.confidence:
+        watch.time[1] = np.int64(watch.time[0] * (1.0 + rule.look_again))
+    if watch.modelled[first] or highest <= 0.0 or (rule.confidence and not _is_confident(watch, counts)):
+        return NOTHING
+    watch.first[1] = 0
+    return first
+
+
 def _check_update(watch: Watch, counts: Counts) -> None:
     if not len(watch.values) == len(watch.modelled) == len(counts.of_event):
         raise ObservationError(
@@ -198,7 +236,7 @@ def _check_update(watch: Watch, counts: Counts) -> None:
 
 
 @checked_by(_check_update)
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def update(watch: Watch, counts: Counts) -> int:
     """Estimate all measures after a transition, and test the stop rule.
 
@@ -233,23 +271,4 @@ def update(watch: Watch, counts: Counts) -> int:
             first, highest, second = np.int64(e), value, highest  # type: ignore[assignment]  # signed again
         elif value > second:
             second = value
-    gap = highest - second if len(values) > 1 else highest
-    if rule.gap:
-        change = abs(gap - watch.gap[0])
-    watch.gap[0] = gap
-    watch.first[1] = watch.first[1] + 1 if first == watch.first[0] and change < rule.threshold else 0
-    watch.first[0] = first
-    watch.time[0] += 1
-    waiting = (
-        watch.time[0] <= watch.time[1]
-        if rule.confidence
-        else watch.time[0] <= rule.warm_up or watch.first[1] < rule.hold
-    )
-    if waiting:
-        return NOTHING
-    if rule.confidence:
-        watch.time[1] = np.int64(watch.time[0] * (1.0 + rule.look_again))
-    if watch.modelled[first] or highest <= 0.0 or (rule.confidence and not _is_confident(watch, counts)):
-        return NOTHING
-    watch.first[1] = 0
-    return first
+    return judge(watch, counts, first, highest, second, change)

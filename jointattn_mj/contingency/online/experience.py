@@ -80,7 +80,7 @@ def roomier(experience: Experience, rows: int, sensors: int, actions: int) -> Ex
     return more
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def keep(experience: Experience, row: int, s: np.ndarray, a: np.ndarray, r: np.ndarray) -> None:
     """Write a step into its row.
 

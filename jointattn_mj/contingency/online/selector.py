@@ -133,7 +133,7 @@ def _fitting(table: ReactiveTable, variables: Variables) -> ReactiveTable:
     return table
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def _offer(maps: Maps, m: int, s: np.ndarray, r: np.ndarray) -> int:
     """Command of module ``m`` under ``s`` and ``r``, or OFFERS_NOTHING; a switching module offers another's."""
     while True:
@@ -169,7 +169,7 @@ def _check_select(
 
 
 @checked_by(_check_select)
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def select(
     maps: Maps,
     s: np.ndarray,

@@ -63,7 +63,7 @@ def rules(config: TableCaregiverConfig) -> Rules:
     )
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def _count(spots: np.ndarray) -> int:
     count = 0
     for spot in range(len(spots)):
@@ -71,7 +71,7 @@ def _count(spots: np.ndarray) -> int:
     return count
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def _some(allowed: np.ndarray, random: np.random.Generator) -> int:
     """A random one of the allowed spots, or NOWHERE."""
     count = _count(allowed)
@@ -107,7 +107,7 @@ def _check_shift(
 
 
 @checked_by(_check_shift)
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def shift_gaze(
     rules: Rules,
     full: np.ndarray,

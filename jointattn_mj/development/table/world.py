@@ -175,14 +175,14 @@ def check_table(table: TableState, config: TableConfig) -> None:
         raise ValueError("rules of the table are others than its config's")
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def _shuffle_first(items: np.ndarray, count: int, random: np.random.Generator) -> None:
     for i in range(count):
         other = i + int(random.random() * (len(items) - i))
         items[i], items[other] = items[other], items[i]
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def place_objects(table: TableState) -> None:
     """Put the objects on random spots."""
     objects, kinds = table.layout[OBJECTS], table.layout[KINDS]
@@ -196,7 +196,7 @@ def place_objects(table: TableState) -> None:
         table.kind[table.order[number]] = table.kinds[number] if kinds > 1 else 0
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def _write_results(table: TableState, r: np.ndarray) -> None:
     state, face = table.state, len(table.full)
     at_face = state[ROBOT] == face
@@ -207,7 +207,7 @@ def _write_results(table: TableState, r: np.ndarray) -> None:
     r[len(r) - 1] = not at_face and table.full[state[ROBOT]]
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def _mistake(table: TableState, s: np.ndarray, r: np.ndarray) -> None:
     """Let the robot see something else than what is there, as often as configured."""
     face, random = len(table.full), table.observation_random
@@ -237,7 +237,7 @@ def _check_step(table: Any, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None
 
 
 @checked_by(_check_step)
-@njit(cache=True, forceinline=True)
+@njit(cache=True, borrows=True, forceinline=True)
 def step(table: TableState, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
     """Let the robot act and the caregiver answer, in the configured order.
 
