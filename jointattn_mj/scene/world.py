@@ -153,7 +153,8 @@ class World(Closable):
             config.scene != self.config.scene or replace(conditions, sensor=AS_USUAL.sensor) != AS_USUAL
         ):
             raise ConfigError(
-                "`world.renderer` warp draws the scene as it was compiled; looks, surfaces and light that change need opengl"
+                "`world.renderer` warp draws the scene as it was compiled; looks, surfaces and light that change need "
+                "opengl"
             )
         if config is not self.config or conditions != AS_USUAL:
             self._wardrobe = self._wardrobe or Wardrobe(self.model)

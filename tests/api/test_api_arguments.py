@@ -25,7 +25,10 @@ def claim(**options):
 
 
 WRONG = [
-    (lambda: claim(backend="daks"), r"backend: expected one of loky, gpu, dask; got 'daks' \(perhaps you meant 'dask'\)"),
+    (
+        lambda: claim(backend="daks"),
+        r"backend: expected one of loky, gpu, dask; got 'daks' \(perhaps you meant 'dask'\)",
+    ),
     (lambda: claim(jobs="two"), r"jobs: expected a whole number in \[0, 10000\]; got 'two'"),
     (lambda: claim(jobs=1.5), "jobs: expected a whole number.*; got 1.5"),
     (lambda: claim(registry=3), "registry: expected a Registry.*; got 3"),
