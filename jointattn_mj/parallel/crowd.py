@@ -63,6 +63,7 @@ class Crowd:
         self._futures: dict[int, tuple[Future[Any], Connection]] = {}
         self._number = 0
         self._lock = threading.Lock()
+        self._listener: threading.Thread | None = None
 
     def slots(self) -> int:
         return self.jobs * self.at_once
@@ -95,7 +96,8 @@ class Crowd:
             self._children.append(start_child("jointattn_mj.parallel.crowd_worker", "work", [theirs, eye], environment))
             task.send(self.at_once)
         self._workers = [task for task, _ in tasks]
-        threading.Thread(target=self._listen, args=(list(self._workers),), daemon=True).start()
+        self._listener = threading.Thread(target=self._listen, args=(list(self._workers),), daemon=True)
+        self._listener.start()
 
     def _listen(self, workers: list[Connection]) -> None:
         """Take results until a worker has ended; then all trials under way are lost."""
@@ -130,6 +132,8 @@ class Crowd:
             child.kill()
         for child in self._children:
             child.wait()
+        if self._listener is not None:
+            self._listener.join()  # it ends with the workers, and reads from their connections until then
         for worker in self._workers:
             worker.close()
         self._children, self._workers, self._load = [], [], Counter()
