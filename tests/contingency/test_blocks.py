@@ -49,7 +49,7 @@ def in_blocks(watch, counts, block, cuts, s, a, r, found):
 )
 @pytest.mark.parametrize("full", [False, True])
 def test_the_same_as_one_by_one(options, taken, full):
-    lived = series(WORLD, 3000, np.random.default_rng(2))
+    transitions = series(WORLD, 3000, np.random.default_rng(2))
     seen, blocks = [], 0
     for cuts in (0, 100):
         counts, watch = empty_counts(WORLD, EVENTS), new_watch(DetectorConfig(**options), len(EVENTS))
@@ -59,9 +59,9 @@ def test_the_same_as_one_by_one(options, taken, full):
         found = np.full(2999, NOTHING)
         if cuts:
             block = new_block(2, 2, 2, len(counts.n))
-            blocks = in_blocks(watch, counts, block, cuts, *lived, found)
+            blocks = in_blocks(watch, counts, block, cuts, *transitions, found)
         else:
-            one_by_one(watch, counts, *lived, found)
+            one_by_one(watch, counts, *transitions, found)
         seen.append([part.tobytes() for part in (found, *counts, *watch[1:])])
     assert seen[0] == seen[1]
     assert blocks < 2999

@@ -56,11 +56,11 @@ sizes = st.tuples(
 def test_every_step_equals_a_full_recomputation(sizes, length, seed):
     world = variables(*sizes)
     events = list(world.events())
-    lived = series(world, length, np.random.default_rng(seed))
+    transitions = series(world, length, np.random.default_rng(seed))
     counts = empty_counts(world, events)
     for t in range(1, length):
-        counted(counts, tuple(part[t - 1 : t + 1] for part in lived))
-        so_far = tuple(part[: t + 1] for part in lived)
+        counted(counts, tuple(part[t - 1 : t + 1] for part in transitions))
+        so_far = tuple(part[: t + 1] for part in transitions)
         combined, single = measured(counts)
         fewer, single_fewer = measured(counts, "occupied")
         for number, event in enumerate(events):
@@ -71,14 +71,14 @@ def test_every_step_equals_a_full_recomputation(sizes, length, seed):
             assert fewer[number] == pytest.approx(2 * t * information.COMBINED.bias(entries, "miller_madow"))
             assert single_fewer[number] == pytest.approx(2 * t * information.CONTINGENCY.bias(entries, "miller_madow"))
     for number, event in enumerate(events):
-        assert np.array_equal(joint_table(counts, number), joint_counts(lived, world, event))
+        assert np.array_equal(joint_table(counts, number), joint_counts(transitions, world, event))
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_public_measures_agree(seed):
     world = variables([4, 3], [3, 2], [2, 4])
-    s, a, r = lived = series(world, 800, np.random.default_rng(seed))
-    counts = counted(empty_counts(world, list(world.events())), lived)
+    s, a, r = transitions = series(world, 800, np.random.default_rng(seed))
+    counts = counted(empty_counts(world, list(world.events())), transitions)
     combined, single = measured(counts)
     for number, event in enumerate(world.events()):
         columns = s[:, event.sensor], a[:, event.action], r[:, event.result]
@@ -93,11 +93,11 @@ def test_the_public_measures_agree(seed):
 @given(sizes, st.integers(3, 40), st.data())
 def test_what_is_taken_out_again_was_never_there(sizes, length, data):
     world = variables(*sizes)
-    lived = series(world, length, np.random.default_rng(length))
+    transitions = series(world, length, np.random.default_rng(length))
     kept = data.draw(st.integers(0, length - 1))
-    counts = counted(empty_counts(world, list(world.events())), lived)
-    counted(counts, tuple(part[: kept + 1] for part in lived), -1)
-    rest = counted(empty_counts(world, list(world.events())), tuple(part[kept:] for part in lived))
+    counts = counted(empty_counts(world, list(world.events())), transitions)
+    counted(counts, tuple(part[: kept + 1] for part in transitions), -1)
+    rest = counted(empty_counts(world, list(world.events())), tuple(part[kept:] for part in transitions))
     same_counts(counts, rest)
 
 
@@ -113,14 +113,14 @@ def test_events_that_join_later_start_empty_and_do_not_disturb_the_old_ones():
     first, both = variables([3], [2], [2, 3]), variables([3, 4], [2, 3], [2, 3])
     old = list(first.events())
     new = [event for event in both.events() if event not in set(old)]
-    s, a, r = lived = series(both, 60, np.random.default_rng(0))
-    early = tuple(part[:31] for part in lived)
+    s, a, r = transitions = series(both, 60, np.random.default_rng(0))
+    early = tuple(part[:31] for part in transitions)
     counts = counted(empty_counts(first, old), (early[0][:, :1], early[1][:, :1], early[2]))
     wider = joined(counts, empty_counts(both, new))
     late = (s[30:], a[30:], r[30:])
     counted(wider, late)
     for number, event in enumerate(old + new):
-        since = lived if event in set(old) else late
+        since = transitions if event in set(old) else late
         assert np.array_equal(joint_table(wider, number), joint_counts(since, both, event)), event
         assert measured(wider)[1][number] == pytest.approx(
             contingency(joint_counts(since, both, event))[1] * (len(since[0]) - 1), abs=1e-10
@@ -156,18 +156,18 @@ def test_a_table_that_is_set_counts_on(seed, sensors, actions, results):
 def test_weights_that_fade(seed):
     """A transition k steps old weighs exp(-k / 25); making all weights smaller changes no measure."""
     world = variables([3, 2], [2], [2, 3])
-    lived = series(world, 300, np.random.default_rng(seed))
+    transitions = series(world, 300, np.random.default_rng(seed))
     counts = empty_counts(world, list(world.events()))
     weight = 1.0
     for t in range(1, 300):
         weight *= np.exp(1 / 25)
-        counted(counts, tuple(part[t - 1 : t + 1] for part in lived), weight)
+        counted(counts, tuple(part[t - 1 : t + 1] for part in transitions), weight)
         if weight > 100:
             divide(counts, weight)
             weight = 1.0
     ages = np.arange(298, -1, -1)
     for number, event in enumerate(world.events()):
-        expected = joint_counts(lived, world, event, np.exp(-ages / 25))
+        expected = joint_counts(transitions, world, event, np.exp(-ages / 25))
         assert joint_table(counts, number) / weight == pytest.approx(expected, abs=1e-12)
         n = counts.n[counts.of_event[number, OWN]]
         assert [values[number] / n for values in measured(counts)] == pytest.approx(contingency(expected), abs=1e-12)
@@ -176,8 +176,8 @@ def test_weights_that_fade(seed):
 @pytest.mark.parametrize("seed", range(3))
 def test_local_variance(seed):
     world = variables([3, 1], [2, 4], [2, 3])
-    s, a, r = lived = series(world, 200, np.random.default_rng(seed))
-    counts = counted(empty_counts(world, list(world.events())), lived)
+    s, a, r = transitions = series(world, 200, np.random.default_rng(seed))
+    counts = counted(empty_counts(world, list(world.events())), transitions)
     for number, event in enumerate(world.events()):
         columns = s[:, event.sensor], a[:, event.action], r[:, event.result]
         for single, pointwise in (
@@ -198,22 +198,22 @@ def test_counts_pass_the_end_of_the_list():
     world = variables([2], [2], [2])
     table = np.full((2, 2, 2, 2), float(LISTED - 40))
     table[0, 1, 1, 0] += 5000
-    lived = series(world, 2000, np.random.default_rng(0))
+    transitions = series(world, 2000, np.random.default_rng(0))
     counts, after = empty_counts(world, [Event(0, 0, 0)]), empty_counts(world, [Event(0, 0, 0)])
     set_joint_table(counts, 0, table)
-    counted(counts, lived)
-    set_joint_table(after, 0, table + joint_counts(lived, world, Event(0, 0, 0)))
+    counted(counts, transitions)
+    set_joint_table(after, 0, table + joint_counts(transitions, world, Event(0, 0, 0)))
     assert np.array_equal(counts.entries, after.entries)
     assert counts.entries.max() > 2 * LISTED
     assert np.array(measured(counts)) / table.sum() == pytest.approx(np.array(measured(after)) / table.sum(), abs=1e-13)
-    counted(counts, lived, -1)
+    counted(counts, transitions, -1)
     assert np.array_equal(joint_table(counts, 0), table)
 
 
 @pytest.mark.parametrize("million", [1, pytest.param(10, marks=pytest.mark.slow)])
 def test_sums_do_not_drift(million):
     world = variables([5], [4], [2])
-    lived = series(world, million * 10**6 + 1, np.random.default_rng(0))
-    counts = counted(empty_counts(world, [Event(0, 0, 0)]), lived)
-    exact = contingency(joint_counts(lived, world, Event(0, 0, 0)))
+    transitions = series(world, million * 10**6 + 1, np.random.default_rng(0))
+    counts = counted(empty_counts(world, [Event(0, 0, 0)]), transitions)
+    exact = contingency(joint_counts(transitions, world, Event(0, 0, 0)))
     assert np.ravel(measured(counts)) / (million * 10**6) == pytest.approx(exact, abs=1e-12)

@@ -24,11 +24,11 @@ def watch_all(watch, counts, s, a, r, values, found):
         values[t] = watch.values
 
 
-def watched(config, lived, of=WORLD, watch=None):
-    counts, steps = empty_counts(of, list(of.events())), len(lived[0]) - 1
+def watched(config, transitions, of=WORLD, watch=None):
+    counts, steps = empty_counts(of, list(of.events())), len(transitions[0]) - 1
     watch = watch or new_watch(config, len(list(of.events())))
     values, found = np.zeros((steps, len(watch.values))), np.zeros(steps, np.int64)
-    watch_all(watch, counts, *lived, values, found)
+    watch_all(watch, counts, *transitions, values, found)
     return watch, counts, values, found
 
 
@@ -46,11 +46,11 @@ def xor_run(length, seed=0, noise=0.0, other=0.5):
 @pytest.mark.parametrize("measure", ["sac", "tc"])
 @pytest.mark.parametrize("correction", ["none", "miller_madow"])
 def test_values_are_the_measures(measure, correction, base):
-    lived = series(WORLD, 400, np.random.default_rng(1))
-    _, _, values, _ = watched(DetectorConfig(measure=measure, correction=correction, base=base), lived)
+    transitions = series(WORLD, 400, np.random.default_rng(1))
+    _, _, values, _ = watched(DetectorConfig(measure=measure, correction=correction, base=base), transitions)
     function = c.state_action_contingency if measure == "sac" else c.combined_transfer_entropy
     for t in (1, 2, 10, 100, 399):
-        s, a, r = (part[: t + 1] for part in lived)
+        s, a, r = (part[: t + 1] for part in transitions)
         for number, event in enumerate(EVENTS):
             columns = s[:, event.sensor], a[:, event.action], r[:, event.result]
             expected = function(*columns, base, correction=correction)
@@ -79,10 +79,10 @@ def slow_convergence(values, config, modelled=()):
 @pytest.mark.parametrize(("warm_up", "hold", "threshold"), [(100, 30, 4e-4), (0, 1, 2e-4), (2500, 5, 1e-3)])
 def test_stop_rule_convergence(of, modelled, taken, warm_up, hold, threshold):
     config = DetectorConfig(stability_of=of, modelled=modelled, warm_up=warm_up, hold=hold, threshold=threshold)
-    lived = series(WORLD, 3000, np.random.default_rng(2))
+    transitions = series(WORLD, 3000, np.random.default_rng(2))
     watch = new_watch(config, len(EVENTS))
     watch.modelled[list(taken)] = True
-    _, _, values, found = watched(config, lived, watch=watch)
+    _, _, values, found = watched(config, transitions, watch=watch)
     expected = slow_convergence(values, config, taken)
     assert found.tolist() == expected
     top = values[-1].argmax()
@@ -91,8 +91,8 @@ def test_stop_rule_convergence(of, modelled, taken, warm_up, hold, threshold):
 
 def test_of_next_to_nothing_nothing_changes():
     """Without a warm-up, the dissertation's condition holds after the first transition."""
-    lived = tuple(np.zeros((50, width), np.int64) for width in (2, 1, 1))
-    assert set(watched(DetectorConfig(warm_up=0, hold=1), lived, XOR)[3]) == {NOTHING}  # but 0 is not contingent
+    transitions = tuple(np.zeros((50, width), np.int64) for width in (2, 1, 1))
+    assert set(watched(DetectorConfig(warm_up=0, hold=1), transitions, XOR)[3]) == {NOTHING}  # but 0 is not contingent
     first = []
     for warm_up in (0, 150):
         config = DetectorConfig(warm_up=warm_up, hold=1, threshold=0.1)
@@ -101,7 +101,7 @@ def test_of_next_to_nothing_nothing_changes():
     assert first[1] == 150
 
 
-def slow_confidence(values, config, lived, of):
+def slow_confidence(values, config, transitions, of):
     """Stop rule confidence, with standard errors from the pointwise values of the series so far."""
     function = (
         c.pointwise_state_action_contingency if config.measure == "sac" else c.pointwise_combined_transfer_entropy
@@ -115,7 +115,7 @@ def slow_confidence(values, config, lived, of):
         first = int(now.argmax())
         if now[first] <= 0:
             continue
-        s, a, r = (part[: t + 1] for part in lived)
+        s, a, r = (part[: t + 1] for part in transitions)
         squared = [
             np.var(function(s[:, e.sensor], a[:, e.action], r[:, e.result], config.base)) / t for e in of.events()
         ]
@@ -134,9 +134,9 @@ def slow_confidence(values, config, lived, of):
 @pytest.mark.parametrize("options", [{}, {"deviations": 2.0, "tolerance": 0.0}, {"precision": 0.2, "warm_up": 20}])
 def test_stop_rule_confidence(measure, options):
     config = DetectorConfig(stop_rule="confidence", measure=measure, **options)
-    lived = xor_run(3000, noise=0.2)
-    _, _, values, found = watched(config, lived, XOR)
-    assert found.tolist() == slow_confidence(values, config, lived, XOR)
+    transitions = xor_run(3000, noise=0.2)
+    _, _, values, found = watched(config, transitions, XOR)
+    assert found.tolist() == slow_confidence(values, config, transitions, XOR)
     assert set(found) == {NOTHING, 0}
 
 
@@ -144,16 +144,16 @@ def test_stop_rule_confidence(measure, options):
 def test_a_rival_that_is_nearly_as_contingent(tolerance, found):
     """It may come second within the tolerance; two that cannot be told apart otherwise leave all open."""
     config = DetectorConfig(stop_rule="confidence", tolerance=tolerance)
-    lived = xor_run(300, noise=0.1, other=0.02)
-    _, _, values, what = watched(config, lived, XOR)
-    assert what.tolist() == slow_confidence(values, config, lived, XOR)
+    transitions = xor_run(300, noise=0.1, other=0.02)
+    _, _, values, what = watched(config, transitions, XOR)
+    assert what.tolist() == slow_confidence(values, config, transitions, XOR)
     assert (0 in what) == found
 
 
 def test_certainty_has_no_unit():
-    lived = xor_run(2000, noise=0.3)
+    transitions = xor_run(2000, noise=0.3)
     in_bits, in_nats = (
-        watched(DetectorConfig(stop_rule="confidence", base=base), lived, XOR)[3].tolist() for base in (2.0, np.e)
+        watched(DetectorConfig(stop_rule="confidence", base=base), transitions, XOR)[3].tolist() for base in (2.0, np.e)
     )
     assert in_bits == in_nats
 
@@ -166,16 +166,16 @@ def test_of_noise_nothing_is_certain():
 
 
 def test_a_modelled_event_blocks_certainty_or_steps_aside():
-    lived = xor_run(3000, noise=0.1)
+    transitions = xor_run(3000, noise=0.1)
     for modelled in ("keep", "drop"):
         config = DetectorConfig(stop_rule="confidence", modelled=modelled)
         watch = new_watch(config, 2)
         watch.modelled[0] = True
-        assert 0 not in watched(config, lived, XOR, watch)[3]
+        assert 0 not in watched(config, transitions, XOR, watch)[3]
     config = DetectorConfig(modelled="drop")
     watch = new_watch(config, 2)
     watch.modelled[:] = True
-    assert set(watched(config, lived, XOR, watch)[3]) == {NOTHING}
+    assert set(watched(config, transitions, XOR, watch)[3]) == {NOTHING}
 
 
 @pytest.mark.parametrize("anew", [False, True])
@@ -218,6 +218,6 @@ def test_impossible_options(options):
 
 
 def test_counts_are_not_touched():
-    lived = series(WORLD, 300, np.random.default_rng(4))
-    _, counts, _, _ = watched(DetectorConfig(), lived)
-    assert np.array_equal(counts.entries, counted(empty_counts(WORLD, EVENTS), lived).entries)
+    transitions = series(WORLD, 300, np.random.default_rng(4))
+    _, counts, _, _ = watched(DetectorConfig(), transitions)
+    assert np.array_equal(counts.entries, counted(empty_counts(WORLD, EVENTS), transitions).entries)
