@@ -11,6 +11,8 @@ def start_child(
 ) -> "subprocess.Popen[bytes]":
     """Start a process that calls a function with connections, and hand these over to it.
 
+    It has a session of its own: Ctrl-C and the end of the terminal are for this process, with which it ends.
+
     Args:
         module: In which the function is; modules are found where this process finds them.
         function: Its name; it takes a list of connections.
@@ -23,7 +25,11 @@ def start_child(
         f"from {module} import {function}; {function}([Connection(number) for number in {numbers}])"
     )
     child = subprocess.Popen(
-        [sys.executable, "-c", code], pass_fds=numbers, stdin=subprocess.DEVNULL, env=environment and dict(environment)
+        [sys.executable, "-c", code],
+        pass_fds=numbers,
+        stdin=subprocess.DEVNULL,
+        env=environment and dict(environment),
+        start_new_session=True,
     )
     for connection in connections:
         connection.close()

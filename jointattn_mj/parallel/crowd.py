@@ -10,7 +10,7 @@ import subprocess
 import threading
 from collections import Counter
 from collections.abc import Callable
-from concurrent.futures import Future, InvalidStateError
+from concurrent.futures import Future
 from contextlib import suppress
 from importlib.util import find_spec
 from multiprocessing import Pipe
@@ -19,13 +19,16 @@ from typing import Any
 
 from joblib import cpu_count
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import ConfigError, SweepError
 from jointattn_mj.io.child import start_child
 from jointattn_mj.io.extras import extra
 from jointattn_mj.sweeps.worker import SINGLE_THREADED
 
 AT_ONCE = 64
 """Trials at once in a process. Half of them are drawn while the other half compute."""
+
+ALL = 0
+"""Number in a worker's answer whose error ends all trials."""
 
 
 class CrowdWorkerDied(RuntimeError):
@@ -60,8 +63,9 @@ class Crowd:
         self._children: list[subprocess.Popen[bytes]] = []
         self._workers: list[Connection] = []
         self._load: Counter[Connection] = Counter()
-        self._futures: dict[int, tuple[Future[Any], Connection]] = {}
-        self._number = 0
+        self._futures: dict[int, Future[Any]] = {}
+        self._number = ALL
+        self._end: Exception | None = None
         self._lock = threading.Lock()
         self._listener: threading.Thread | None = None
 
@@ -69,22 +73,26 @@ class Crowd:
         return self.jobs * self.at_once
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        """See :class:`Backend`.
+
+        Raises:
+            CrowdWorkerDied: A process with trials has ended.
+            SweepError: The eye server has ended.
+        """
+        packed = pickle.dumps((function, arguments))
         if not self._workers:
             self._start()
         future: Future[Any] = Future()
         future.set_running_or_notify_cancel()
         with self._lock:
+            if self._end is not None:
+                raise self._end
             worker = min(self._workers, key=self._load.__getitem__)
-            self._number += 1
-            self._futures[self._number] = future, worker
+            number = self._number = self._number + 1
+            self._futures[number] = future
             self._load[worker] += 1
-            number = self._number
-        try:
-            worker.send_bytes(pickle.dumps((number, function, arguments)))
-        except OSError as error:
-            with self._lock:
-                del self._futures[number]
-            raise CrowdWorkerDied from error
+        with suppress(OSError):  # the listener sees the same end, and tells all futures
+            worker.send((number, packed))
         return future
 
     def _start(self) -> None:
@@ -94,35 +102,36 @@ class Crowd:
         self._children = [start_child("jointattn_mj.scene.eye_server", "serve_eyes", [theirs for theirs, _ in eyes])]
         for (_, eye), (task, theirs) in zip(eyes, tasks, strict=True):
             self._children.append(start_child("jointattn_mj.parallel.crowd_worker", "work", [theirs, eye], environment))
-            task.send(self.at_once)
+            with suppress(OSError):
+                task.send(self.at_once)
         self._workers = [task for task, _ in tasks]
         self._listener = threading.Thread(target=self._listen, args=(list(self._workers),), daemon=True)
         self._listener.start()
 
     def _listen(self, workers: list[Connection]) -> None:
-        """Take results until a worker has ended; then all trials under way are lost."""
+        """Take results until a worker or the eye server has ended; then all trials under way are lost."""
         while True:
             for ready in wait(workers):
                 worker: Any = ready
                 try:
                     number, result, error = worker.recv()
                 except (EOFError, OSError):
-                    return self._give_up(workers)
+                    return self._give_up(CrowdWorkerDied())
+                if number == ALL:
+                    return self._give_up(SweepError(f"no trial can go on: {error}; the same command goes on"))
                 with self._lock:
-                    future, _ = self._futures.pop(number)
+                    future = self._futures.pop(number)
                     self._load[worker] -= 1
                 if error is None:
                     future.set_result(result)
                 else:
                     future.set_exception(error)
 
-    def _give_up(self, workers: list[Connection]) -> None:
+    def _give_up(self, end: Exception) -> None:
         with self._lock:
-            lost = [number for number, (_, worker) in self._futures.items() if worker in workers]
-            futures = [self._futures.pop(number)[0] for number in lost]
-        for future in futures:
-            with suppress(InvalidStateError):
-                future.set_exception(CrowdWorkerDied())
+            self._end, lost, self._futures = end, self._futures, {}
+        for future in lost.values():
+            future.set_exception(end)
 
     def restart(self) -> None:
         self.close()
@@ -136,4 +145,4 @@ class Crowd:
             self._listener.join()  # it ends with the workers, and reads from their connections until then
         for worker in self._workers:
             worker.close()
-        self._children, self._workers, self._load = [], [], Counter()
+        self._children, self._workers, self._load, self._end = [], [], Counter(), None

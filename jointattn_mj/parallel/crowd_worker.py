@@ -4,15 +4,16 @@ Each trial is a greenlet: it stops where it asks for an image, and goes on when 
 block for the eye server; two blocks take turns, so that one half of the trials compute while the other waits.
 """
 
+import os
 import pickle
 from collections import deque
-from collections.abc import Callable
-from contextlib import suppress
+from functools import partial
 from multiprocessing.connection import Connection
 from typing import Any
 
 from jointattn_mj.errors import JointAttnError
 from jointattn_mj.io.extras import extra
+from jointattn_mj.parallel.crowd import ALL
 from jointattn_mj.scene.eye_block import EyeBlock, PartsRequest
 from jointattn_mj.scene.eye_client import EyeClient
 from jointattn_mj.scene.model import SceneConfig
@@ -27,7 +28,8 @@ class CrowdWorker:
         """Get ready.
 
         Args:
-            tasks: From which (number, function, arguments) come, pickled; (number, result, error) go back.
+            tasks: From which (number, packed) come, a pickled function and its arguments; (number, result, error) go
+                back.
             eyes: To the eye server.
             at_once: Trials at once.
 
@@ -44,55 +46,48 @@ class CrowdWorker:
         self._alive = 0
 
     def run(self) -> None:
-        """Work until the connection is closed."""
+        """Work until the connection is closed.
+
+        Raises:
+            JointAttnError: The eye server has ended, and with it all trials.
+        """
         while True:
             while self._tasks.poll(None if not self._alive else 0):
                 try:
-                    number, function, arguments = pickle.loads(self._tasks.recv_bytes())
+                    number, packed = self._tasks.recv()
                 except EOFError:
                     return
-                self._ready.append(self._greenlet.greenlet(self._compute(number, function, arguments)))
+                trial = partial(self._compute, number, packed, self._greenlet.getcurrent())
+                self._ready.append(self._greenlet.greenlet(trial))
                 self._alive += 1
             while self._ready:
                 self._go_on(self._ready.popleft())
-            with suppress(JointAttnError):  # those that wait have been told
-                for blocks in self._open.values():
-                    if blocks and blocks[0].filled:
-                        self._submit(blocks)
-                if self._drawn:
-                    self._take_images()
+            for blocks in self._open.values():
+                if blocks and blocks[0].requests:
+                    self._submit(blocks)
+            if self._drawn:
+                self._take_images()
 
-    def _compute(self, number: int, function: Callable[..., object], arguments: tuple[Any, ...]) -> Callable[[], None]:
-        """What a greenlet runs: a trial, whose images are drawn while others go on."""
-        hub = self._greenlet.getcurrent()
+    def _compute(self, number: int, packed: bytes, hub: Any) -> None:
+        """Compute a trial, whose images are drawn while others go on; ``hub`` is the greenlet of this worker."""
+        try:
+            function, arguments = pickle.loads(packed)
+            with parts_drawn_by(hub.switch):
+                result, error = function(*arguments), None
+        except Exception as raised:
+            result, error = None, raised
+        self._tasks.send((number, result, error))
 
-        def trial() -> None:
-            try:
-                with parts_drawn_by(hub.switch):
-                    result, error = function(*arguments), None
-            except Exception as raised:
-                result, error = None, raised
-            self._tasks.send((number, result, error))
-
-        return trial
-
-    def _go_on(self, trial: Any, error: JointAttnError | None = None) -> None:
-        """Let a trial go on to its next image or its end; with an ``error``, which is raised where it waits."""
-        request: PartsRequest = trial.switch() if error is None else trial.throw(error)
+    def _go_on(self, trial: Any) -> None:
+        """Let a trial go on to its next image or its end."""
+        request: PartsRequest = trial.switch()
         if trial.dead:
             self._alive -= 1
-            return
-        try:
+        else:
             self._ask(request, trial)
-        except JointAttnError as broken:
-            self._go_on(trial, broken)
 
     def _ask(self, request: PartsRequest, trial: Any) -> None:
-        """Fill a request in, and submit its block when it is full, or half of all trials wait for it.
-
-        Raises:
-            JointAttnError: The server is gone; the trial waits for nothing then.
-        """
+        """Fill a request in, and submit its block when it is full, or half of all trials wait for it."""
         if request.scene not in self._open:
             self._open[request.scene] = [self._client.open(request) for _ in range(2)]
         blocks = self._open[request.scene]
@@ -109,15 +104,8 @@ class CrowdWorker:
         self._drawn += 1
 
     def _take_images(self) -> None:
-        """Wait for a block from the server; the trials that wait for its images can go on, or fail with the server."""
-        try:
-            scene, block = self._client.receive()
-        except JointAttnError as error:
-            lost = [trial for trials in self._waiting.values() for trial in trials]
-            self._open, self._waiting, self._drawn = {}, {}, 0
-            for trial in lost:
-                self._go_on(trial, error)
-            raise
+        """Wait for a block from the server; the trials that wait for its images can go on."""
+        scene, block = self._client.receive()
         self._drawn -= 1
         self._open[scene].append(block)
         self._ready += self._waiting.pop(id(block))
@@ -128,4 +116,8 @@ def work(connections: list[Connection]) -> None:
     tasks, eyes = connections
     start()
     at_once: int = tasks.recv()
-    CrowdWorker(tasks, eyes, at_once).run()
+    try:
+        CrowdWorker(tasks, eyes, at_once).run()
+    except JointAttnError as error:
+        tasks.send((ALL, None, error))
+        os._exit(1)  # trials that are let go of would answer too

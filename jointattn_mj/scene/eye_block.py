@@ -4,7 +4,7 @@ import mmap
 import os
 import tempfile
 from dataclasses import dataclass
-from pathlib import Path
+from typing import IO
 
 import numpy as np
 
@@ -58,6 +58,8 @@ class PartsRequest:
 class EyeBlock:
     """Arrays in a file of memory; requests are filled in by one process and answered by another.
 
+    The file has no name, so that nothing is left of it when both have ended, however they end.
+
     Attributes:
         layout: Their sizes.
         angles: (m, nq) float32 joint positions of each image's pose, radians.
@@ -66,6 +68,7 @@ class EyeBlock:
         images: (n,) int32 number of the image that each part belongs to.
         pixels: (n, p) uint32 of each part, blue in the lowest byte, then green and red.
         number: Of the block among those of its client.
+        file: To be closed when the other process has it; the memory stays.
         requests: What was added; ``filled``: the number of their parts.
     """
 
@@ -75,27 +78,24 @@ class EyeBlock:
     images: np.ndarray
     pixels: np.ndarray
 
-    def __init__(self, layout: EyeBlockLayout, path: Path | None = None, number: int = 0):
+    def __init__(self, layout: EyeBlockLayout, file: int | None = None, number: int = 0):
         """Make a block, or open that of another process.
 
         Args:
             layout: Sizes.
+            file: Descriptor of another process's block.
             number: Of the block among those of its client.
-            path: Of another process's block; it is unlinked, so that nothing is left of it when both have ended.
         """
         self.layout, self.number = layout, number
         sizes = {name: (shape, np.dtype(kind)) for name, (shape, kind) in layout.arrays().items()}
         total = sum(int(np.prod(shape)) * kind.itemsize for shape, kind in sizes.values())
-        shared = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
-        if path is None:
-            descriptor, name = tempfile.mkstemp(prefix="jointattn-eye-", dir=shared)
-            os.ftruncate(descriptor, total)
+        if file is None:
+            shared = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
+            self.file: IO[bytes] = tempfile.TemporaryFile(dir=shared)  # noqa: SIM115
+            self.file.truncate(total)
         else:
-            descriptor, name = os.open(path, os.O_RDWR), str(path)
-            os.unlink(name)
-        self.path = Path(name)
-        memory = mmap.mmap(descriptor, total)
-        os.close(descriptor)
+            self.file = open(file, "r+b")  # noqa: SIM115
+        memory = mmap.mmap(self.file.fileno(), total)
         start = 0
         for name, (shape, kind) in sizes.items():
             count = int(np.prod(shape))

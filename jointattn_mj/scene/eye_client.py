@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
-from pathlib import Path
+from multiprocessing.reduction import send_handle
 
 from jointattn_mj.errors import GLError, JointAttnError
 from jointattn_mj.scene.batched_parts import PART_HEIGHT, PART_WIDTH
@@ -14,12 +14,11 @@ ENDED = "the process that draws images has ended; what it printed says why"
 
 @dataclass(frozen=True)
 class OpenBlock:
-    """Message of a client: a block of this number has been made."""
+    """Message of a client: a block of this number has been made. Its file comes next."""
 
     number: int
     scene: SceneConfig
     layout: EyeBlockLayout
-    path: Path
 
 
 @dataclass(frozen=True)
@@ -52,7 +51,8 @@ class EyeClient:
         parts = -(-height // PART_HEIGHT) * -(-width // PART_WIDTH)
         sizes = len(request.angles), len(request.positions), self._images, parts, PART_WIDTH * PART_HEIGHT
         block = EyeBlock(EyeBlockLayout(*sizes), number=len(self._blocks))
-        self._send(OpenBlock(block.number, request.scene, block.layout, block.path))
+        self._send(OpenBlock(block.number, request.scene, block.layout), block)
+        block.file.close()
         self._blocks.append((request.scene, block))
         return block
 
@@ -77,14 +77,16 @@ class EyeClient:
             raise GLError(ENDED) from error
         if isinstance(answer, JointAttnError):
             raise answer
-        if isinstance(answer, BaseException):
-            raise GLError(f"the process that draws images has stopped: {answer}") from answer
         scene, block = self._blocks[answer]
         block.deliver(PART_WIDTH)
         return scene, block
 
-    def _send(self, message: object) -> None:
+    def _send(self, message: object, block: EyeBlock | None = None) -> None:
+        """Send a message, and the file of a block after it."""
         try:
             self._connection.send(message)
-        except OSError as error:
-            raise GLError(ENDED) from error
+            if block is not None:
+                send_handle(self._connection, block.file.fileno(), None)
+        except OSError:
+            while True:  # up to what the server has said last
+                self.receive()

@@ -10,10 +10,12 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
+from multiprocessing.reduction import recv_handle
 from typing import Any
 
 import numpy as np
 
+from jointattn_mj.errors import GLError, JointAttnError
 from jointattn_mj.io.extras import extra
 from jointattn_mj.scene.batched_parts import BatchedParts
 from jointattn_mj.scene.eye_block import EyeBlock
@@ -127,12 +129,14 @@ class EyeServer:
             connection: Any = ready
             try:
                 message = connection.recv()
+                file = recv_handle(connection) if isinstance(message, OpenBlock) else None
             except (EOFError, OSError):
                 self._connections.remove(connection)
                 continue
             if isinstance(message, OpenBlock):
-                kept = message.scene, EyeBlock(message.layout, message.path)
-                self._blocks[connection, message.number] = kept
+                block = EyeBlock(message.layout, file)
+                block.file.close()
+                self._blocks[connection, message.number] = message.scene, block
             else:
                 scene, block = self._blocks[connection, message.number]
                 job = _Job(connection, message.number, block, message.parts)
@@ -160,4 +164,11 @@ def serve_eyes(connections: Sequence[Connection], device: str | None = None, slo
         EyeServer(connections, device, slots).run()
     except Exception as error:
         for connection in connections:
-            _answer(connection, error)
+            _answer(connection, _told(error))
+
+
+def _told(error: Exception) -> JointAttnError:
+    """An error as one that every process can read."""
+    if isinstance(error, JointAttnError):
+        return error
+    return GLError(f"the process that draws images has stopped: {type(error).__name__}: {error}")

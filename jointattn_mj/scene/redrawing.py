@@ -70,6 +70,14 @@ class RedrawingEye(Eye):
 
     def render(self) -> np.ndarray:
         """Render the image now; see ``Eye.render``. What the caller changes in it would stay."""
+        try:
+            self._redraw()
+        except BaseException:  # what was to be drawn counts as drawn already
+            self.forget()
+            raise
+        return self._buffer
+
+    def _redraw(self) -> None:
         data = self._physics.data.ptr
         height, width = self._buffer.shape[:2]
         for kinds in self._parts:
@@ -81,7 +89,6 @@ class RedrawingEye(Eye):
                 self._render_all()
             elif self._box[2] > self._box[0]:
                 self._render_part(*self._box.tolist())
-        return self._buffer
 
     def _poses(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions (n, 3) and orientations (n, 9) of all that is drawn."""

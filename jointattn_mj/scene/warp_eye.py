@@ -1,10 +1,11 @@
 """An eye whose images MuJoCo Warp draws, in another process, together with those of other worlds."""
 
 import atexit
+import os
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache
 from multiprocessing import Pipe
 from typing import Literal
 
@@ -69,27 +70,55 @@ class WarpEye(RedrawingEye):
         rows = slice(y0 // PART_HEIGHT, -(-y1 // PART_HEIGHT))
         columns = slice(x0 // PART_WIDTH, -(-x1 // PART_WIDTH))
         corners = self._grid[rows, columns].reshape(-1, 2)
-        draw = _draw_parts.get() or _own_server()
+        draw = _draw_parts.get() or OwnServer.draw
         draw(PartsRequest(self._scene, data.qpos, data.mocap_pos, corners, self._buffer))
 
 
-@cache
-def _own_server() -> DrawParts:
+class OwnServer:
     """An eye server for this process alone, which ends with it."""
-    ours, others = Pipe()
-    server = start_child("jointattn_mj.scene.eye_server", "serve_eyes", [others])
-    client, blocks = EyeClient(ours, images=1), dict[SceneConfig, EyeBlock]()
 
-    def stop() -> None:
-        ours.close()
-        server.wait()
+    _lock = threading.Lock()
+    _now: "OwnServer | None" = None
 
-    def draw(request: PartsRequest) -> None:
-        if request.scene not in blocks:
-            blocks[request.scene] = client.open(request)
-        blocks[request.scene].add(request)
-        client.submit(blocks[request.scene])
-        client.receive()
+    def __init__(self) -> None:
+        ours, others = Pipe()
+        self._process = start_child("jointattn_mj.scene.eye_server", "serve_eyes", [others])
+        self._connection, self._client = ours, EyeClient(ours, images=1)
+        self._blocks: dict[SceneConfig, EyeBlock] = {}
+        atexit.register(self._stop)
+        os.register_at_fork(after_in_child=self._leave_alone)
 
-    atexit.register(stop)
-    return draw
+    @classmethod
+    def draw(cls, request: PartsRequest) -> None:
+        """Draw the parts of a request; any thread may ask for it.
+
+        Raises:
+            ExtraError: The extra ``gpu`` is not installed.
+            GLError: The server has ended; the next request gets another.
+        """
+        with cls._lock:
+            server = cls._now = cls._now or cls()
+            try:
+                server._draw(request)
+            except BaseException:  # after Ctrl-C too: its answer would be taken for that to the next request
+                cls._now = None
+                server._process.kill()
+                server._stop()
+                raise
+
+    def _draw(self, request: PartsRequest) -> None:
+        if request.scene not in self._blocks:
+            self._blocks[request.scene] = self._client.open(request)
+        self._blocks[request.scene].add(request)
+        self._client.submit(self._blocks[request.scene])
+        self._client.receive()
+
+    def _leave_alone(self) -> None:
+        """In a process that was forked: this is its parent's."""
+        self._connection.close()
+        OwnServer._lock, OwnServer._now = threading.Lock(), None
+
+    def _stop(self) -> None:
+        atexit.unregister(self._stop)
+        self._connection.close()
+        self._process.wait()

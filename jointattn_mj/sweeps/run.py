@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import ConfigError, SweepError
 from jointattn_mj.options import Checked, Seed, Whole, warn_renamed
 from jointattn_mj.sweeps.backends import Backend, gone, lost_touch
 from jointattn_mj.sweeps.claim import Claim
@@ -221,6 +221,8 @@ class _Run:
             outcome = future.result()
         except self.backend.deaths:
             return task
+        except SweepError:
+            raise
         except Exception as error:
             if lost_touch(error):
                 raise gone(error) from error

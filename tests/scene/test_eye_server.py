@@ -1,5 +1,6 @@
 """An eye server: requests of several processes are gathered, drawn in batches, and given back."""
 
+import os
 import sys
 import threading
 from contextlib import nullcontext
@@ -93,9 +94,10 @@ def test_every_image_gets_its_own_parts(clients):
 def test_a_block_is_one_memory_and_leaves_no_file():
     layout = EyeBlockLayout(joints=3, objects=2, images=2, parts=4, pixels=PART_WIDTH * PART_HEIGHT)
     own = EyeBlock(layout)
-    assert own.path.exists()
-    other = EyeBlock(layout, own.path)
-    assert not own.path.exists()
+    assert os.fstat(own.file.fileno()).st_nlink == 0, "nothing is left even of a process that is killed"
+    other = EyeBlock(layout, os.dup(own.file.fileno()))
+    own.file.close()
+    other.file.close()
     other.pixels[:] = 7
     assert (own.pixels == 7).all()
 
@@ -110,3 +112,20 @@ def test_a_server_that_ends_says_why(monkeypatch):
     theirs.close()
     with pytest.raises(GLError, match="has ended"):
         EyeClient(ours, 1).receive()
+
+
+def test_a_server_that_is_gone_has_said_why_before(monkeypatch):
+    def fail(*arguments):
+        raise MemoryError("the card is full")
+
+    ours, theirs = Pipe()
+    warp = SimpleNamespace(config=SimpleNamespace(), LOG_WARNING=0)
+    monkeypatch.setattr(eye_server, "extra", lambda name, module: warp)
+    monkeypatch.setattr(eye_server, "EyeServer", fail)
+    monkeypatch.setattr(eye_server.signal, "signal", lambda *_: None)
+    eye_server.serve_eyes([theirs])
+    theirs.close()
+    with pytest.raises(GLError, match="has stopped: MemoryError: the card is full"):
+        EyeClient(ours, 1).open(request(0))
+    with pytest.raises(GLError, match="has ended"):
+        EyeClient(ours, 1).open(request(0))

@@ -55,6 +55,17 @@ class Here:
         self.closed = True
 
 
+class Gone(Here):
+    """Its workers are gone for good while the third trial is computed."""
+
+    def submit(self, function, packed, seed):
+        if len(self.seeds) < 2:
+            return super().submit(function, packed, seed)
+        future = Future()
+        future.set_exception(SweepError("no card"))
+        return future
+
+
 def go(folder, backend=None, runs=4, setting="fair", claims=(COIN,), **more) -> Tally:
     return run(claims, Selection(setting, runs), folder, backend or Here(), **more)
 
@@ -214,3 +225,13 @@ def test_wall_time_stands_beside_the_result(tmp_path):
 
 def test_commands_can_be_pasted(tmp_path):
     assert command(["a b"], tmp_path / "c d", runs=None).endswith(f"run 'a b' --out '{tmp_path / 'c d'}'")
+
+
+def test_trials_do_not_fail_with_workers_that_are_gone_for_good(tmp_path):
+    backend = Gone()
+    with pytest.raises(SweepError, match="no card"):
+        go(tmp_path, backend)
+    assert backend.closed
+    assert stored(tmp_path) == {"fair": [0, 1]}
+    assert not Store(tmp_path).failures(COIN.id)
+    assert go(tmp_path).done == 2
