@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from jointattn_mj.contingency.online.counts import Counts, add
+from jointattn_mj.contingency.online.counts import Counts, add, check_add_up
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.contingency.online.modules import OFFERS_NOTHING, Module
 from jointattn_mj.guards.restored import check_alike, check_array
@@ -70,6 +70,8 @@ def check_agent(state: "AgentState", model: "AgentState", variables: Variables, 
     check_array("driver", state.driver, state.driver.shape, np.int64, -1, len(maps.joint) - 1)
     check_array("first", state.watch.first[:1], (1,), np.int64, -1, len(state.watch.values) - 1)
     check_array("counts", counts.entries, counts.entries.shape, float, 0)
+    if not state.forgets:  # counts that fade are no whole numbers
+        check_add_up(counts)
     if len(past.contexts):  # what is forgotten is taken out of the counts again
         blank = {name: np.zeros_like(getattr(counts, name)) for name in ("entries", "sums", "n", "occupied")}
         remembered = counts._replace(**blank)

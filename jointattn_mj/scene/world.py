@@ -353,7 +353,8 @@ class World(Closable):
         """Restore a world.
 
         Raises:
-            ValueError: Its physics is in no state that MuJoCo could go on from.
+            ValueError: Its physics is in no state that MuJoCo could go on from, or its objects are others than those
+                of its scene.
         """
         state = dict(state)
         integration, eye = state.pop("integration"), state.pop("eye", {})
@@ -363,6 +364,10 @@ class World(Closable):
         self._bind(config, build_physics(config, conditions))
         self.vary(config, conditions)
         self.__dict__.update(state)
+        shape = self._object_positions.shape
+        check_array("the objects", self.caregiver.objects, shape, float)
+        check_array("the objects before", self._objects_before, shape, float)
+        check_array("the points", self._points, (shape[0] + 1, 3), float)
         self._go_on_from(integration, eye)
 
     def _go_on_from(self, integration: np.ndarray, eye: dict[str, Any]) -> None:

@@ -10,7 +10,7 @@ from numba.core.typing.typeof import Purpose, _TypeofContext
 from numba.extending import typeof_impl
 from worlds import contingency, joint_counts, variables
 
-from jointattn_mj.contingency.online.counts import ALONE, OF_ACTION, OF_SENSOR, OWN, joint_table
+from jointattn_mj.contingency.online.counts import ALONE, OF_ACTION, OF_SENSOR, OFFSET, OWN, joint_table
 from jointattn_mj.contingency.online.detector import DetectorConfig
 from jointattn_mj.contingency.online.events import Event
 from jointattn_mj.contingency.online.modules import make_module
@@ -281,3 +281,19 @@ def test_impossible_options(options, words):
         DeveloperConfig(**options)
     for word in words:
         assert word in str(refused.value)
+
+
+@pytest.mark.parametrize("memory", ["whole", "window", "fading"])
+def test_counts_of_a_restored_agent_add_up(memory):
+    """Compiled code looks up what a count adds, and would look beyond the end of the list."""
+    agent = Diary(replace(HASTY, memory=memory), 120).agent
+    copy = pickle.loads(pickle.dumps(agent))
+    assert np.array_equal(copy.state.counts.entries, agent.state.counts.entries)
+    own = agent.state.counts.of_event[0, OWN]
+    begin = agent.state.counts.layout[own, OFFSET]
+    agent.state.counts.entries[begin + 1] = 1e9
+    if memory == "fading":  # with logarithms, and no list
+        pickle.loads(pickle.dumps(agent))
+    else:
+        with pytest.raises(ValueError, match="do not add up" if memory == "whole" else "others than"):
+            pickle.loads(pickle.dumps(agent))

@@ -196,6 +196,19 @@ def test_a_pickled_world_goes_on_as_it_would_have(world):
         np.testing.assert_array_equal(world.candidate_points(), other.candidate_points())
 
 
+@pytest.mark.parametrize("name", ["_objects_before", "_points", "caregiver"])
+def test_a_restored_world_has_the_objects_of_its_scene(world, name):
+    """Compiled code would read and write beyond the ends of other arrays."""
+    state = world.__getstate__()
+    state[name] = copy.deepcopy(state[name])
+    if name == "caregiver":
+        state[name].objects = state[name].objects[:, :2].copy()
+    else:
+        state[name] = state[name][:1]
+    with pytest.raises(ValueError, match="must be"):
+        World.__new__(World).__setstate__(state)
+
+
 def test_an_image_is_rendered_when_it_is_read_and_only_then(world):
     observation = WorldObservation(world)
     for _ in range(5):

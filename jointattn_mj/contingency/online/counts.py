@@ -139,6 +139,18 @@ def _entries(counts: Counts, context: int) -> np.ndarray:
     return counts.entries[begin : begin + (width - 1) * per_result].reshape(width - 1, -1, width)
 
 
+def check_add_up(counts: Counts) -> None:
+    """Refuse whole counts of which those of (r, v, r') are not together those of (r, v).
+
+    Raises:
+        ObservationError: They do not add up; ``gains`` would be read beyond its end.
+    """
+    for context in range(len(counts.layout)):
+        entries = _entries(counts, context)
+        if not np.array_equal(entries[..., 0], entries[..., 1:].sum(-1)):
+            raise ObservationError(f"the counts of context {context} do not add up")
+
+
 def set_joint_table(counts: Counts, event: int, table: np.ndarray) -> None:
     """Replace the counts of an event, and compute its sums anew.
 
