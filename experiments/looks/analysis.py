@@ -10,6 +10,8 @@ from jointattn_mj.sweeps.statistics import mean_interval
 
 from .sweep import APART_DEG, LABELLED, MINUTES, SETTINGS
 
+BY_MINUTES = ("usual", "webcam")
+"""Settings of which shorter videos are reported too."""
 CODERS = {"kappa": "without labels", "last_moved": "last object moved", "yaw": "yaw, fitted", "nearest": "nearest"}
 COLOURS = {"kappa": "#c0392b", "last_moved": "#2471a3", "yaw": "#7d6608", "nearest": "#7f8c8d"}
 
@@ -27,14 +29,14 @@ def values(trials: Sequence[Trial], minutes: float, name: str) -> list[float]:
 
 
 def analyse(trials: Trials) -> list[Comparison]:
-    """Kappa and calibration of every condition; by minutes and of simpler coders of the usual one."""
+    """Kappa, calibration and simpler coders of every condition; of two also after fewer minutes."""
     findings = []
     for setting in SETTINGS:
         part = trials.get(setting, ())
         if not part:
             continue
         words = setting.replace("_", " ")
-        for minutes in MINUTES if setting == "usual" else MINUTES[-1:]:
+        for minutes in MINUTES if setting in BY_MINUTES else MINUTES[-1:]:
             note = "; ".join(
                 f"{label} {np.mean(values(part, minutes, name)):.2f}"
                 for name, label in CODERS.items()
