@@ -51,6 +51,8 @@ class SceneConfig(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         names = [o.name for o in self.objects]
+        if not names:
+            raise ConfigError("objects: expected one at least, for the caregiver to look at and handle; got none")
         if len(set(names)) != len(names) or not all(names):
             raise ConfigError(f"objects: expected distinct, non-empty names; got {names}")
 

@@ -174,6 +174,7 @@ def test_third_person_sees_both(model, data):
         ({"caregiver": "nobody"}, "nobody"),
         ({"quality": "best"}, "best"),
         ({"objects": (OBJECTS[0], OBJECTS[0])}, "distinct"),
+        ({"objects": ()}, "objects: expected one at least"),
         ({"object_size": 0.5}, "object_size"),
     ],
 )
