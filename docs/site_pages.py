@@ -49,8 +49,14 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_content(content: str, **_: object) -> str:
-    """Let every figure open by itself, where a phone can enlarge it."""
-    return re.sub(r'<img [^>]*src="([^"]+)"[^>]*>', r'<a href="\1">\g<0></a>', content)
+    """Let every figure open by itself, where a phone can enlarge it, and no line break after the dashes of an option."""
+    content = re.sub(r'<img [^>]*src="([^"]+)"[^>]*>', r'<a href="\1">\g<0></a>', content)
+    return re.sub(r"(?<=<code>)[^<]*--[^<]*(?=</code>)", _with_whole_options, content)
+
+
+def _with_whole_options(code: re.Match[str]) -> str:
+    """Inline code in which no option is broken. The longest fits the line of a phone."""
+    return re.sub(r"--[a-z][\w-]*(\.[\w-]+)*", r'<span class="option">\g<0></span>', code[0])
 
 
 def _folders() -> list[Path]:

@@ -35,6 +35,13 @@ def test_pages_load_nothing_from_elsewhere(site):
         assert not [address for address in loaded if re.match(r"(\w+:)?//", address)], page
 
 
+def test_options_are_not_broken_after_their_dashes(site):
+    page = (site / "at-your-table.html").read_text("utf-8")
+    assert '<code><span class="option">--fov-deg</span> 110</code>' in page
+    assert not re.findall(r"<code>--\w", page)
+    assert ".option { white-space: nowrap" in (site / "stylesheets" / "site.css").read_text("utf-8")
+
+
 def test_search_finds_something_in_a_page_opened_as_a_file(site, tmp_path):
     browser = shutil.which("chromium") or shutil.which("google-chrome")
     if browser is None:
