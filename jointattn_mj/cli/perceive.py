@@ -8,7 +8,7 @@ from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
 from jointattn_mj.footage.reader import RATE
 from jointattn_mj.footage.run import run_perceive
 from jointattn_mj.footage.viewing import Viewing
-from jointattn_mj.io.progress import Progress
+from jointattn_mj.io.progress import Progress, count
 from jointattn_mj.options import FLAT
 
 LESS = "a shorter video"
@@ -31,7 +31,7 @@ def perceive(config: Annotated[PerceiveConfig, FLAT], options: Annotated[Perceiv
 
     def progress(viewing: Viewing) -> None:
         share = viewing.visible / viewing.frames
-        words = f"face in {share[-1]:.0%}, {len(viewing.fixations.all)} fixations"
+        words = f"face in {share[-1]:.0%}, {count(len(viewing.fixations.all), 'fixation')}"
         shown.doing("perceiving")
         shown.to(viewing.frames / RATE, words, _seconds(viewing))
 
@@ -48,7 +48,7 @@ def perceive(config: Annotated[PerceiveConfig, FLAT], options: Annotated[Perceiv
         print(f"jointattn: stopped; {left}", file=sys.stderr)
         raise
     shares = ", ".join(f"{name} {share:.0%}" for name, share in summary["detected"].items())
-    print(f"{summary['watched_seconds']:.1f} s watched. Found: {shares}. {summary['fixations']} fixations.")
+    print(f"{summary['watched_seconds']:.1f} s watched. Found: {shares}. {count(summary['fixations'], 'fixation')}.")
     for note in summary["notes"]:
         print(f"Note: {note}.")
     if summary["checks"]:
@@ -75,12 +75,18 @@ def _of_looks(looks: dict[str, Any]) -> str:
     else:
         words = f"Looks were not coded: {looks['why_not']}. Placements: {rested}."
     if "check" in looks:
-        check, kappa = looks["check"], "kappa has no meaning, as both have one code alone,"
-        if check["kappa"] is not None:
-            interval = "" if check["low"] is None else f" [{check['low']:.2f}, {check['high']:.2f}]"
-            kappa = f"kappa {check['kappa']:.2f}{interval}"
-        words += f" Against your codings: {kappa} over {check['seconds']:.0f} s."
+        words += f" Against your codings: {_of_check(looks['check'])}."
     return words
+
+
+def _of_check(check: dict[str, Any]) -> str:
+    """How a person's codings agree with these."""
+    if not check["seconds"]:
+        return "there is no time in which both say where somebody looks"
+    if check["kappa"] is None:
+        return f"kappa has no meaning, as both have one code alone, over {check['seconds']:.0f} s"
+    interval = "" if check["low"] is None else f" [{check['low']:.2f}, {check['high']:.2f}]"
+    return f"kappa {check['kappa']:.2f}{interval} over {check['seconds']:.0f} s"
 
 
 def _seconds(viewing: Viewing) -> float | None:

@@ -14,6 +14,7 @@ from jointattn_mj.footage.run import read_summary
 from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.former_columns import present_name
 from jointattn_mj.io.kinds import check_kind
+from jointattn_mj.io.progress import count
 from jointattn_mj.io.table import Table
 from jointattn_mj.options import path_of
 
@@ -123,7 +124,7 @@ class PerceptionResult:
 
     def __repr__(self) -> str:
         summary = self.summary
-        fixations = f"{summary['fixations']} fixation{'s' * (summary['fixations'] != 1)}"
+        fixations = count(summary["fixations"], "fixation")
         return (
             f"PerceptionResult({summary['watched_seconds']:.1f} s of {self.config.video.name}, "
             f"face in {summary['detected']['face']:.0%}, {fixations}, in {self.folder})"

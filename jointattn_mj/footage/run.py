@@ -70,7 +70,7 @@ def run_perceive(
         CheckpointError: ``resume`` without a fitting checkpoint.
         VideoError: The overlay cannot be written.
         ConfigError: ``check`` or ``labels`` without ``looks``, or ``blur_faces`` with a detector that finds one face.
-        SeriesError: The codings cannot be read or compared.
+        SeriesError: The codings cannot be read, or have codes of other things.
     """
     if options.blur_faces and config.detector != "yunet":
         raise ConfigError(f"blur_faces: only the detector yunet finds all faces; got {config.detector}")

@@ -8,6 +8,7 @@ from jointattn_mj.footage.colours import sought_objects
 from jointattn_mj.footage.faces import KEPT
 from jointattn_mj.footage.reader import MISSING_S, RATE
 from jointattn_mj.footage.viewing import Viewing
+from jointattn_mj.io.progress import count
 
 OLD_KEYS = {"found": "detected"}
 """Keys of ``summary.json`` by their names in the last version."""
@@ -148,7 +149,7 @@ def _of_camera(viewing: Viewing) -> list[str]:
     """Sentences on cuts, and on a camera that moves."""
     said, moved, cuts = [], viewing.camera_moves / viewing.frames, viewing.shots.cuts
     if cuts:
-        said.append(f"the video has {cuts} cut{'s' * (cuts != 1)}; faces and objects were searched for anew after each")
+        said.append(f"the video has {count(cuts, 'cut')}; faces and objects were searched for anew after each")
     if moved > CAMERA_SHARE:
         said.append(
             f"the camera moves in {moved:.0%} of the frames: nothing is said to move meanwhile, and locations are "

@@ -245,10 +245,18 @@ def test_one_code_alone_has_no_kappa(tmp_path):
     assert "kappa has no meaning, as both have one code alone, over 10 s" in perceive._of_looks(looks)
 
 
+@pytest.mark.parametrize("theirs", [(20, 30, "cup"), (0, 10, UNSURE), (0, 10, UNSEEN)])
+def test_no_time_in_which_both_answer_is_a_result(tmp_path, theirs):
+    """A video in which nobody is seen, or nothing is sure, has been watched all the same."""
+    mine = Codings.read(coding(tmp_path / "a.csv", (0, 10, "cup")))
+    found = compared(mine, coding(tmp_path / "events.csv", theirs).parent)
+    assert found["kappa"] is None and (found["seconds"], found["left_out"]) == (0, 1)
+    looks = {"placements": {}, "coded": False, "why_not": "no", "check": found}
+    assert "there is no time in which both say where somebody looks" in perceive._of_looks(looks)
+
+
 def test_codings_that_cannot_be_compared(tmp_path):
-    mine, late = coding(tmp_path / "a.csv", (0, 10, "cup")), coding(tmp_path / "b.csv", (20, 30, "cup"))
-    with pytest.raises(SeriesError, match="no time in common"):
-        Codings.read(mine).compare(Codings.read(late))
+    mine = coding(tmp_path / "a.csv", (0, 10, "cup"))
     two = tmp_path / "c.csv"
     two.write_text("onset_s,offset_s,tier,code\n0,1,a,cup\n0,1,b,cup\n")
     with pytest.raises(SeriesError, match="one tier"):

@@ -1,5 +1,6 @@
 """Codes of a person: to be compared with (Cohen's kappa by seconds, with its interval), or to be learned from."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -108,11 +109,8 @@ class Codings:
         Returns:
             ``kappa``, ``low`` and ``high`` (its 95% interval, by blocks of 30 s; NaN where kappa has no meaning, as
             with one code alone), ``observed`` (share of seconds that agree), ``seconds`` that were compared,
-            ``left_out`` (share of the time coded here that was not), and
-            ``kappa_by_code``.
-
-        Raises:
-            SeriesError: There is no such time.
+            ``left_out`` (share of the time coded here that was not), and ``kappa_by_code``. Where there is no such
+            time, ``seconds`` is 0 and nothing else is known.
         """
         pairs = sorted(
             (max(a, c), min(b, d), own, given)
@@ -121,9 +119,8 @@ class Codings:
             if min(b, d) > max(a, c)
         )
         if not pairs:
-            raise SeriesError(
-                f"{self.path} and {other.path} have no time in common in which both say where somebody looks"
-            )
+            unknown = dict.fromkeys(("kappa", "low", "high", "observed"), math.nan)
+            return {**unknown, "seconds": 0.0, "left_out": 1.0, "kappa_by_code": {}}
         onsets, offsets, at = [], [], 0.0
         for onset, offset, *_ in pairs:  # laid end to end, so that what is left out is no code of its own
             onsets.append(at)
