@@ -16,19 +16,17 @@ from jointattn_mj.development.summary import DevelopmentSummary, LearnedModule, 
 from jointattn_mj.errors import OutputError
 from jointattn_mj.io.configs import read_config
 from jointattn_mj.io.files import claimed, write_whole
-from jointattn_mj.io.former_columns import present_name
+from jointattn_mj.io.former_names import present_file, present_name
 from jointattn_mj.io.kinds import check_kind
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import write_config
-from jointattn_mj.options import path_of, warn_renamed
+from jointattn_mj.options import path_of
 
 if TYPE_CHECKING:  # pyarrow takes half a second to import
     from jointattn_mj.io.table import Table
 
 STEPS, CONTINGENCY, SUMMARY, CONFIG = "steps.parquet", "contingency.parquet", "summary.json", "config.yaml"
 FIGURES = "sac.png", "behaviour.png", "maps.png"
-OLD_NAMES = {STEPS: "turns.parquet"}
-"""Names of files in the last version."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -205,19 +203,12 @@ class _Folder:
     def save(self, folder: Path) -> None:
         maps = sorted(path.name for path in self.folder.glob("module_*.csv"))
         for name in (CONFIG, *FIGURES, STEPS, CONTINGENCY, *maps, SUMMARY):
-            write_whole(folder / name, partial(shutil.copyfile, self._path(name)))
+            write_whole(folder / name, partial(shutil.copyfile, present_file(self.folder, name)))
 
     def _table(self, name: str) -> "Table":
         from jointattn_mj.io.table import Table
 
-        return Table.read(self._path(name), present_name)
-
-    def _path(self, name: str) -> Path:
-        path, old = self.folder / name, self.folder / OLD_NAMES.get(name, name)
-        if path.exists() or path == old or not old.exists():
-            return path
-        warn_renamed(str(old), name)
-        return old
+        return Table.read(present_file(self.folder, name), present_name)
 
 
 class Finished:

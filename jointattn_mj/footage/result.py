@@ -12,7 +12,7 @@ from jointattn_mj.footage.config import PerceiveConfig
 from jointattn_mj.footage.frames import PerceivedFrame, frames_of
 from jointattn_mj.footage.run import read_summary
 from jointattn_mj.io.configs import read_config
-from jointattn_mj.io.former_columns import present_name
+from jointattn_mj.io.former_names import present_name
 from jointattn_mj.io.kinds import check_kind
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.table import Table

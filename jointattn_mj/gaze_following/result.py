@@ -11,7 +11,7 @@ import numpy as np
 from jointattn_mj.gaze_following.agent import RobotConfig
 from jointattn_mj.gaze_following.shifts import ShiftRow, Shifts
 from jointattn_mj.io.files import claimed
-from jointattn_mj.io.former_columns import present_name
+from jointattn_mj.io.former_names import present_name
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.table import Table

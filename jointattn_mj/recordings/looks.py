@@ -12,7 +12,7 @@ import numpy as np
 import tyro
 
 from jointattn_mj.errors import ConfigError, OutputError
-from jointattn_mj.io.former_columns import present_name
+from jointattn_mj.io.former_names import present_file, present_name
 from jointattn_mj.io.table import Table
 from jointattn_mj.options import Checked, Real
 from jointattn_mj.recordings.events import Events
@@ -81,8 +81,8 @@ def looks_of(options: LooksOptions) -> Events:
         OutputError: The folder holds no such run, or a table that lacks a column.
     """
     for file, reader in _READERS.items():
-        if (options.run / file).exists():
-            return reader(Table.read(options.run / file, present_name), options)
+        if (path := present_file(options.run, file)).exists():
+            return reader(Table.read(path, present_name), options)
     raise OutputError(
         f"{options.run} holds no looks: expected {', '.join(_READERS)}; give the folder of a finished session, "
         "development or perceive run"

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 from jointattn_mj.errors import SeriesError
-from jointattn_mj.io.former_columns import present_name
+from jointattn_mj.io.former_names import present_name
 from jointattn_mj.options import Checked, Whole, warn_renamed
 from jointattn_mj.recordings.excel_files import STARTS, clock, sheet_rows
 from jointattn_mj.recordings.text_files import SEARCHED_LINES, SNIFFED_ROWS, TextLayout, are_above, as_utf8, layout

@@ -7,6 +7,7 @@ from pyarrow import parquet
 
 from jointattn_mj import recordings
 from jointattn_mj.errors import ConfigError, OutputError, SeriesError
+from jointattn_mj.options import RenamedWarning
 from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.export import ENDINGS, write_events
 from jointattn_mj.recordings.looks import LooksOptions, export_looks, looks_of
@@ -77,6 +78,16 @@ def test_partners_of_a_development_look_at_faces(tmp_path):
         ("run", "infant", "face", 0, 2),
         ("run", "infant", "spot 1", 2, 4),
         ("run", "mother", "face", 0, 4),
+    ]
+
+
+def test_a_development_of_the_last_version_has_looks(tmp_path):
+    table(tmp_path / "run", "turns.parquet", **{"shift gaze": ["caregiver"], "caregiver looks at": ["spot 1"]})
+    with pytest.warns(RenamedWarning, match=r"turns\.parquet is now called steps\.parquet"):
+        export_looks(LooksOptions(tmp_path / "run", tmp_path / "out", form="boris"))
+    assert rows(recordings.read(tmp_path / "out").events) == [
+        ("run", "robot", "face", 0, 1),
+        ("run", "caregiver", "spot 1", 0, 1),
     ]
 
 

@@ -2,7 +2,7 @@
 
 from jointattn_mj.footage.log import FRAME as PERCEPT
 from jointattn_mj.gaze_following.columns import CANDIDATE, FRAME
-from jointattn_mj.io.former_columns import FORMER, present_name
+from jointattn_mj.io.former_names import FORMER, present_name
 
 
 def test_former_and_present_names():
