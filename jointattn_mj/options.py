@@ -15,7 +15,8 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import MISSING, Field, dataclass, fields, replace
 from difflib import get_close_matches
 from functools import cache
@@ -41,6 +42,8 @@ UNITS = {
 """What the end of a field's name says about its unit."""
 GOES = "; the old name goes with the next version"
 """Ends what is said of an old name."""
+_INSIDE = (__name__.partition(".")[0], "dataclasses")
+"""Where a warning of an old name does not point to."""
 LONGEST_NAME, LONGEST_PATH = 255, 4095
 """Bytes in a file's name and in a path on Linux."""
 
@@ -284,7 +287,7 @@ def with_new_names(config: type, named: Mapping[str, Any], location: str | None 
     current = {}
     for name, value in named.items():
         if name in gone:
-            warnings.warn(f"{before}{name} is left out{GOES}", RenamedWarning, stacklevel=3)
+            warn_of_old(f"{before}{name} is left out{GOES}")
             continue
         if name in old:
             if old[name] in named:
@@ -318,7 +321,15 @@ def with_new_choice(config: type, name: str, value: Any, location: str | None = 
 
 def warn_renamed(old: str, new: str) -> None:
     """Warn that ``old`` is called ``new`` now."""
-    warnings.warn(f"{old} is now called {new}{GOES}", RenamedWarning, stacklevel=4)
+    warn_of_old(f"{old} is now called {new}{GOES}")
+
+
+def warn_of_old(message: str) -> None:
+    """Warn of a name of the last version, at the line outside this package that has used it."""
+    frame, level = sys._getframe(), 1
+    while frame.f_back is not None and str(frame.f_globals.get("__name__")).partition(".")[0] in _INSIDE:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, RenamedWarning, stacklevel=level)
 
 
 @cache
@@ -460,6 +471,24 @@ def _plain(value: Any) -> Any:
     """A number of numpy's as Python's own. Numpy, which takes long to import, is not imported for it."""
     numpy = sys.modules.get("numpy")
     return value.item() if numpy is not None and isinstance(value, numpy.generic) else value
+
+
+def without_class(message: str) -> str:
+    """An error of a config without the name of its class, which nobody has typed."""
+    return re.sub(r"^[A-Z]\w*\.", "", message)
+
+
+@contextmanager
+def as_arguments() -> Iterator[None]:
+    """Make a config of a function's own arguments: errors name these, and not the config.
+
+    Raises:
+        ConfigError: An argument is not allowed.
+    """
+    try:
+        yield
+    except ConfigError as error:
+        raise ConfigError(without_class(str(error))) from error
 
 
 def check_names(called: str, given: Iterable[str], known: Sequence[str]) -> None:

@@ -7,7 +7,7 @@ from jointattn_mj.api.claim_result import ClaimResult
 from jointattn_mj.api.claims import experiments_registry
 from jointattn_mj.errors import ConfigError, SweepError
 from jointattn_mj.io.progress import count
-from jointattn_mj.options import Whole, check_argument, path_of
+from jointattn_mj.options import Whole, as_arguments, check_argument, path_of
 from jointattn_mj.parallel.backend_choice import new_backend
 from jointattn_mj.sweeps.registry import Registry, registry_of
 from jointattn_mj.sweeps.report import write_report
@@ -67,7 +67,9 @@ def run_claim(
     known = experiments_registry() if claims is None else claims
     if claim not in known.entries:
         raise ConfigError(f"no claim has the id {claim!r}; there are {', '.join(known)}")
-    folder, selection = path_of(out, "out"), Selection(setting, runs, seed)
+    folder = path_of(out, "out")
+    with as_arguments():
+        selection = Selection(setting, runs, seed)
     always = {"registry": registry} if isinstance(registry, str) else {}
     tally = run([known[claim]], selection, folder, new_backend(backend, jobs, address), watcher, **always)
     if tally.failed:

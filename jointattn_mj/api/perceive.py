@@ -18,7 +18,7 @@ from jointattn_mj.footage.run import percepts, run_perceive
 from jointattn_mj.footage.shots import ShotConfig
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.gaze_following.attention import AttentionConfig
-from jointattn_mj.options import changed, check_called, check_names, options_of_parts, path_of
+from jointattn_mj.options import as_arguments, changed, check_called, check_names, options_of_parts, path_of
 from jointattn_mj.perception.pixels import PixelConfig
 from jointattn_mj.perception.som import SOMConfig
 
@@ -131,9 +131,10 @@ def perceive(
     config = changed(PerceiveConfig(path_of(video, "video")), options)
     if out is not None:
         codings = None if check is None else path_of(check, "check")
-        where = PerceiveOptions(
-            path_of(out, "out"), resume, overlay, blur_faces, overlay_every, checkpoint_minutes, codings, page
-        )
+        with as_arguments():
+            where = PerceiveOptions(
+                path_of(out, "out"), resume, overlay, blur_faces, overlay_every, checkpoint_minutes, codings, page
+            )
         run_perceive(config, where, progress)
         return PerceptionResult.open(where.out)
     if resume:

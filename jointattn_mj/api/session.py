@@ -17,7 +17,7 @@ from jointattn_mj.gaze_following.summary import SessionSummary
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io.extras import extra
 from jointattn_mj.io.files import free_name
-from jointattn_mj.options import changed, check_argument, check_called, path_of, shown, with_new_choice
+from jointattn_mj.options import as_arguments, changed, check_argument, check_called, path_of, shown, with_new_choice
 from jointattn_mj.perception.pixels import PixelConfig
 from jointattn_mj.perception.state import StateConfig
 from jointattn_mj.scene.model import Quality
@@ -162,14 +162,8 @@ class Session(VariedSessionConfig):
             if resume or video:
                 raise ConfigError("resume and video need the folder out; got out=None")
             return SessionResult(self.config, *run_in_memory(self.config, progress, kind, _rerun_log(log, False)))
-        options = LoggedSessionOptions(
-            path_of(out, "out"),
-            resume,
-            video,
-            video_every,
-            checkpoint_minutes,
-            log,
-        )
+        with as_arguments():
+            options = LoggedSessionOptions(path_of(out, "out"), resume, video, video_every, checkpoint_minutes, log)
         summary = run_logged(self.config, options, progress, kind)
         return SessionResult(self.config, summary, SessionFolder(options.out))
 

@@ -24,9 +24,10 @@ import tyro
 from jointattn_mj.cli.given import GIVEN
 from jointattn_mj.cli.help import ALL, HELP, help_text
 from jointattn_mj.cli.old_names import typed_names, with_names_of_today
-from jointattn_mj.cli.usage import complaint, without_class
+from jointattn_mj.cli.usage import complaint
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.io.configs import read_config, values_in
+from jointattn_mj.options import without_class
 
 CONFIG = "config"
 """Name of the parameter and of the option that --config FILE gives defaults to."""

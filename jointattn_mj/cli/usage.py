@@ -2,7 +2,7 @@
 
 import re
 
-from jointattn_mj.options import meant
+from jointattn_mj.options import meant, without_class
 
 
 def complaint(box: str) -> str:
@@ -19,11 +19,6 @@ def complaint(box: str) -> str:
     help_hint = others[-1].partition("For full helptext, ")[2].replace("run: ", "run ") if others else ""
     said = _missing(box) or _choice(first) or f"{_placed(first)}{_commands(others)}{_near(others)}"
     return f"{said} ({help_hint or 'see jointattn --help'})"
-
-
-def without_class(message: str) -> str:
-    """An error of a config without the name of its class, which nobody has typed."""
-    return re.sub(r"^[A-Z]\w*\.", "", message)
 
 
 def _missing(box: str) -> str | None:

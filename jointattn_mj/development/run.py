@@ -22,7 +22,7 @@ from jointattn_mj.io.interrupts import deferred
 from jointattn_mj.io.provenance import write_config
 from jointattn_mj.io.rows import forget_log, log_folder, summary_of_ended
 from jointattn_mj.io.space import check_free
-from jointattn_mj.options import changed, check_argument, check_called, path_of
+from jointattn_mj.options import as_arguments, changed, check_argument, check_called, path_of
 
 LIKELY_MODULES = 8
 """For an estimate of the space on disk: few runs make more modules."""
@@ -156,7 +156,8 @@ class Development:
         """
         check_called("progress", progress)
         if out is not None:
-            options = DevelopmentOptions(path_of(out, "out"), resume, checkpoint_every, video)
+            with as_arguments():
+                options = DevelopmentOptions(path_of(out, "out"), resume, checkpoint_every, video)
             return run_development(self.config, options, progress)
         if resume or checkpoint_every is not None or video:
             raise ConfigError("resume, checkpoint_every and video need a folder; give out as well")

@@ -1,7 +1,6 @@
 """The base of all summaries: a few numbers of a finished run, as attributes here and as JSON in its folder."""
 
 import json
-import warnings
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any, ClassVar, Self, get_args, get_origin, get_type_hints
 from jointattn_mj.errors import OutputError
 from jointattn_mj.io.files import write_whole
 from jointattn_mj.io.provenance import plain
-from jointattn_mj.options import RenamedWarning, warn_renamed
+from jointattn_mj.options import warn_of_old, warn_renamed
 
 WIDTH = 110
 """Characters of a summary's repr."""
@@ -135,7 +134,7 @@ class Summary:
         """
         if key in self.RENAMED:
             new = self.RENAMED[key]
-            warnings.warn(f"the summary's {key!r} is now called {new!r}", RenamedWarning, stacklevel=2)
+            warn_of_old(f"the summary's {key!r} is now called {new!r}")
             key = new
         names = [field.name for field in fields(self)]  # type: ignore[arg-type]
         if key not in names:

@@ -1,6 +1,5 @@
 """The tables of a result: columns by name, which become pandas or polars by one call."""
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,7 @@ import pyarrow.parquet as pq
 from jointattn_mj.errors import OutputError
 from jointattn_mj.io.extras import extra
 from jointattn_mj.io.parquet import write_parquet
-from jointattn_mj.options import RenamedWarning, check_argument, meant
+from jointattn_mj.options import check_argument, meant, warn_of_old
 
 WIDTH = 100
 """Characters of a table's repr."""
@@ -85,11 +84,7 @@ class Table:
         names = [new_names(name) if callable(new_names) else new_names.get(name, name) for name in arrow.column_names]
         old = [f"{now} ({before})" for before, now in zip(arrow.column_names, names, strict=True) if before != now]
         if old:
-            warnings.warn(
-                f"{path} has columns by old names, read by their new ones: {', '.join(old)}",
-                RenamedWarning,
-                stacklevel=3,
-            )
+            warn_of_old(f"{path} has columns by old names, read by their new ones: {', '.join(old)}")
         return cls(arrow.rename_columns(names))
 
     def write(self, path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from jointattn_mj.errors import SeriesError
-from jointattn_mj.options import Real, shown
+from jointattn_mj.options import Real, as_arguments, shown
 from jointattn_mj.recordings.events import Events
 from jointattn_mj.recordings.groups import of_column, of_tier
 from jointattn_mj.recordings.sampling import Missing, SampleOptions
@@ -400,7 +400,9 @@ def read(source: Any, **options: Any) -> Coding:
         >>> coding.steps(0.25).columns["infant"]
         [array([1, 1, 0, 0], dtype=int32)]
     """
-    return Coding(source, ReadOptions(**options))
+    with as_arguments():
+        how = ReadOptions(**options)
+    return Coding(source, how)
 
 
 def read_recordings(
@@ -448,15 +450,16 @@ def read_recordings(
     """
     if not isinstance(path, (str, os.PathLike)):
         raise SeriesError(f"expected the path of a file; got {type(path).__name__}")
-    how = ReadOptions(
-        recording=recording,
-        missing=missing,
-        step=step,
-        encoding=encoding,
-        skip_rows=skip_rows,
-        rows_are_steps=rows_are_steps,
-        **options,
-    )
+    with as_arguments():
+        how = ReadOptions(
+            recording=recording,
+            missing=missing,
+            step=step,
+            encoding=encoding,
+            skip_rows=skip_rows,
+            rows_are_steps=rows_are_steps,
+            **options,
+        )
     return how.read(path, columns)
 
 

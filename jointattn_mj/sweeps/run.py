@@ -79,7 +79,7 @@ class Selection(Checked):
     """Id of a setting, or the beginning of several ids."""
     runs: Annotated[int, Whole("[1, 1e6]")] | None = None
     """Runs of each setting."""
-    first_seed: Seed | None = None
+    seed: Seed | None = None
     """Seed of the first run."""
 
     def names(self, claim: Claim) -> list[str]:
@@ -99,7 +99,7 @@ class Selection(Checked):
 
     def seeds(self, claim: Claim, names: Iterable[str]) -> dict[str, range]:
         """Chosen seeds of each of these settings."""
-        first = claim.first_seed if self.first_seed is None else self.first_seed
+        first = claim.first_seed if self.seed is None else self.seed
         return {
             name: range(first, first + (claim.settings[name].runs if self.runs is None else self.runs))
             for name in names

@@ -16,7 +16,7 @@ import pytest
 import experiments
 import jointattn_mj
 from experiments.registry import REGISTRY
-from jointattn_mj.api.session import Session
+from jointattn_mj import Development, Session, perceive, read_recordings, recordings, run_claim
 from jointattn_mj.development.rendered.stage import StageConfig
 from jointattn_mj.errors import ConfigError, JointAttnError
 from jointattn_mj.footage.config import PerceiveConfig
@@ -229,6 +229,39 @@ def test_old_names_lead_to_new_ones(config):
         for old, new in choices.items():
             with pytest.warns(RenamedWarning, match=f"'{old}' is now called '{new}'"):
                 assert getattr(replace(example(config), **{name: old}), name) == new
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda: SessionConfig(perception="truth"),
+        lambda: replace(SessionConfig(), perception="truth"),
+        lambda: Session(perception="truth"),
+        lambda: Development(agent={"history": "made"}),
+        lambda: Development("fast", mind={}),
+    ],
+)
+def test_a_warning_of_an_old_name_points_to_who_used_it(use):
+    with pytest.warns(RenamedWarning) as warned:
+        use()
+    assert {warning.filename for warning in warned} == {__file__}
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda out: Session().run(out=out, video_every=0), "video_every: expected"),
+        (lambda out: Development().run(out=out, checkpoint_every=0), "checkpoint_every: expected"),
+        (lambda out: perceive("video.mp4", out=out, overlay_every=0), "overlay_every: expected"),
+        (lambda out: run_claim("5.2", out=out, runs=0), "runs: expected"),
+        (lambda out: run_claim("5.2", out=out, seed=-1), "seed: expected"),
+        (lambda out: read_recordings("table.csv", ["gaze"], step=0), "step: expected"),
+        (lambda out: recordings.read("table.csv", step=0), "step: expected"),
+    ],
+)
+def test_errors_name_arguments_as_they_are_called(call, says, tmp_path):
+    with pytest.raises(ConfigError, match=f"^{says}"):
+        call(tmp_path / "out")
 
 
 def test_a_config_shows_what_differs_from_its_defaults():

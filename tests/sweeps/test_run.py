@@ -82,7 +82,7 @@ def test_settings_take_turns():
 def test_own_numbers_of_runs_and_seeds():
     broken = REGISTRY["1.2"]
     assert [task.seed for task in plan([broken], Selection())] == [5, 6]
-    assert [task.seed for task in plan([broken], Selection(runs=1, first_seed=9))] == [9]
+    assert [task.seed for task in plan([broken], Selection(runs=1, seed=9))] == [9]
     uneven = replace(COIN, settings={"a": Setting({}, 0), "b": Setting({"x": 1}, 2)})
     assert [(task.name, task.seed) for task in plan([uneven], Selection())] == [("b", 0), ("b", 1)]
 
@@ -101,7 +101,7 @@ def test_settings_by_their_names_of_the_last_version():
         assert Selection("truth/cues").names(claim) == ["state/cues"]
 
 
-@pytest.mark.parametrize("bad", [{"runs": 0}, {"first_seed": -1}])
+@pytest.mark.parametrize("bad", [{"runs": 0}, {"seed": -1}])
 def test_bad_selections(bad):
     with pytest.raises(ConfigError, match=next(iter(bad))):
         Selection(**bad)

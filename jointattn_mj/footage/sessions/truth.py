@@ -45,10 +45,10 @@ class CodedLooks:
         looks = Codings.read(path / EVENTS if path.is_dir() else path).looks
         codes = sorted({code for _, _, code in looks})
         if not codes:
-            raise ConfigError(f"coding {path} says of no time where the person looks")
+            raise ConfigError(f"{path} says of no time where the person looks")
         if not set(codes) & set(names):
             raise ConfigError(
-                f"coding {path} names none of the objects ({', '.join(names)}); its codes are "
+                f"{path} names none of the objects ({', '.join(names)}); its codes are "
                 f"{', '.join(codes)}: name the objects as they are coded, name=#colour"
             )
         order = sorted(looks)
