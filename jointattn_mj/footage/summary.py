@@ -138,7 +138,10 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
         said.append("the video is grey: objects are found by their colour, so none can be")
     elif not viewing.visible[:-1].any():
         said.append("no object was found; objects may be picked in the video by time and pixel: cup@12.5s:420,310")
-    if not viewing.visible[-1]:
+    if not viewing.visible[-1] and viewing.people is not None and viewing.people.people:
+        numbers = ", ".join(str(number) for number in viewing.people.people)
+        said.append(f"no face was the face of interest, {viewing.config.face}; the people in the video are {numbers}")
+    elif not viewing.visible[-1]:
         templates = "a face must look at the camera once, and be 24 pixels wide in the robot's image"
         small = "a face must be 10 pixels high at least, and be shown from the front or from the side"
         said.append(f"no face was found: {templates if viewing.people is None else small}")

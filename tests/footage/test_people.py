@@ -206,6 +206,13 @@ class TestClips:
         assert [person["person"] for person in summary["people"]] == [1]
         assert any("camera moves" in note for note in summary["notes"])
 
+    def test_a_person_who_is_not_there(self, tmp_path):
+        """Faces were found, but none of person 9: the note says who there is, not how large a face must be."""
+        summary, rows = watched("asl_yes.mkv", tmp_path / "out", face="9")
+        assert rows and not any(row["of_interest"] for row in rows)
+        assert "no face was the face of interest, 9; the people in the video are 1" in summary["notes"]
+        assert not any("no face was found" in note for note in summary["notes"])
+
     def test_people_who_come_back(self):
         """Over cuts, from other recordings of the same people."""
         order = ("asl_brother.mkv", "asl_walk.mkv", "asl_yes.mkv", "asl_sister.mkv", "asl_walk.mkv")
