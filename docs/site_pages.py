@@ -49,7 +49,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_content(content: str, **_: object) -> str:
-    """Let every figure open by itself, where a phone can enlarge it, and no line break after the dashes of an option."""
+    """Let every figure open by itself, where a phone can enlarge it, and no option be broken after its dashes."""
     content = re.sub(r'<img [^>]*src="([^"]+)"[^>]*>', r'<a href="\1">\g<0></a>', content)
     return re.sub(r"(?<=<code>)[^<]*--[^<]*(?=</code>)", _with_whole_options, content)
 
