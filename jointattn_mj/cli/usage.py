@@ -17,7 +17,7 @@ def complaint(box: str) -> str:
     first, *others = re.split(r" ─+ ", " ".join(inside))
     first = re.sub(r" (?=[.,])", "", first)  # where a line was broken before a full stop
     help_hint = others[-1].partition("For full helptext, ")[2].replace("run: ", "run ") if others else ""
-    said = _missing(box) or _choice(first) or f"{_placed(first)}{_commands(others)}{_near(others)}"
+    said = _missing(box) or _choice(first) or f"{_command(first, others) or _placed(first)}{_near(others)}"
     return f"{said} ({help_hint or 'see jointattn --help'})"
 
 
@@ -57,9 +57,13 @@ def _placed(text: str) -> str:
     return f"{location}: {message}" if location.startswith("-") else message
 
 
-def _commands(parts: list[str]) -> str:
-    known = [re.match(r"Available subcommands: ([\w, -]+)$", part) for part in parts]
-    return "".join(f"; there are {match[1]}" for match in known if match)
+def _command(text: str, parts: list[str]) -> str | None:
+    """What is said of a word where there should be one of some commands."""
+    given = re.match(r"Unrecognized options: (\S+)", text)
+    for match in (re.match(r"Available subcommands: ([\w, -]+)$", part) for part in parts):
+        if match and given:
+            return f"no command {given[1]!r}{meant(given[1], match[1].split(', '))}; there are {match[1]}"
+    return None
 
 
 def _near(parts: list[str]) -> str:

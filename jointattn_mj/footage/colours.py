@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.options import meant
 from jointattn_mj.scene.objects import OBJECTS
 
 KNOWN = {item.name: item.rgb for item in OBJECTS}
@@ -60,7 +61,7 @@ def _sought(item: str) -> Sought:
     if not given and name not in KNOWN:
         raise ConfigError(
             f"objects: give {', '.join(KNOWN)}, a name and a colour, cup=#c03a2b, or a name and where it is seen, "
-            f"cup@12.5s:420,310; got {item!r}"
+            f"cup@12.5s:420,310; got {item!r}{meant(item, KNOWN)}"
         )
     if not given:
         return Sought(name, KNOWN[name], None)

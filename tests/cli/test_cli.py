@@ -106,6 +106,7 @@ def test_a_misspelt_command(jointattn):
         ("session --robot.gaze.gate_wdth=3", "no option --robot.gaze.gate-wdth (perhaps you meant --robot.gaze.gate-w"),
         ("session --hlep", "no option --hlep (perhaps you meant --help)"),
         ("develop rendered --help-al --out x", "no option --help-al (perhaps you meant --help-all"),
+        ("experiment rn", "no command 'rn' (perhaps you meant 'run'); there are list, run, report"),
         ("experiment run --ot x", "no option --ot (perhaps you meant --out)"),
         ("measure --sorce x", "no option --sorce (perhaps you meant --source)"),
         ("--hlep", "no option '--hlep' (perhaps you meant '--help')"),

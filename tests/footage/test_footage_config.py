@@ -21,6 +21,7 @@ def test_colours():
     ("objects", "words"),
     [
         (("mauve",), "cup=#.*mauve"),
+        (("yelow",), "perhaps you meant 'yellow'"),
         (("cup=red",), "hexadecimal.*cup=red"),
         (("cup=#fff",), "hexadecimal"),
         (("=#ff0000",), "name of its own"),
