@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from jointattn_mj.io.progress import count
 from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
 from jointattn_mj.sweeps.statistics import mean_interval, median_interval, proportion
 
@@ -83,7 +84,7 @@ def rise(runs: dict[str, np.ndarray], objects: int) -> list[Comparison]:
     right = rates(runs)["right"]
     start, end = mean_interval(right[:, 0]), mean_interval(right[:, -END:].mean(axis=1))
     new = mean_interval(runs["test_new_right"][:, 0] / runs["test_new_attempts"][:, 0])
-    of = f"{objects} object{'s' * (objects > 1)}"
+    of = count(objects, "object")
     risen = Verdict.REPRODUCED if end.low > LEVEL else Verdict.PARTLY if end.low > start.high else Verdict.NOT
     chance = Verdict.REPRODUCED if objects > 1 and abs(start.mean - 1 / objects) < 0.05 else Verdict.NOT
     missed = "objects outside the first view are missed at first, which 1/n leaves out"
@@ -124,7 +125,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     for objects, colour in COLOURS.items():
         part = trials.get(f"objects_{objects}")
         if part:
-            band(by_number, rates(columns(part))["right"], f"{objects} objects ({len(part)} runs)", colour)
+            band(by_number, rates(columns(part))["right"], f"{count(objects, 'object')} ({len(part)} runs)", colour)
             by_number.axhline(1 / objects, color=colour, ls=":", lw=0.8)
     locations = {
         "objects_5": ("five, anywhere on the table", "#c0392b"),
@@ -142,7 +143,7 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     titles = {
         by_number: "How often the right object is reached (dotted: chance)",
         by_location: "The same, by where objects lie (thin: single runs)",
-        five: "What is reached in three stages, five objects on the table",
+        five: "What is reached in three stages, five objects",
         ten: "What is reached in three stages, ten objects",
     }
     for axes, title in titles.items():
