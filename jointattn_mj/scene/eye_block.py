@@ -2,9 +2,7 @@
 
 import mmap
 import os
-import tempfile
 from dataclasses import dataclass
-from typing import IO
 
 import numpy as np
 
@@ -68,7 +66,7 @@ class EyeBlock:
         images: (n,) int32 number of the image that each part belongs to.
         pixels: (n, p) uint32 of each part, blue in the lowest byte, then green and red.
         number: Of the block among those of its client.
-        file: To be closed when the other process has it; the memory stays.
+        file: Descriptor, to be closed when the other process has it; the memory stays.
         requests: What was added; ``filled``: the number of their parts.
     """
 
@@ -89,13 +87,9 @@ class EyeBlock:
         self.layout, self.number = layout, number
         sizes = {name: (shape, np.dtype(kind)) for name, (shape, kind) in layout.arrays().items()}
         total = sum(int(np.prod(shape)) * kind.itemsize for shape, kind in sizes.values())
-        if file is None:
-            shared = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
-            self.file: IO[bytes] = tempfile.TemporaryFile(dir=shared)  # noqa: SIM115
-            self.file.truncate(total)
-        else:
-            self.file = open(file, "r+b")  # noqa: SIM115
-        memory = mmap.mmap(self.file.fileno(), total)
+        self.file = os.memfd_create("jointattn-eye") if file is None else file
+        os.ftruncate(self.file, total)
+        memory = mmap.mmap(self.file, total)
         start = 0
         for name, (shape, kind) in sizes.items():
             count = int(np.prod(shape))

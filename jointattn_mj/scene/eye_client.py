@@ -1,5 +1,6 @@
 """What a process asks of an eye server, and gets from it."""
 
+import os
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import send_handle
@@ -52,7 +53,7 @@ class EyeClient:
         sizes = len(request.angles), len(request.positions), self._images, parts, PART_WIDTH * PART_HEIGHT
         block = EyeBlock(EyeBlockLayout(*sizes), number=len(self._blocks))
         self._send(OpenBlock(block.number, request.scene, block.layout), block)
-        block.file.close()
+        os.close(block.file)
         self._blocks.append((request.scene, block))
         return block
 
@@ -86,7 +87,7 @@ class EyeClient:
         try:
             self._connection.send(message)
             if block is not None:
-                send_handle(self._connection, block.file.fileno(), None)
+                send_handle(self._connection, block.file, None)
         except OSError:
             while True:  # up to what the server has said last
                 self.receive()

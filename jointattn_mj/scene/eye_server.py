@@ -4,6 +4,7 @@ Clients share blocks of memory with it (``eye_block``). Their requests are gathe
 one, the parts of the next are gathered, and those of the last are given out.
 """
 
+import os
 import signal
 from collections import deque
 from collections.abc import Sequence
@@ -135,7 +136,7 @@ class EyeServer:
                 continue
             if isinstance(message, OpenBlock):
                 block = EyeBlock(message.layout, file)
-                block.file.close()
+                os.close(block.file)
                 self._blocks[connection, message.number] = message.scene, block
             else:
                 scene, block = self._blocks[connection, message.number]

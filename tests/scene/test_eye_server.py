@@ -94,10 +94,10 @@ def test_every_image_gets_its_own_parts(clients):
 def test_a_block_is_one_memory_and_leaves_no_file():
     layout = EyeBlockLayout(joints=3, objects=2, images=2, parts=4, pixels=PART_WIDTH * PART_HEIGHT)
     own = EyeBlock(layout)
-    assert os.fstat(own.file.fileno()).st_nlink == 0, "nothing is left even of a process that is killed"
-    other = EyeBlock(layout, os.dup(own.file.fileno()))
-    own.file.close()
-    other.file.close()
+    assert os.fstat(own.file).st_nlink == 0, "nothing is left even of a process that is killed"
+    other = EyeBlock(layout, os.dup(own.file))
+    os.close(own.file)
+    os.close(other.file)
     other.pixels[:] = 7
     assert (own.pixels == 7).all()
 
