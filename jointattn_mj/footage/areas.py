@@ -132,6 +132,11 @@ class FootageAreas:
             slot.px = None if slot.px is None else moved(slot.px)
             slot.trail = [np.concatenate([moved(point[:2]), moved(point[2:])]) for point in slot.trail]
 
+    def pass_over(self, images: int) -> None:
+        """Say that so many images have gone by unseen, as while the eye turns: objects may have moved on meanwhile."""
+        for slot in self._slots:
+            slot.missing += images
+
     def find(self, image: np.ndarray, gray: np.ndarray, areas: Areas) -> None:
         """Find the objects in an image.
 

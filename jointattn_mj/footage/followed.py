@@ -11,6 +11,9 @@ from jointattn_mj.perception.faces import PATCH_SIDE, FaceFix
 
 PATTERN_HEIGHTS = 1.1
 """Side of the square that becomes the pattern, in heights of the face's box, which reaches from brow to chin."""
+RAISED = 0.1
+"""How far the region in which motion is measured lies above the pattern's, in heights of that: a mouth that speaks, and
+a hand at the chin, are not the head."""
 BLUR_PX = 0.7
 """Standard deviation of the pattern's blur, as of ``perception.faces``."""
 NOWHERE = FaceFix(float("nan"), float("nan"), -1.0, False)
@@ -76,9 +79,9 @@ class FollowedFace:
         return self._pattern
 
     def box(self, fix: FaceFix, shape: tuple[int, int]) -> tuple[int, int, int, int]:
-        """Its region x0, y0, x1, y1 (the last two exclusive), cut at the border of an image (h, w)."""
+        """The region of its motion x0, y0, x1, y1 (the last two exclusive), cut at the border of an image (h, w)."""
         wide, high = (round(float(side)) for side in self._side)
-        x0, y0 = round(fix.x - (wide - 1) / 2), round(fix.y - (high - 1) / 2)
+        x0, y0 = round(fix.x - (wide - 1) / 2), round(fix.y - (high - 1) / 2 - RAISED * high)
         return max(x0, 0), max(y0, 0), min(x0 + wide, shape[1]), min(y0 + high, shape[0])
 
 

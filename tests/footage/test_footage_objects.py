@@ -11,7 +11,11 @@ from jointattn_mj.errors import ConfigError, FootageError
 from jointattn_mj.footage.areas import AreaConfig, FootageAreas
 from jointattn_mj.footage.colours import candidate_names, sought_objects
 from jointattn_mj.footage.config import PerceiveConfig
+from jointattn_mj.footage.followed import FollowedFace
+from jointattn_mj.footage.frame_map import FrameMap
 from jointattn_mj.footage.labels import label_table
+from jointattn_mj.footage.people import Sighting
+from jointattn_mj.footage.perception_config import FOR_CAMERAS
 from jointattn_mj.footage.picked import colours_at
 from jointattn_mj.footage.reader import RATE, Footage
 from jointattn_mj.footage.rest import Rest, RestConfig
@@ -20,7 +24,8 @@ from jointattn_mj.footage.shots import ShotConfig, Shots
 from jointattn_mj.footage.spans import Spans, write_spans
 from jointattn_mj.footage.summary import notes
 from jointattn_mj.footage.viewing import Viewing
-from jointattn_mj.perception.objects import ColourConfig
+from jointattn_mj.perception.motion import MotionDetector
+from jointattn_mj.perception.objects import Areas, ColourConfig
 from jointattn_mj.scene import gl
 
 needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="no OpenGL library to render with")
@@ -68,6 +73,16 @@ def test_one_of_several_is_followed_and_not_the_largest():
     for _ in range(20):
         found = finder.find(table((250, 100, 20, 20, BLUE)))
     assert found.px[0, 0] == pytest.approx(259.5)
+
+
+def test_a_thing_that_went_on_while_nobody_looked_is_known_at_once():
+    """A robot that turns its head takes in no image; what is carried on meanwhile is farther away than it goes in one."""
+    before, after = table((60, 100, 14, 14, BLUE)), table((110, 60, 14, 14, BLUE))
+    for unseen, visible in ((0, False), (12, True)):
+        finder = Finder()
+        finder.find(before)
+        finder.areas.pass_over(unseen)
+        assert finder.find(after).visible[0] == visible
 
 
 def test_what_is_large_or_worn_is_no_object():
@@ -194,6 +209,22 @@ def test_motion_is_more_than_at_rest():
     np.testing.assert_array_equal(said[:, 0], moving)
     assert not said[:, 1].any()
     assert not rest.moves(np.array([9.0, 9.0]), np.ones(2, bool), np.zeros(2, bool)).any()
+
+
+def test_a_hand_at_the_chin_does_not_move_the_face():
+    """Nor does a mouth that speaks; a head that turns does."""
+    box = np.array([140.0, 100.0, 24.0, 31.0])
+    face = Sighting(1, 1, True, True, np.zeros(15), box, 0.0, 1.0)
+    still = cv2.GaussianBlur(np.random.default_rng(0).integers(0, 256, (240, 320), np.uint8), (0, 0), 2.0)
+    chin, head = still.copy(), still.copy()
+    chin[125:140, 130:180] = still[126:141, 131:181]
+    head[90:140, 130:180] = still[90:140, 131:181]
+    for moved, moves in ((chin, False), (head, True)):
+        followed, detector = FollowedFace(), MotionDetector(FOR_CAMERAS)
+        followed.show(face, cv2.cvtColor(still, cv2.COLOR_GRAY2BGR), FrameMap.fitted(320, 240))
+        fix = followed.detect(still, None, None)
+        seen = [detector.update(image, followed.box(fix, image.shape), Areas.empty(0, 1)) for image in (still, moved)]
+        assert seen[-1].face_moves == moves
 
 
 class TestShots:

@@ -99,6 +99,7 @@ class WidePerception(FootagePerception):
         cut = False
         if fresh:
             self.fresh_frames += 1
+            self.areas.pass_over(wide_frame.number - self._number - 1)
             cut = self.shots.see(wide_frame.image) or wide_frame.cut
             if self.people is not None:
                 self.visible_faces = self.people.see(wide_frame.image, self._world.frames, cut)
