@@ -76,7 +76,7 @@ def test_one_of_several_is_followed_and_not_the_largest():
 
 
 def test_a_thing_that_went_on_while_nobody_looked_is_known_at_once():
-    """A robot that turns its head takes in no image; what is carried on meanwhile is farther away than it goes in one."""
+    """A robot that turns its head takes in no image; meanwhile things are carried farther than they go in one."""
     before, after = table((60, 100, 14, 14, BLUE)), table((110, 60, 14, 14, BLUE))
     for unseen, visible in ((0, False), (12, True)):
         finder = Finder()

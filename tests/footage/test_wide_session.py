@@ -166,6 +166,18 @@ def test_times_are_those_of_the_file_at_a_variable_rate(table, tmp_path):
     assert len(np.unique(images)) == FRAMES - 30 - LEARNED
 
 
+def test_a_thing_that_moves_while_the_head_turns_is_seen_when_it_has_turned(wide, tmp_path):
+    images = np.repeat(wide[None], 4 * FRAMES, axis=0)
+    for number, image in enumerate(images):
+        x = 180 + abs(4 * number % 176 - 88)  # up to 8 pixels of the robot's image a frame
+        cv2.rectangle(image, (x, 176), (x + 8, 184), INKS["blue"], -1)
+        cv2.rectangle(image, (140, 177), (148, 185), INKS["red"], -1)
+    encode(tmp_path / "table.mp4", images, "-c:v", "libx264", "-preset", "ultrafast", "-crf", "20")
+    summary = run_footage_session(config(tmp_path), None)
+    assert summary.gaze_shifts_of_all_kinds > 3
+    assert summary.detected["blue"] > 0.95
+
+
 def test_without_a_face_a_session_says_so(wide, table, tmp_path, monkeypatch):
     monkeypatch.setattr(sessions, "FACELESS_S", 0.3)
     images = np.repeat(np.zeros_like(wide)[None], 30, axis=0)
