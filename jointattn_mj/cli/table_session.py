@@ -136,8 +136,13 @@ def _live(options: VideoSessionOptions | CameraSessionOptions) -> Iterator[Any]:
     from jointattn_mj.viewing.live import LiveView
 
     with LiveView(options.port) as view:
-        print(f"{view.address}  (this machine alone; Ctrl-C ends the session)", file=sys.stderr, flush=True)
-        yield view.attach
+
+        def take_hold(session: FootageSessionRun) -> None:
+            session.wide.image()  # without a camera there is nothing to see
+            print(f"{view.address}  (this machine alone; Ctrl-C ends the session)", file=sys.stderr, flush=True)
+            view.attach(session)
+
+        yield take_hold
 
 
 def _print(summary: FootageSessionSummary, out: Path | None) -> None:
