@@ -174,7 +174,7 @@ def ablation() -> dict[str, Setting]:
         name = "+".join([pairs, *(part for part, on in parts.items() if on)])
         learner = {"pairs": pairs, "base": "in_view" if base else "none", "competition": float(competition)}
         gaze = {"wait_for_still_face": wait, "read_again": again}
-        settings[f"ablation/{name}"] = Setting(condition(gaze=gaze, learner=learner), 10)
+        settings[f"ablation/{name}"] = Setting(condition(gaze=gaze, learner=learner), 20)
     del settings[f"ablation/{COMPLETE}"]  # it is state/no_cues
     return settings
 
@@ -188,21 +188,21 @@ SETTINGS = {
     "pixels/no_cues": Setting(condition("pixels"), 20),
     "pixels/cues": Setting(condition("pixels", cues=True), 20),
     **ablation(),
-    "changed/gate_by_certainty": Setting(condition(gaze={"gate": "certainty"}), 10),
-    "changed/gate_of_the_thesis": Setting(condition(gaze={"gate_midpoint": 150.0, "gate_width": 22.5}), 10),
-    "changed/bare_direction": Setting(condition(gaze={"commands": "direction"}), 10),
-    "changed/nothing_forgotten": Setting(condition(learner={"forgetting": 0.0}), 10),
-    "changed/41x31_units": Setting(condition(learner={"units": (41, 31)}), 10),
-    "changed/half_a_second_a_shift": Setting(condition(gaze={"shift_frames": 15, "feedback_frames": (10,)}), 10),
-    **{f"objects/{count}": Setting(condition(objects=count), 10) for count in (2, 3, 5, 6, 8)},
-    "objects/8_of_which_4_are_handled": Setting(condition(objects=8, handled=4), 10),
-    **{f"caregiver/looks_away_{share:.0%}": Setting(condition(looks_away=share), 10) for share in (0.2, 0.4, 0.6)},
-    "caregiver/looks_at_others": Setting(condition(looks_at_others=True), 10),
+    "changed/gate_by_certainty": Setting(condition(gaze={"gate": "certainty"}), 20),
+    "changed/gate_of_the_thesis": Setting(condition(gaze={"gate_midpoint": 150.0, "gate_width": 22.5}), 20),
+    "changed/bare_direction": Setting(condition(gaze={"commands": "direction"}), 20),
+    "changed/nothing_forgotten": Setting(condition(learner={"forgetting": 0.0}), 20),
+    "changed/41x31_units": Setting(condition(learner={"units": (41, 31)}), 20),
+    "changed/half_a_second_a_shift": Setting(condition(gaze={"shift_frames": 15, "feedback_frames": (10,)}), 20),
+    **{f"objects/{count}": Setting(condition(objects=count), 20) for count in (2, 3, 5, 6, 8)},
+    "objects/8_of_which_4_are_handled": Setting(condition(objects=8, handled=4), 20),
+    **{f"caregiver/looks_away_{share:.0%}": Setting(condition(looks_away=share), 20) for share in (0.2, 0.4, 0.6)},
+    "caregiver/looks_at_others": Setting(condition(looks_at_others=True), 20),
     "watching": Setting(condition(gaze={"gate": "open"}, minutes=26 + TEST_MINUTES, learning="watching"), 20),
     "watching_thesis": Setting(
         condition(preset="thesis", gaze={"gate": "open"}, minutes=26 + TEST_MINUTES, learning="watching"), 20
     ),
-    "hour": Setting(condition(minutes=60), 10),
+    "hour": Setting(condition(minutes=60), 20),
     "variation": Setting(condition("pixels", variation="all"), 10),
     **{
         f"strangers/{words}{coded}": Setting(meeting(teachers, subtracted), 10)
@@ -210,8 +210,8 @@ SETTINGS = {
         for coded, subtracted in (("", False), ("_mean_face", True))
     },
     **{f"told/{part}": Setting(condition("pixels", kind=PartlyVisible, told=part), 10) for part in PARTS},
-    "upright/state_no_cues": Setting(upright(), 10),
-    "upright/state_cues_thesis": Setting(upright(cues=True, preset="thesis"), 10),
+    "upright/state_no_cues": Setting(upright(), 20),
+    "upright/state_cues_thesis": Setting(upright(cues=True, preset="thesis"), 20),
     "upright/pixels_no_cues": Setting(upright(perception="pixels"), 10),
     "upright/pixels_cues_thesis": Setting(upright(perception="pixels", cues=True, preset="thesis"), 10),
 }  # fmt: skip
