@@ -32,7 +32,8 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
         renderer: OpenGL renderer that made the images. render_ms: milliseconds to render an image, alone; the same
         images that the session rendered. loop_ms_per_image: of a session from images, with everything, for each image
         that it rendered. loop_to_render: ratio of the two, block by block. contingent_to_render: the same ratio of a
-        session of the preset cross_situational. loop_times_real_time: simulated seconds of a session from images in a
+        session of the preset cross_situational. changes_to_render: of a session that draws only what has changed,
+        beside rendering all of the same images. loop_times_real_time: simulated seconds of a session from images in a
         second. session_26_min_s: seconds that 26 simulated minutes take at this pace.
         familiarise_s: seconds in which the robot gets to know the face, before a session. state_times_real_time:
         simulated seconds of a session from the state in a second. cartpole_ms: a step of dm_control's cartpole swingup,
@@ -45,6 +46,7 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
     loop = SessionRun(SessionConfig(minutes=minutes))
     robot = replace(PRESETS["cross_situational"], familiarise=loop.config.robot.familiarise)
     contingent = SessionRun(replace(loop.config, robot=robot))
+    changes = SessionRun(replace(loop.config, world=replace(loop.config.world, draws="changes")))
     state = SessionRun(SessionConfig(minutes=minutes, perception="state"))
     scene = World.build(loop.config.world, np.random.SeedSequence(1))
     cartpole = _cartpole()
@@ -53,29 +55,31 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
     loop.begin()
     familiarised = time.perf_counter() - start
     contingent.begin()
+    changes.begin()
     state.begin()
     _advance(state, 30)  # compiles
     block, times = round(options.seconds / FRAME_S), []
     try:
         for _ in range(options.blocks):
-            (in_loop, alone, images), (in_contingent, its_alone, _) = (
-                _beside_rendering(session, block, scene) for session in (loop, contingent)
+            (in_loop, alone, images), *others = (
+                _beside_rendering(session, block, scene) for session in (loop, contingent, changes)
             )
+            ratios = [spent / its_alone for spent, its_alone, _ in others]
             in_state = _advance(state, block)
-            ratio = in_contingent / its_alone
-            times.append((in_loop, images, alone, ratio, in_state, _steps(cartpole, CARTPOLE_STEPS)))
+            times.append((in_loop, images, alone, *ratios, in_state, _steps(cartpole, CARTPOLE_STEPS)))
         with loop.world.physics.contexts.gl.make_current() as context:
             renderer = context.call(_renderer_name)
     finally:
-        for part in (loop, contingent, state, scene, cartpole):
+        for part in (loop, contingent, changes, state, scene, cartpole):
             part.close()
-    in_loop, images, rendering, contingent_to_render, in_state, steps = np.array(times, float).T
+    in_loop, images, rendering, contingent_to_render, changes_to_render, in_state, steps = np.array(times, float).T
     per_image, figures = in_loop / images, Figures()
     figures.add("renderer", renderer)
     figures.add("render_ms", 1000 * rendering / images)
     figures.add("loop_ms_per_image", 1000 * per_image)
     figures.add("loop_to_render", in_loop / rendering)
     figures.add("contingent_to_render", contingent_to_render)
+    figures.add("changes_to_render", changes_to_render)
     figures.add("loop_times_real_time", options.seconds / in_loop)
     figures.add("session_26_min_s", in_loop * 26 * 60 / options.seconds)
     figures.add("familiarise_s", familiarised)

@@ -24,8 +24,8 @@ needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="
 
 SCENE = (
     "renderer", "render_ms", "loop_ms_per_image", "loop_to_render", "contingent_to_render",
-    "loop_times_real_time", "session_26_min_s", "familiarise_s", "state_times_real_time", "cartpole_ms",
-    "loop_to_cartpole",
+    "changes_to_render", "loop_times_real_time", "session_26_min_s", "familiarise_s", "state_times_real_time",
+    "cartpole_ms", "loop_to_cartpole",
 )  # fmt: skip
 
 
@@ -83,7 +83,7 @@ def test_figures_stand_beside_their_quartiles_and_those_before(tmp_path):
 def test_the_committed_figures_have_todays_names():
     names = {*SCENE, "step_to_image", "thesis_100k_s", "transfer_entropy_to_pyinform"} - {
         "familiarise_s",
-        "contingent_to_render",
+        "changes_to_render",
     }
     assert names <= committed().keys()
 
