@@ -113,6 +113,7 @@ def condition(
     minutes: float = 26.0,
     objects: int = 4,
     variation: str = "none",
+    knows_delay: bool = True,
     kind: type[Condition] = Condition,
     **more: Any,
 ) -> Condition:
@@ -127,6 +128,7 @@ def condition(
         minutes: Length.
         objects: How many there are on the table.
         variation: What of the world varies with the seed.
+        knows_delay: Whether the robot knows how late its camera is.
         kind: Class of the condition.
         more: Further fields of ``Condition``.
     """
@@ -134,6 +136,7 @@ def condition(
         minutes=minutes,
         perception=perception,
         variation=variation,
+        knows_delay=knows_delay,
         robot=robot(PRESETS[preset], cues, gaze, learner),
     )
     scene = replace(config.world.scene, objects=OBJECTS[:objects])
@@ -204,6 +207,7 @@ SETTINGS = {
     ),
     "hour": Setting(condition(minutes=60), 20),
     "variation": Setting(condition("pixels", variation="all"), 10),
+    "variation_delay_not_known": Setting(condition("pixels", variation="all", knows_delay=False), 10),
     **{
         f"strangers/{words}{coded}": Setting(meeting(teachers, subtracted), 10)
         for words, teachers in (("one_teacher", 1), ("three_teachers", 3))

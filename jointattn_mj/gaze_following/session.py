@@ -86,7 +86,7 @@ class SessionRun:
         self.shifts = Shifts(self.names)
         self.frames = self.new_frames()
         self._launch: Moment | None = None
-        self._observation = WorldObservation(self.world)
+        self._observation = self.new_observation()
 
     def object_names(self) -> tuple[str, ...]:
         """Names of the objects."""
@@ -104,6 +104,10 @@ class SessionRun:
     def new_world(self, seed: np.random.SeedSequence) -> World:
         """Make scene, caregiver and the robot's body."""
         return World.build(self.config.world, seed)
+
+    def new_observation(self) -> WorldObservation:
+        """Make what the robot may know of ``self.world``."""
+        return WorldObservation(self.world)
 
     def new_robot(self, perceiver: Perceiver, seed: np.random.SeedSequence) -> GazeFollower:
         """Make the robot that learns; its body is part of the world."""

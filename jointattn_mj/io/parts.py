@@ -88,7 +88,7 @@ scene.movement: Arm
 scene.objects: ObjectConfig
 scene.people: FaceConfig
 scene.sensor: Sensor
-scene.world: World WorldConfig WorldObservation
+scene.world: AlignedObservation World WorldConfig WorldObservation
 """
 PARTS = frozenset(
     f"{PACKAGE}.{module}.{name}"

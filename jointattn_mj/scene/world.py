@@ -126,6 +126,7 @@ class World(Closable):
         self._script_angles, self._script_speeds = self.data.qpos[scripted[0]], self.data.qvel[scripted[1]]
         self._face_angles = self._script_angles[:2]
         self._head_angles, self._head_speeds = self.data.qpos[head[0]], self.data.qvel[head[1]]
+        self._head = head[0]
         objects = _span([model.body(f"object/{item.name}").mocapid[0] for item in config.scene.objects])
         self._object_positions = self.data.mocap_pos[objects]
         self._controls = self.data.ctrl
@@ -265,6 +266,13 @@ class World(Closable):
         """Pan and tilt of the robot's head, (2,), rad; a new array."""
         angles: np.ndarray = self._head_angles.copy()
         return angles
+
+    def head_angles_in_image(self) -> np.ndarray:
+        """Pan and tilt, (2,), rad, that the robot's head had when the camera took what ``image`` shows; a new array."""
+        if not self.conditions.sensor.delay:
+            return self.head_angles()
+        angles, _ = self._past.state(self.data)
+        return np.array(angles[self._head])
 
     def head_velocity(self) -> np.ndarray:
         """Angular velocity of the robot's head, pan and tilt, (2,), rad/s; a new array."""
@@ -450,3 +458,22 @@ class WorldObservation:
     def head_moves(self) -> bool:
         """Whether the robot's head turns."""
         return self._world.head_moves()
+
+
+class AlignedObservation(WorldObservation):
+    """What a robot may know that has measured by how much its camera is late: its head as it was in the image."""
+
+    @property
+    def head_angles(self) -> np.ndarray:
+        """Pan and tilt of the head when the image was taken, (2,), rad."""
+        return self._world.head_angles_in_image()
+
+    @property
+    def head_moves(self) -> bool:
+        """Whether the robot's head turns, or has come to rest so lately that the image does not show it yet."""
+        world = self._world
+        delay = world.conditions.sensor.delay
+        if world.head_moves() or not delay:
+            return world.head_moves()
+        behind = np.abs(world.head_angles() - world.head_angles_in_image()).max()
+        return bool(behind > _HEAD_STILL * delay * FRAME_S)

@@ -51,7 +51,8 @@ CHOICES_IN_KEYS = {
 """Choices of fields that have been renamed, by field and choice as they are called now; likewise."""
 
 ADDED: dict[str, dict[str, Any]] = {
-    "": {"patch_side": None},
+    "": {"patch_side": None, "knows_delay": True},
+    "config": {"knows_delay": True},
     "learner": {"pairs": "reached", "base": "none", "competition": 0.0, "compete_after": 10, "forgetting": 0.0,
                 "smoothing": 0.05},
     "world": {"wrong": 0.0, "profile_shows": "gaze", "draws": "all", "renderer": "opengl",

@@ -47,6 +47,21 @@ def test_a_seed_decides_the_world_which_then_stays():
         session.close()
 
 
+def test_a_robot_that_knows_its_delay_lands_when_it_sees_that_it_has_turned():
+    late = replace(VARIED, variation="camera", seed=955, minutes=1.0)
+    off = []
+    for knows in (False, True):
+        session = VariedSessionRun(replace(late, knows_delay=knows))
+        assert session.world.conditions.sensor.delay == 3
+        session.begin()
+        while session.frame < session.total:
+            session.step()
+        off.append([row.nearest_off_deg for row in session.shifts if row.face_to_object])
+        session.close()
+    unaware, aware = map(np.median, off)
+    assert aware < 0.5 < unaware
+
+
 def test_a_varied_session_goes_on_from_its_checkpoint(tmp_path):
     session = VariedSessionRun(VARIED)
     session.begin()

@@ -7,7 +7,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.scene.dressing import Conditions
 from jointattn_mj.scene.looker import LookingWorld
 from jointattn_mj.scene.sensor import Sensor
-from jointattn_mj.scene.world import World, WorldConfig
+from jointattn_mj.scene.world import AlignedObservation, World, WorldConfig
 
 SEED = np.random.SeedSequence(1)
 GREY = np.full((240, 320, 3), 120, np.uint8)
@@ -78,6 +78,28 @@ def test_images_come_late_and_nothing_else_changes():
         np.testing.assert_array_equal(prompt.head_angles(), late.head_angles())
     assert not np.array_equal(visible[-1], visible[-4])
     prompt.close(), late.close()
+
+
+def test_aligned_senses_tell_the_head_as_it_is_in_the_image():
+    """The head counts as moving until an image shows it at rest."""
+    world, angles, moves = build(delay=3), [], []
+    aligned = AlignedObservation(world)
+    for step in range(60):
+        angles.append(world.head_angles())
+        moves.append((world.head_moves(), aligned.head_moves))
+        np.testing.assert_array_equal(aligned.head_angles, angles[max(0, step - 3)])
+        world.step(TURNED)
+    really, seen = np.array(moves).T
+    assert really.any() and not seen[-1]
+    assert 1 <= np.flatnonzero(seen)[-1] - np.flatnonzero(really)[-1] <= 3
+    behind = [np.abs(angles[step] - angles[max(0, step - 3)]).max() for step in range(60)]
+    assert np.degrees(np.max(np.array(behind)[~seen])) < 0.1 < np.degrees(np.max(np.array(behind)[~really]))
+    world.close()
+    prompt = build()
+    prompt.step(TURNED)
+    np.testing.assert_array_equal(AlignedObservation(prompt).head_angles, prompt.head_angles())
+    assert AlignedObservation(prompt).head_moves == prompt.head_moves()
+    prompt.close()
 
 
 def test_a_new_episode_has_no_past():

@@ -37,7 +37,7 @@ from jointattn_mj.scene.caregiver import FRAME_S, Phase
 from jointattn_mj.scene.looker import spot_positions
 from jointattn_mj.scene.objects import OBJECTS
 from jointattn_mj.scene.variation import Variation, drawn, variation_of
-from jointattn_mj.scene.world import WorldConfig, WorldObservation, build_physics
+from jointattn_mj.scene.world import AlignedObservation, WorldConfig, build_physics
 
 FRAMES_PER_MINUTE = round(60 / FRAME_S)
 AT_TEN_A_SECOND = MotionConfig(frames_back=1, face_px=0.0675, object_px=0.375)
@@ -131,7 +131,7 @@ class RealtimeRun(ObservedRun):
         scene = replace(config.world.scene, objects=OBJECTS[: table.objects])
         world, conditions = drawn(replace(config.world, scene=scene), variation_of(config.variation), of_look)
         self.world = PartnerWorld(world, build_physics(world, conditions), of_world, conditions, config.partner, table)
-        self._observation = WorldObservation(self.world)
+        self._observation = AlignedObservation(self.world)
         self._perceiver = self._new_perceiver(np.random.default_rng(of_perception))
         self.attention = AttentionSelector(config.attention, table.objects, np.random.default_rng(of_attention))
         self.heads = np.vstack([directions_to(spot_positions(table.spots, world.scene)), np.zeros(2)])
@@ -204,7 +204,7 @@ class RealtimeRun(ObservedRun):
         """Turn the head to a gaze target; the caregiver sees it turn, and where it comes to rest."""
         movement = HeadShift(self._held, self.heads[location], self.config.shift_frames)
         self.world.caregiver.watch(NOWHERE)
-        while not movement.commanded or self.world.head_moves():
+        while not movement.commanded or self._observation.head_moves:
             self._held = movement.next_reference()
             self._step()
         self._gazes_at = location
@@ -264,10 +264,10 @@ class RealtimeRun(ObservedRun):
             percept = self._perceiver.perceive(self._observation, visible == 0)
             if percept.visible[-1]:
                 visible += 1
-                there = direction_of(percept.px[-1], np.degrees(self.world.head_angles()))
+                there = direction_of(percept.px[-1], np.degrees(self._observation.head_angles))
                 self._held = self._held + (there - self._held) / visible
                 moved = moved or bool(percept.moves[-1])
-                if moved and not percept.moves[-1] and not self.world.head_moves():
+                if moved and not percept.moves[-1] and not self._observation.head_moves:
                     moved = False
                     group = greetings if partner.phase == Phase.GREET else others
                     group.append(self._perceiver.face_pattern().copy())
