@@ -54,6 +54,7 @@ class Session(VariedSessionConfig):
         pixels: ``PixelConfig``: how images are perceived.
         state: ``StateConfig``: errors of perception with ``perception="state"``.
         variation: What of the world varies with the seed, such as ``"lights+people"``.
+        knows_delay: Whether the robot knows how late its camera is, where that varies.
         preset: ``"thesis"``: the robot of chapter 6 as it is written. ``"cross_situational"``: one that learns which of
             the objects in view goes with a face. A mapping for ``robot`` comes on top; a config replaces it.
         caregiver: Who the caregiver is, such as ``"noa"``; part of ``world``.
@@ -84,6 +85,7 @@ class Session(VariedSessionConfig):
         pixels: PixelConfig | Mapping[str, Any] | None = None,
         state: StateConfig | Mapping[str, Any] | None = None,
         variation: str = "none",
+        knows_delay: bool = True,
         *,
         preset: Preset = "thesis",
         caregiver: str | None = None,
@@ -94,6 +96,7 @@ class Session(VariedSessionConfig):
         plain = {
             "minutes": minutes, "seed": seed, "perception": with_new_choice(Session, "perception", perception),
             "success": success, "start_from": start_from, "variation": variation,
+            "knows_delay": knows_delay,
         }  # fmt: skip
         parts = {
             "world": world, "robot": robot, "pixels": pixels, "state": state, "caregiver": caregiver,
