@@ -97,7 +97,8 @@ class Development:
         """The same with other values of some options; all others stay.
 
         Args:
-            changes: Options by name, but for world and preset, from which others follow.
+            changes: Options by name, but for those from which others follow: world, preset, and in world rendered maps
+                and resolution.
 
         Returns:
             Another development; this one stays as it is.
@@ -110,8 +111,9 @@ class Development:
             >>> Development("fast", steps=6000).replace(seed=2)
             Development('fast', world='table', steps=6000, seed=2)
         """
-        if changes.keys() & {"world", "preset"}:
-            raise ConfigError("other options follow from world and preset; make another Development with them")
+        leading = "world", "preset", *dict(self.config.CHOOSES)
+        if changes.keys() & set(leading):
+            raise ConfigError(f"other options follow from {' and '.join(leading)}; make another Development with them")
         return self.from_config(changed(self.config, changes))
 
     def __getattr__(self, name: str) -> Any:
