@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal
@@ -209,7 +210,7 @@ def _run(config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress
     out, frozen = options.out, options.out / "checkpoint.bin"
     every = options.checkpoint_every or config.checkpoint_every
     if options.resume:
-        run: DevelopmentRun = checkpoint.load(frozen, config, kind=config.kind)
+        run: DevelopmentRun = checkpoint.load(frozen, config, kind=config.kind, check=partial(_check_length, config))
         if summary_of_ended(out) is not None:
             _forget_moments(out)
             return DevelopmentResult.open(out)
@@ -240,6 +241,17 @@ def _run(config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress
     _forget_moments(out)
     run.close()
     return DevelopmentResult.open(out)
+
+
+def _check_length(config: DevelopmentConfig, run: DevelopmentRun) -> None:
+    """Refuse a run from a checkpoint that is longer or shorter than the config says, or is noted at other steps.
+
+    Raises:
+        ValueError: It is.
+    """
+    for name, given in (("n_steps", config.steps), ("sample_every", config.sample_every)):
+        if getattr(run, name) != given:
+            raise ValueError(f"its {name} is {getattr(run, name)}, and under this config {given}")
 
 
 def _parts(config: DevelopmentConfig, run: DevelopmentRun, every: int | None = None) -> Iterator[list[Detection]]:

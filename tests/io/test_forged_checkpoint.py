@@ -8,6 +8,9 @@ from typing import Any
 
 import pytest
 
+from jointattn_mj.development.config import DevelopmentOptions
+from jointattn_mj.development.run import run_development
+from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.errors import CheckpointError, ConfigError, JointAttnError
 from jointattn_mj.gaze_following.run import SessionOptions, run_session
 from jointattn_mj.gaze_following.session import SessionRun
@@ -63,6 +66,45 @@ def test_what_is_missing_is_named(members, tmp_path, kind, attribute):
     del entry[place : place + 2]
     with pytest.raises(CheckpointError, match=f"has no {attribute}"):
         resumed(tmp_path / "out", members, state)
+
+
+@pytest.mark.parametrize(
+    ("word", "value", "said"),
+    [("total", 90, "1800"), ("total", 9000, "1800"), ("frame", 59, "the table has 60"), ("frame", -1, "the table has 60")],
+)
+def test_length_is_that_of_the_config(members, tmp_path, word, value, said):
+    state = json.loads(members["state.json"])
+    entry, place = next(entries_with(state, word))
+    entry[place + 1] = value
+    with pytest.raises(CheckpointError, match=f"{value}.*{said}"):
+        resumed(tmp_path / "out", members, state)
+
+
+def test_columns_of_a_table_are_in_their_order(members, tmp_path):
+    """Numbers would stand under other names."""
+    state = json.loads(members["state.json"])
+    table = next(part for part in state["entries"] if part[0] == "object" and part[1].endswith(".FrameTable"))
+    (number,) = table[table.index("index") + 1]
+    columns = state["entries"][number]
+    columns[2], columns[4] = columns[4], columns[2]
+    with pytest.raises(CheckpointError, match="the table of frames has other columns"):
+        resumed(tmp_path / "out", members, state)
+
+
+@pytest.mark.parametrize("word", ["n_steps", "sample_every", "every"])
+def test_length_of_a_development_is_that_of_its_config(tmp_path, word):
+    """Steps in all, and steps from one note of contingency to the next."""
+    config = TableDevelopmentConfig.of(preset="fast", steps=300)
+    out, path = tmp_path / "out", tmp_path / "out" / "checkpoint.bin"
+    run_development(config, DevelopmentOptions(out))
+    (out / "summary.json").unlink()
+    members = members_of(path)
+    state = json.loads(members["state.json"])
+    entry, place = next((entry, place) for entry, place in entries_with(state, word) if type(entry[place + 1]) is int)
+    entry[place + 1] += 1
+    path.write_bytes(sealed(members | {"state.json": json.dumps(state).encode()}))
+    with pytest.raises(CheckpointError, match="under this config|its log says"):
+        run_development(config, DevelopmentOptions(out, resume=True))
 
 
 def test_weights_of_another_robot(members, tmp_path):
