@@ -100,7 +100,11 @@ def test_a_session_with_other_options():
         2, 2, "state", preset="cross_situational", motion_cues=False, robot={"gaze": {"gate": "open"}}, caregiver="noa"
     )
     assert session.seed == 1 and other.replace() == other and type(other) is Session
-    for wrong, words in (({"sede": 3}, "'seed'"), ({"preset": "thesis"}, "make another Session"), ({"seed": -1}, "seed")):
+    for wrong, words in (
+        ({"sede": 3}, "'seed'"),
+        ({"preset": "thesis"}, "make another Session"),
+        ({"seed": -1}, "seed"),
+    ):
         with pytest.raises(ConfigError, match=words):
             session.replace(**wrong)
 

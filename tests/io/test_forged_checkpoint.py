@@ -70,7 +70,12 @@ def test_what_is_missing_is_named(members, tmp_path, kind, attribute):
 
 @pytest.mark.parametrize(
     ("word", "value", "said"),
-    [("total", 90, "1800"), ("total", 9000, "1800"), ("frame", 59, "the table has 60"), ("frame", -1, "the table has 60")],
+    [
+        ("total", 90, "1800"),
+        ("total", 9000, "1800"),
+        ("frame", 59, "the table has 60"),
+        ("frame", -1, "the table has 60"),
+    ],
 )
 def test_length_is_that_of_the_config(members, tmp_path, word, value, said):
     state = json.loads(members["state.json"])
@@ -103,7 +108,7 @@ def test_length_of_a_development_is_that_of_its_config(tmp_path, word):
     entry, place = next((entry, place) for entry, place in entries_with(state, word) if type(entry[place + 1]) is int)
     entry[place + 1] += 1
     path.write_bytes(sealed(members | {"state.json": json.dumps(state).encode()}))
-    with pytest.raises(CheckpointError, match="under this config|its log says"):
+    with pytest.raises(CheckpointError, match=r"under this config|its log says"):
         run_development(config, DevelopmentOptions(out, resume=True))
 
 
