@@ -96,20 +96,42 @@ def test_columns_of_a_table_are_in_their_order(members, tmp_path):
         resumed(tmp_path / "out", members, state)
 
 
+DEVELOPMENT = TableDevelopmentConfig.of(preset="fast", steps=300)
+
+
+@pytest.fixture(scope="module")
+def developed(tmp_path_factory) -> dict[str, bytes]:
+    """Members of the checkpoint of a development."""
+    out = tmp_path_factory.mktemp("development") / "out"
+    run_development(DEVELOPMENT, DevelopmentOptions(out))
+    return members_of(out / "checkpoint.bin")
+
+
+def refuses(path: Path, members: dict[str, bytes], state: Any, said: str) -> None:
+    path.write_bytes(sealed(members | {"state.json": json.dumps(state).encode()}))
+    with pytest.raises(CheckpointError, match=said):
+        run_development(DEVELOPMENT, DevelopmentOptions(path.parent, resume=True))
+
+
+def test_numbers_of_a_rule_are_those_of_the_config(developed, tmp_path):
+    """When an event counts as found, for one."""
+    changed = 0
+    for number, entry in enumerate(json.loads(developed["state.json"])["entries"]):
+        for place in [k for k, value in enumerate(entry) if entry[0] == "named" and type(value) is float]:
+            state = json.loads(developed["state.json"])
+            state["entries"][number][place] = {"float": "-inf"}
+            refuses(tmp_path / "checkpoint.bin", developed, state, f"must be {entry[place]}|rules of the table")
+            changed += 1
+    assert changed >= 10
+
+
 @pytest.mark.parametrize("word", ["n_steps", "sample_every", "every"])
-def test_length_of_a_development_is_that_of_its_config(tmp_path, word):
+def test_length_of_a_development_is_that_of_its_config(developed, tmp_path, word):
     """Steps in all, and steps from one note of contingency to the next."""
-    config = TableDevelopmentConfig.of(preset="fast", steps=300)
-    out, path = tmp_path / "out", tmp_path / "out" / "checkpoint.bin"
-    run_development(config, DevelopmentOptions(out))
-    (out / "summary.json").unlink()
-    members = members_of(path)
-    state = json.loads(members["state.json"])
+    state = json.loads(developed["state.json"])
     entry, place = next((entry, place) for entry, place in entries_with(state, word) if type(entry[place + 1]) is int)
     entry[place + 1] += 1
-    path.write_bytes(sealed(members | {"state.json": json.dumps(state).encode()}))
-    with pytest.raises(CheckpointError, match=r"under this config|its log says"):
-        run_development(config, DevelopmentOptions(out, resume=True))
+    refuses(tmp_path / "checkpoint.bin", developed, state, "under this config|its log says")
 
 
 def test_weights_of_another_robot(members, tmp_path):
