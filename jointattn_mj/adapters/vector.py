@@ -34,26 +34,27 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
 
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP, "render_modes": []}  # noqa: RUF012
 
-    def __init__(self, task: str, num_envs: int = 1, **task_kwargs: Any):
+    def __init__(self, task: str, num_envs: int = 1, render_mode: None = None, **task_kwargs: Any):
         """Make the worlds.
 
         Args:
             task: "follow" or "follow_hard".
             num_envs: Number of worlds.
+            render_mode: None: these worlds have no ``render``.
             task_kwargs: Arguments of the task, such as ``camera``, ``truth``, ``face_patch``, ``people``.
 
         Raises:
-            ConfigError: There is no such argument, ``num_envs`` is no number of worlds, or ``variation`` is asked for,
-                which takes a renderer a world.
+            ConfigError: There is no such argument, ``num_envs`` is no number of worlds, or ``variation`` or
+                ``render_mode`` is asked for, which takes a renderer a world.
         """
+        if render_mode is not None:
+            raise _needs_renderers("render_mode")
         check_argument("num_envs", num_envs, Annotated[int, Whole("[1, 1e6]")])
         self._single = JointAttentionEnv(task, **task_kwargs)
         environment = self._single.environment
         if environment.task.varies:
             self._single.close()
-            raise ConfigError(
-                "`variation` needs a renderer for each world: make them with vectorization_mode='sync' or 'async'"
-            )
+            raise _needs_renderers("variation")
         self.num_envs = num_envs
         self.single_observation_space = self._single.observation_space
         self.single_action_space = self._single.action_space
@@ -181,6 +182,12 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
     def _gazes(self) -> np.ndarray:
         """Yaw and pitch of the caregivers' heads, (num_envs, 2), rad."""
         return np.stack([episode.script.joints[:2] for episode in self._episodes])
+
+
+def _needs_renderers(argument: str) -> ConfigError:
+    return ConfigError(
+        f"`{argument}` needs a renderer for each world: make them with vectorization_mode='sync' or 'async'"
+    )
 
 
 class _Episodes:

@@ -113,6 +113,28 @@ class Session(VariedSessionConfig):
         names = [field.name for field in fields(VariedSessionConfig)]
         return VariedSessionConfig(**{name: getattr(self, name) for name in names})
 
+    def replace(self, **changes: Any) -> "Session":
+        """The same with other values of some options; all others stay.
+
+        Args:
+            changes: Options by name, but for preset, from which those of ``robot`` follow.
+
+        Returns:
+            Another session; this one stays as it is.
+
+        Raises:
+            ConfigError: No such option, or a value that is not allowed.
+
+        Examples:
+            >>> from jointattn_mj import Session
+            >>> Session(minutes=2, perception="state").replace(seed=2)
+            Session(minutes=2, seed=2, perception='state')
+        """
+        if "preset" in changes:
+            raise ConfigError("the options of robot follow from preset; make another Session with it")
+        config = changed(self.config, changes)
+        return Session(**{field.name: getattr(config, field.name) for field in fields(config)})
+
     def run(
         self,
         out: str | PathLike[str] | None = None,

@@ -166,6 +166,8 @@ class DevelopmentRun(ABC):
         kept = self.contingency_log
         if self._log.dtype != np.int8 or kept.dtype != np.float64 or kept.events != len(self.agent.events):
             raise ValueError("the log holds other numbers")
+        if kept.every != self.sample_every:
+            raise ValueError(f"contingency is noted every {self.sample_every} steps, and its log says {kept.every}")
 
     def _columns(self) -> tuple[str, ...]:
         variables = self.agent.variables.without_modules()

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal
@@ -97,7 +98,8 @@ class Development:
         """The same with other values of some options; all others stay.
 
         Args:
-            changes: Options by name, but for world and preset, from which others follow.
+            changes: Options by name, but for those from which others follow: world, preset, and in world rendered maps
+                and resolution.
 
         Returns:
             Another development; this one stays as it is.
@@ -110,8 +112,9 @@ class Development:
             >>> Development("fast", steps=6000).replace(seed=2)
             Development('fast', world='table', steps=6000, seed=2)
         """
-        if changes.keys() & {"world", "preset"}:
-            raise ConfigError("other options follow from world and preset; make another Development with them")
+        leading = "world", "preset", *dict(self.config.CHOOSES)
+        if changes.keys() & set(leading):
+            raise ConfigError(f"other options follow from {' and '.join(leading)}; make another Development with them")
         return self.from_config(changed(self.config, changes))
 
     def __getattr__(self, name: str) -> Any:
@@ -207,7 +210,7 @@ def _run(config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress
     out, frozen = options.out, options.out / "checkpoint.bin"
     every = options.checkpoint_every or config.checkpoint_every
     if options.resume:
-        run: DevelopmentRun = checkpoint.load(frozen, config, kind=config.kind)
+        run: DevelopmentRun = checkpoint.load(frozen, config, kind=config.kind, check=partial(_check_length, config))
         if summary_of_ended(out) is not None:
             _forget_moments(out)
             return DevelopmentResult.open(out)
@@ -238,6 +241,17 @@ def _run(config: DevelopmentConfig, options: UnfilmedOptions, progress: Progress
     _forget_moments(out)
     run.close()
     return DevelopmentResult.open(out)
+
+
+def _check_length(config: DevelopmentConfig, run: DevelopmentRun) -> None:
+    """Refuse a run from a checkpoint that is longer or shorter than the config says, or is noted at other steps.
+
+    Raises:
+        ValueError: It is.
+    """
+    for name, given in (("n_steps", config.steps), ("sample_every", config.sample_every)):
+        if getattr(run, name) != given:
+            raise ValueError(f"its {name} is {getattr(run, name)}, and under this config {given}")
 
 
 def _parts(config: DevelopmentConfig, run: DevelopmentRun, every: int | None = None) -> Iterator[list[Detection]]:

@@ -172,6 +172,8 @@ def _run(
 def _check_fits(session: SessionRun, new: SessionRun) -> None:
     """Refuse a session from a checkpoint whose tables, or what it has learned, are not built as in a new one.
 
+    Its length follows from the config, too, unless it has ended early or is about to.
+
     Raises:
         ValueError: They are not.
     """
@@ -182,6 +184,12 @@ def _check_fits(session: SessionRun, new: SessionRun) -> None:
             check_fits(getattr(session, name), getattr(new, name), name)
         for name in ("som", "learner"):
             check_fits(getattr(session.robot, name), getattr(new.robot, name), name)
+        if session.frames.index != new.frames.index:
+            raise ValueError("the table of frames has other columns")
+        if session.frame != session.frames.frames:
+            raise ValueError(f"{session.frame} frames are done, and the table has {session.frames.frames}")
+        if session.total != new.total and session.total > session.frame + 1:
+            raise ValueError(f"it has {session.total} frames in all, and under this config {new.total}")
     finally:
         new.close()
 

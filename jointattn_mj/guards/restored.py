@@ -58,7 +58,7 @@ def check_whole(name: str, value: Any, least: int, most: int) -> None:
 
 
 def check_alike(given: Any, model: Any, name: str = "") -> None:
-    """Refuse a named tuple that is not laid out as ``model``: types, shapes, dtypes and whole numbers are compared.
+    """Refuse a named tuple that is unlike ``model``: types, shapes, dtypes and plain numbers are compared.
 
     Args:
         given: What a checkpoint held.
@@ -76,5 +76,5 @@ def check_alike(given: Any, model: Any, name: str = "") -> None:
             check_alike(part, model_part, f"{name}.{field}" if name else str(field))
     elif isinstance(model, np.ndarray):
         check_array(name, given, model.shape, model.dtype)
-    elif type(model) in (bool, int) and given != model:
+    elif isinstance(model, bool | int | float) and given != model:
         raise ValueError(f"{name} must be {model}; got {given}")

@@ -6,6 +6,7 @@ from collections import Counter, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 from typing import Annotated
 
@@ -178,8 +179,9 @@ class _Run:
         self.flying: dict[Future[TrialOutcome], PlannedTrial] = {}
         self.packed: dict[tuple[str, str], bytes] = {}
         self.deaths: Counter[str] = Counter()
-        self.doubtful: deque[PlannedTrial] = deque()
-        """Trials during which a worker died. They run last and alone, so that one that kills ends no other."""
+        self.doubtful: deque[deque[PlannedTrial]] = deque()
+        """Trials during which a worker died. They run last, half of those that died together at a time: one that kills
+        is soon alone, and the others do not wait for each other."""
 
     def through(self, queue: deque[PlannedTrial]) -> None:
         """Compute all trials of ``queue``."""
@@ -188,7 +190,8 @@ class _Run:
             while queue and len(self.flying) < max(1, slots):
                 self.launch(queue)
             if self.doubtful and not queue and not self.flying:
-                self.launch(self.doubtful)
+                queue = self.doubtful.popleft()
+                continue
             self.tally.running = min(slots, len(self.flying))
             ended, _ = wait(self.flying, timeout=WAIT_S, return_when=FIRST_COMPLETED)
             lost = [task for future in ended if (task := self.land(future)) is not None]
@@ -246,13 +249,18 @@ class _Run:
             lost += [self.flying.pop(future) for future in left]
         self.backend.restart()
         self.tally.deaths += 1
+        suspects = deque[PlannedTrial]()
         for task in lost:
-            self.deaths[task.key] += 1
+            self.deaths[task.key] = self.deaths[task.key] + 1 if len(lost) == 1 else max(self.deaths[task.key], 1)
             if self.deaths[task.key] < self.backend.most_deaths:
-                self.doubtful.append(task)
+                suspects.append(task)
             else:
                 self.tally.left[task.claim.id, task.name] -= 1
                 self.fail(task, "its worker died at every attempt, in the last ones with this trial alone", "")
+        half = (len(suspects) + 1) // 2
+        for group in (deque(islice(suspects, half)), deque(islice(suspects, half, None))):
+            if group:
+                self.doubtful.append(group)
 
     def fail(self, task: PlannedTrial, error: str, told: str) -> None:
         """Store the note of a failed trial.

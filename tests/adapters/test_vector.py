@@ -107,5 +107,6 @@ def test_bad_input():
         with pytest.raises(ConfigError):
             made.reset(seed=wrong)
     made.close()
-    with pytest.raises(ConfigError, match="sync"):
-        gymnasium.make_vec("jointattn_mj:Follow-v0", num_envs=2, camera=False, variation="pace")
+    for argument, value in (("variation", "pace"), ("render_mode", "rgb_array")):
+        with pytest.raises(ConfigError, match=f"`{argument}` needs .*sync"):
+            gymnasium.make_vec("jointattn_mj:Follow-v0", num_envs=2, camera=False, **{argument: value})

@@ -84,6 +84,31 @@ def test_a_development_is_its_config():
         Development.from_config(3)
 
 
+@pytest.mark.parametrize("choice", [{"maps": "continuous"}, {"resolution": "growing"}])
+def test_options_from_which_others_follow_are_not_replaced(choice):
+    """Those that follow would keep the values of the other choice."""
+    development = Development("fast", world="rendered")
+    assert Development("fast", world="rendered", **choice).rendered != development.rendered
+    with pytest.raises(ConfigError, match="maps and resolution; make another"):
+        development.replace(**choice)
+
+
+def test_a_session_with_other_options():
+    session = Session(minutes=2, perception="state", seed=1, preset="cross_situational", motion_cues=False)
+    other = session.replace(seed=2, robot={"gaze": {"gate": "open"}}, caregiver="noa")
+    assert other == Session(
+        2, 2, "state", preset="cross_situational", motion_cues=False, robot={"gaze": {"gate": "open"}}, caregiver="noa"
+    )
+    assert session.seed == 1 and other.replace() == other and type(other) is Session
+    for wrong, words in (
+        ({"sede": 3}, "'seed'"),
+        ({"preset": "thesis"}, "make another Session"),
+        ({"seed": -1}, "seed"),
+    ):
+        with pytest.raises(ConfigError, match=words):
+            session.replace(**wrong)
+
+
 @pytest.mark.parametrize("make", MADE[:3])
 def test_results_do_not_change(make, tmp_path):
     result = make(tmp_path)[0]

@@ -2,6 +2,7 @@
 
 import pickle
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import jointattn_mj.contingency as c
 from jointattn_mj.contingency.online.resolution import (
     NOTHING_SENSED,
     Growth,
+    Resolution,
     ResolutionConfig,
     branches,
     coarse,
@@ -28,7 +30,7 @@ from jointattn_mj.development.rendered.growing import Babbling, GrowingConfig, G
 from jointattn_mj.development.run import run_development
 from jointattn_mj.development.table.presets import PRESETS
 from jointattn_mj.development.table.world import TableConfig
-from jointattn_mj.errors import ConfigError, SeriesError
+from jointattn_mj.errors import CheckpointError, ConfigError, SeriesError
 from jointattn_mj.io import checkpoint
 
 pytestmark = pytest.mark.integration
@@ -147,6 +149,29 @@ def test_series_of_unequal_length():
         transitions(units[1:], commands, results)
 
 
+def refuses_other_values(run: GrowingRun, config: GrowingConfig, path: Path) -> None:
+    """A checkpoint with values that babbling cannot have found."""
+    (first, *rest), boxes = run.resolution.sensed, run.resolution.boxes
+    forged = {
+        "resolution": [
+            Resolution((first | {10**6}, *rest), boxes),  # a table of so many units would be made in every step
+            Resolution((frozenset(), *rest), boxes),
+            Resolution((*run.resolution.sensed, frozenset()), boxes),
+            Resolution(run.resolution.sensed, (*boxes, boxes[0])),
+        ],
+        "frontal": [run.frontal[:-1], run.frontal.astype(int)],
+        "directions": [run.directions[:-1], np.full_like(run.directions, np.nan)],
+    }
+    for name, values in forged.items():
+        right = getattr(run, name)
+        for value in values:
+            setattr(run, name, value)
+            checkpoint.save(path, run, config)
+            with pytest.raises(CheckpointError, match=r"faces must share|must be \(|values that it cannot"):
+                checkpoint.load(path, config, kind=GrowingRun)
+        setattr(run, name, right)
+
+
 def test_checkpoints_hold_a_robot_that_babbles_and_its_run(tmp_path, monkeypatch):
     monkeypatch.setattr(RecallingBody, "pages", 3)
     config = GrowingConfig(calibration=3, exploration=60, resolution=ResolutionConfig(warm_up=100, deviations=2.0))
@@ -161,6 +186,7 @@ def test_checkpoints_hold_a_robot_that_babbles_and_its_run(tmp_path, monkeypatch
     run.advance(50)
     checkpoint.save(tmp_path / "run.bin", run, config)
     again = checkpoint.load(tmp_path / "run.bin", config, kind=GrowingRun)
+    refuses_other_values(run, config, tmp_path / "forged.bin")
     for each in (run, again):
         each.advance(150)
         each.check()

@@ -8,6 +8,9 @@ from typing import Any
 
 import pytest
 
+from jointattn_mj.development.config import DevelopmentOptions
+from jointattn_mj.development.run import run_development
+from jointattn_mj.development.table.config import TableDevelopmentConfig
 from jointattn_mj.errors import CheckpointError, ConfigError, JointAttnError
 from jointattn_mj.gaze_following.run import SessionOptions, run_session
 from jointattn_mj.gaze_following.session import SessionRun
@@ -63,6 +66,72 @@ def test_what_is_missing_is_named(members, tmp_path, kind, attribute):
     del entry[place : place + 2]
     with pytest.raises(CheckpointError, match=f"has no {attribute}"):
         resumed(tmp_path / "out", members, state)
+
+
+@pytest.mark.parametrize(
+    ("word", "value", "said"),
+    [
+        ("total", 90, "1800"),
+        ("total", 9000, "1800"),
+        ("frame", 59, "the table has 60"),
+        ("frame", -1, "the table has 60"),
+    ],
+)
+def test_length_is_that_of_the_config(members, tmp_path, word, value, said):
+    state = json.loads(members["state.json"])
+    entry, place = next(entries_with(state, word))
+    entry[place + 1] = value
+    with pytest.raises(CheckpointError, match=f"{value}.*{said}"):
+        resumed(tmp_path / "out", members, state)
+
+
+def test_columns_of_a_table_are_in_their_order(members, tmp_path):
+    """Numbers would stand under other names."""
+    state = json.loads(members["state.json"])
+    table = next(part for part in state["entries"] if part[0] == "object" and part[1].endswith(".FrameTable"))
+    (number,) = table[table.index("index") + 1]
+    columns = state["entries"][number]
+    columns[2], columns[4] = columns[4], columns[2]
+    with pytest.raises(CheckpointError, match="the table of frames has other columns"):
+        resumed(tmp_path / "out", members, state)
+
+
+DEVELOPMENT = TableDevelopmentConfig.of(preset="fast", steps=300)
+
+
+@pytest.fixture(scope="module")
+def developed(tmp_path_factory) -> dict[str, bytes]:
+    """Members of the checkpoint of a development."""
+    out = tmp_path_factory.mktemp("development") / "out"
+    run_development(DEVELOPMENT, DevelopmentOptions(out))
+    return members_of(out / "checkpoint.bin")
+
+
+def refuses(path: Path, members: dict[str, bytes], state: Any, said: str) -> None:
+    path.write_bytes(sealed(members | {"state.json": json.dumps(state).encode()}))
+    with pytest.raises(CheckpointError, match=said):
+        run_development(DEVELOPMENT, DevelopmentOptions(path.parent, resume=True))
+
+
+def test_numbers_of_a_rule_are_those_of_the_config(developed, tmp_path):
+    """When an event counts as found, for one."""
+    changed = 0
+    for number, entry in enumerate(json.loads(developed["state.json"])["entries"]):
+        for place in [k for k, value in enumerate(entry) if entry[0] == "named" and type(value) is float]:
+            state = json.loads(developed["state.json"])
+            state["entries"][number][place] = {"float": "-inf"}
+            refuses(tmp_path / "checkpoint.bin", developed, state, f"must be {entry[place]}|rules of the table")
+            changed += 1
+    assert changed >= 10
+
+
+@pytest.mark.parametrize("word", ["n_steps", "sample_every", "every"])
+def test_length_of_a_development_is_that_of_its_config(developed, tmp_path, word):
+    """Steps in all, and steps from one note of contingency to the next."""
+    state = json.loads(developed["state.json"])
+    entry, place = next((entry, place) for entry, place in entries_with(state, word) if type(entry[place + 1]) is int)
+    entry[place + 1] += 1
+    refuses(tmp_path / "checkpoint.bin", developed, state, "under this config|its log says")
 
 
 def test_weights_of_another_robot(members, tmp_path):

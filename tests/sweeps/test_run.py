@@ -148,7 +148,7 @@ def test_a_death_costs_no_trial(tmp_path, together):
 
 @pytest.mark.parametrize("together", [True, False])
 def test_a_trial_that_always_kills_is_found(tmp_path, together):
-    """It is tried again alone and last, so that nobody is blamed for another's deed."""
+    """It is tried again last, and in the end alone, so that nobody is blamed for another's deed."""
     backend = Here(slots=3, together=together, dies={1: 99})
     tally = go(tmp_path, backend, runs=6)
     assert stored(tmp_path) == {"fair": [0, 2, 3, 4, 5]}
@@ -156,6 +156,22 @@ def test_a_trial_that_always_kills_is_found(tmp_path, together):
     assert (task.seed, backend.seeds.count(1)) == (1, 3)
     assert "died" in error
     assert backend.seeds.count(5) == 1
+
+
+@pytest.mark.parametrize("dies", [1, 99])
+def test_trials_of_a_crowd_are_tried_again_in_halves(tmp_path, dies):
+    """One by one they would take as long as a crowd is there to save."""
+    backend = Here(slots=64, dies={37: dies})
+    alone: list[int] = []
+
+    class Alone(SweepWatcher):
+        def tick(self, tally, slots):
+            alone.append(tally.running)
+
+    tally = go(tmp_path, backend, runs=64, watcher=Alone())
+    assert (tally.done, len(tally.failed)) == ((64, 0) if dies == 1 else (63, 1))
+    assert len(alone) < 20 and alone.count(1) < 6
+    assert min(dies + 1, 3) <= backend.seeds.count(37) < 10
 
 
 def test_a_dead_pool_refuses_work(tmp_path):

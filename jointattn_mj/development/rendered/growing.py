@@ -7,6 +7,7 @@ values that were found.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -34,6 +35,7 @@ from jointattn_mj.development.rendered.senses import (
 )
 from jointattn_mj.development.rendered.stage import StageConfig
 from jointattn_mj.development.table.world import CAREGIVER, TableConfig, check_table, table_variables
+from jointattn_mj.guards.restored import check_array
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.som import SOM
 from jointattn_mj.scene.camera import directions_to, off_centre
@@ -339,6 +341,16 @@ class GrowingRun(ObservedRun):
         """See ``DevelopmentRun``."""
         super().__setstate__(state)
         check_table(self.body.stage.table, self.table)
+        units, (faces, *_) = len(self.body.som.weights), self.agent.variables.sensors
+        if sorted(chain(*self.resolution.sensed)) != list(range(units)):
+            raise ValueError(f"the values of faces must share the {units} units of the map among them")
+        check_array("which faces are frontal", self.frontal, (len(self.resolution.sensed) + 1,), bool)
+        check_array("directions of gaze", self.directions, (len(self.resolution.boxes), 2), float, -360, 360)
+        if (
+            len(faces.values) != len(self.frontal)
+            or len(self.agent.variables.joints[0].values) != len(self.directions) + 1
+        ):
+            raise ValueError("the agent's variables are others than the values that babbling found")
 
     def sense(self, number: int) -> Witnessed:
         """See ``ObservedRun``."""

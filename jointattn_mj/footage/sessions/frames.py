@@ -54,6 +54,11 @@ class WideFrames:
         """Frames so far."""
         return len(self.rows)
 
+    @property
+    def index(self) -> dict[tuple[str, int | None], int]:
+        """Number of the column of each name, and of each candidate where it has one."""
+        return self._index
+
     def add(self, world: WideWorld, robot: GazeFollower, rendered: bool, head: np.ndarray) -> None:
         """Add the row of this frame.
 
