@@ -186,7 +186,7 @@ class Viewing:
         perceiver, areas = self.watcher.perceiver, self.watcher.perceiver.areas
         if self.people is not None and isinstance(perceiver.faces, FollowedFace):
             self.visible_faces = self.people.see(still.image, self.frames, cut)
-            self.chosen = self.interest.choose(self.visible_faces, cut)
+            self.chosen = self.interest.choose(self.visible_faces, self.frames, cut)
             perceiver.faces.show(self.chosen, still.image, mapped)
             areas.show_faces(self._boxes(mapped), cut, self.shots.shifted)
         else:
