@@ -80,6 +80,7 @@ class WidePerception(FootagePerception):
         self.latency = Latency()
         self._world = world
         self._number = self._frame = -1  # of the image and the frame that were perceived last
+        self._cuts = 0  # until then
         self._head = np.zeros(2)  # deg, at that time
 
     def __getstate__(self) -> dict[str, Any]:
@@ -100,10 +101,11 @@ class WidePerception(FootagePerception):
         cut = False
         if fresh:
             self.fresh_frames += 1
-            cut = self.shots.see(wide_frame.image) or wide_frame.cut
+            cut = self.shots.see(wide_frame.image) or self._world.cuts > self._cuts
             if self.people is not None:
                 self.visible_faces = self.people.see(wide_frame.image, self._world.frames, cut)
                 self.chosen = self.interest.choose(self.visible_faces, self._world.frames, cut)
+            self._cuts = self._world.cuts
         self.areas.show_faces(self._boxes(wide_frame.image, head), cut, self.shots.shifted)
         self._number, self._frame, self._head = wide_frame.number, self._world.frames, head
         percept = super().perceive(observation, landed or cut or self.shots.camera_moves)
