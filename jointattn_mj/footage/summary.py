@@ -129,7 +129,7 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
             f"the timestamps jumped {footage.jumps} times; the time between is left out, and later times are not those "
             "of the file"
         )
-    if frames > RATE and footage.images / (frames / RATE) < FEWEST_FPS:
+    if frames > RATE and footage.images * RATE < FEWEST_FPS * frames:
         said.append(f"fewer than {FEWEST_FPS} images a second: motion is detected late and in leaps")
     if len(viewing.sizes) > 1:
         said.append(f"the image's size changes ({sorted(viewing.sizes)}): the mapping is that of the last")
