@@ -13,6 +13,9 @@ import numpy as np
 
 from jointattn_mj.options import Checked, Real, Share, Whole
 
+LONGEST = 30
+"""Frames for which an image counts at most: one that is held for longer says no more."""
+
 
 @dataclass(frozen=True)
 class RestConfig(Checked):
@@ -51,7 +54,7 @@ class Rest:
             frames: Frames since the image before.
         """
         for k in np.flatnonzero(measured).tolist():
-            self._kept[k].extend([float(strength[k])] * frames)
+            self._kept[k].extend([float(strength[k])] * min(frames, LONGEST))
         if self._images % 10 == 0:
             for k, kept in enumerate(self._kept):
                 if len(kept) >= self.config.fewest_images:
