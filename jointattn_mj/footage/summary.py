@@ -87,19 +87,23 @@ def _time(viewing: Viewing, frame: int) -> float:
 
 def _people(viewing: Viewing) -> list[dict[str, Any]]:
     """Who was in the video, how long, and how sure that is."""
-    if viewing.people is None:
+    people = viewing.people
+    if people is None:
         return []
-    return [
-        {
-            "person": person.number,
-            "images": person.frames,
-            "images_unsure": person.unsure,
-            "from_s": _time(viewing, person.first),
-            "to_s": _time(viewing, person.last),
-            "perhaps_the_same_as": person.perhaps or None,
-        }
-        for person in viewing.people.people.values()
-    ]
+    said = []
+    for number, person in people.people.items():
+        tracks = [(*people.images[track], sure) for track, (owner, sure) in people.owner.items() if owner == number]
+        said.append(
+            {
+                "person": number,
+                "images": sum(count for count, *_ in tracks),
+                "images_unsure": sum(count for count, _, _, sure in tracks if not sure),
+                "from_s": _time(viewing, min((first for _, first, _, _ in tracks), default=0)),
+                "to_s": _time(viewing, max((last for _, _, last, _ in tracks), default=0)),
+                "perhaps_the_same_as": person.perhaps or None,
+            }
+        )
+    return said
 
 
 def notes(viewing: Viewing, stopped: bool) -> list[str]:

@@ -205,6 +205,12 @@ class TestClips:
                  for low, high in ((0, 75), (90, 135), (150, 215), (235, 300))]  # fmt: skip
         known = [person for part in parts for person in part]
         assert len(known) == len(set(known)) >= 3
+        for person in summary["people"]:  # from the first image on, and not from when it was known who it is
+            own = [row for row in rows if row["person"] == person["person"]]
+            assert person["images"] == len(own)
+            assert person["images_unsure"] == sum(not row["sure"] for row in own)
+            times = [round(row["frame"] / 30, 3) for row in own]
+            assert (person["from_s"], person["to_s"]) == (min(times), max(times))
 
     def test_lost_is_lost(self, tmp_path):
         """A face that leaves by the border is not there, is on the list, and is the same afterwards."""
