@@ -6,9 +6,11 @@ from typing import Any
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.colours import sought_objects
 from jointattn_mj.footage.faces import KEPT
+from jointattn_mj.footage.followed import PATTERN_HEIGHTS
 from jointattn_mj.footage.reader import MISSING_S, RATE
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.io.progress import count
+from jointattn_mj.perception.flow import BLOCK
 
 OLD_KEYS = {"found": "detected"}
 """Keys of ``summary.json`` by their names in the last version."""
@@ -172,6 +174,12 @@ def _of_people(viewing: Viewing) -> list[str]:
     if len(people) > 1:
         said.append(
             f"{len(people)} people were told apart; the option face, such as 2, makes another the face of interest"
+        )
+    least = (2 * viewing.config.pixels.motion.face_inset_px + BLOCK) / PATTERN_HEIGHTS
+    if 0 < viewing.face_px < least:
+        said.append(
+            f"the face is {viewing.face_px:.0f} pixels high in the robot's image, and below {least:.0f} it is not seen "
+            "whether it moves; the option fit fill, or scale, makes it larger"
         )
     said += [f"person {person.number} is perhaps person {person.perhaps}" for person in people if person.perhaps]
     areas = viewing.watcher.perceiver.areas.counts

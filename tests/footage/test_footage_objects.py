@@ -298,6 +298,15 @@ def test_spans(tmp_path):
     ]
 
 
+@pytest.mark.parametrize(("height", "told"), [(0.0, False), (12.0, True), (15.0, False)])
+def test_a_face_too_small_to_be_seen_moving_is_told(tmp_path, height, told):
+    viewing = Viewing(PerceiveConfig(encode(tmp_path / "a.mkv", counted(3)), detector=DETECTOR))
+    for still in viewing.footage:
+        viewing.see(still)
+    viewing.face_px = height
+    assert any("the face is 12 pixels high" in note for note in notes(viewing, False)) == told
+
+
 @pytest.mark.integration
 @pytest.mark.parametrize("name", ["both.mkv", "both.ts"])
 def test_times_are_those_of_the_file(tmp_path, name):
