@@ -46,9 +46,9 @@ class AreaConfig(Checked):
     skin: bool = True
     """Leave out the colours of the faces in this video, of whoever they are. Picked objects keep theirs."""
     jump_px: Annotated[float, Real("[1, 1000]")] = 24.0
-    """How far an object may move between two images, pixels of the robot's image."""
+    """How far an object may move from one frame to the next, pixels of the robot's image."""
     lost_images: Annotated[int, Whole("[1, 10000]")] = 15
-    """Images after which a lost object may be taken up anywhere."""
+    """Images, at 30 a second, after which a lost object may be taken up anywhere."""
 
     ADVANCED: ClassVar = ("worn_s", "jump_px", "lost_images")
 
@@ -60,7 +60,7 @@ class Slot:
     px: np.ndarray | None = None
     """Where it was last."""
     missing: int = 0
-    """Images since then."""
+    """Frames between then and the next image."""
     trail: list[np.ndarray] = field(default_factory=list)
     """(4,) its location and the face's, of late, while it was below the face."""
 
@@ -100,6 +100,7 @@ class FootageAreas:
         self._effective = table
         self._faces = np.zeros((0, 4))
         self._images = 0
+        self._passed = 0  # frames since the last image
         self._boxes = np.zeros((len(self._slots), 4), np.int32)
         self.counts = np.zeros((len(by_colour), 10), np.int64)
 
@@ -132,10 +133,12 @@ class FootageAreas:
             slot.px = None if slot.px is None else moved(slot.px)
             slot.trail = [np.concatenate([moved(point[:2]), moved(point[2:])]) for point in slot.trail]
 
-    def pass_over(self, images: int) -> None:
-        """Say that so many images have gone by unseen, as while the eye turns: objects may have moved on meanwhile."""
+    def pass_over(self, frames: int) -> None:
+        """Say that so many frames have gone by without a new image, as while the eye turns, or in a slow video: objects
+        may have moved on meanwhile."""
+        self._passed += frames
         for slot in self._slots:
-            slot.missing += images
+            slot.missing += frames
 
     def find(self, image: np.ndarray, gray: np.ndarray, areas: Areas) -> None:
         """Find the objects in an image.
@@ -157,7 +160,7 @@ class FootageAreas:
             labels[max(0, round(y0)) : max(0, round(y1)), max(0, round(x0)) : max(0, round(x1))] = 0
         for k in range(len(self._by_colour)):
             self._fill(labels, k, areas)
-        self._boxes = areas.box.copy()
+        self._boxes, self._passed = areas.box.copy(), 0
 
     def is_at(self, k: int, px: np.ndarray) -> bool:
         """Whether object ``k`` was found at a pixel (2,) of the last image: whether one of its boxes holds it."""
@@ -255,7 +258,7 @@ class FootageAreas:
         if above is None:
             state.trail.clear()
             return False
-        state.trail.append(np.concatenate([centre, above[:2] + above[2:] / 2]))
+        state.trail += [np.concatenate([centre, above[:2] + above[2:] / 2])] * min(1 + self._passed, self._kept)
         del state.trail[: -self._kept]
         if len(state.trail) < self._kept:
             return False

@@ -9,7 +9,7 @@ from jointattn_mj.footage.people import Sighting
 LARGER = 1.3
 """How much larger another face must be to take the place of the largest one."""
 PATIENCE = 30
-"""Images for which another face must be larger, or the face of interest gone, before another takes its place."""
+"""Frames for which another face must be larger, or the face of interest gone, before another takes its place."""
 
 
 @dataclass(frozen=True)
@@ -50,15 +50,18 @@ class FaceOfInterest:
         self._track = 0
         self._challenged = 0
         self._missing = 0
+        self._frame = 0  # of the last image
 
-    def choose(self, faces: list[Sighting], cut: bool) -> Sighting | None:
+    def choose(self, faces: list[Sighting], frame: int, cut: bool) -> Sighting | None:
         """The face of interest in an image; None if it is not there.
 
         Args:
             faces: The faces in the image, the largest first.
+            frame: Number of the frame.
             cut: Whether the image follows upon a cut.
         """
-        rule = self._rule
+        rule, passed = self._rule, frame - self._frame
+        self._frame = frame
         if rule.person is not None:
             return next((face for face in faces if face.person == rule.person), None)
         if rule.region is not None:
@@ -66,13 +69,13 @@ class FaceOfInterest:
             return next((face for face in faces if x0 <= face.centre[0] <= x1 and y0 <= face.centre[1] <= y1), None)
         own = None if cut else next((face for face in faces if face.track == self._track), None)
         if own is None:
-            self._missing = PATIENCE + 1 if cut else self._missing + 1
+            self._missing = PATIENCE + 1 if cut else self._missing + passed
             if not faces or (self._track and self._missing <= PATIENCE):
                 return None
             own = faces[0]
         self._missing = 0
         larger = faces[0].smooth[3] > LARGER * own.smooth[3]
-        self._challenged = self._challenged + 1 if larger else 0
+        self._challenged = self._challenged + passed if larger else 0
         if self._challenged > PATIENCE:
             own, self._challenged = faces[0], 0
         self._track = own.track

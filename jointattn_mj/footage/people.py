@@ -135,11 +135,6 @@ class Person:
     number: int
     views: dict[int, Appearance] = field(default_factory=dict)
     """What the person looks like, by bin of yaw."""
-    frames: int = 0
-    first: int = 0
-    last: int = 0
-    unsure: int = 0
-    """Frames of these in which it is not sure that it was this person."""
     perhaps: int = 0
     """Person of whom it is unsure whether this is another; 0 for none."""
 
@@ -187,6 +182,7 @@ class People:
         tracks: Faces that are followed now.
         people: All people so far, by number.
         owner: Person and whether that is sure, of each track that was believed.
+        images: Of each such track the number of its images, and its first and last frame.
     """
 
     def __init__(self, config: PeopleConfig, rate: float, follow: float):
@@ -201,6 +197,7 @@ class People:
         self.tracks: list[Track] = []
         self.people: dict[int, Person] = {}
         self.owner: dict[int, tuple[int, bool]] = {}
+        self.images: dict[int, tuple[int, int, int]] = {}
         self._ended: list[Track] = []
         self._blurred = round(BLURRED_S * rate)
         self._gap, self._follow = round(config.gap_s * rate), follow
@@ -316,10 +313,8 @@ class People:
         elif self._images % self.config.compare_every == 0:
             self._compare(track, appearance(image, track.face), yaw)
         self.owner[track.number] = (track.person, track.sure)
-        person = self.people.get(track.person)
-        if person is not None:
-            person.frames, person.last = person.frames + 1, frame
-            person.unsure += not track.sure
+        count, first, _ = self.images.get(track.number, (0, frame, frame))
+        self.images[track.number] = count + 1, first, frame
         return Sighting(track.number, track.person, track.sure, track.judged, track.face, track.smooth, yaw, error)
 
     def _judge(self, track: Track, appeared: Appearance, weight: float, yaw: float, frame: int) -> None:
@@ -327,7 +322,7 @@ class People:
         present = {other.person for other in self.tracks if other is not track and other.last == frame}
         absent = [person for number, person in self.people.items() if number not in present]
         if not absent:
-            self._is_new(track, appeared, yaw, frame, True)
+            self._is_new(track, appeared, yaw, True)
             return
         for person in absent:
             track.evidence.setdefault(person.number, []).append((person.likeness(appeared), weight))
@@ -342,17 +337,17 @@ class People:
             track.judged = track.sure = True
             self.tracks = [other for other in self.tracks if other is track or other.person != number]  # lost elsewhere
         else:
-            self._is_new(track, appeared, yaw, frame, best <= OTHER)
+            self._is_new(track, appeared, yaw, best <= OTHER)
             if best > OTHER and track.person:
                 self.people[track.person].perhaps = number
 
-    def _is_new(self, track: Track, appeared: Appearance, yaw: float, frame: int, sure: bool) -> None:
+    def _is_new(self, track: Track, appeared: Appearance, yaw: float, sure: bool) -> None:
         track.judged, track.sure = True, sure
         if len(self.people) == MOST_PEOPLE:
             track.person, track.sure = 0, False
             return
         track.person = len(self.people) + 1
-        person = self.people[track.person] = Person(track.person, first=frame, last=frame)
+        person = self.people[track.person] = Person(track.person)
         person.learn(appeared, yaw)
 
     def _compare(self, track: Track, appeared: Appearance, yaw: float) -> None:

@@ -31,6 +31,7 @@ class FootagePerception(PixelPerception):
         """
         super().__init__(config, np.zeros((0, 3)), memory_rate, areas)
         self.areas, self.rest = areas, rest
+        self._passed = 0  # frames without a new image since the last percept
         if followed is not None:
             self.faces = followed
 
@@ -40,5 +41,12 @@ class FootagePerception(PixelPerception):
         motion = self.motion
         if motion is not None:
             measured = percept.visible & (not landed)
-            percept.moves[:] = self.rest.moves(motion.strength, percept.moves, measured)
+            percept.moves[:] = self.rest.moves(motion.strength, percept.moves, measured, 1 + self._passed)
+        self._passed = 0
         return percept
+
+    def pass_over(self, frames: int) -> None:
+        """Say that so many frames have gone by without a new image, before the next one is perceived."""
+        self.areas.pass_over(frames)
+        self._motion.pass_over(frames)
+        self._passed += frames

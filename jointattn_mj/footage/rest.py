@@ -13,6 +13,9 @@ import numpy as np
 
 from jointattn_mj.options import Checked, Real, Share, Whole
 
+LONGEST = 30
+"""Frames for which an image counts at most: one that is held for longer says no more."""
+
 
 @dataclass(frozen=True)
 class RestConfig(Checked):
@@ -23,9 +26,9 @@ class RestConfig(Checked):
     quantile: Share = 0.4
     """Share of the images in which a candidate is taken to rest."""
     memory_images: Annotated[int, Whole("[10, 100000]")] = 1800
-    """Images that are remembered: a minute."""
+    """Images that are remembered, at 30 a second: a minute. An image of a slower video counts for all of its frames."""
     fewest_images: Annotated[int, Whole("[1, 100000]")] = 60
-    """Images from which rest is known; before, the configured thresholds decide."""
+    """Images from which rest is known, counted likewise; before, the configured thresholds decide."""
 
 
 class Rest:
@@ -41,16 +44,17 @@ class Rest:
         self._kept: list[deque[float]] = [deque(maxlen=config.memory_images) for _ in range(count)]
         self._images = 0
 
-    def moves(self, strength: np.ndarray, moves: np.ndarray, measured: np.ndarray) -> np.ndarray:
+    def moves(self, strength: np.ndarray, moves: np.ndarray, measured: np.ndarray, frames: int = 1) -> np.ndarray:
         """Which candidates move, (n,) bool.
 
         Args:
             strength: (n,) motion of each, pixels.
             moves: (n,) bool, which move by the configured thresholds.
             measured: (n,) bool, of which motion is known in this image.
+            frames: Frames since the image before.
         """
         for k in np.flatnonzero(measured).tolist():
-            self._kept[k].append(float(strength[k]))
+            self._kept[k].extend([float(strength[k])] * min(frames, LONGEST))
         if self._images % 10 == 0:
             for k, kept in enumerate(self._kept):
                 if len(kept) >= self.config.fewest_images:

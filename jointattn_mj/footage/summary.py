@@ -6,9 +6,11 @@ from typing import Any
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.colours import sought_objects
 from jointattn_mj.footage.faces import KEPT
+from jointattn_mj.footage.followed import PATTERN_HEIGHTS
 from jointattn_mj.footage.reader import MISSING_S, RATE
 from jointattn_mj.footage.viewing import Viewing
 from jointattn_mj.io.progress import count
+from jointattn_mj.perception.flow import BLOCK
 
 OLD_KEYS = {"found": "detected"}
 """Keys of ``summary.json`` by their names in the last version."""
@@ -87,19 +89,23 @@ def _time(viewing: Viewing, frame: int) -> float:
 
 def _people(viewing: Viewing) -> list[dict[str, Any]]:
     """Who was in the video, how long, and how sure that is."""
-    if viewing.people is None:
+    people = viewing.people
+    if people is None:
         return []
-    return [
-        {
-            "person": person.number,
-            "images": person.frames,
-            "images_unsure": person.unsure,
-            "from_s": _time(viewing, person.first),
-            "to_s": _time(viewing, person.last),
-            "perhaps_the_same_as": person.perhaps or None,
-        }
-        for person in viewing.people.people.values()
-    ]
+    said = []
+    for number, person in people.people.items():
+        tracks = [(*people.images[track], sure) for track, (owner, sure) in people.owner.items() if owner == number]
+        said.append(
+            {
+                "person": number,
+                "images": sum(count for count, *_ in tracks),
+                "images_unsure": sum(count for count, _, _, sure in tracks if not sure),
+                "from_s": _time(viewing, min((first for _, first, _, _ in tracks), default=0)),
+                "to_s": _time(viewing, max((last for _, _, last, _ in tracks), default=0)),
+                "perhaps_the_same_as": person.perhaps or None,
+            }
+        )
+    return said
 
 
 def notes(viewing: Viewing, stopped: bool) -> list[str]:
@@ -129,7 +135,7 @@ def notes(viewing: Viewing, stopped: bool) -> list[str]:
             f"the timestamps jumped {footage.jumps} times; the time between is left out, and later times are not those "
             "of the file"
         )
-    if frames > RATE and footage.images / (frames / RATE) < FEWEST_FPS:
+    if frames > RATE and footage.images * RATE < FEWEST_FPS * frames:
         said.append(f"fewer than {FEWEST_FPS} images a second: motion is detected late and in leaps")
     if len(viewing.sizes) > 1:
         said.append(f"the image's size changes ({sorted(viewing.sizes)}): the mapping is that of the last")
@@ -168,6 +174,12 @@ def _of_people(viewing: Viewing) -> list[str]:
     if len(people) > 1:
         said.append(
             f"{len(people)} people were told apart; the option face, such as 2, makes another the face of interest"
+        )
+    least = (2 * viewing.config.pixels.motion.face_inset_px + BLOCK) / PATTERN_HEIGHTS
+    if 0 < viewing.face_px < least:
+        said.append(
+            f"the face is {viewing.face_px:.0f} pixels high in the robot's image, and below {least:.0f} it is not seen "
+            "whether it moves; the option fit fill, or scale, makes it larger"
         )
     said += [f"person {person.number} is perhaps person {person.perhaps}" for person in people if person.perhaps]
     areas = viewing.watcher.perceiver.areas.counts

@@ -32,7 +32,7 @@ from jointattn_mj.footage.yunet import model_file
 
 STATE = (
     "watcher", "mapped", "fixations", "album", "frames", "face_side", "visible", "moves", "sample", "coloured", "sizes",
-    "_faces", "rgb", "people", "shots", "interest", "spans", "camera_moves", "_chosen_last", "sample_faces",
+    "_faces", "rgb", "people", "shots", "interest", "spans", "camera_moves", "_chosen_last", "sample_faces", "face_px",
 )  # fmt: skip
 """Attributes that change from frame to frame, or come from the video; the rest follows from the config."""
 ROBOT_TIER = "robot looks at"
@@ -63,6 +63,7 @@ class Viewing:
         people: All faces; None with the detector templates.
         visible_faces: The faces in the last image, the largest first.
         chosen: The face of interest among them; None where it is not there.
+        face_px: Greatest height of the face of interest so far, pixels of the robot's image.
         shots: Cuts and motion of the camera.
         spans: When who was there, and what should be checked.
         camera_moves: Number of frames in which the camera moved.
@@ -105,6 +106,7 @@ class Viewing:
         self.interest = FaceOfInterest(FaceRule.parsed(config.face))
         self.visible_faces: list[Sighting] = []
         self.chosen: Sighting | None = None
+        self.face_px = 0.0
         self.shots = Shots(config.shots)
         self.spans = Spans(gap=max(RATE // 2, math.ceil(2 * RATE / (self.footage.fps or RATE))))
         self.camera_moves = 0
@@ -186,8 +188,10 @@ class Viewing:
         perceiver, areas = self.watcher.perceiver, self.watcher.perceiver.areas
         if self.people is not None and isinstance(perceiver.faces, FollowedFace):
             self.visible_faces = self.people.see(still.image, self.frames, cut)
-            self.chosen = self.interest.choose(self.visible_faces, cut)
+            self.chosen = self.interest.choose(self.visible_faces, self.frames, cut)
             perceiver.faces.show(self.chosen, still.image, mapped)
+            if self.chosen is not None:
+                self.face_px = max(self.face_px, float(self.chosen.smooth[3]) * mapped.scale_y)
             areas.show_faces(self._boxes(mapped), cut, self.shots.shifted)
         else:
             areas.show_faces(self._template_box(), cut, self.shots.shifted)

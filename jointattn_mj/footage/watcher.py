@@ -59,6 +59,8 @@ class Watcher:
         percept = self.percept
         if percept is None or fresh:
             self.percept = percept = self.perceiver.perceive(StillObservation(image, AHEAD), landed=cut)
+        else:
+            self.perceiver.pass_over(1)
         fixating = self.goal is None
         if self.goal is not None and not self._arrive(self.goal):
             return percept

@@ -24,6 +24,7 @@ from jointattn_mj.perception.objects import Areas, check_areas
 from jointattn_mj.perception.views import MOST_PX
 
 MAX_BLOCKS = 1024  # flow vectors kept for one image
+MOST_FRAMES = 1 << 31  # frames between two images
 Box = tuple[int, int, int, int]  # x0, y0, x1, y1, the last two exclusive
 NOWHERE: Box = (0, 0, 0, 0)
 
@@ -228,6 +229,7 @@ class MotionDetector:
         self._flow = np.zeros((MAX_BLOCKS, 2))
         self._owners = np.zeros(MAX_BLOCKS, np.int64)
         self._kept: deque[tuple[np.ndarray, Box, Areas]] = deque(maxlen=self.config.frames_back)
+        self._ages: deque[int] = deque(maxlen=self.config.frames_back)  # frames since each of them
         self._on, self._left, self._strength = np.zeros(1, bool), np.zeros(1, int), np.zeros(1)
         self._box: Box | None = None
 
@@ -249,6 +251,9 @@ class MotionDetector:
         for box in (self._box, *(part for _, part, _ in self._kept)):
             for edge in box or ():
                 check_whole("an edge", edge, -MOST_PX, MOST_PX)
+        check_whole("the number of ages", len(self._ages), len(self._kept), len(self._kept))
+        for age in self._ages:
+            check_whole("an age", age, 0, MOST_FRAMES)
 
     def check_kept(self, gray: np.ndarray, areas: Areas) -> None:
         """Check that the kept images and areas are like these.
@@ -263,9 +268,15 @@ class MotionDetector:
     def reset(self) -> None:
         """Forget all images, as a fixation begins (section 6.3.2: there is no flow while the head turns)."""
         self._kept.clear()
+        self._ages.clear()
         self._box = None
         self._on[:] = False
         self._left[:] = 0
+
+    def pass_over(self, frames: int) -> None:
+        """Say that so many frames have shown no new image, as those of a slow video: the next shift took longer."""
+        for k in range(len(self._ages)):
+            self._ages[k] += frames
 
     def face_part(self, face_box: Box | None, shape: tuple[int, ...]) -> Box:
         """The part of an image that ``update`` will read for the face; objects are read in the windows of their masks.
@@ -290,8 +301,9 @@ class MotionDetector:
     def update(self, gray: np.ndarray, face_box: Box | None, areas: Areas) -> Motion:
         """Take one more image of this fixation.
 
-        In the first image nothing moves. Until there are ``frames_back`` earlier images, the oldest is compared with,
-        and displacements are scaled up. An image of another size starts a new fixation.
+        In the first image nothing moves. It is compared with the newest image that is ``frames_back`` frames old, or
+        with the oldest. Displacements are scaled to ``frames_back`` frames. An image of another size starts a new
+        fixation.
 
         Args:
             gray: (h, w) uint8, contiguous. It is kept, not copied: leave it as it is for ``frames_back`` updates.
@@ -315,9 +327,12 @@ class MotionDetector:
             self._on, self._left, self._strength = np.zeros(n + 1, bool), np.zeros(n + 1, int), np.zeros(n + 1)
             self.reset()
         part, blocks = self.face_part(face_box, gray.shape), 0
+        self.pass_over(1)
+        while len(self._ages) > 1 and self._ages[1] >= config.frames_back:
+            self._kept.popleft(), self._ages.popleft()
         if self._kept:
             before, part_before, old = self._kept[0]
-            scale = config.frames_back / len(self._kept)
+            scale = config.frames_back / self._ages[0]
             box = self._box if part == part_before and self._box is not None else NOWHERE
             blocks = _measure(
                 gray, before, box, part,
@@ -332,6 +347,7 @@ class MotionDetector:
                 config.linger_frames, self._on, self._left,
             )  # fmt: skip
         self._kept.append((gray, part, areas))
+        self._ages.append(0)
         return Motion(
             bool(self._on[n]), self._on[:n], self._blocks[:blocks], self._flow[:blocks], self._owners[:blocks],
             self._strength,

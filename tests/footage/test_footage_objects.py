@@ -85,6 +85,16 @@ def test_a_thing_that_went_on_while_nobody_looked_is_known_at_once():
         assert finder.find(after).visible[0] == visible
 
 
+@pytest.mark.parametrize("every", [1, 3])
+def test_a_lost_thing_is_taken_up_after_half_a_second_at_any_rate(every):
+    finder, seen = Finder(), []
+    finder.find(table((50, 100, 14, 14, BLUE)))
+    for _ in range(every, 31, every):
+        finder.areas.pass_over(every - 1)
+        seen.append(bool(finder.find(table((250, 100, 20, 20, BLUE))).visible[0]))
+    assert seen.index(True) == 15 // every
+
+
 def test_what_is_large_or_worn_is_no_object():
     face = (150.0, 30.0, 24.0, 32.0)
     assert Finder().find(table((20, 20, 100, 100, BLUE)), face).visible.tolist() == [False]
@@ -93,10 +103,12 @@ def test_what_is_large_or_worn_is_no_object():
     assert Finder().find(table((150, 160, 20, 20, BLUE)), face).visible.tolist() == [True]
 
 
-def test_what_goes_with_the_face_is_worn():
+@pytest.mark.parametrize("every", [1, 3])
+def test_what_goes_with_the_face_is_worn(every):
     """A badge that sways with a person, and a cup that stays where it is, before the chest of the same person."""
     badge, cup = Finder(), Finder()
-    for step in range(150):
+    for step in range(0, 150, every):
+        badge.areas.pass_over(every - 1), cup.areas.pass_over(every - 1)
         sway = round(20 * np.sin(step / 15))
         face = (150.0 + sway, 30.0, 24.0, 32.0)
         worn = badge.find(table((158 + sway, 100, 10, 10, BLUE)), face)
@@ -211,6 +223,17 @@ def test_motion_is_more_than_at_rest():
     assert not rest.moves(np.array([9.0, 9.0]), np.ones(2, bool), np.zeros(2, bool)).any()
 
 
+@pytest.mark.parametrize("frames", [1, 2, 3])
+def test_rest_is_known_after_two_seconds_and_forgotten_after_a_minute_at_any_rate(frames):
+    rest, known, forgotten = Rest(RestConfig(), 1), [], []
+    for seconds, strength, levels in ((80, 1.0, known), (80, 3.0, forgotten)):
+        for _ in range(30 * seconds // frames):
+            rest.moves(np.array([strength]), np.ones(1, bool), np.ones(1, bool), frames)
+            levels.append(rest.level[0])
+    assert np.flatnonzero(np.isfinite(known))[0] * frames == pytest.approx(60, abs=10 * frames)
+    assert np.flatnonzero(np.array(forgotten) == 3.0)[0] * frames == pytest.approx(0.6 * 1800, abs=10 * frames)
+
+
 def test_a_hand_at_the_chin_does_not_move_the_face():
     """Nor does a mouth that speaks; a head that turns does."""
     box = np.array([140.0, 100.0, 24.0, 31.0])
@@ -273,6 +296,15 @@ def test_spans(tmp_path):
         "3.000,3.033,camera,cut,",
         "3.000,3.067,person,1,0.500",
     ]
+
+
+@pytest.mark.parametrize(("height", "told"), [(0.0, False), (12.0, True), (15.0, False)])
+def test_a_face_too_small_to_be_seen_moving_is_told(tmp_path, height, told):
+    viewing = Viewing(PerceiveConfig(encode(tmp_path / "a.mkv", counted(3)), detector=DETECTOR))
+    for still in viewing.footage:
+        viewing.see(still)
+    viewing.face_px = height
+    assert any("the face is 12 pixels high" in note for note in notes(viewing, False)) == told
 
 
 @pytest.mark.integration

@@ -3,6 +3,7 @@
 import csv
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,13 +11,18 @@ import pytest
 from jointattn_mj.cli import perceive
 from jointattn_mj.errors import ConfigError, FootageError, SeriesError
 from jointattn_mj.footage.config import PerceiveConfig, PerceiveOptions
+from jointattn_mj.footage.followed import FollowedFace
+from jointattn_mj.footage.frame_map import FrameMap
 from jointattn_mj.footage.looks.check import Codings
 from jointattn_mj.footage.looks.coding import AWAY, PARTNER, UNSEEN, UNSURE, ObservedLooks, code_looks
 from jointattn_mj.footage.looks.config import LooksConfig
 from jointattn_mj.footage.looks.learning import NEVER, learn_evidence, posterior, smoothed
 from jointattn_mj.footage.looks.locations import known_locations, last_locations, placements
+from jointattn_mj.footage.looks.log import LooksLog
 from jointattn_mj.footage.looks.tables import looks_spans, looks_table
+from jointattn_mj.footage.people import Sighting
 from jointattn_mj.footage.run import compared, run_perceive
+from jointattn_mj.perception.percept import Percept
 from jointattn_mj.recordings.agreement import kappa
 
 NAMES = ("cup", "ball", "car")
@@ -201,6 +207,30 @@ def test_smoothing_agrees_with_the_sum_over_all_paths():
         weight *= np.where(paths[i] == paths[i + 1], stay, (1 - stay) / 2)
     expected = [[weight[paths[i] == k].sum() / weight.sum() for k in range(3)] for i in range(4)]
     assert np.allclose(smoothed(evidence, stay, 0.5), expected)
+
+
+@pytest.mark.parametrize("y", [4.0, 100.0, 215.0])
+def test_the_height_of_a_face_is_not_cut_by_the_border(tmp_path, y):
+    """It is the unit of distances."""
+    face, faces = np.array([140.0, y, 24.0, 30.0]), FollowedFace()
+    chosen = Sighting(1, 1, True, True, np.zeros(15), face, 0.0, 1.0)
+    mapped = FrameMap.fitted(320, 240)
+    faces.show(chosen, np.zeros((240, 320, 3), np.uint8), mapped)
+    perceiver = SimpleNamespace(
+        faces=faces,
+        fix=faces.detect(np.zeros((240, 320)), None, None),
+        pattern_size=4,
+        face_pattern=lambda: np.zeros(4),
+    )  # fmt: skip
+    percept = Percept(np.array([True]), np.array([[152.0, y + 15]]), np.array([False]))
+    log = LooksLog(tmp_path, ("face",), 4)
+    log.add(
+        SimpleNamespace(
+            watcher=SimpleNamespace(perceiver=perceiver, percept=percept), chosen=chosen, visible_faces=[chosen],
+            mapped=mapped, frames=1,
+        )
+    )  # fmt: skip
+    assert log.rows.read()[0, 1] == 33
 
 
 def test_table_and_events_say_the_same():

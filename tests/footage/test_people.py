@@ -94,23 +94,34 @@ class TestFaceOfInterest:
     def test_the_largest_stays_for_a_while(self):
         interest = FaceOfInterest(FaceRule.parsed("largest"))
         small, large = self.face(1, 0, 40), self.face(2, 100, 80)
-        assert interest.choose([small], False) is small
-        chosen = [interest.choose([large, small], False).track for _ in range(60)]
+        assert interest.choose([small], 0, False) is small
+        chosen = [interest.choose([large, small], frame, False).track for frame in range(1, 61)]
         assert chosen[:30] == [1] * 30 and chosen[-1] == 2
+
+    def test_a_while_is_a_second_at_any_rate(self):
+        small, large = self.face(1, 0, 40), self.face(2, 100, 80)
+        for every in (1, 2, 3, 6):
+            there, gone = (FaceOfInterest(FaceRule.parsed("largest")) for _ in range(2))
+            there.choose([small], 0, False), gone.choose([small], 0, False)
+            frames = range(every, 61, every)
+            chosen = [there.choose([large, small], frame, False).track for frame in frames]
+            assert chosen == [1 if frame <= 30 else 2 for frame in frames]
+            chosen = [gone.choose([large], frame, False) for frame in frames]
+            assert chosen == [None if frame <= 30 else large for frame in frames]
 
     def test_nobody_takes_its_place_for_a_moment(self):
         interest = FaceOfInterest(FaceRule.parsed("largest"))
         first, second = self.face(1, 0, 80), self.face(2, 100, 40)
-        interest.choose([first, second], False)
-        assert interest.choose([second], False) is None
-        assert interest.choose([first, second], False) is first
-        assert interest.choose([second], True) is second  # after a cut it may be anybody
+        interest.choose([first, second], 0, False)
+        assert interest.choose([second], 1, False) is None
+        assert interest.choose([first, second], 2, False) is first
+        assert interest.choose([second], 3, True) is second  # after a cut it may be anybody
 
     def test_a_person_and_a_region(self):
         first, second = self.face(1, 0, 80), self.face(2, 100, 40)
-        assert FaceOfInterest(FaceRule.parsed("2")).choose([first, second], False) is second
-        assert FaceOfInterest(FaceRule.parsed("90,0,200,200")).choose([first, second], False) is second
-        assert FaceOfInterest(FaceRule.parsed("3")).choose([first, second], False) is None
+        assert FaceOfInterest(FaceRule.parsed("2")).choose([first, second], 0, False) is second
+        assert FaceOfInterest(FaceRule.parsed("90,0,200,200")).choose([first, second], 0, False) is second
+        assert FaceOfInterest(FaceRule.parsed("3")).choose([first, second], 0, False) is None
 
     @pytest.mark.parametrize("words", ["", "smallest", "0", "1,2,3", "10,10,5,20", "-1", "1e3"])
     def test_what_is_none(self, words):
@@ -194,6 +205,12 @@ class TestClips:
                  for low, high in ((0, 75), (90, 135), (150, 215), (235, 300))]  # fmt: skip
         known = [person for part in parts for person in part]
         assert len(known) == len(set(known)) >= 3
+        for person in summary["people"]:  # from the first image on, and not from when it was known who it is
+            own = [row for row in rows if row["person"] == person["person"]]
+            assert person["images"] == len(own)
+            assert person["images_unsure"] == sum(not row["sure"] for row in own)
+            times = [round(row["frame"] / 30, 3) for row in own]
+            assert (person["from_s"], person["to_s"]) == (min(times), max(times))
 
     def test_lost_is_lost(self, tmp_path):
         """A face that leaves by the border is not there, is on the list, and is the same afterwards."""

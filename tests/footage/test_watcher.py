@@ -19,6 +19,7 @@ class Perceiver:
 
     def __init__(self, moves=(False, False, False)):
         self.looks: list[bool] = []
+        self.passed = 0
         self.percept = Percept(np.ones(3, bool), LOCATIONS.copy(), np.array(moves))
 
     def perceive(self, observation, landed):
@@ -26,6 +27,9 @@ class Perceiver:
         np.testing.assert_array_equal(observation.head_angles, [0, 0])
         self.looks.append(landed)
         return self.percept
+
+    def pass_over(self, frames):
+        self.passed += frames
 
 
 def watcher(shift_frames=4, moves=(False, False, False), wants=None, **options) -> Watcher:
@@ -78,6 +82,7 @@ def test_repetitions_are_not_looked_at():
         watching.see(IMAGE, frame % 3 == 0, frame in (0, 15))
     assert watching.perceiver.looks == [k in (0, 5) for k in range(10)]
     assert watching.attention.motion[1] > 20
+    assert watching.perceiver.passed == 20
 
 
 def test_nothing_in_view_is_attended():

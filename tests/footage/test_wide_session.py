@@ -25,6 +25,7 @@ from jointattn_mj.footage.sessions.config import CameraSessionConfig, VideoSessi
 from jointattn_mj.footage.sessions.latency import CameraCount
 from jointattn_mj.footage.sessions.lens import HeadConfig, Lens
 from jointattn_mj.footage.sessions.run import run_footage_session
+from jointattn_mj.footage.sessions.source import WideFrame
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
 from jointattn_mj.perception.som import SOMConfig
 from jointattn_mj.scene import gl
@@ -178,6 +179,34 @@ def test_a_thing_that_moves_while_the_head_turns_is_seen_when_it_has_turned(wide
     assert summary.detected["blue"] > 0.95
 
 
+def test_a_cut_while_the_head_turns_is_known_when_it_has_turned(wide, table):
+    """The robot perceives nothing while it turns. Afterwards nothing need be where it was."""
+
+    class Source:
+        """Jumps before its fifth image."""
+
+        aspect = 1.0
+
+        def __init__(self, frames: int):
+            self.images = (WideFrame(wide[..., ::-1].copy(), k, k / 30, k in (0, 4)) for k in range(frames, 9))
+
+        def next(self) -> WideFrame | None:
+            return next(self.images, None)
+
+        def close(self) -> None:
+            pass
+
+    session, lost = sessions.VideoSessionRun(config(table)), []
+    session.wide.connect(Source, None)
+    session.perceiver.areas.show_faces = lambda boxes, cut, shifted: lost.append(cut)
+    for perceives in (True, True, False, False, False, True, True):
+        if perceives:
+            session.perceiver.perceive(session._observation, landed=False)
+        session.wide.step(np.zeros(2))
+    session.close()
+    assert lost == [True, False, True, False]
+
+
 def test_without_a_face_a_session_says_so(wide, table, tmp_path, monkeypatch):
     monkeypatch.setattr(sessions, "FACELESS_S", 0.3)
     images = np.repeat(np.zeros_like(wide)[None], 30, axis=0)
@@ -277,7 +306,10 @@ def test_a_present_person_can_go_on_later(table, tmp_path):
         run_footage_session(camera, tmp_path / "out", checkpoint_minutes=1 / 120, progress=stop)
     summary = run_footage_session(camera, tmp_path / "out", resume=True)
     assert summary.frames == 60
-    assert pq.read_table(tmp_path / "out" / "frames.parquet").num_rows == 60
+    assert min(summary.detected.values()) > 0.9  # objects are found at once after the break, too
+    frames = pq.read_table(tmp_path / "out" / "frames.parquet")
+    assert frames.num_rows == 60
+    assert (np.diff(frames["image"].to_numpy()) >= 0).all()  # another camera's images are others
     opened = SessionResult.open(tmp_path / "out")
     assert (opened.config, opened.summary) == (camera, summary)
     assert opened.summary.camera == summary.camera and len(opened.frames) == 60
@@ -285,16 +317,18 @@ def test_a_present_person_can_go_on_later(table, tmp_path):
 
 def test_a_pause_is_no_loss_and_a_later_camera_goes_on_with_the_clock(table):
     """Time goes on where the first camera stopped, pause included, and images of the pause are not lost ones."""
-    count, times, open_s = CameraCount(), [], []
+    count, shown, open_s = CameraCount(), [], []
     asked = CameraSessionConfig(objects=("red",), detector="templates", head=HEAD, camera=str(table / "table.mp4"))
     for pause_s in (PAUSED_S + 0.3, 0.0):
         source = CameraSource(asked, count)
         for number in range(4):
-            times.append(source.next().time_s)
+            shown.append(source.next())
             time.sleep(pause_s * (number == 2))
         open_s.append(count.seconds)  # as a checkpoint holds it
         source.close()
-    assert times == sorted(times)
+    times, numbers = [frame.time_s for frame in shown], [frame.number for frame in shown]
+    assert times == sorted(times) and numbers == sorted(numbers) and numbers[4] > numbers[3]
+    assert [frame.cut for frame in shown] == [True, False, False, True, True, False, False, False]
     assert times[3] - times[2] > PAUSED_S
     assert count.images_lost < 30 * PAUSED_S
     assert open_s[0] > PAUSED_S and open_s == sorted(open_s)

@@ -81,6 +81,19 @@ def test_flag_stays_on_above_its_lower_threshold_and_lingers():
     assert flags == [False, False, True, True, True, False]
 
 
+@pytest.mark.parametrize("frames", [1, 2, 3, 6])
+def test_a_slow_video_shows_the_same_motion(frames):
+    """Images some frames apart: what moves is told by its speed, not by how far it comes from image to image."""
+    for speed, moves in ((0.04, False), (0.08, True)):
+        detector, flags = MotionDetector(MotionConfig(face_px=0.12)), []
+        for k in range(6):
+            detector.pass_over(frames - 1)
+            motion = detector.update(texture(speed * frames * k), FACE, NOTHING)
+            flags.append(motion.face_moves)
+        assert flags == [False] + [moves] * 5
+        assert motion.strength[-1] == pytest.approx(2 * speed, abs=0.02)
+
+
 def run(stage, frames, pose):
     """Pose, image, motion: per frame the flags and whether the robot sees what moves."""
     finder, detector, flags = ColourAreas(RGB), MotionDetector(), []

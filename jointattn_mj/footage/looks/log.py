@@ -57,7 +57,8 @@ class LooksLog:
             raise ValueError("the viewing has perceived no frame yet")
         height_px, pattern = 0, np.zeros(perceiver.pattern_size)
         if percept.visible[-1]:
-            _, top, _, bottom = perceiver.faces.box(perceiver.fix, (IMAGE_HEIGHT, IMAGE_WIDTH))
+            inside = perceiver.fix._replace(x=IMAGE_WIDTH / 2, y=IMAGE_HEIGHT / 2)  # where no border cuts the square
+            _, top, _, bottom = perceiver.faces.box(inside, (IMAGE_HEIGHT, IMAGE_WIDTH))
             height_px, pattern = bottom - top, perceiver.face_pattern()
         px = np.where(percept.visible[:, None], percept.px, np.nan)
         chosen, others = viewing.chosen, [face for face in viewing.visible_faces if face is not viewing.chosen]

@@ -47,7 +47,7 @@ class CameraSource:
         self._name, self._count = config.camera, count
         self._new = threading.Condition()
         self._image: np.ndarray | None = None
-        self._number, self._taken_s, self._fresh = -1, 0.0, False
+        self._number, self._taken_s, self._fresh = count.images - 1, 0.0, False
         self._ended, self._closed = False, False
         self._lost = count.images_lost  # when a frame was taken last
         self._open_s = count.seconds  # of the cameras before this one
@@ -73,7 +73,7 @@ class CameraSource:
         Raises:
             FootageError: The camera gives no more images.
         """
-        cut = False
+        cut = self._shown < 0  # nobody knows for how long there was no camera
         self._due_s += 1 / RATE
         now = time.monotonic()
         if now - self._due_s > PAUSED_S:

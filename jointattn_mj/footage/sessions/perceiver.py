@@ -79,7 +79,8 @@ class WidePerception(FootagePerception):
         self.fresh_frames = 0
         self.latency = Latency()
         self._world = world
-        self._number = -1  # of the frame that was perceived last
+        self._number = self._frame = -1  # of the image and the frame that were perceived last
+        self._cuts = 0  # until then
         self._head = np.zeros(2)  # deg, at that time
 
     def __getstate__(self) -> dict[str, Any]:
@@ -89,9 +90,10 @@ class WidePerception(FootagePerception):
     def perceive(self, observation: Observation, landed: bool) -> Percept:
         """The percept of this frame; see ``perception.percept.Perceiver``."""
         wide_frame, head = self._world.wide_frame, np.degrees(observation.head_angles)
-        if wide_frame.number == self._number and not landed:
-            return self._percept
         fresh = wide_frame.number != self._number
+        if not fresh and not landed:
+            return self._percept
+        self.pass_over(self._world.frames - self._frame - 1)
         turned = bool(np.abs(head - self._head).max() > 1e-3)
         if turned:
             before = self._head
@@ -99,13 +101,13 @@ class WidePerception(FootagePerception):
         cut = False
         if fresh:
             self.fresh_frames += 1
-            self.areas.pass_over(wide_frame.number - self._number - 1)
-            cut = self.shots.see(wide_frame.image) or wide_frame.cut
+            cut = self.shots.see(wide_frame.image) or self._world.cuts > self._cuts
             if self.people is not None:
                 self.visible_faces = self.people.see(wide_frame.image, self._world.frames, cut)
-                self.chosen = self.interest.choose(self.visible_faces, cut)
+                self.chosen = self.interest.choose(self.visible_faces, self._world.frames, cut)
+            self._cuts = self._world.cuts
         self.areas.show_faces(self._boxes(wide_frame.image, head), cut, self.shots.shifted)
-        self._number, self._head = wide_frame.number, head
+        self._number, self._frame, self._head = wide_frame.number, self._world.frames, head
         percept = super().perceive(observation, landed or cut or self.shots.camera_moves)
         if fresh and wide_frame.taken_s is not None:
             self.latency.add(time.monotonic() - wide_frame.taken_s)

@@ -24,6 +24,7 @@ class WideWorld:
         frames: Number of steps so far.
         rendered_frames: How many images of the robot were cut out.
         at_border: Number of steps in which the head was asked beyond what it can reach.
+        cuts: Number of frames so far that begin anew, so that motion since the frame before is unknown.
         ended: Whether there are no more frames; the last one stays.
         watch: Is called before each step. It is not kept when the world is pickled.
     """
@@ -38,7 +39,7 @@ class WideWorld:
             coded: Where the person looks, if anybody has said it.
         """
         self.config = config
-        self.frames = self.rendered_frames = self.at_border = 0
+        self.frames = self.rendered_frames = self.at_border = self.cuts = 0
         self.ended = False
         self._head = DigitalHead()
         self._sensor = Sensor(noise=config.noise, seed=seed)
@@ -68,6 +69,7 @@ class WideWorld:
             self._wide_frame = self._source.next()
             if self._wide_frame is None:
                 raise FootageError("there is no frame where the session should go on; give the same video again")
+            self.cuts += self._wide_frame.cut
         return self._wide_frame
 
     @property
@@ -103,6 +105,7 @@ class WideWorld:
             self.ended = True
         else:
             self._wide_frame = wide_frame
+            self.cuts += wide_frame.cut
 
     def image(self) -> np.ndarray:
         """The robot's image now, uint8 (240, 320, 3) RGB; made at the first call in a frame."""
@@ -136,7 +139,7 @@ class WideWorld:
 
     def __getstate__(self) -> dict[str, Any]:
         """What the future depends on; the source is opened again."""
-        kept = ("config", "frames", "rendered_frames", "at_border", "ended", "_head", "_sensor")
+        kept = ("config", "frames", "rendered_frames", "at_border", "cuts", "ended", "_head", "_sensor")
         return {name: getattr(self, name) for name in kept}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
