@@ -35,6 +35,8 @@ LONGER = {
     "watching": "after watching only",
     "watching_thesis": "after watching only, the dissertation's rule",
     "hour": "an hour",
+    "variation": "other worlds, from images",
+    "variation_delay_not_known": "other worlds, from images, the camera's delay not known",
     "strangers/one_teacher_mean_face": "strangers, one teacher, faces less their mean",
     "strangers/three_teachers_mean_face": "strangers, three teachers, faces less their mean",
 }
