@@ -184,6 +184,8 @@ def _check_fits(session: SessionRun, new: SessionRun) -> None:
             check_fits(getattr(session, name), getattr(new, name), name)
         for name in ("som", "learner"):
             check_fits(getattr(session.robot, name), getattr(new.robot, name), name)
+        if type(session._observation) is not type(new._observation):
+            raise ValueError("its robot and that of the config differ in whether they know how late the camera is")
         if session.frames.index != new.frames.index:
             raise ValueError("the table of frames has other columns")
         if session.frame != session.frames.frames:

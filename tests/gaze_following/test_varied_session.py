@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import CheckpointError, ConfigError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
+from jointattn_mj.gaze_following.run import SessionOptions, run_session
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io import checkpoint
-from jointattn_mj.scene.world import AS_USUAL
+from jointattn_mj.scene.world import AS_USUAL, WorldObservation
 
 pytestmark = pytest.mark.integration
 
@@ -60,6 +61,18 @@ def test_a_robot_that_knows_its_delay_lands_when_it_sees_that_it_has_turned():
         session.close()
     unaware, aware = map(np.median, off)
     assert aware < 0.5 < unaware
+
+
+def test_a_robot_that_did_not_know_its_delay_does_not_go_on_as_if_it_had(tmp_path):
+    """Checkpoints of before there was the option hold such a robot, and their configs do not name it."""
+    session = VariedSessionRun(VARIED)
+    session.begin()
+    session.step()
+    session._observation = WorldObservation(session.world)
+    checkpoint.save(tmp_path / "checkpoint.bin", (1.0, session), VARIED, VariedSessionRun.__module__)
+    session.close()
+    with pytest.raises(CheckpointError, match="how late the camera is"):
+        run_session(VARIED, SessionOptions(tmp_path, resume=True), kind=VariedSessionRun)
 
 
 def test_a_varied_session_goes_on_from_its_checkpoint(tmp_path):
