@@ -1,4 +1,8 @@
-"""What a learner gets of the camera: a small grey image, or a small patch of the face."""
+"""What a learner gets of the camera: a small grey image, or a small patch of the face; grey is a share of white.
+
+Pixels are not normalised each by its own spread. That would make as much of those that hardly change as of those that
+tell the gaze: from the face patch PPO then stayed at 0.90.
+"""
 
 from typing import Any
 
@@ -9,31 +13,38 @@ from gymnasium import spaces
 
 
 class SmallImage(gymnasium.ObservationWrapper):
-    """Makes the observation ``camera`` grey, and ``height`` pixels high."""
+    """Makes the observation ``camera`` grey, from 0 to 1, and ``height`` pixels high."""
 
     def __init__(self, environment: gymnasium.Env, height: int):
         super().__init__(environment)
         rows, columns, _ = environment.observation_space["camera"].shape
         self._size = round(columns * height / rows), height
-        small = spaces.Box(0, 255, (1, *self._size[::-1]), np.uint8)
-        self.observation_space = spaces.Dict({**environment.observation_space.spaces, "camera": small})
+        self.observation_space = _with(environment, camera=(1, *self._size[::-1]))
 
     def observation(self, observation: dict[str, Any]) -> dict[str, Any]:
-        """The same with ``camera`` uint8 (1, height, width)."""
+        """The same with ``camera`` float32 (1, height, width)."""
         grey = cv2.cvtColor(observation["camera"], cv2.COLOR_RGB2GRAY)
-        return {**observation, "camera": cv2.resize(grey, self._size, interpolation=cv2.INTER_AREA)[None]}
+        return {**observation, "camera": _shrunk(grey, self._size)[None]}
 
 
 class SmallPatch(gymnasium.ObservationWrapper):
-    """Shrinks the observation ``face_patch`` to ``side`` pixels."""
+    """Shrinks the observation ``face_patch`` to ``side`` pixels, from 0 to 1."""
 
     def __init__(self, environment: gymnasium.Env, side: int):
         super().__init__(environment)
         self._size = side, side
-        small = spaces.Box(0, 255, self._size, np.uint8)
-        self.observation_space = spaces.Dict({**environment.observation_space.spaces, "face_patch": small})
+        self.observation_space = _with(environment, face_patch=self._size)
 
     def observation(self, observation: dict[str, Any]) -> dict[str, Any]:
-        """The same with ``face_patch`` uint8 (side, side)."""
-        small = cv2.resize(observation["face_patch"], self._size, interpolation=cv2.INTER_AREA)
-        return {**observation, "face_patch": small}
+        """The same with ``face_patch`` float32 (side, side)."""
+        return {**observation, "face_patch": _shrunk(observation["face_patch"], self._size)}
+
+
+def _with(environment: gymnasium.Env, **shapes: tuple[int, ...]) -> spaces.Dict:
+    """What is observed, with shares of these shapes in place of what had their names."""
+    shares = {name: spaces.Box(0, 1, shape, np.float32) for name, shape in shapes.items()}
+    return spaces.Dict({**environment.observation_space.spaces, **shares})
+
+
+def _shrunk(grey: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    return cv2.resize(grey, size, interpolation=cv2.INTER_AREA) / np.float32(255)

@@ -52,7 +52,7 @@ STATE = Training("Follow-v0", truth=True)
 PRACTISED = replace(STATE, copies=16, learning_rate=5e-4, batch=256, epochs=4)
 """More to be learned than from the state, so more copies and larger batches at a smaller rate: at that of the state,
 runs forgot again what they could. Fewer epochs, for they take longest."""
-PATCH = replace(PRACTISED, truth=False, patch_side=16, steps=30_720, every=5120)
+PATCH = replace(STATE, truth=False, patch_side=16, steps=6144)
 """Half of the patch's resolution is enough to tell the gaze, and quicker to learn from."""
 IMAGES = replace(PRACTISED, truth=False, image_height=60, steps=61_440, every=10_240)
 HARD = replace(STATE, environment="FollowHard-v0", steps=102_400, every=10_240)

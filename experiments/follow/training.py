@@ -15,7 +15,7 @@ import gymnasium  # noqa: E402
 import torch  # noqa: E402
 from stable_baselines3 import PPO  # noqa: E402
 from stable_baselines3.common.evaluation import evaluate_policy  # noqa: E402
-from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv, VecNormalize  # noqa: E402
+from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv  # noqa: E402
 
 from .images import SmallImage, SmallPatch  # noqa: E402
 
@@ -29,8 +29,7 @@ def train(config: "Training", seed: int) -> dict[str, Any]:
     """Steps of experience, mean reward a step of what was learned from them, and what baselines earn."""
     torch.set_num_threads(1)
     learner_seed, test_seed = (int(part) for part in np.random.SeedSequence(seed).generate_state(2))
-    practice = _copies(config, config.copies)
-    test = _for_tests(config, practice)
+    practice, test = _copies(config, config.copies), _copies(config, 1)
     learner = _learner(config, practice, learner_seed)
     steps, rewards = [0], [tested(learner, test, test_seed, config.episodes)]
     while learner.num_timesteps < config.steps:
@@ -72,21 +71,8 @@ def earned(config: "Training", agent: str, seed: int) -> float:
 
 
 def _copies(config: "Training", number: int) -> VecEnv:
-    """So many copies of the task, in this process; each gets a seed of its own from the learner.
-
-    Every pixel of an image is normalised: as they are, a network for images makes nothing of so little contrast.
-    """
-    copies = DummyVecEnv([lambda: _environment(config)] * number)
-    seen = [name for name in ("camera", "face_patch") if name in copies.observation_space.spaces]
-    return VecNormalize(copies, norm_reward=False, norm_obs_keys=seen) if seen else copies
-
-
-def _for_tests(config: "Training", practice: VecEnv) -> VecEnv:
-    """One more copy, normalised as in practice."""
-    test = _copies(config, 1)
-    if isinstance(test, VecNormalize):
-        test.obs_rms, test.training = practice.obs_rms, False
-    return test
+    """So many copies of the task, in this process; each gets a seed of its own from the learner."""
+    return DummyVecEnv([lambda: _environment(config)] * number)
 
 
 def _environment(config: "Training") -> gymnasium.Env:

@@ -67,6 +67,21 @@ def test_a_little_practice_is_enough_from_the_state():
     assert result["reward"][-1] > 0.85 > result["reward"][0]
 
 
+def test_the_patch_is_a_share_of_white():
+    """A pixel that hardly changes must not be made as loud as one that tells the gaze."""
+    pytest.importorskip("stable_baselines3")
+    from experiments.follow.training import _copies
+
+    config = replace(sweep.PATCH, **SHORT, patch_side=8)
+    environment = _copies(config, 1)
+    assert environment.observation_space["face_patch"].shape == (8, 8)
+    environment.seed(0)
+    patch = environment.reset()["face_patch"][0]
+    assert environment.observation_space["face_patch"].contains(patch)
+    assert 0.2 < patch.max() <= 1
+    environment.close()
+
+
 def run_of(setting: str, seed: int, rewards: list[float]) -> Trial:
     levels = {"oracle": 1.0, "random": 0.15, "zero": 0.3}
     return Trial(setting, seed, {"steps": [0, 1000, 2000], "reward": rewards, **levels})
