@@ -40,12 +40,12 @@ class Measure:
         """Plug-in value in nats."""
         return float(entries.counts @ self.local(entries)) / entries.transitions
 
-    def dense_value(self, table: np.ndarray) -> float:
-        """The same of a table over (r, a, s, n)."""
+    def dense_value(self, table: np.ndarray, transitions: int) -> float:
+        """The same of a table over (r, a, s, n) of so many transitions."""
         total = dense_information(table, self.given)
         if self.less is not None:
             total -= dense_information(table, self.less)
-        return total / int(table.sum())
+        return total / transitions
 
     def bias(self, entries: Entries, correction: Literal["miller_madow", "degrees_of_freedom"]) -> float:
         """What ``correction`` takes off, nats; of either sign for SAC."""

@@ -402,7 +402,7 @@ def _measured(
             raise SeriesError(f"{name} must be one of {', '.join(known)}; got {shown(choice)}")
     table = given.dense()
     if table is not None and correction == normalise == "none":
-        return measure.dense_value(table) / unit
+        return measure.dense_value(table, given.transitions) / unit
     entries = given.entries(table)
     value = measure.value(entries)
     if correction == "shuffle":

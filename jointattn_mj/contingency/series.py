@@ -6,7 +6,7 @@ from one into the next. Series that belong together are aligned such that ``r[t 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from operator import attrgetter
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -56,22 +56,11 @@ def code(series: Series, name: str = "series") -> Coded:
         SeriesError: Missing values, negative codes, numbers that are not whole, text, another dimension than one, or a
             recording of fewer than two steps.
     """
-    given = _recordings(series)
-    lengths = _plain(given)
-    if lengths is None:
-        parts = [_whole(part, name if len(given) == 1 else f"recording {i} of {name}") for i, part in enumerate(given)]
-        lengths = [len(part) for part in parts]
-    else:
-        parts = list(given)
-    if not parts:
-        raise SeriesError(f"{name} is empty; at least 2 steps are needed")
-    codes = _as_codes(parts[0] if len(parts) == 1 else np.concatenate(parts))
-    unsigned, most = _UNSIGNED[codes.dtype]
-    highest = int(np.maximum.reduce(codes.view(unsigned)))  # one pass: negative codes are huge without their sign
-    if highest > most:
+    codes, bounds = _plain(series) or _looked_at(series, name)
+    lowest, highest = _range(codes)
+    if lowest < 0:
         at = int(np.argmax(codes < 0))
         raise SeriesError(f"codes of {name} must be 0 or more; got {codes[at]} at step {at}")
-    bounds = np.array([0, *lengths]).cumsum() if len(lengths) > 1 else np.array([0, lengths[0]])
     coded = Coded(codes, bounds, highest + 1)
     return coded.compact() if highest >= max(SMALL, len(codes)) else coded
 
@@ -84,20 +73,17 @@ def aligned(**series: Series | None) -> list[Coded | None]:
     Raises:
         SeriesError: As ``code``, or the lengths of their recordings differ.
     """
-    coded = {name: None if given is None else code(given, name) for name, given in series.items()}
-    present = [(name, column) for name, column in coded.items() if column is not None]
-    first_name, first = present[0]
-    for name, other in present[1:]:
-        alone = len(other.bounds) == len(first.bounds) == 2
-        same = other.bounds[1] == first.bounds[1] if alone else np.array_equal(other.bounds, first.bounds)
-        if not same:
+    coded = [None if given is None else code(given, name) for name, given in series.items()]
+    first, *others = [column for column in coded if column is not None]
+    for other in others:
+        if not _as_long(first, other):
+            names = [name for name, column in zip(series, coded, strict=True) if column is first or column is other]
             raise SeriesError(
-                f"{first_name} and {name} must be equally long; got {_lengths(first)} and {_lengths(other)} steps"
+                f"{' and '.join(names)} must be equally long; got {_lengths(first)} and {_lengths(other)} steps"
             )
-    if len({column.codes.dtype for _, column in present}) > 1:
-        wide = {name: replace(column, codes=column.codes.astype(np.int64)) for name, column in present}
-        return [wide.get(name) for name in coded]
-    return list(coded.values())
+    if any(other.codes.dtype != first.codes.dtype for other in others):
+        return [column and replace(column, codes=column.codes.astype(np.int64)) for column in coded]
+    return coded
 
 
 def joint(*series: Series) -> np.ndarray | list[np.ndarray]:
@@ -217,18 +203,36 @@ def _recordings(series: Series) -> Sequence[Any]:
     return [series]
 
 
-def _plain(given: Sequence[Any]) -> list[int] | None:
-    """Lengths of recordings that are arrays of one type of whole number, which need no look one by one; else None."""
-    if set(map(type, given)) != {np.ndarray}:
+def _plain(series: Series) -> tuple[np.ndarray, np.ndarray] | None:
+    """Codes and bounds of arrays of whole numbers, which need no look one by one; None for anything else."""
+    if type(series) is np.ndarray:
+        plain = series.ndim == 1 and len(series) >= 2 and series.dtype in _PLAIN
+        return (_as_codes(series), np.array([0, len(series)])) if plain else None
+    if not isinstance(series, (list, tuple)) or set(map(type, series)) != {np.ndarray}:
         return None
-    kinds, lengths = set(map(_DTYPE, given)), list(map(len, given)) if given[0].ndim else [0]
-    plain = kinds.pop() in _PLAIN and not kinds and min(lengths) >= 2
-    return lengths if plain and set(map(_NDIM, given)) == {1} else None
+    try:
+        joined = np.concatenate(series)
+    except ValueError:  # of different dimensions, or of none
+        return None
+    bounds = np.fromiter(accumulate(map(len, series), initial=0), np.int64, len(series) + 1)
+    if joined.ndim != 1 or joined.dtype not in _PLAIN or np.diff(bounds).min() < 2:
+        return None
+    return _as_codes(joined), bounds
+
+
+def _looked_at(series: Series, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """The same of whatever can be read as codes."""
+    given = _recordings(series)
+    parts = [_whole(part, name if len(given) == 1 else f"recording {i} of {name}") for i, part in enumerate(given)]
+    if not parts:
+        raise SeriesError(f"{name} is empty; at least 2 steps are needed")
+    codes = parts[0] if len(parts) == 1 else np.concatenate(parts)
+    return _as_codes(codes), np.array([0, *map(len, parts)]).cumsum()
 
 
 def _as_codes(array: np.ndarray) -> np.ndarray:
     """Codes as int32 where they are that or less, otherwise int64; those in uint64 are known to be small enough."""
-    if array.dtype in _UNSIGNED and array.flags.c_contiguous:
+    if array.dtype in _COUNTED and array.flags.c_contiguous:
         return array
     if array.dtype == np.uint64:
         return np.ascontiguousarray(array).view(np.int64)
@@ -264,8 +268,7 @@ def _whole(given: Any, name: str) -> np.ndarray:
     return _as_codes(array)
 
 
-_UNSIGNED = {np.dtype(np.int32): (np.uint32, 2**31 - 1), np.dtype(np.int64): (np.uint64, 2**63 - 1)}
-_DTYPE, _NDIM = attrgetter("dtype"), attrgetter("ndim")
+_COUNTED = frozenset(map(np.dtype, (np.int32, np.int64)))
 _PLAIN = frozenset(map(np.dtype, (np.int8, np.uint8, np.int16, np.uint16, np.int32, np.uint32, np.int64)))
 """Whole numbers that can be codes whatever their values; in uint64 some are too large."""
 
@@ -281,6 +284,11 @@ def _from_floats(array: np.ndarray, name: str) -> np.ndarray:
     return array.astype(np.int64)
 
 
+def _as_long(one: Coded, other: Coded) -> bool:
+    same = len(one.codes) == len(other.codes) and len(one.bounds) == len(other.bounds)
+    return same and (len(one.bounds) == 2 or np.array_equal(one.bounds, other.bounds))
+
+
 def _lengths(coded: Coded) -> str:
     lengths = np.diff(coded.bounds).tolist()
     return str(lengths[0]) if len(lengths) == 1 else f"{lengths[:8]}{' and so on' if len(lengths) > 8 else ''}"
@@ -292,3 +300,16 @@ def _count_keys(keys: np.ndarray, counts: np.ndarray, first: np.ndarray) -> None
         if counts[keys[i]] == 0:
             first[keys[i]] = i
         counts[keys[i]] += 1
+
+
+@njit(cache=True)
+def _range(codes: np.ndarray) -> tuple[int, int]:
+    """The lowest and the highest code (T,) in one pass, written such that the compiler takes several at once."""
+    lowest = highest = codes[0]
+    for i in range(len(codes)):
+        code = codes[i]
+        if code > highest:
+            highest = code
+        if code < lowest:
+            lowest = code
+    return lowest, highest
