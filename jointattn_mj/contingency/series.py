@@ -6,6 +6,7 @@ from one into the next. Series that belong together are aligned such that ``r[t 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import accumulate
 from typing import Any
 
@@ -75,15 +76,17 @@ def aligned(**series: Series | None) -> list[Coded | None]:
     """
     coded = [None if given is None else code(given, name) for name, given in series.items()]
     first, *others = [column for column in coded if column is not None]
+    alike = True
     for other in others:
+        alike &= other.codes.dtype == first.codes.dtype
         if not _as_long(first, other):
             names = [name for name, column in zip(series, coded, strict=True) if column is first or column is other]
             raise SeriesError(
                 f"{' and '.join(names)} must be equally long; got {_lengths(first)} and {_lengths(other)} steps"
             )
-    if any(other.codes.dtype != first.codes.dtype for other in others):
-        return [column and replace(column, codes=column.codes.astype(np.int64)) for column in coded]
-    return coded
+    if alike:
+        return coded
+    return [column and replace(column, codes=column.codes.astype(np.int64)) for column in coded]
 
 
 def joint(*series: Series) -> np.ndarray | list[np.ndarray]:
@@ -193,6 +196,11 @@ def check_base(base: float) -> float:
         raise SeriesError(
             f"base of the logarithm must be above 1 and at most 1e6, such as 2 for bits; got {shown(base)}"
         )
+    return _logarithm(float(base))
+
+
+@lru_cache(maxsize=8)
+def _logarithm(base: float) -> float:
     return float(np.log(base))
 
 

@@ -127,13 +127,14 @@ class Steps:
 
     def dense(self) -> np.ndarray | None:
         """Counts as an array over (r, a, s, n), or None where that would be large."""
-        total = prod(self.sizes)
-        if total > max(DENSE, min(2 * self.transitions, MOST_DENSE)):
+        sizes = self.sizes
+        total = prod(sizes)
+        if total > DENSE and total > min(2 * self.transitions, MOST_DENSE):
             return None
         target, source = self.target, self.source
         if self.history is not None:
-            keys = combined(self.columns(), self.sizes)[0]
-            return np.bincount(keys, minlength=int(total)).reshape(self.sizes)
+            keys = combined(self.columns(), sizes)[0]
+            return np.bincount(keys, minlength=int(total)).reshape(sizes)
         condition, size = source.codes[:0], source.size
         if self.condition is not None:
             condition, size = self.condition.codes, size * self.condition.size
@@ -141,12 +142,12 @@ class Steps:
         table: np.ndarray = np.zeros(total, kind)
         paired = total * total // target.size
         pairs = np.zeros(paired if paired <= min(PAIRED, self.transitions // 4) else 0, kind)
-        _count(table, pairs, target.codes, condition, source.codes, target.bounds, *self.sizes[1:])
+        _count(table, pairs, target.codes, condition, source.codes, target.bounds, *sizes[1:])
         if len(pairs):
             by_step = pairs.reshape(-1, target.size, size, target.size)
             table += by_step.sum((2, 3), kind).ravel()  # the first transition of each pair
             table += by_step.sum(0, kind).ravel()  # the second
-        return table.reshape(self.sizes)
+        return table.reshape(sizes)
 
     def entries(self, dense: np.ndarray | None = None) -> Entries:
         """Count everything; ``dense`` is what that function gave, if it was called already."""
@@ -227,7 +228,7 @@ def _sorted(columns: list[np.ndarray], sizes: tuple[int, int, int, int]) -> Entr
 
 def dense_information(table: np.ndarray, given: str) -> float:
     """I(n; s | given) of a table over (r, a, s, n), times its number of transitions, in nats."""
-    others = tuple(AXES.index(axis) for axis in "ra" if axis not in given and table.shape[AXES.index(axis)] > 1)
+    others = tuple(i for i, axis in enumerate("ra") if axis not in given and table.shape[i] > 1)
     blocks = table.sum(axis=others) if others else table
     return float(_information(blocks.reshape(-1, *table.shape[2:]), _logarithms()))
 
