@@ -47,11 +47,19 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
     visible = [name for name in SETTINGS if name in trials and not name.endswith(f"/{BLINDFOLDED}")]
     if not visible:
         return {}
-    figure = Figure(figsize=(4.4 * len(visible) + 0.6, 4.3), layout="constrained")
-    panels = figure.subplots(1, len(visible), sharey=True, squeeze=False)[0]
-    for axes, name in zip(panels, visible, strict=True):
-        _panel(axes, trials, *name.split("/"))
-    panels[0].set_ylabel("reward per step in test episodes")
+    rows = [[name for name in visible if name.startswith(f"{task}/")] for task in _tasks(trials)]
+    rows = [row for row in rows if row]
+    columns = max(map(len, rows))
+    figure = Figure(figsize=(4.4 * columns + 0.6, 3.7 * len(rows) + 0.6), layout="constrained")
+    panels = []
+    for row, places in zip(rows, figure.subplots(len(rows), columns, sharey=True, squeeze=False), strict=True):
+        for place, axes in enumerate(places):
+            if place < len(row):
+                _panel(axes, trials, *row[place].split("/"))
+                panels.append(axes)
+            else:
+                axes.axis("off")
+        places[0].set_ylabel("reward per step in test episodes")
     legends = [zip(*axes.get_legend_handles_labels(), strict=True) for axes in panels]
     entries = {label: handle for legend in legends for handle, label in legend}
     figure.legend(
