@@ -75,9 +75,10 @@ def aligned(**series: Series | None) -> list[Coded | None]:
         SeriesError: As ``code``, or the lengths of their recordings differ.
     """
     coded = [None if given is None else code(given, name) for name, given in series.items()]
-    first, *others = [column for column in coded if column is not None]
+    present = [column for column in coded if column is not None]
     alike = True
-    for other in others:
+    for other in present[1:]:
+        first = present[0]
         alike &= other.codes.dtype == first.codes.dtype
         if not _as_long(first, other):
             names = [name for name, column in zip(series, coded, strict=True) if column is first or column is other]
@@ -189,14 +190,14 @@ def check_base(base: float) -> float:
         SeriesError: It is no number above 1, or an absurd one.
     """
     try:
-        sound = bool(1 < base <= 1e6)
+        number = float(base) if 1 < base <= 1e6 else None
     except (TypeError, ValueError):
-        sound = False
-    if not sound:
+        number = None
+    if number is None:
         raise SeriesError(
             f"base of the logarithm must be above 1 and at most 1e6, such as 2 for bits; got {shown(base)}"
         )
-    return _logarithm(float(base))
+    return _logarithm(number)
 
 
 @lru_cache(maxsize=8)
@@ -220,7 +221,7 @@ def _plain(series: Series) -> tuple[np.ndarray, np.ndarray] | None:
         return None
     try:
         joined = np.concatenate(series)
-    except ValueError:  # of different dimensions, or of none
+    except (ValueError, TypeError):  # of different dimensions, of none, or of types that have none in common
         return None
     bounds = np.fromiter(accumulate(map(len, series), initial=0), np.int64, len(series) + 1)
     if joined.ndim != 1 or joined.dtype not in _PLAIN or np.diff(bounds).min() < 2:

@@ -53,6 +53,8 @@ BAD = {
     "ragged": ([[0, [1]], [0, 1]], "s"),
     "huge": (np.array([0, 2**63], np.uint64), "2\\*\\*62"),
     "complex": ([1j, 2j], "whole numbers"),
+    "a recording of dates": ([GOOD, GOOD.astype("datetime64[s]")], "recording 1 of s must hold whole numbers"),
+    "a recording without dimension": ([GOOD, np.array(3)], "recording 1 of s must have one dimension"),
 }
 
 
@@ -72,10 +74,20 @@ def test_lengths_must_agree():
         aligned(s=[GOOD[:2], GOOD[2:]], r=[GOOD[:3], GOOD[3:]])
 
 
-@pytest.mark.parametrize("base", [1, 0.5, 0, -2, np.nan, np.inf, "2", None])
+def test_a_source_and_a_target_are_needed():
+    with pytest.raises(SeriesError, match="a source and a target are needed"):
+        transfer_entropy(None, None)
+
+
+@pytest.mark.parametrize("base", [1, 0.5, 0, -2, np.nan, np.inf, "2", None, np.array([2.0])])
 def test_bad_base(base):
     with pytest.raises(SeriesError, match="base"):
         check_base(base)
+
+
+@pytest.mark.parametrize("base", [np.int8(2), np.float32(2)])
+def test_a_base_of_a_small_type_has_the_whole_logarithm(base):
+    assert check_base(base) == np.log(2)
 
 
 def test_joint():

@@ -9,8 +9,9 @@ from jointattn_mj.development.config import DevelopmentOptions
 from jointattn_mj.development.realtime.config import RealtimeDevelopmentConfig
 from jointattn_mj.development.realtime.run import RealtimeConfig
 from jointattn_mj.development.run import run_development
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import CheckpointError, ConfigError
 from jointattn_mj.io import rows
+from jointattn_mj.scene.world import WorldObservation
 
 pytestmark = pytest.mark.integration
 
@@ -32,6 +33,23 @@ def test_it_runs_as_many_minutes_as_asked_for_and_resumes_to_the_same(tmp_path, 
     with pytest.raises(KeyboardInterrupt):
         run_development(SHORT, options, stop)
     assert run_development(SHORT, replace(options, resume=True)) == whole
+
+
+def test_a_robot_that_did_not_know_its_delay_does_not_go_on_as_if_it_had(tmp_path):
+    """Checkpoints of before there was ``AlignedObservation`` hold such a robot."""
+    late = replace(SHORT, seed=2, realtime=replace(SHORT.realtime, variation="camera"))
+
+    def stop(run, found):
+        assert run.world.conditions.sensor.delay
+        run._observation = WorldObservation(run.world)
+        if run.steps_done == 7:
+            raise KeyboardInterrupt
+
+    options = DevelopmentOptions(tmp_path, checkpoint_every=5)
+    with pytest.raises(KeyboardInterrupt):
+        run_development(late, options, stop)
+    with pytest.raises(CheckpointError, match="how late its camera is"):
+        run_development(late, replace(options, resume=True))
 
 
 def test_each_world_has_its_own_options(capsys):

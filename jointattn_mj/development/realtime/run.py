@@ -143,6 +143,12 @@ class RealtimeRun(ObservedRun):
         developer = Developer(self.senses.variables, agent, of_agent, reactive)
         super().__init__(developer, table, n_steps, sample_every)
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """See ``DevelopmentRun``."""
+        super().__setstate__(state)
+        if self.world.conditions.sensor.delay and not isinstance(self._observation, AlignedObservation):
+            raise ValueError("its robot did not know how late its camera is")
+
     @property
     def ended(self) -> np.ndarray:
         """(steps_done,) frame in which each step ended."""
