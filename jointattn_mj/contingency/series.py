@@ -75,10 +75,9 @@ def aligned(**series: Series | None) -> list[Coded | None]:
         SeriesError: As ``code``, or the lengths of their recordings differ.
     """
     coded = [None if given is None else code(given, name) for name, given in series.items()]
-    present = [column for column in coded if column is not None]
+    first, *others = [column for column in coded if column is not None]
     alike = True
-    for other in present[1:]:
-        first = present[0]
+    for other in others:
         alike &= other.codes.dtype == first.codes.dtype
         if not _as_long(first, other):
             names = [name for name, column in zip(series, coded, strict=True) if column is first or column is other]

@@ -181,9 +181,10 @@ def steps(
     Raises:
         SeriesError: See ``series.code`` and ``series.aligned``.
     """
-    first, second, third = aligned(source=source, target=target, condition=condition)
-    if first is None or second is None:
+    if source is None or target is None:
         raise SeriesError("a source and a target are needed; got None")
+    first, second, third = aligned(source=source, target=target, condition=condition)
+    assert first is not None and second is not None
     return Steps(first, second, third, None if groups is None else _checked_groups(groups, len(second.bounds) - 1))
 
 
