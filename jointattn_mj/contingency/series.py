@@ -292,9 +292,9 @@ def _from_floats(array: np.ndarray, name: str) -> np.ndarray:
     return array.astype(np.int64)
 
 
-def _as_long(one: Coded, other: Coded) -> bool:
-    same = len(one.codes) == len(other.codes) and len(one.bounds) == len(other.bounds)
-    return same and (len(one.bounds) == 2 or np.array_equal(one.bounds, other.bounds))
+def _as_long(first: Coded, other: Coded) -> bool:
+    same = len(first.codes) == len(other.codes) and len(first.bounds) == len(other.bounds)
+    return same and (len(first.bounds) == 2 or np.array_equal(first.bounds, other.bounds))
 
 
 def _lengths(coded: Coded) -> str:
