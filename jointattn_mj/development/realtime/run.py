@@ -146,6 +146,8 @@ class RealtimeRun(ObservedRun):
     def __setstate__(self, state: dict[str, Any]) -> None:
         """See ``DevelopmentRun``."""
         super().__setstate__(state)
+        if self.world.closed:
+            return
         if self.world.conditions.sensor.delay and not isinstance(self._observation, AlignedObservation):
             raise ValueError("its robot did not know how late its camera is")
 
