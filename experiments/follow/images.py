@@ -1,7 +1,7 @@
 """What a learner gets of the camera: a small grey image, or a small patch of the face; grey is a share of white.
 
 Pixels are not normalised each by its own spread. That would make as much of those that hardly change as of those that
-tell the gaze: from the face patch PPO then stayed at 0.90.
+tell the gaze, of which PPO then learns much less.
 """
 
 from typing import Any
