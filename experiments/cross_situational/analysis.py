@@ -37,8 +37,8 @@ LONGER = {
     "hour": "an hour",
     "variation": "other worlds, from images",
     "variation_delay_not_known": "other worlds, from images, the camera's delay not known",
-    "strangers/one_teacher_mean_face": "strangers, one teacher, faces less their mean",
-    "strangers/three_teachers_mean_face": "strangers, three teachers, faces less their mean",
+    "strangers/one_teacher_faces_as_they_are": "strangers, one teacher, faces as they are",
+    "strangers/three_teachers_faces_as_they_are": "strangers, three teachers, faces as they are",
 }
 WORDS = {"no_cues": "without motion cues", "cues": "with motion cues", "thesis": "the dissertation's rule"}
 

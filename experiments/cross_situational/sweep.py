@@ -211,7 +211,7 @@ SETTINGS = {
     **{
         f"strangers/{words}{coded}": Setting(meeting(teachers, subtracted), 10)
         for words, teachers in (("one_teacher", 1), ("three_teachers", 3))
-        for coded, subtracted in (("", False), ("_mean_face", True))
+        for coded, subtracted in (("", True), ("_faces_as_they_are", False))
     },
     **{f"told/{part}": Setting(condition("pixels", kind=PartlyVisible, told=part), 10) for part in PARTS},
     "upright/state_no_cues": Setting(upright(), 20),

@@ -114,8 +114,8 @@ class GazeFollower:
         self.config, self.perceiver = config, perceiver
         self.face = objects
         self.attention: Attention = AttentionSelector(config.attention, objects, attention)
-        self.som = SOM(perceiver.pattern_size, config.som, som)
         subtracted = config.mean_face.subtracted and perceiver.pattern_size >= IMAGE_DIMENSION
+        self.som = SOM(perceiver.pattern_size, config.som, som, standardises=not subtracted)
         self.mean_face = MeanFace(perceiver.pattern_size, config.mean_face) if subtracted else None
         self.learner = make_learner(config.learner, len(self.som.weights), learner)
         self.iterations = 0
@@ -379,7 +379,7 @@ class GazeFollower:
         """All that was learned, by name: the map of faces, the learner's weights, and l of eq. 6.8."""
         return {
             **{f"som_{name}": array for name, array in self.som.arrays().items()},
-            **({} if self.mean_face is None else {"mean_face": self.mean_face.mean.copy()}),
+            **({} if self.mean_face is None else self.mean_face.arrays()),
             "learner": self.learner.weights(),
             "iterations": np.array(self.iterations),
         }
@@ -393,7 +393,8 @@ class GazeFollower:
         source = "give the weights.npz of a finished session with this config"
         try:
             arrays = {name.removeprefix("som_"): array for name, array in weights.items() if name.startswith("som_")}
-            som, size = SOM.from_arrays(arrays, self.config.som), self.perceiver.pattern_size
+            som = SOM.from_arrays(arrays, self.config.som, self.som.standardises)
+            size = self.perceiver.pattern_size
             if som.weights.shape[1] != size:
                 raise ConfigError(f"a map of faces of {size} numbers each is needed; got {som.weights.shape[1]}")
             iterations = whole_number("iterations", weights["iterations"])
@@ -411,7 +412,7 @@ class GazeFollower:
             if "mean_face" in weights:
                 raise ConfigError("their units hold deviations from a mean face, which is not subtracted here")
             return None
-        mean = MeanFace.from_array(weights["mean_face"], self.config.mean_face)
+        mean = MeanFace.from_arrays(weights, self.config.mean_face)
         if len(mean.mean) != self.perceiver.pattern_size:
             raise ConfigError(f"a mean face of {self.perceiver.pattern_size} numbers is needed; got {len(mean.mean)}")
         return mean

@@ -6,6 +6,8 @@ from typing import Literal
 from jointattn_mj.gaze_following.agent import RobotConfig
 from jointattn_mj.gaze_following.gate import GazeConfig
 from jointattn_mj.gaze_following.learners import LearnerConfig
+from jointattn_mj.perception.mean_face import MeanFaceConfig
+from jointattn_mj.perception.som import SOMConfig
 
 Preset = Literal["thesis", "cross_situational"]
 LEARNER = LearnerConfig(
@@ -17,5 +19,12 @@ GAZE = GazeConfig(
 )  # fmt: skip
 """Looks at the object that goes best with a face, once the face is still. The gate is half open after 30 pairs rather
 than 150: the counts are right by then."""
-PRESETS = {"thesis": RobotConfig(), "cross_situational": replace(RobotConfig(), learner=LEARNER, gaze=GAZE)}
+SOM = SOMConfig(rows=13, columns=13, sigma_start=6.0)
+"""Twice the patterns of the dissertation's map: directions are told apart more finely than 81 patterns tell them."""
+MEAN_FACE = MeanFaceConfig(subtracted=True)
+"""What was learned from one person then serves for others, too."""
+PRESETS = {
+    "thesis": RobotConfig(),
+    "cross_situational": replace(RobotConfig(), learner=LEARNER, gaze=GAZE, som=SOM, mean_face=MEAN_FACE),
+}
 """Settings of a robot by the name of the preset."""

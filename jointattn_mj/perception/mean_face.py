@@ -1,10 +1,12 @@
 """The mean of a person's faces, from which each face deviates: norm-based coding (Leopold et al., 2001).
 
-What a face shows all the time says whose it is; how it deviates from that says where it is turned. A map that has
-learned the deviations of one person's faces serves for another person too, once the mean of these is known.
+What a face shows all the time says whose it is; how it deviates from that says where it is turned. How much a face
+changes when it turns differs from person to person, for dark hair around a light face outweighs the features. So a
+deviation is counted in units of this person's spread. A map that has learned the deviations of one person's faces
+serves for another person too, once mean and spread of these are known.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
@@ -24,21 +26,26 @@ class MeanFaceConfig(Checked):
     """Whether a face is coded by how it deviates from this person's mean, rather than as it is (the dissertation)."""
     every: Annotated[int, Whole("[1, 1e6]")] = 3
     """A face counts for the mean every N frames while it is looked at: ten a second, as in familiarisation."""
-    known: Annotated[int, Whole("[0, 1e6]")] = 5
-    """Faces that a mean from an earlier session counts as much as: half a second. The caregiver may be another."""
+    known: Annotated[int, Whole("[0, 1e6]")] = 20
+    """Faces as which mean and spread of an earlier session count: two seconds. The caregiver may be another."""
     most: Annotated[int, Whole("[1, 1e9]")] = 1800
-    """Faces over which the mean is taken, three minutes; older ones are forgotten exponentially."""
+    """Faces over which mean and spread are taken, three minutes; older ones are forgotten exponentially."""
 
     ADVANCED: ClassVar = ("every", "known", "most")
 
 
+_FLAT = 1e-6
+"""Spread below which faces do not differ; patterns have unit variance."""
+_MOST_SPREAD = 2.0
+"""Standardised patterns lie no farther apart."""
+
+
 class MeanFace:
-    """The running mean of standardised face patterns.
+    """Running mean and spread of standardised face patterns.
 
     Attributes:
         config: Options.
-        mean: (d,) float64, zeros before the first face.
-        count: Number of faces that it counts as much as.
+        count: Number of faces of this session that count.
     """
 
     def __init__(self, dimension: int, config: MeanFaceConfig = MeanFaceConfig()):
@@ -49,8 +56,10 @@ class MeanFace:
             config: Options.
         """
         self.config = config
-        self.mean = np.zeros(dimension)
         self.count = 0
+        self._known = 0  # faces that what is known from an earlier session counts as much as
+        self._means = np.zeros((2, dimension))  # of an earlier session, and of this
+        self._variances = np.zeros(2)  # mean squared deviation from these
         self._waits = 0  # frames until a face counts again
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -60,11 +69,29 @@ class MeanFace:
             ValueError: It is no mean of faces.
         """
         self.__dict__.update(state)
-        check_array("the mean face", self.mean, self.mean.shape[:1], float)
+        check_array("mean faces", self._means, (2, *np.shape(self._means)[-1:]), float)
+        check_array("variances of faces", self._variances, (2,), float, 0)
         check_whole("faces", self.count, 0, self.config.most)
+        check_whole("known faces", self._known, 0, self.config.known)
 
     def __repr__(self) -> str:
-        return f"MeanFace({len(self.mean)} numbers, counts as {self.count} faces)"
+        return f"MeanFace({self._means.shape[1]} numbers, counts as {self._known + self.count} faces)"
+
+    @property
+    def mean(self) -> np.ndarray:
+        """(d,) float64, zeros before the first face."""
+        return self._weighed(self._means)
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of faces about their mean, over all numbers of a pattern; 0 before the second face."""
+        return float(np.sqrt(self._weighed(self._variances)))
+
+    def _weighed(self, values: np.ndarray) -> np.ndarray:
+        """``values`` (2, ...) of what was known and of this session, by the number of faces of each."""
+        counts = np.array([self._known, self.count])
+        weighed: np.ndarray = counts @ values / max(1, counts.sum())
+        return weighed
 
     def look(self, pattern: Callable[[], np.ndarray]) -> None:
         """Look at a face for one frame; in some of them its ``pattern()`` counts."""
@@ -75,23 +102,33 @@ class MeanFace:
     def update(self, pattern: np.ndarray) -> None:
         """Let a face pattern (d,) count."""
         self.count = min(self.count + 1, self.config.most)
-        self.mean += (standardised(pattern) - self.mean) / self.count
+        share = 1 / self.count
+        change = standardised(pattern) - self._means[1]
+        self._means[1] += share * change
+        self._variances[1] = (1 - share) * (self._variances[1] + share * np.mean(change * change))
 
     def deviation(self, pattern: np.ndarray) -> np.ndarray:
-        """How a face pattern (d,) deviates from the mean, (d,) float64: both with zero mean and unit variance."""
+        """How a face pattern (d,) deviates from the mean, in units of the spread: (d,), zeros without spread."""
         deviation: np.ndarray = standardised(pattern) - self.mean
-        return deviation
+        return deviation / self.spread if self.spread > _FLAT else np.zeros_like(deviation)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Mean and spread, by name."""
+        return {"mean_face": self.mean, "mean_face_spread": np.array(self.spread)}
 
     @classmethod
-    def from_array(cls, mean: np.ndarray, config: MeanFaceConfig) -> "MeanFace":
-        """Begin with the mean (d,) of an earlier session.
+    def from_arrays(cls, arrays: Mapping[str, np.ndarray], config: MeanFaceConfig) -> "MeanFace":
+        """Begin with what the ``arrays`` of an earlier session hold.
 
         Raises:
-            ConfigError: It is no row of finite numbers.
+            ConfigError: They are no row of finite numbers and no number above 0.
+            KeyError: There is none of that name.
         """
-        mean = np.asarray(mean)
+        mean, spread = np.asarray(arrays["mean_face"]), np.asarray(arrays["mean_face_spread"])
         if mean.ndim != 1 or mean.dtype.kind != "f" or not np.isfinite(mean).all():
             raise ConfigError(f"mean face: expected a row of finite numbers; got {mean.dtype} {mean.shape}")
+        if spread.ndim or spread.dtype.kind != "f" or not 0 <= spread <= _MOST_SPREAD:
+            raise ConfigError(f"spread of faces: expected a number from 0 to {_MOST_SPREAD:g}; got {spread}")
         known = cls(len(mean), config)
-        known.mean, known.count = mean.astype(float), config.known
+        known._known, known._means[0], known._variances[0] = config.known, mean, spread**2
         return known

@@ -5,7 +5,8 @@ neighbours on the sheet less so; pull and neighbourhood shrink with time. Simila
 face is described by its similarity to each unit: 81 activations, the input of the learner.
 
 Patterns are standardised (zero mean, unit variance), so that brightness and contrast do not count. A pattern of fewer
-than four numbers is a measured quantity (yaw and pitch, with perception from the state), and is taken as it is.
+than four numbers is a measured quantity (yaw and pitch, with perception from the state), and is taken as it is. So are
+deviations from a mean face: how large they are says how far the face is turned.
 """
 
 from dataclasses import dataclass
@@ -78,17 +79,26 @@ class SOM:
         config: Its options.
         weights: (units, d) float32, the units' patterns; unit ``row * columns + column``.
         n_patterns: Patterns learned so far.
+        standardises: Whether patterns are standardised before they are compared.
     """
 
-    def __init__(self, dimension: int, config: SOMConfig | None = None, rng: np.random.Generator | None = None):
+    def __init__(
+        self,
+        dimension: int,
+        config: SOMConfig | None = None,
+        rng: np.random.Generator | None = None,
+        standardises: bool = True,
+    ):
         """Make a map that has learned nothing.
 
         Args:
             dimension: Numbers in a pattern, d.
             config: Options.
             rng: Draws the first weights, small noise; None leaves them at zero, to be loaded.
+            standardises: Whether patterns are standardised before they are compared.
         """
         self.config = config or SOMConfig()
+        self.standardises = standardises
         units = self.config.rows * self.config.columns
         self.weights = np.zeros((units, dimension), np.float32)
         if rng is not None:
@@ -202,27 +212,34 @@ class SOM:
         return {"weights": self.weights.copy(), "seen": np.array(self.n_patterns)}
 
     @classmethod
-    def from_arrays(cls, arrays: dict[str, np.ndarray], config: SOMConfig | None = None) -> "SOM":
+    def from_arrays(
+        cls, arrays: dict[str, np.ndarray], config: SOMConfig | None = None, standardises: bool = True
+    ) -> "SOM":
         """Make a map from what ``arrays`` gave.
 
         Args:
             arrays: ``weights`` (units, d), and ``seen``, the number of patterns learned.
             config: Options; rows and columns must be those of the weights.
+            standardises: Whether patterns are standardised before they are compared.
 
         Raises:
             ConfigError: The weights belong to another sheet, or are not finite.
         """
         with np.errstate(over="ignore"):
             weights = np.asarray(arrays["weights"], np.float32)
-        som = cls(weights.shape[-1], config)
+        som = cls(weights.shape[-1], config, standardises=standardises)
         if weights.shape != som.weights.shape or not np.isfinite(weights).all():
-            raise ConfigError(f"som: expected weights {som.weights.shape} of finite numbers; got {weights.shape}")
+            raise ConfigError(
+                f"som: expected weights {som.weights.shape} of finite numbers, for {som.config.rows}x"
+                f"{som.config.columns} units (another som.rows or som.columns?); got {weights.shape}"
+            )
         som.weights[:] = weights
         som.n_patterns = whole_number("seen", arrays["seen"])
         return som
 
     def _pattern(self, x: np.ndarray) -> np.ndarray:
-        pattern = standardised(numbers("pattern", x))
+        given = numbers("pattern", x)
+        pattern = standardised(given) if self.standardises else given.astype(np.float32).ravel()
         if pattern.size != self.weights.shape[1]:
             raise ConfigError(f"som: expected patterns of {self.weights.shape[1]} numbers; got {pattern.size}")
         return pattern

@@ -76,7 +76,7 @@ def test_weights_of_one_robot_in_another(jointattn, tmp_path):
         start = ("--start-from", out / "weights.npz")
         assert jointattn("session", *BRIEF, *options, *start, "--out", tmp_path / f"{name}2").code == 0
         refused = jointattn("session", *BRIEF, *other, *start, "--out", tmp_path / f"{name}_other")
-        assert refused.code == 2 and "another learner.code" in refused.err
+        assert refused.code == 2 and "another som.rows" in refused.err
 
 
 def test_it_goes_on_after_a_stop_and_from_python(tmp_path):

@@ -1,4 +1,4 @@
-"""The mean of a person's faces: what is coded is how a face deviates from it, which two people may share."""
+"""Mean and spread of a person's faces: what is coded is how a face deviates, which two people may share."""
 
 import numpy as np
 import pytest
@@ -17,11 +17,43 @@ def faces(person: int) -> np.ndarray:
     return 128 + 40 * (PEOPLE[person] + TURNS)
 
 
-def test_it_is_the_mean_of_standardised_faces():
+def after(faces: np.ndarray) -> MeanFace:
     mean = MeanFace(64)
-    for face in faces(0):
+    for face in faces:
         mean.update(face)
-    np.testing.assert_allclose(mean.mean, np.mean([standardised(face) for face in faces(0)], axis=0), atol=1e-5)
+    return mean
+
+
+def test_mean_and_spread_of_standardised_faces():
+    mean, seen = after(faces(0)), np.array([standardised(face) for face in faces(0)])
+    np.testing.assert_allclose(mean.mean, seen.mean(axis=0), atol=1e-6)
+    assert mean.spread == pytest.approx(np.sqrt(np.mean((seen - seen.mean(axis=0)) ** 2)), rel=1e-6)
+    deviations = np.array([mean.deviation(face) for face in faces(0)])
+    assert np.mean(deviations**2) == pytest.approx(1)
+
+
+def test_the_size_of_a_deviation_tells_how_far_a_face_is_turned():
+    mean, face = after(faces(0)), 40 * PEOPLE[0]
+    small, large = (np.linalg.norm(mean.deviation(face + turn * TURNS[0])) for turn in (5, 40))
+    assert large > 3 * small
+
+
+def test_without_faces_or_with_one_alone_nothing_deviates():
+    for count in (0, 1):
+        assert not after(faces(0)[:count]).deviation(faces(0)[2]).any()
+
+
+def test_what_is_known_from_before_gives_way_to_what_is_seen():
+    """Mean and spread are those of all faces, the earlier ones counting as 20 and only within themselves."""
+    before = after(faces(0))
+    mean = MeanFace.from_arrays(before.arrays(), MeanFaceConfig(known=20))
+    np.testing.assert_array_equal(mean.mean, before.mean)
+    assert mean.spread == pytest.approx(before.spread)
+    for face in faces(1):
+        mean.update(face)
+    second = after(faces(1))
+    np.testing.assert_allclose(mean.mean, (before.mean + 2 * second.mean) / 3, atol=1e-12)
+    assert mean.spread**2 == pytest.approx((before.spread**2 + 2 * second.spread**2) / 3)
 
 
 def test_old_faces_are_forgotten():
@@ -40,12 +72,11 @@ def test_a_map_of_deviations_serves_for_another_person():
     def same_units(subtract: bool) -> float:
         units = []
         for person in (0, 1):
-            mean = MeanFace(64)
-            for face in faces(person):
-                mean.update(face)
+            mean = after(faces(person))
             coded = [mean.deviation(face) if subtract else face for face in faces(person)]
             if person == 0:
-                som = SOM(64, SOMConfig(updates=1500, sigma_end=0.3), np.random.default_rng(1))
+                config = SOMConfig(updates=1500, sigma_end=0.3)
+                som = SOM(64, config, np.random.default_rng(1), standardises=not subtract)
                 som.train(np.array(coded), np.random.default_rng(2))
             units.append([som.winner(code) for code in coded])
         return float(np.mean(np.equal(*units)))
@@ -65,4 +96,10 @@ def test_one_face_in_several_counts():
 @pytest.mark.parametrize("mean", [np.zeros((2, 2)), np.full(64, np.nan), np.array(["a"]), np.arange(64)])
 def test_what_is_no_mean_is_refused(mean):
     with pytest.raises(ConfigError, match="mean face: expected a row of finite numbers"):
-        MeanFace.from_array(mean, MeanFaceConfig())
+        MeanFace.from_arrays({"mean_face": mean, "mean_face_spread": np.array(1.0)}, MeanFaceConfig())
+
+
+@pytest.mark.parametrize("spread", [np.ones(2), np.array(np.nan), np.array("a"), np.array(-0.1), np.array(3.0)])
+def test_what_is_no_spread_is_refused(spread):
+    with pytest.raises(ConfigError, match="spread of faces: expected a number from 0 to 2"):
+        MeanFace.from_arrays({"mean_face": np.zeros(64), "mean_face_spread": spread}, MeanFaceConfig())

@@ -97,6 +97,17 @@ def test_two_numbers_are_taken_as_they_are():
     assert centre == pytest.approx([10, 20], abs=2.5)
 
 
+def test_contrast_counts_where_patterns_are_not_standardised(patterns):
+    """Units tell a weak pattern from the same pattern when it is strong, as they must for deviations from a mean."""
+    som = SOM(256, SOMConfig(updates=600), np.random.default_rng(0), standardises=False)
+    for strength in np.random.default_rng(1).uniform(-1, 1, 600):
+        som.update(strength * patterns[0])
+    units = [som.winner(strength * patterns[0]) for strength in (-0.9, -0.3, 0.3, 0.9)]
+    assert len(set(units)) == 4
+    again = SOM.from_arrays(som.arrays(), som.config, standardises=False)
+    assert [again.winner(strength * patterns[0]) for strength in (-0.9, -0.3, 0.3, 0.9)] == units
+
+
 def test_saving_and_loading(trained, patterns, tmp_path):
     np.savez(tmp_path / "som.npz", **trained.arrays())
     with np.load(tmp_path / "som.npz") as saved:
