@@ -14,7 +14,7 @@ from jointattn_mj.gaze_following.learners import LearnerConfig, Locations, make_
 from jointattn_mj.io.progress import count
 from jointattn_mj.options import Checked, Real, Whole
 from jointattn_mj.perception.mean_face import MeanFace, MeanFaceConfig
-from jointattn_mj.perception.percept import Observation, Perceiver, Percept
+from jointattn_mj.perception.percept import FaceAt, Observation, Perceiver, Percept
 from jointattn_mj.perception.som import IMAGE_DIMENSION, SOM, SOMConfig, whole_number
 from jointattn_mj.scene.camera import direction_of, off_centre
 
@@ -44,6 +44,10 @@ class RobotConfig(Checked):
     """The online contingency learning module (6.3.3)."""
     som: SOMConfig = field(default_factory=SOMConfig)
     """The self-organising map of face patterns (6.3.3, 6.4.1)."""
+    face_at: FaceAt = "found"
+    """Cut the face pattern out where the face was found in the image, or where the head is remembered to be. What is
+    found follows the features, which move when the head turns: cut out there, a pattern lacks what they moved. At a
+    video and before a camera it is always where the face was found, for people's heads do not stay where they were."""
     mean_face: MeanFaceConfig = field(default_factory=MeanFaceConfig)
     """Faces as deviations from this person's mean, so that what was learned serves for other people."""
     familiarise: FamiliariseConfig = field(default_factory=FamiliariseConfig)

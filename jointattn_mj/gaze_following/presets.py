@@ -1,6 +1,5 @@
 """Robots of chapter 6 by name: the dissertation's, and one that learns what is contingent."""
 
-from dataclasses import replace
 from typing import Literal
 
 from jointattn_mj.gaze_following.agent import RobotConfig
@@ -25,6 +24,6 @@ MEAN_FACE = MeanFaceConfig(subtracted=True)
 """What was learned from one person then serves for others, too."""
 PRESETS = {
     "thesis": RobotConfig(),
-    "cross_situational": replace(RobotConfig(), learner=LEARNER, gaze=GAZE, som=SOM, mean_face=MEAN_FACE),
+    "cross_situational": RobotConfig(learner=LEARNER, gaze=GAZE, som=SOM, mean_face=MEAN_FACE, face_at="remembered"),
 }
 """Settings of a robot by the name of the preset."""

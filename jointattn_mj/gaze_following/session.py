@@ -117,7 +117,8 @@ class SessionRun:
         """Make what turns observations into percepts; ``self.world`` exists already."""
         if self.config.perception == "state":
             return StatePerception(self.config.state, self.world, rng)
-        return PixelPerception(self.config.pixels, np.array([item.rgb for item in self.config.world.scene.objects]))
+        rgb = np.array([item.rgb for item in self.config.world.scene.objects])
+        return PixelPerception(self.config.pixels, rgb, face_at=self.config.robot.face_at)
 
     def begin(self) -> None:
         """Before the first frame: learn the patterns of the face, or load what an earlier robot learned.

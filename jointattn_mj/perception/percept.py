@@ -1,9 +1,12 @@
 """The border of perception: observations come in, percepts go out. Attention and learning know percepts only."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
+
+FaceAt = Literal["found", "remembered"]
+"""Where a face pattern is cut out: where the face was found in the image, or where the head is remembered to be."""
 
 
 class Observation(Protocol):

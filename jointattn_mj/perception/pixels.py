@@ -15,7 +15,7 @@ from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetector
 from jointattn_mj.perception.gray import fill_gray, require_image
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
 from jointattn_mj.perception.objects import Areas, ColourAreas, ColourConfig, ObjectFinder, check_areas
-from jointattn_mj.perception.percept import Observation, Percept
+from jointattn_mj.perception.percept import FaceAt, Observation, Percept
 from jointattn_mj.scene import camera
 
 MEMORY_RATE = 0.02
@@ -91,6 +91,7 @@ class PixelPerception:
         rgb: np.ndarray,
         memory_rate: float = MEMORY_RATE,
         objects: ObjectFinder | None = None,
+        face_at: FaceAt = "found",
     ):
         """Make the detectors.
 
@@ -99,6 +100,8 @@ class PixelPerception:
             rgb: (n, 3) the objects' nominal colours, 0 to 1.
             memory_rate: Share of each new image in the remembered direction of the face, 0 to 1.
             objects: Object detector in place of the one by ``rgb``, which then says nothing.
+            face_at: Where face patterns are cut out. A face that is found farther from where it is remembered than the
+                detector searches is cut out where it was found.
         """
         self.faces: FaceFinder = FaceDetector(config.faces)
         self.colours: ObjectFinder = ColourAreas(rgb, config.colours) if objects is None else objects
@@ -107,7 +110,8 @@ class PixelPerception:
         self._knows_face = False
         self._memory_rate = memory_rate
         self._gray = np.zeros((0, 0), np.uint8)
-        self.fix = FaceFix(float("nan"), float("nan"), -1.0, False)
+        self.fix = self._cut_at = FaceFix(float("nan"), float("nan"), -1.0, False)
+        self._apart_px = config.faces.search_radius_px if face_at == "remembered" else -1
         self._buffers: deque[tuple[np.ndarray, Areas]] = deque()  # grey images and areas, written to in turn
         self.motion: Motion | None = None
         count = len(self.colours.nothing().visible) + 1
@@ -154,6 +158,9 @@ class PixelPerception:
         if self._knows_face:
             expected = _expect(self._face_direction, head, image, gray, self.faces.reach_px)
         self.fix = fix = self.faces.detect(gray, expected, lambda: fill_gray(image, gray, 0, 0, *gray.shape[::-1]))
+        self._cut_at = fix
+        if expected is not None and max(abs(fix.x - expected[0]), abs(fix.y - expected[1])) <= self._apart_px:
+            self._cut_at = fix._replace(x=expected[0], y=expected[1])
         box = None
         if fix.detected:
             _remember(self._face_direction, fix.x, fix.y, head, self._memory_rate if self._knows_face else 1.0)
@@ -187,4 +194,4 @@ class PixelPerception:
         """
         if not self.fix.detected:
             raise ObservationError("expected a face in the last image; got none: check percept.visible[-1] first")
-        return self.faces.patch(self._gray, self.fix).ravel()
+        return self.faces.patch(self._gray, self._cut_at).ravel()

@@ -61,7 +61,8 @@ ADDED: dict[str, dict[str, Any]] = {
     "rendered": {"least_turned": 0},
     "senses": {"frontal_likeness": 0.0},
     "local": {"waits_deviations": 0.0},
-    "robot": {"mean_face": {"subtracted": False, "every": 3, "known": 20, "most": 1800}},
+    "robot": {"face_at": "found",
+              "mean_face": {"subtracted": False, "every": 3, "known": 20, "most": 1800}},
     "gaze": {"gate_sharpness": 3.0, "commands": "direction", "wait_for_still_face": False, "read_again": False},
 }  # fmt: skip
 """Fields that configs have got since trials were first stored, by the field that holds the config, with the values at

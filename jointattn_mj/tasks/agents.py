@@ -90,7 +90,8 @@ class TrainedGazeFollower:
 
     def _new(self) -> GazeFollower:
         objects = self._environment.task.world.config.scene.objects
-        perceiver = PixelPerception(PixelConfig(), np.array([item.rgb for item in objects]))
+        rgb = np.array([item.rgb for item in objects])
+        perceiver = PixelPerception(PixelConfig(), rgb, face_at=self._config.face_at)
         robot = GazeFollower(self._config, perceiver, len(objects), self._seeds.spawn(1)[0])
         robot.load(self._weights)
         return robot
