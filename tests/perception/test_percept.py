@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from jointattn_mj.errors import ObservationError
+from jointattn_mj.perception.faces import FaceFix
 from jointattn_mj.perception.percept import Percept, StillObservation
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
 from jointattn_mj.scene.objects import OBJECTS
@@ -26,6 +27,47 @@ def test_lines():
 def test_what_is_no_observation_is_refused(observation):
     with pytest.raises(ObservationError, match="image"):
         perception().perceive(observation, landed=True)
+
+
+class Planned:
+    """A face detector that answers with one planned position (x, y) after another, and tells where patches were cut."""
+
+    reach_px = 30
+
+    def __init__(self, *positions):
+        self._positions, self.cut_at = iter(positions), []
+
+    def detect(self, gray, expected_px, complete):
+        x, y = next(self._positions)
+        return FaceFix(x, y, 1.0, np.isfinite(x))
+
+    def patch(self, gray, fix):
+        self.cut_at.append((fix.x, fix.y))
+        return np.zeros((32, 32), np.float32)
+
+    def box(self, fix, shape):
+        return 0, 0, 32, 32
+
+
+@pytest.mark.parametrize(
+    ("face_at", "expected"),
+    [
+        ("found", [(160, 120), (163, 119), (170, 120), (161, 121)]),
+        ("remembered", [(160, 120), (160, 120), (170, 120), (160, 120)]),
+    ],
+)
+def test_where_a_face_pattern_is_cut_out(face_at, expected):
+    """At first there is nothing to remember; a face farther from there than is searched is not where the head was."""
+    image = np.zeros((240, 320, 3), np.uint8)
+    seen = PixelPerception(PixelConfig(), np.array([OBJECTS[0].rgb]), memory_rate=0.001, face_at=face_at)
+    seen.faces = finder = Planned((160, 120), (163, 119), (170, 120), (161, 121), (np.nan, np.nan))
+    for _ in expected:
+        seen.perceive(StillObservation(image, np.zeros(2)), landed=True)
+        assert seen.face_pattern().shape == (1024,)
+    np.testing.assert_allclose(finder.cut_at, expected, atol=0.05)
+    seen.perceive(StillObservation(image, np.zeros(2)), landed=True)
+    with pytest.raises(ObservationError, match="no face|none"):
+        seen.face_pattern()
 
 
 class TestObservationsOfTasks:
