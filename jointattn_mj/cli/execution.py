@@ -27,14 +27,15 @@ TRACEBACK = "JOINTATTN_TRACEBACK"
 """Environment variable: 1 shows the traceback of an unforeseen error."""
 
 
-def execute(arguments: Sequence[str]) -> int:
+def execute(arguments: Sequence[str], begin: Callable[[], object] = lambda: None) -> int:
     """Run a command; returns its exit code.
 
     Args:
         arguments: Words of the command line, without the program's name.
+        begin: Is called when all that the command needs has been imported, before it runs.
     """
     with unbroken_streams() as output:
-        code = _run(arguments)
+        code = _run(arguments, begin)
         output.flush()
         trouble = output.trouble
         if trouble is not None and not isinstance(trouble, BrokenPipeError):  # who reads no further needs no message
@@ -43,12 +44,13 @@ def execute(arguments: Sequence[str]) -> int:
     return code
 
 
-def _run(arguments: Sequence[str]) -> int:
+def _run(arguments: Sequence[str], begin: Callable[[], object]) -> int:
     """The exit code of a command line."""
     try:
         with stopped_like_ctrl_c():
             with _old_names_on_one_line():
                 command = _command_of(arguments)
+            begin()
             with _old_names_on_one_line():
                 command()
         return 0

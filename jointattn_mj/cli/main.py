@@ -1,5 +1,6 @@
 """The program ``jointattn``. What takes long to import waits until a stop signal no longer ends in a traceback."""
 
+import gc
 import sys
 from collections.abc import Sequence
 
@@ -18,11 +19,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     if arguments is None:
         stopped_at_once()
+        gc.disable()  # until all is imported: .4 s of a session's start
     from jointattn_mj.cli.execution import execute
 
-    code = execute(sys.argv[1:] if arguments is None else arguments)
+    code = execute(sys.argv[1:], _collect_again) if arguments is None else execute(arguments)
     if code:
         sys.exit(code)
+
+
+def _collect_again() -> None:
+    """Collect garbage from now on, but never look through what was imported, which stays."""
+    gc.freeze()
+    gc.enable()
 
 
 if __name__ == "__main__":
