@@ -84,4 +84,4 @@ def described(table: pa.Table, meanings: Mapping[str, str], candidates: tuple[st
         **meanings,
     }
     fields = [field.with_metadata({"description": meanings[field.name]}) for field in table.schema]
-    return table.cast(pa.schema(fields))
+    return pa.Table.from_arrays(table.columns, schema=pa.schema(fields))

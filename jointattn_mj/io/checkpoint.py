@@ -20,7 +20,7 @@ import re
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
+from functools import cache, partial
 from importlib import metadata
 from pathlib import Path
 from traceback import walk_tb
@@ -268,6 +268,7 @@ def _written_by(content: bytes) -> str:
     return f"; it was written with {', '.join(other)}" if other else ""
 
 
+@cache
 def _versions() -> dict[str, str]:
     libraries = {name: metadata.version(name) for name in ("numpy", "mujoco")}
     return {"python": platform.python_version(), "jointattn_mj": __version__, **libraries}
