@@ -6,13 +6,12 @@ caregiver's left, z up; metres and radians.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
 
 from jointattn_mj.errors import ObservationError
-from jointattn_mj.guards.border import checked_by, require_array
+from jointattn_mj.guards.border import require_array
 from jointattn_mj.guards.restored import check_array
 from jointattn_mj.io.compiled import njit
 
@@ -52,28 +51,32 @@ def gaze_angles(eye: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.stack([yaw, pitch], axis=-1)
 
 
-def _check_rotation(rotation: Any) -> None:
-    require_array("rotation", rotation, (3, 3), "f", -2, 2)
-
-
-@checked_by(_check_rotation)
-@njit(cache=True)
 def rotation_to_zyx(rotation: np.ndarray) -> np.ndarray:
-    """Angles (3,), rad, of three hinges about z, then y, then x that make up ``rotation`` (3, 3)."""
+    """Angles (3,), rad, of three hinges about z, then y, then x that make up ``rotation`` (3, 3).
+
+    Raises:
+        ObservationError: It is no rotation.
+    """
+    require_array("rotation", rotation, (3, 3), "f", -2, 2)
+    return np.array(_zyx(rotation))
+
+
+@njit(cache=True)
+def _zyx(rotation: np.ndarray) -> tuple[float, float, float]:
+    """``rotation_to_zyx``, as three numbers, which take half as long to compile as an array."""
     yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
     pitch = np.arctan2(-rotation[2, 0], np.hypot(rotation[0, 0], rotation[1, 0]))
-    return np.array([yaw, pitch, np.arctan2(rotation[2, 1], rotation[2, 2])])
+    return yaw, pitch, np.arctan2(rotation[2, 1], rotation[2, 2])
 
 
 @njit(cache=True)
-def _times(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Product of two matrices (3, 3); numba's own would need scipy."""
-    product = np.zeros((3, 3))
+def _multiply(a: np.ndarray, b: np.ndarray, product: np.ndarray) -> None:
+    """Put the product of two matrices (3, 3) into a third; numba's own would need scipy."""
     for i in range(3):
         for j in range(3):
+            product[i, j] = 0.0
             for k in range(3):
                 product[i, j] += a[i, k] * b[k, j]
-    return product
 
 
 @njit(cache=True)
@@ -90,9 +93,9 @@ def _reach(
 
     Vectors of three numbers are written out: whole-array operations take four times as long to compile.
     """
-    joints = np.empty((len(points), 7))
-    frame, elbow, turned = np.empty((3, 3)), np.zeros((3, 3)), np.empty((3, 3))
-    along = np.empty(3)
+    joints = np.zeros((len(points), 7))
+    frame, elbow, forearm, wrist = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))
+    along = np.zeros((1, 3))[0]
     for t in range(len(points)):
         squares = 0.0
         for i in range(3):
@@ -125,17 +128,11 @@ def _reach(
             frame[i, 2] = frame[j, 0] * frame[k, 1] - frame[k, 0] * frame[j, 1]
         elbow[0, 0], elbow[0, 1], elbow[1, 0], elbow[1, 1] = np.cos(bend), -np.sin(bend), np.sin(bend), np.cos(bend)
         elbow[2, 2] = 1.0
-        angles = rotation_to_zyx(frame)
-        for i in range(3):
-            joints[t, i] = angles[i]
+        joints[t, 0], joints[t, 1], joints[t, 2] = _zyx(frame)
         joints[t, 3] = bend
-        forearm = _times(frame, elbow)
-        for i in range(3):
-            for k in range(3):
-                turned[i, k] = forearm[k, i]
-        angles = rotation_to_zyx(_times(turned, hand))
-        for i in range(3):
-            joints[t, 4 + i] = angles[i]
+        _multiply(frame, elbow, forearm)
+        _multiply(forearm.T, hand, wrist)
+        joints[t, 4], joints[t, 5], joints[t, 6] = _zyx(wrist)
     return joints
 
 
