@@ -1,6 +1,7 @@
 """The program ``jointattn``. What takes long to import waits until a stop signal no longer ends in a traceback."""
 
 import gc
+import os
 import sys
 from collections.abc import Sequence
 
@@ -20,6 +21,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if arguments is None:
         stopped_at_once()
         gc.disable()  # until all is imported: .4 s of a session's start
+        os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")  # pyarrow's own keeps 20 to 40 MiB
     from jointattn_mj.cli.execution import execute
 
     code = execute(sys.argv[1:], _collect_again) if arguments is None else execute(arguments)
