@@ -219,7 +219,7 @@ class Shifts(Sequence[ShiftRow]):
         missing = np.isnan(values)
         known = np.where(missing, 0, values)
         if name in self._words:
-            return word_array(self._words[name]).take(number_array(known.astype(np.int8), missing))
+            return word_array(np.array(self._words[name])[known.astype(np.int8)], missing)
         return number_array(known.astype(_KINDS[name]), missing)
 
 

@@ -69,6 +69,13 @@ def test_no_command_imports_what_draws_or_tests_before_it_is_asked_for_that():
     assert done.stdout.splitlines() == ["True", ""]
 
 
+@pytest.mark.parametrize("called, own", [("main()", True), ("main(sys.argv[1:])", False)])
+def test_the_collector_leaves_alone_what_a_command_imports_in_a_process_of_its_own(called, own):
+    code = f"import gc, sys; from jointattn_mj.cli.main import main; sys.argv[1:] = ['--version']; {called}"
+    done = python(code + "; print(gc.isenabled(), gc.get_freeze_count() > 0)")
+    assert done.stdout.splitlines()[-1] == f"True {own}"
+
+
 @pytest.mark.parametrize("reader", ["mujoco", "dm_control.mujoco"])
 def test_a_backend_is_chosen_before_mujoco_reads_it(reader):
     code = f"import os, jointattn_mj; before = 'MUJOCO_GL' in os.environ\nimport {reader}\n"
