@@ -95,7 +95,7 @@ def _reach(
     """
     joints = np.zeros((len(points), 7))
     frame, elbow, forearm, wrist = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))
-    along = np.zeros((1, 3))[0]
+    along = np.zeros(3)
     for t in range(len(points)):
         squares = 0.0
         for i in range(3):
