@@ -40,6 +40,10 @@ LONGER = {
     "strangers/one_teacher_faces_as_they_are": "strangers, one teacher, faces as they are",
     "strangers/three_teachers_faces_as_they_are": "strangers, three teachers, faces as they are",
 }
+FACES = {
+    "where_found": "faces cut out where they are found",
+    "of_the_thesis": "faces coded as in the dissertation",
+}
 WORDS = {"no_cues": "without motion cues", "cues": "with motion cues", "thesis": "the dissertation's rule"}
 
 
@@ -125,6 +129,8 @@ def in_words(name: str) -> str:
     if group == "told":
         told = "whole percept" if rest == "all" else rest.replace("_", " ")
         return f"cross-situational, without motion cues, from images, {told} told by the state"
+    if group == "faces":
+        return f"cross-situational, without motion cues, from images, {FACES[rest]}"
     if group == "upright":
         seen, _, cues = rest.removesuffix("_thesis").partition("_")
         return f"{in_words(f'{seen}/{cues}' + '_thesis' * rest.endswith('thesis'))}, objects in an upright square"
@@ -209,7 +215,7 @@ def differences(trials: Trials) -> list[Comparison]:
         ("state/cues_thesis", "state/no_cues_thesis"),
         ("state/no_cues", "state/no_cues_thesis"),
         ("state/cues", "state/cues_thesis"),
-        *((name, "pixels/no_cues") for name in SETTINGS if name.startswith("told")),
+        *((name, "pixels/no_cues") for name in SETTINGS if name.startswith(("faces", "told"))),
     ):
         rates = [{trial.seed: late(trial) for trial in trials.get(name, ())} for name in (first, second)]
         seeds = sorted(rates[0].keys() & rates[1].keys())
@@ -239,7 +245,7 @@ def _of(trials: Sequence[Trial], name: str) -> list[Trial]:
     return [Trial(trial.setting, trial.seed, {"shifts": trial.result[name]}) for trial in trials]
 
 
-APART = ("ablation", "strangers", "told", "upright")
+APART = ("ablation", "faces", "strangers", "told", "upright")
 """Settings that have figures or rows of their own."""
 
 

@@ -17,6 +17,7 @@ from jointattn_mj.options import Checked, Real, Share, Whole
 from jointattn_mj.perception.mean_face import MeanFaceConfig
 from jointattn_mj.perception.percept import Observation, Perceiver
 from jointattn_mj.perception.pixels import PixelPerception
+from jointattn_mj.perception.som import SOMConfig
 from jointattn_mj.scene.camera import direction_of
 from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.objects import OBJECTS
@@ -86,7 +87,11 @@ class Strangers(Checked):
 
 
 def robot(
-    start: RobotConfig, cues: bool, gaze: dict[str, Any] | None = None, learner: dict[str, Any] | None = None
+    start: RobotConfig,
+    cues: bool,
+    gaze: dict[str, Any] | None = None,
+    learner: dict[str, Any] | None = None,
+    faces: dict[str, Any] | None = None,
 ) -> RobotConfig:
     """A robot with some settings changed.
 
@@ -95,12 +100,14 @@ def robot(
         cues: Whether motion cues attract attention.
         gaze: Changed fields of its ``gaze``.
         learner: Changed fields of its ``learner``.
+        faces: Changed fields of its own that say how it codes faces.
     """
     return replace(
         start,
         attention=replace(start.attention, motion_cues=cues),
         gaze=replace(start.gaze, **(gaze or {})),
         learner=replace(start.learner, **(learner or {})),
+        **(faces or {}),
     )
 
 
@@ -110,6 +117,7 @@ def condition(
     preset: str = "cross_situational",
     gaze: dict[str, Any] | None = None,
     learner: dict[str, Any] | None = None,
+    faces: dict[str, Any] | None = None,
     minutes: float = 26.0,
     objects: int = 4,
     variation: str = "none",
@@ -125,6 +133,7 @@ def condition(
         preset: Of the robot.
         gaze: Changed fields of its ``gaze``.
         learner: Changed fields of its ``learner``.
+        faces: Changed fields of its own that say how it codes faces.
         minutes: Length.
         objects: How many there are on the table.
         variation: What of the world varies with the seed.
@@ -137,7 +146,7 @@ def condition(
         perception=perception,
         variation=variation,
         knows_delay=knows_delay,
-        robot=robot(PRESETS[preset], cues, gaze, learner),
+        robot=robot(PRESETS[preset], cues, gaze, learner, faces),
     )
     scene = replace(config.world.scene, objects=OBJECTS[:objects])
     return kind(replace(config, world=replace(config.world, scene=scene)), **more)
@@ -182,6 +191,7 @@ def ablation() -> dict[str, Setting]:
     return settings
 
 
+FACES_OF_THE_THESIS: dict[str, Any] = {"som": SOMConfig(), "mean_face": MeanFaceConfig(), "face_at": "found"}
 PEOPLE = ("robin", "noa", "kai", "amara", "elin", "tove")
 SETTINGS = {
     "state/no_cues": Setting(condition(), 20),
@@ -198,6 +208,7 @@ SETTINGS = {
     "changed/41x31_units": Setting(condition(learner={"units": (41, 31)}), 20),
     "changed/half_a_second_a_shift": Setting(condition(gaze={"shift_frames": 15, "feedback_frames": (10,)}), 20),
     **{f"objects/{count}": Setting(condition(objects=count), 20) for count in (2, 3, 5, 6, 8)},
+    "changed/map_of_9x9_patterns": Setting(condition(faces={"som": SOMConfig()}), 20),
     "objects/8_of_which_4_are_handled": Setting(condition(objects=8, handled=4), 20),
     **{f"caregiver/looks_away_{share:.0%}": Setting(condition(looks_away=share), 20) for share in (0.2, 0.4, 0.6)},
     "caregiver/looks_at_others": Setting(condition(looks_at_others=True), 20),
@@ -213,6 +224,8 @@ SETTINGS = {
         for words, teachers in (("one_teacher", 1), ("three_teachers", 3))
         for coded, subtracted in (("", True), ("_faces_as_they_are", False))
     },
+    "faces/where_found": Setting(condition("pixels", faces={"face_at": "found"}), 10),
+    "faces/of_the_thesis": Setting(condition("pixels", faces=FACES_OF_THE_THESIS), 10),
     **{f"told/{part}": Setting(condition("pixels", kind=PartlyVisible, told=part), 10) for part in PARTS},
     "upright/state_no_cues": Setting(upright(), 20),
     "upright/state_cues_thesis": Setting(upright(cues=True, preset="thesis"), 20),
