@@ -38,7 +38,6 @@ LONGER = {
     "variation": "other worlds, from images",
     "variation_delay_not_known": "other worlds, from images, the camera's delay not known",
     "strangers/one_teacher_faces_as_they_are": "strangers, one teacher, faces as they are",
-    "strangers/three_teachers_faces_as_they_are": "strangers, three teachers, faces as they are",
 }
 FACES = {
     "where_found": "faces cut out where they are found",

@@ -219,11 +219,9 @@ SETTINGS = {
     "hour": Setting(condition(minutes=60), 20),
     "variation": Setting(condition("pixels", variation="all"), 10),
     "variation_delay_not_known": Setting(condition("pixels", variation="all", knows_delay=False), 10),
-    **{
-        f"strangers/{words}{coded}": Setting(meeting(teachers, subtracted), 10)
-        for words, teachers in (("one_teacher", 1), ("three_teachers", 3))
-        for coded, subtracted in (("", True), ("_faces_as_they_are", False))
-    },
+    "strangers/one_teacher": Setting(meeting(1, subtracted=True), 10),
+    "strangers/one_teacher_faces_as_they_are": Setting(meeting(1, subtracted=False), 10),
+    "strangers/three_teachers": Setting(meeting(3, subtracted=True), 10),
     "faces/where_found": Setting(condition("pixels", faces={"face_at": "found"}), 10),
     "faces/of_the_thesis": Setting(condition("pixels", faces=FACES_OF_THE_THESIS), 10),
     **{f"told/{part}": Setting(condition("pixels", kind=PartlyVisible, told=part), 10) for part in PARTS},
