@@ -71,7 +71,8 @@ _ABOUT_SUCCESS = (
 def draw_som(path: Path, som: SOM) -> None:
     """Draw what the units of the map of faces stand for (Fig. 6.6).
 
-    Units hold face patterns or, with ``perception state``, directions of the caregiver's head.
+    Units hold face patterns, or how these deviate from the mean face, or, with ``perception state``, directions of the
+    caregiver's head.
 
     Args:
         path: PNG to write.
@@ -98,6 +99,8 @@ def draw_som(path: Path, som: SOM) -> None:
         axes.set(xlabel="column of the map", ylabel="row of the map")
         axes.set_title("Faces the robot has learned to tell apart", loc="left", weight="bold")
         about = "cell: the face pattern of one unit"
+        if not som.standardises:
+            about = "cell: how faces deviate from the person's mean face in one unit"
     figure.supxlabel(
         f"Each {about} of the self-organising map (Fig. 6.6).\nNeighbours are alike.",
         fontsize=9,

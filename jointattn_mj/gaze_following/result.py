@@ -151,7 +151,8 @@ class FinishedSession(Generic[SessionConfigT, SessionSummaryT]):
             if self.summary.successes is not None:
                 figures.draw_success(out / "success.png", self._shift_rows(), self._last_minute())
             som = {name.removeprefix("som_"): array for name, array in self.weights.items() if name.startswith("som_")}
-            figures.draw_som(out / "som.png", SOM.from_arrays(som, self.config.robot.som))
+            som_of_weights = SOM.from_arrays(som, self.config.robot.som, standardises="mean_face" not in self.weights)
+            figures.draw_som(out / "som.png", som_of_weights)
             self.summary.write(out / "summary.json")
 
     def _shift_rows(self) -> Shifts:
