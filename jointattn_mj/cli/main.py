@@ -24,7 +24,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
         os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")  # pyarrow's own keeps 20 to 40 MiB
     from jointattn_mj.cli.execution import execute
 
-    code = execute(sys.argv[1:], _collect_again) if arguments is None else execute(arguments)
+    try:
+        code = execute(sys.argv[1:], _collect_again) if arguments is None else execute(arguments)
+    finally:
+        if arguments is None:
+            gc.enable()  # after a wrong option, too
     if code:
         sys.exit(code)
 

@@ -76,6 +76,13 @@ def test_the_collector_leaves_alone_what_a_command_imports_in_a_process_of_its_o
     assert done.stdout.splitlines()[-1] == f"True {own}"
 
 
+@pytest.mark.parametrize("word", ["--version", "--verzion", "session --minutes many"])
+def test_garbage_is_collected_after_a_command_that_failed_too(word):
+    code = f"import gc, sys; from jointattn_mj.cli.main import main; sys.argv[1:] = {word.split()}"
+    done = python(f"{code}\ntry:\n    main()\nexcept SystemExit:\n    pass\nprint(gc.isenabled())")
+    assert done.stdout.splitlines()[-1] == "True"
+
+
 @pytest.mark.parametrize("reader", ["mujoco", "dm_control.mujoco"])
 def test_a_backend_is_chosen_before_mujoco_reads_it(reader):
     code = f"import os, jointattn_mj; before = 'MUJOCO_GL' in os.environ\nimport {reader}\n"
