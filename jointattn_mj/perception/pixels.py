@@ -10,7 +10,7 @@ from jointattn_mj.errors import ObservationError
 from jointattn_mj.guards.border import require_array
 from jointattn_mj.guards.restored import check_array
 from jointattn_mj.io.compiled import njit
-from jointattn_mj.options import Checked
+from jointattn_mj.options import Checked, check_argument
 from jointattn_mj.perception.faces import PATCH_SIDE, FaceDetector, FaceDetectorConfig, FaceFinder, FaceFix
 from jointattn_mj.perception.gray import fill_gray, require_image
 from jointattn_mj.perception.motion import Motion, MotionConfig, MotionDetector
@@ -102,7 +102,11 @@ class PixelPerception:
             objects: Object detector in place of the one by ``rgb``, which then says nothing.
             face_at: Where face patterns are cut out. A face that is found farther from where it is remembered than the
                 detector searches is cut out where it was found.
+
+        Raises:
+            ConfigError: ``face_at`` is no such choice.
         """
+        check_argument("`face_at`", face_at, FaceAt)
         self.faces: FaceFinder = FaceDetector(config.faces)
         self.colours: ObjectFinder = ColourAreas(rgb, config.colours) if objects is None else objects
         self._motion = MotionDetector(config.motion)
@@ -111,7 +115,7 @@ class PixelPerception:
         self._memory_rate = memory_rate
         self._gray = np.zeros((0, 0), np.uint8)
         self.fix = self._cut_at = FaceFix(float("nan"), float("nan"), -1.0, False)
-        self._apart_px = config.faces.search_radius_px if face_at == "remembered" else -1
+        self._apart_px = config.faces.search_radius_px if face_at == "remembered" else -1  # from there, at most
         self._buffers: deque[tuple[np.ndarray, Areas]] = deque()  # grey images and areas, written to in turn
         self.motion: Motion | None = None
         count = len(self.colours.nothing().visible) + 1

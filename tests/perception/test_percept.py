@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointattn_mj.errors import ObservationError
+from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.perception.faces import FaceFix
 from jointattn_mj.perception.percept import Percept, StillObservation
 from jointattn_mj.perception.pixels import PixelConfig, PixelPerception
@@ -68,6 +68,11 @@ def test_where_a_face_pattern_is_cut_out(face_at, expected):
     seen.perceive(StillObservation(image, np.zeros(2)), landed=True)
     with pytest.raises(ObservationError, match="no face|none"):
         seen.face_pattern()
+
+
+def test_another_place_of_faces_is_refused():
+    with pytest.raises(ConfigError, match=r"`face_at`: expected one of found, remembered; got 'remembred' \(perhaps"):
+        PixelPerception(PixelConfig(), np.array([OBJECTS[0].rgb]), face_at="remembred")
 
 
 class TestObservationsOfTasks:
