@@ -45,9 +45,10 @@ class RobotConfig(Checked):
     som: SOMConfig = field(default_factory=SOMConfig)
     """The self-organising map of face patterns (6.3.3, 6.4.1)."""
     face_at: FaceAt = "found"
-    """Cut the face pattern out where the face was found in the image, or where the head is remembered to be. What is
-    found follows the features, which move when the head turns: cut out there, a pattern lacks what they moved. At a
-    video and before a camera it is always where the face was found, for people's heads do not stay where they were."""
+    """Where in the image the face pattern is cut out: where the face was found, or where the head is remembered to be.
+    The face is found by its features. These move when the head turns, and a pattern that is cut out around them does
+    not show that they have moved. A face far from where it is remembered is cut out where it was found, and so is
+    every face at a video and before a camera: people's heads do not stay where they were."""
     mean_face: MeanFaceConfig = field(default_factory=MeanFaceConfig)
     """Faces as deviations from this person's mean, so that what was learned serves for other people."""
     familiarise: FamiliariseConfig = field(default_factory=FamiliariseConfig)
@@ -96,7 +97,7 @@ class GazeFollower:
         face: Number of the candidate that is the face; objects come before it.
         attention: Attention selector.
         som: Self-organising map of face patterns.
-        mean_face: Mean of the face patterns, if they are coded as deviations from it; else None.
+        mean_face: Mean and spread of the face patterns, if they are coded as deviations from the mean; else None.
         learner: Maps a face to the motor command that leads from it to the object.
         attended: Candidate that is fixated, or None.
         percept: Percept of this frame; None while the head turns.
@@ -396,7 +397,7 @@ class GazeFollower:
         """
         source = "give the weights.npz of a finished session with this config"
         try:
-            arrays = {name.removeprefix("som_"): array for name, array in weights.items() if name.startswith("som_")}
+            arrays = {name: weights[f"som_{name}"] for name in self.som.arrays()}
             som = SOM.from_arrays(arrays, self.config.som, self.som.standardises)
             size = self.perceiver.pattern_size
             if som.weights.shape[1] != size:
@@ -411,11 +412,13 @@ class GazeFollower:
             raise ConfigError(f"these weights do not fit ({error}); {source}") from error
 
     def _known_mean_face(self, weights: Mapping[str, np.ndarray]) -> MeanFace | None:
-        """The mean face to begin with, if this robot subtracts one."""
+        """Mean and spread of faces to begin with, if this robot subtracts a mean face."""
         if self.mean_face is None:
             if "mean_face" in weights:
                 raise ConfigError("their units hold deviations from a mean face, which is not subtracted here")
             return None
+        if "mean_face" not in weights:
+            raise ConfigError("their units hold faces as they are, and here deviations from a mean face are needed")
         mean = MeanFace.from_arrays(weights, self.config.mean_face)
         if len(mean.mean) != self.perceiver.pattern_size:
             raise ConfigError(f"a mean face of {self.perceiver.pattern_size} numbers is needed; got {len(mean.mean)}")

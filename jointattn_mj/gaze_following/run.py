@@ -182,7 +182,7 @@ def _check_fits(session: SessionRun, new: SessionRun) -> None:
         check_attributes(session.robot, new.robot, "the robot")
         for name in ("names", "config", "total", "frames", "shifts"):
             check_fits(getattr(session, name), getattr(new, name), name)
-        for name in ("som", "learner"):
+        for name in ("som", "mean_face", "learner"):
             check_fits(getattr(session.robot, name), getattr(new.robot, name), name)
         if type(session._observation) is not type(new._observation):
             raise ValueError("its robot and that of the config differ in whether they know how late the camera is")

@@ -15,7 +15,7 @@ import numpy as np
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.guards.restored import check_array, check_whole
 from jointattn_mj.options import Checked, Whole
-from jointattn_mj.perception.som import standardised
+from jointattn_mj.perception.som import pattern_of
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,8 @@ class MeanFaceConfig(Checked):
     every: Annotated[int, Whole("[1, 1e6]")] = 3
     """A face counts for the mean every N frames while it is looked at: ten a second, as in familiarisation."""
     known: Annotated[int, Whole("[0, 1e6]")] = 20
-    """Faces as which mean and spread of an earlier session count: two seconds. The caregiver may be another."""
+    """How many faces the mean and spread of an earlier session count as: those of two seconds. More faces of this
+    session soon outweigh them, for the caregiver may be another."""
     most: Annotated[int, Whole("[1, 1e9]")] = 1800
     """Faces over which mean and spread are taken, three minutes; older ones are forgotten exponentially."""
 
@@ -37,11 +38,11 @@ class MeanFaceConfig(Checked):
 _FLAT = 1e-6
 """Spread below which faces do not differ; patterns have unit variance."""
 _MOST_SPREAD = 2.0
-"""Standardised patterns lie no farther apart."""
+"""Standardised patterns lie no farther apart, root mean squared."""
 
 
 class MeanFace:
-    """Running mean and spread of standardised face patterns.
+    """Running mean and spread of standardised face patterns. It can be pickled.
 
     Attributes:
         config: Options.
@@ -69,10 +70,13 @@ class MeanFace:
             ValueError: It is no mean of faces.
         """
         self.__dict__.update(state)
-        check_array("mean faces", self._means, (2, *np.shape(self._means)[-1:]), float)
-        check_array("variances of faces", self._variances, (2,), float, 0)
+        size = np.shape(self._means)[-1:]
+        most = np.sqrt(size)  # that a number of a standardised pattern can be
+        check_array("mean faces", self._means, (2, *size), float, -most, most)
+        check_array("variances of faces", self._variances, (2,), float, 0, _MOST_SPREAD**2)
         check_whole("faces", self.count, 0, self.config.most)
         check_whole("known faces", self._known, 0, self.config.known)
+        check_whole("frames until a face counts again", self._waits, 0, self.config.every)
 
     def __repr__(self) -> str:
         return f"MeanFace({self._means.shape[1]} numbers, counts as {self._known + self.count} faces)"
@@ -100,16 +104,27 @@ class MeanFace:
             self.update(pattern())
 
     def update(self, pattern: np.ndarray) -> None:
-        """Let a face pattern (d,) count."""
+        """Let a face pattern (d,) count.
+
+        Raises:
+            ObservationError: NaN, infinity, or no numbers.
+            ConfigError: Another number of them.
+        """
+        standardised = pattern_of(pattern, self._means.shape[1])
         self.count = min(self.count + 1, self.config.most)
         share = 1 / self.count
-        change = standardised(pattern) - self._means[1]
+        change = standardised - self._means[1]
         self._means[1] += share * change
         self._variances[1] = (1 - share) * (self._variances[1] + share * np.mean(change * change))
 
     def deviation(self, pattern: np.ndarray) -> np.ndarray:
-        """How a face pattern (d,) deviates from the mean, in units of the spread: (d,), zeros without spread."""
-        deviation: np.ndarray = standardised(pattern) - self.mean
+        """How a face pattern (d,) deviates from the mean, in units of the spread: (d,), zeros without spread.
+
+        Raises:
+            ObservationError: NaN, infinity, or no numbers.
+            ConfigError: Another number of them.
+        """
+        deviation: np.ndarray = pattern_of(pattern, self._means.shape[1]) - self.mean
         return deviation / self.spread if self.spread > _FLAT else np.zeros_like(deviation)
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -120,15 +135,24 @@ class MeanFace:
     def from_arrays(cls, arrays: Mapping[str, np.ndarray], config: MeanFaceConfig) -> "MeanFace":
         """Begin with what the ``arrays`` of an earlier session hold.
 
+        Args:
+            arrays: ``mean_face`` (d,) and ``mean_face_spread``, a number, beside others.
+            config: Options.
+
         Raises:
-            ConfigError: They are no row of finite numbers and no number above 0.
+            ConfigError: They are no mean or no spread of standardised patterns.
             KeyError: There is none of that name.
         """
         mean, spread = np.asarray(arrays["mean_face"]), np.asarray(arrays["mean_face_spread"])
-        if mean.ndim != 1 or mean.dtype.kind != "f" or not np.isfinite(mean).all():
-            raise ConfigError(f"mean face: expected a row of finite numbers; got {mean.dtype} {mean.shape}")
-        if spread.ndim or spread.dtype.kind != "f" or not 0 <= spread <= _MOST_SPREAD:
-            raise ConfigError(f"spread of faces: expected a number from 0 to {_MOST_SPREAD:g}; got {spread}")
+        most = float(np.sqrt(mean.size))
+        if mean.ndim != 1 or mean.dtype.kind not in "iuf" or not ((mean >= -most) & (mean <= most)).all():
+            raise ConfigError(
+                f"mean face: expected a row of numbers from -{most:g} to {most:g}, the mean of standardised patterns; "
+                f"got {mean.dtype} {mean.shape}"
+            )
+        if spread.ndim or spread.dtype.kind not in "iuf" or not 0 <= spread <= _MOST_SPREAD:
+            given = " ".join(str(spread).split())
+            raise ConfigError(f"spread of faces: expected a number from 0 to {_MOST_SPREAD:g}; got {given:.80}")
         known = cls(len(mean), config)
-        known._known, known._means[0], known._variances[0] = config.known, mean, spread**2
+        known._known, known._means[0], known._variances[0] = config.known, mean, float(spread) ** 2
         return known

@@ -46,6 +46,25 @@ class SOMConfig(Checked):
     ADVANCED: ClassVar = ("rate_end",)
 
 
+def pattern_of(x: np.ndarray, size: int, standardises: bool = True) -> np.ndarray:
+    """``x`` as a pattern (size,) float32.
+
+    Args:
+        x: ``size`` numbers, in any shape.
+        size: How many numbers a pattern has.
+        standardises: Whether it is standardised.
+
+    Raises:
+        ObservationError: NaN, infinity, or no numbers.
+        ConfigError: Another number of them.
+    """
+    given = numbers("pattern", x)
+    pattern = standardised(given) if standardises else given.astype(np.float32).ravel()
+    if pattern.size != size:
+        raise ConfigError(f"expected face patterns of {size} numbers; got {pattern.size}")
+    return pattern
+
+
 def standardised(x: np.ndarray) -> np.ndarray:
     """``x`` as (d,) float32; from four numbers on with zero mean and unit variance, zeros if it is flat."""
     flat = np.asarray(x, np.float32).ravel()
@@ -188,7 +207,7 @@ class SOM:
         return int(self._excess(x).argmin())
 
     def quantisation_error(self, patterns: np.ndarray) -> float:
-        """Mean distance from each of ``patterns`` (n, ...) to its most similar unit, standardised."""
+        """Mean distance from each of ``patterns`` (n, ...) to its most similar unit."""
         return float(np.mean([np.sqrt(self._distances(x).min()) for x in patterns]))
 
     def topographic_error(self, patterns: np.ndarray) -> float:
@@ -227,7 +246,7 @@ class SOM:
         """
         with np.errstate(over="ignore"):
             weights = np.asarray(arrays["weights"], np.float32)
-        som = cls(weights.shape[-1], config, standardises=standardises)
+        som = cls(weights.shape[-1] if weights.ndim else 0, config, standardises=standardises)
         if weights.shape != som.weights.shape or not np.isfinite(weights).all():
             raise ConfigError(
                 f"som: expected weights {som.weights.shape} of finite numbers, for {som.config.rows}x"
@@ -238,11 +257,7 @@ class SOM:
         return som
 
     def _pattern(self, x: np.ndarray) -> np.ndarray:
-        given = numbers("pattern", x)
-        pattern = standardised(given) if self.standardises else given.astype(np.float32).ravel()
-        if pattern.size != self.weights.shape[1]:
-            raise ConfigError(f"som: expected patterns of {self.weights.shape[1]} numbers; got {pattern.size}")
-        return pattern
+        return pattern_of(x, self.weights.shape[1], self.standardises)
 
     def _excess(self, x: np.ndarray) -> np.ndarray:
         """Squared distances (units,) less a constant, worked out without arrays as large as the map."""

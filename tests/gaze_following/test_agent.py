@@ -386,10 +386,14 @@ class TestWeights:
         for wrong in (np.zeros(1025), np.zeros((2, 2)), np.array("words")):
             with pytest.raises(ConfigError, match="mean face"):
                 robot.load(weights | {"mean_face": wrong})
+        spread = weights.pop("mean_face_spread")
+        with pytest.raises(ConfigError, match="lack 'mean_face_spread'"):
+            robot.load(weights)
+        weights["mean_face_spread"] = spread
         without = GazeFollower(RobotConfig(), scene, 2, np.random.SeedSequence(0))
         with pytest.raises(ConfigError, match="hold deviations from a mean face"):
             without.load(weights)
-        with pytest.raises(ConfigError, match="lack 'mean_face'"):
+        with pytest.raises(ConfigError, match="hold faces as they are"):
             robot.load(without.weights())
 
     def test_another_code(self):

@@ -3,6 +3,7 @@
 import json
 import random
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from jointattn_mj.gaze_following.run import SessionOptions, run_session
 from jointattn_mj.gaze_following.session import SessionRun
 from jointattn_mj.io.checkpoint import gone_on_with, save
 from jointattn_mj.io.fitting import check_fits
+from jointattn_mj.perception.mean_face import MeanFace, MeanFaceConfig
 from tests.io.test_checkpoint import CONFIG, members_of, sealed
 
 PLACES = ("visible", "x_px", "iterations")
@@ -144,6 +146,19 @@ def test_weights_of_another_robot(members, tmp_path):
     learner[learner.index("_weights") + 1] = som[som.index("weights") + 1]
     with pytest.raises(CheckpointError, match="_weights must be"):
         resumed(tmp_path / "out", members, state)
+
+
+def test_a_mean_face_is_there_if_the_config_says_so(tmp_path):
+    config = replace(
+        CONFIG, perception="pixels", robot=replace(CONFIG.robot, mean_face=MeanFaceConfig(subtracted=True))
+    )
+    session = SessionRun(config)
+    for wrong in (None, MeanFace(1)):
+        session.robot.mean_face = wrong
+        save(tmp_path / "checkpoint.bin", (1.0, session), config, SessionRun.__module__)
+        with pytest.raises(CheckpointError, match="mean_face.* must be"):
+            run_session(config, SessionOptions(tmp_path, resume=True))
+    session.close()
 
 
 def test_what_no_check_has_foreseen_is_laid_to_the_checkpoint(tmp_path):

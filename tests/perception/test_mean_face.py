@@ -1,9 +1,11 @@
 """Mean and spread of a person's faces: what is coded is how a face deviates, which two people may share."""
 
+import pickle
+
 import numpy as np
 import pytest
 
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.perception.mean_face import MeanFace, MeanFaceConfig
 from jointattn_mj.perception.som import SOM, SOMConfig, standardised
 
@@ -93,9 +95,11 @@ def test_one_face_in_several_counts():
     assert mean.count == 3
 
 
-@pytest.mark.parametrize("mean", [np.zeros((2, 2)), np.full(64, np.nan), np.array(["a"]), np.arange(64)])
+@pytest.mark.parametrize(
+    "mean", [np.zeros((2, 2)), np.full(64, np.nan), np.array(["a"]), np.array(0.0), np.arange(64), np.full(64, 8.1)]
+)
 def test_what_is_no_mean_is_refused(mean):
-    with pytest.raises(ConfigError, match="mean face: expected a row of finite numbers"):
+    with pytest.raises(ConfigError, match="mean face: expected a row of numbers from"):
         MeanFace.from_arrays({"mean_face": mean, "mean_face_spread": np.array(1.0)}, MeanFaceConfig())
 
 
@@ -103,3 +107,44 @@ def test_what_is_no_mean_is_refused(mean):
 def test_what_is_no_spread_is_refused(spread):
     with pytest.raises(ConfigError, match="spread of faces: expected a number from 0 to 2"):
         MeanFace.from_arrays({"mean_face": np.zeros(64), "mean_face_spread": spread}, MeanFaceConfig())
+
+
+def test_whole_numbers_are_numbers():
+    known = MeanFace.from_arrays({"mean_face": np.zeros(64, int), "mean_face_spread": np.array(1)}, MeanFaceConfig())
+    assert known.spread == 1
+
+
+@pytest.mark.parametrize("count", [0, 2])
+@pytest.mark.parametrize(
+    ("face", "error"),
+    [(np.full(64, np.nan), ObservationError), (np.array(["a"]), ObservationError), (np.zeros(63), ConfigError)],
+)
+def test_what_is_no_face_is_refused_and_does_not_count(count, face, error):
+    mean = after(faces(0)[:count])
+    before = mean.arrays()
+    for use in (mean.update, mean.deviation):
+        with pytest.raises(error, match="pattern"):
+            use(face)
+    assert mean.count == count
+    np.testing.assert_equal(mean.arrays(), before)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("_means", np.zeros(64)),
+        ("_means", np.full((2, 64), np.nan)),
+        ("_means", np.full((2, 64), 8.1)),
+        ("_variances", np.array([0, np.inf])),
+        ("_variances", np.array([-0.1, 0])),
+        ("_waits", None),
+        ("_waits", 4),
+        ("count", -1),
+    ],
+)
+def test_a_checkpoint_of_something_else_is_refused(name, value):
+    mean = after(faces(0))
+    again = pickle.loads(pickle.dumps(mean))
+    np.testing.assert_equal(again.arrays(), mean.arrays())
+    with pytest.raises(ValueError, match="must be|cannot have"):
+        again.__setstate__({**vars(mean), name: value})
