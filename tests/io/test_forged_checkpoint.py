@@ -156,7 +156,7 @@ def test_a_mean_face_is_there_if_the_config_says_so(tmp_path):
     for wrong in (None, MeanFace(1)):
         session.robot.mean_face = wrong
         save(tmp_path / "checkpoint.bin", (1.0, session), config, SessionRun.__module__)
-        with pytest.raises(CheckpointError, match="mean_face.* must be"):
+        with pytest.raises(CheckpointError, match=r"mean_face.* must be"):
             run_session(config, SessionOptions(tmp_path, resume=True))
     session.close()
 

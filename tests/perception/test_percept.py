@@ -66,7 +66,7 @@ def test_where_a_face_pattern_is_cut_out(face_at, expected):
         assert seen.face_pattern().shape == (1024,)
     np.testing.assert_allclose(finder.cut_at, expected, atol=0.05)
     seen.perceive(StillObservation(image, np.zeros(2)), landed=True)
-    with pytest.raises(ObservationError, match="no face|none"):
+    with pytest.raises(ObservationError, match=r"no face|none"):
         seen.face_pattern()
 
 
