@@ -127,7 +127,7 @@ def in_words(name: str) -> str:
         return ", ".join([*parts, f"from {'images' if group == 'pixels' else 'the state'}"])
     if group == "told":
         told = "whole percept" if rest == "all" else rest.replace("_", " ")
-        return f"cross-situational, without motion cues, from images, {told} told by the state"
+        return f"{in_words('faces/of_the_thesis')}, {told} told by the state"
     if group == "faces":
         return f"cross-situational, without motion cues, from images, {FACES[rest]}"
     if group == "upright":
@@ -214,7 +214,8 @@ def differences(trials: Trials) -> list[Comparison]:
         ("state/cues_thesis", "state/no_cues_thesis"),
         ("state/no_cues", "state/no_cues_thesis"),
         ("state/cues", "state/cues_thesis"),
-        *((name, "pixels/no_cues") for name in SETTINGS if name.startswith(("faces", "told"))),
+        *((name, "pixels/no_cues") for name in SETTINGS if name.startswith("faces")),
+        *((name, "faces/of_the_thesis") for name in SETTINGS if name.startswith("told")),
     ):
         rates = [{trial.seed: late(trial) for trial in trials.get(name, ())} for name in (first, second)]
         seeds = sorted(rates[0].keys() & rates[1].keys())
@@ -361,9 +362,9 @@ def draw_images(trials: Trials) -> Figure:
     )
     left.legend(fontsize=8, loc="lower right")
     if names:
-        _draw_told(
-            panels[1], {"nothing": "pixels/no_cues"} | {name.removeprefix("told/"): name for name in names}, trials
-        )
+        told = {name.removeprefix("told/"): name for name in names}
+        shown = {"nothing": "faces/of_the_thesis"} | told | {"nothing;\nother faces": "pixels/no_cues"}
+        _draw_told(panels[1], {label: name for label, name in shown.items() if trials.get(name)}, trials)
     for axes in panels:
         axes.grid(alpha=0.3, axis="y")
     figure.suptitle("What images cost in success (sessions in brackets; bars: mean, 95%)", fontsize=11)
@@ -371,12 +372,15 @@ def draw_images(trials: Trials) -> Figure:
 
 
 def _draw_told(axes: Axes, told: Mapping[str, str], trials: Trials) -> None:
-    """Late rates by what the state tells; ``told`` has the settings."""
+    """Late rates by what the state tells; ``told`` has the settings by their labels."""
     rates = [mean_interval([late(trial) for trial in trials.get(name, ())]) for name in told.values()]
     _bars(axes, np.arange(len(told)), rates, COLOURS["no_cues"], True, "")
     labels = [f"{what}\n({len(trials.get(name, ()))})".replace("_", "\n") for what, name in told.items()]
     axes.set_xticks(range(len(told)), labels)
-    axes.set(xlabel="told by the state, from images without cues", xlim=(-0.6, len(told) - 0.4))
+    axes.set(
+        xlabel="told by the state, faces coded as in the dissertation;\nlast: faces coded as in the preset",
+        xlim=(-0.6, len(told) - 0.4),
+    )
 
 
 def _bars(axes: Axes, at: np.ndarray, rates: Sequence[Estimate], colour: str, filled: bool, label: str) -> None:

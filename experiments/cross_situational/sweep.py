@@ -224,7 +224,10 @@ SETTINGS = {
     "strangers/three_teachers": Setting(meeting(3, subtracted=True), 10),
     "faces/where_found": Setting(condition("pixels", faces={"face_at": "found"}), 10),
     "faces/of_the_thesis": Setting(condition("pixels", faces=FACES_OF_THE_THESIS), 10),
-    **{f"told/{part}": Setting(condition("pixels", kind=PartlyVisible, told=part), 10) for part in PARTS},
+    **{
+        f"told/{part}": Setting(condition("pixels", faces=FACES_OF_THE_THESIS, kind=PartlyVisible, told=part), 10)
+        for part in PARTS
+    },
     "upright/state_no_cues": Setting(upright(), 20),
     "upright/state_cues_thesis": Setting(upright(cues=True, preset="thesis"), 20),
     "upright/pixels_no_cues": Setting(upright(perception="pixels"), 10),

@@ -175,7 +175,7 @@ def test_the_axes_apart():
 
 
 def test_what_images_cost():
-    names = ("state/no_cues", "pixels/no_cues", "told/motion")
+    names = ("state/no_cues", "pixels/no_cues", "faces/of_the_thesis", "told/motion")
     trials = {name: [made_up(name, seed, 4.0) for seed in range(2)] for name in names}
     for name in names:
         for trial in trials[name]:
