@@ -106,7 +106,7 @@ class PixelPerception:
         Raises:
             ConfigError: ``face_at`` is no such choice.
         """
-        check_argument("`face_at`", face_at, FaceAt)
+        check_argument("face_at", face_at, FaceAt)
         self.faces: FaceFinder = FaceDetector(config.faces)
         self.colours: ObjectFinder = ColourAreas(rgb, config.colours) if objects is None else objects
         self._motion = MotionDetector(config.motion)

@@ -71,7 +71,7 @@ def test_where_a_face_pattern_is_cut_out(face_at, expected):
 
 
 def test_another_place_of_faces_is_refused():
-    with pytest.raises(ConfigError, match=r"`face_at`: expected one of found, remembered; got 'remembred' \(perhaps"):
+    with pytest.raises(ConfigError, match=r"face_at: expected one of found, remembered; got 'remembred' \(perhaps"):
         PixelPerception(PixelConfig(), np.array([OBJECTS[0].rgb]), face_at="remembred")
 
 
