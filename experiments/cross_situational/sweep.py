@@ -222,8 +222,8 @@ SETTINGS = {
     "strangers/one_teacher": Setting(meeting(1, subtracted=True), 10),
     "strangers/one_teacher_faces_as_they_are": Setting(meeting(1, subtracted=False), 10),
     "strangers/three_teachers": Setting(meeting(3, subtracted=True), 10),
-    "faces/where_found": Setting(condition("pixels", faces={"face_at": "found"}), 10),
-    "faces/of_the_thesis": Setting(condition("pixels", faces=FACES_OF_THE_THESIS), 10),
+    "faces/where_found": Setting(condition("pixels", faces={"face_at": "found"}), 20),
+    "faces/of_the_thesis": Setting(condition("pixels", faces=FACES_OF_THE_THESIS), 20),
     **{
         f"told/{part}": Setting(condition("pixels", faces=FACES_OF_THE_THESIS, kind=PartlyVisible, told=part), 10)
         for part in PARTS
