@@ -211,7 +211,12 @@ class PopulationLearner:
 
     def _activity(self, face: np.ndarray) -> np.ndarray:
         given = numbers("activations of the face", face, (len(self._weights) - 1,))
-        activity: np.ndarray = np.tensordot(given, self._weights[:-1], 1)
+        return self._of(given, self._weights[:-1])
+
+    @staticmethod
+    def _of(inputs: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Activity (pan units, tilt units) of ``inputs`` (k,) through ``weights`` (k, pan units, tilt units)."""
+        activity: np.ndarray = np.dot(inputs[None], weights.reshape(len(weights), -1)).reshape(weights.shape[1:])
         return activity
 
     def learn(self, face: np.ndarray, locations: Locations) -> None:
@@ -220,7 +225,7 @@ class PopulationLearner:
             return
         command = numbers("locations.reached", locations.reached, (2,))
         inputs = np.append(numbers("activations of the face", face, (len(self._weights) - 1,)), self._context)
-        error = self._code.encode(command) - np.tensordot(inputs, self._weights, 1)
+        error = self._code.encode(command) - self._of(inputs, self._weights)
         gain = self._rate / (inputs @ inputs)
         self._weights += np.multiply.outer(gain * inputs, error)
 

@@ -27,7 +27,7 @@ CENTRE_X, CENTRE_Y = (IMAGE_WIDTH - 1) / 2, (IMAGE_HEIGHT - 1) / 2
 
 def direction_of(pixel: np.ndarray, head: np.ndarray) -> np.ndarray:
     """Direction (2,), degrees, of what appears at ``pixel`` (2,) while the head is at ``head`` (2,), degrees."""
-    left, up = (CENTRE_X - pixel[0]) / FOCAL_PX, (CENTRE_Y - pixel[1]) / FOCAL_PX
+    left, up = (CENTRE_X - float(pixel[0])) / FOCAL_PX, (CENTRE_Y - float(pixel[1])) / FOCAL_PX
     pan, tilt = radians(head[0]), radians(head[1])
     ahead, z = cos(tilt) - sin(tilt) * up, sin(tilt) + cos(tilt) * up
     x, y = cos(pan) * ahead - sin(pan) * left, sin(pan) * ahead + cos(pan) * left

@@ -7,6 +7,7 @@ row per frame) and then played. Nothing of this depends on the robot.
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from math import radians
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -32,6 +33,7 @@ class Phase(StrEnum):
     GAZE = "gaze"
 
 
+_ABOUT = np.array([-1.0, -1.0, 1.0])
 DURATIONS = ("greet_s", "turn_s", "reach_s", "lift_s", "observe_s", "put_s", "gaze_s", "withdraw_s")
 """The fields of ``CaregiverConfig`` that make up the caregiver's pace."""
 FOLLOWING = {
@@ -258,12 +260,12 @@ class TransferScript:
 
     def _own(self, points: np.ndarray) -> np.ndarray:
         """Points (..., 3) of the world in the caregiver's frame, which faces the other way."""
-        own: np.ndarray = (points - self._origin) * np.array([-1.0, -1.0, 1.0])
+        own: np.ndarray = (points - self._origin) * _ABOUT
         return own
 
     def _elbow(self, height: np.ndarray) -> np.ndarray:
         """Swing of the elbow (T,), rad, for a hand at ``height`` (T,), metres, between those of the config."""
-        table, holding = np.radians([self.config.elbow_at_table_deg, self.config.elbow_at_holding_deg])
+        table, holding = radians(self.config.elbow_at_table_deg), radians(self.config.elbow_at_holding_deg)
         risen = (height - self._rest_height) / (self.config.holding_location[2] - self._rest_height)
         swing: np.ndarray = table + risen * (holding - table)
         return swing

@@ -6,6 +6,7 @@ caregiver's left, z up; metres and radians.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import mujoco
 import numpy as np
@@ -18,10 +19,15 @@ from jointattn_mj.io.compiled import njit
 ARM_JOINTS = ("shoulder_yaw", "shoulder_pitch", "shoulder_roll", "elbow", "wrist_yaw", "wrist_pitch", "wrist_roll")
 
 
+@lru_cache(maxsize=256)
 def minimum_jerk(frames: int) -> np.ndarray:
-    """Progress of a minimum-jerk movement at the end of each of its frames: (frames,), rising to exactly 1."""
+    """Progress of a minimum-jerk movement at the end of each of its frames: (frames,), rising to exactly 1.
+
+    The array is shared, and read-only.
+    """
     tau = np.arange(1, frames + 1) / frames
     progress: np.ndarray = tau**3 * (10 - 15 * tau + 6 * tau**2)
+    progress.flags.writeable = False
     return progress
 
 
