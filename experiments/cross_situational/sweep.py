@@ -311,7 +311,7 @@ def trial(asked: Condition | Strangers, seed: int) -> dict[str, Any]:
     session = ConditionRun(asked, seed)
     try:
         session.begin()
-        _finish(session)
+        session.finish()
         summary = session.summary(0.0)
         kept = ("gaze_shifts", "successes", "landings_on_nothing", "learning_iterations")
         return {
@@ -321,11 +321,6 @@ def trial(asked: Condition | Strangers, seed: int) -> dict[str, Any]:
         }
     finally:
         session.close()
-
-
-def _finish(session: SessionRun) -> None:
-    while session.frame < session.total:
-        session.step()
 
 
 def _shifts(session: SessionRun, columns: tuple[str, ...] = COLUMNS) -> dict[str, list[Any]]:
@@ -371,7 +366,7 @@ def _visit(
             session.robot.load(weights)
         if learns_faces:
             session.begin()
-        _finish(session)
+        session.finish()
         return session.weights(), _shifts(session)
     finally:
         session.close()

@@ -59,8 +59,7 @@ def trial(config: SessionConfig, seed: int) -> dict[str, Any]:
     session = SessionRun(replace(config, seed=seed))
     try:
         session.begin()
-        while session.frame < session.total:
-            session.step()
+        session.finish()
         return result_of(session)
     finally:
         session.close()

@@ -121,8 +121,7 @@ def trial(condition: PairCondition, seed: int) -> dict[str, Any]:
     right = _watch_pairs(session, session.robot, FILTERS.get(condition.pairs))
     try:
         session.begin()
-        while session.frame < session.total:
-            session.step()
+        session.finish()
         summary = session.summary(0.0).by_old_keys()
     finally:
         session.close()

@@ -117,8 +117,9 @@ class Poses:
 def _advance(session: SessionRun, frames: int, watch: Callable[[SessionRun], None] | None = None) -> float:
     """Seconds that so many frames of a session take (fewer at its end)."""
     start = time.perf_counter()
-    for _ in range(min(frames, session.total - session.frame)):
-        session.step(watch)
+    end = min(session.frame + frames, session.total)
+    while session.frame < end:
+        session.advance(end - session.frame, watch)
     return time.perf_counter() - start
 
 

@@ -175,6 +175,27 @@ class GazeFollower:
         return self._command
 
     @property
+    def frames_on_way(self) -> int:
+        """How many of the coming frames pass on the way of a gaze shift before its aim may change, or it is over."""
+        movement = self._movement
+        return 0 if movement is None else movement.frames_before(self.config.gaze.feedback_frames)
+
+    @property
+    def waits(self) -> bool:
+        """Whether attention has chosen a candidate, and the robot waits for the face to be still."""
+        return self._leaving_for is not None
+
+    def go_on(self, frames: int) -> np.ndarray:
+        """Actions (frames, 2), rad, of as many frames without a decision."""
+        self.landed = self.percept = None
+        if self._movement is None:
+            return np.tile(self._command, (frames, 1))
+        references = self._movement.next_references(frames)
+        self._hold(references[-1])
+        actions: np.ndarray = np.radians(references)
+        return actions
+
+    @property
     def gate_probability(self) -> float:
         """Probability that the learner commands a shift from the face now; with gate certainty, at the last one."""
         return gate_probability(self.config.gaze, self.iterations, self._scores)

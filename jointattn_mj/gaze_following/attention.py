@@ -80,6 +80,22 @@ def _advance(
         interest[i] = saliency[i] * motion_saliency(motion[i], gain, delay, width)  # eq. 6.1
 
 
+@njit(cache=True)
+def _advance_all(
+    history: np.ndarray, saliency: np.ndarray, motion: np.ndarray, interest: np.ndarray, attended: int,
+    moves: np.ndarray, preference: np.ndarray, decay: np.ndarray, growth: np.ndarray, toward_preference: bool,
+    gain: float, delay: float, width: float,
+) -> None:  # fmt: skip
+    """Advance by as many frames as ``moves`` has, and note in ``history`` what comes of each."""
+    for t in range(len(moves)):
+        _advance(
+            saliency, motion, interest, attended, moves[t], preference, decay, growth, toward_preference, gain, delay,
+            width,
+        )  # fmt: skip
+        for i in range(saliency.size):
+            history[t, 0, i], history[t, 1, i], history[t, 2, i] = saliency[i], motion[i], interest[i]
+
+
 class Attention(Protocol):
     """Interface of attention models; candidates are the n objects and, last, the face."""
 
@@ -150,10 +166,30 @@ class AttentionSelector:
         Raises:
             ObservationError: ``moves`` is no bool array (n + 1,).
         """
-        config = self.config
         if not isinstance(moves, np.ndarray) or moves.shape != self.saliency.shape or moves.dtype != bool:
             require_array("moves", moves, self.saliency.shape, "b")
-        _advance(
+        _advance(*self._arguments(attended, moves))
+
+    def pass_by(self, attended: int | None, moves: np.ndarray) -> np.ndarray:
+        """Advance by the frames of fixation that ``moves`` has, (k, n + 1) bool, of which none draws (``undrawn``).
+
+        Returns:
+            Saliency, motion and interest after each frame, (k, 3, n + 1).
+        """
+        history = np.empty((len(moves), 3, self.face + 1))
+        _advance_all(history, *self._arguments(attended, moves))
+        self._dwelt += len(moves)
+        return history
+
+    @property
+    def undrawn(self) -> int:
+        """How many frames of fixation pass before that with the next draw."""
+        return self.config.selection_period - 1 - self._dwelt % self.config.selection_period
+
+    def _arguments(self, attended: int | None, moves: np.ndarray) -> tuple[Any, ...]:
+        """What compiled code needs to advance."""
+        config = self.config
+        return (
             self.saliency, self.motion, self.interest, -1 if attended is None else attended, moves,
             self._preference, self._decay, self._growth, config.recovery == "min",
             self._gain, config.motion_delay, config.motion_width,

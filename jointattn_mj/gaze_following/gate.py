@@ -129,10 +129,22 @@ class HeadShift:
         self.frame = min(self.frame + 1, frames)
         return reference
 
+    def next_references(self, frames: int) -> np.ndarray:
+        """References (frames, 2) for as many frames, before the movement is over."""
+        parts = (self._progress[self.frame : self.frame + frames, None] - self._offset) / (1 - self._offset)
+        self.frame += frames
+        references: np.ndarray = self._start + parts * (self._end - self._start)
+        return references
+
     @property
     def commanded(self) -> bool:
         """Whether the whole reference has been given out."""
         return self.frame >= len(self._progress)
+
+    def frames_before(self, stops: tuple[int, ...]) -> int:
+        """How many references are still to be given out before the next one of ``stops``, or before all are."""
+        frames = len(self._progress)
+        return min(stop for stop in (*stops, frames) if stop >= self.frame) - self.frame
 
     def _reference(self, frame: int) -> np.ndarray:
         part = (float(self._progress[frame]) - self._offset) / (1 - self._offset)

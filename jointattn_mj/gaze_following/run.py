@@ -107,7 +107,7 @@ def run_in_memory(
         session.begin()
         with _watched(session, watchers) as watch:
             while session.frame < session.total:
-                session.step(watch)
+                session.advance(_frames_to(session.frame, FRAMES_PER_SECOND), watch)
                 if session.frame % FRAMES_PER_SECOND == 0:
                     progress(session)
         session.check()
@@ -156,7 +156,7 @@ def _run(
         with deferred() as interrupts, _watched(session, watchers) as watch:
             pause = max(1, round(options.checkpoint_minutes * FRAMES_PER_MINUTE))
             while session.frame < session.total:
-                session.step(watch)
+                session.advance(_frames_to(session.frame, FRAMES_PER_SECOND, pause), watch)
                 if session.frame % pause == 0 or interrupts.requested:
                     save_checkpoint()
                 if interrupts.requested:
@@ -167,6 +167,11 @@ def _run(
         return _leave_results(session, out, spent + time.perf_counter() - started)
     finally:
         session.close()
+
+
+def _frames_to(frame: int, *periods: int) -> int:
+    """Frames from number ``frame`` to the next multiple of one of ``periods``."""
+    return min(period - frame % period for period in periods)
 
 
 def _check_fits(session: SessionRun, new: SessionRun) -> None:

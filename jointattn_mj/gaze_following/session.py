@@ -15,6 +15,7 @@ from jointattn_mj.gaze_following.scoring import Judgement, Moment, judge
 from jointattn_mj.gaze_following.shifts import Shifts, shift_row
 from jointattn_mj.gaze_following.summary import SessionSummary, summarise
 from jointattn_mj.gaze_following.tables import FrameTable
+from jointattn_mj.gaze_following.undecided import pass_by
 from jointattn_mj.guards.finite import check_finite
 from jointattn_mj.io.weights import read_weights
 from jointattn_mj.options import Checked, Real, Seed
@@ -148,6 +149,17 @@ class SessionRun:
             watch(self)
         world.step(command)
         self.frame += 1
+
+    def advance(self, most: int, watch: Callable[["SessionRun"], object] | None = None) -> None:
+        """Simulate a frame as ``step`` does; without ``watch`` also more, ``most`` at most, if nothing is decided."""
+        alone = watch is None and type(self).step is SessionRun.step
+        if not alone or not pass_by(self, min(most, self.total - self.frame)):
+            self.step(watch)
+
+    def finish(self) -> None:
+        """Simulate all frames that are left."""
+        while self.frame < self.total:
+            self.advance(self.total - self.frame)
 
     def moment(self) -> Moment:
         """What success may be held against now."""

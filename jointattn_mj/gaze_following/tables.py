@@ -15,8 +15,10 @@ from jointattn_mj.io.arrow import number_array, word_array
 from jointattn_mj.io.compiled import njit
 from jointattn_mj.io.parquet import write_parts
 from jointattn_mj.io.rows import RowStore, spans
+from jointattn_mj.perception.percept import Percept
 from jointattn_mj.scene.camera import pixels_of_point
 from jointattn_mj.scene.caregiver import FRAME_S, Phase
+from jointattn_mj.scene.tape import Tape
 from jointattn_mj.scene.world import World
 
 PHASES = tuple(Phase)
@@ -72,6 +74,30 @@ def _write_percept(row: np.ndarray, visible: np.ndarray, moves: np.ndarray, px: 
         row[k], row[n + k], row[2 * n + 2 * k], row[2 * n + 2 * k + 1] = visible[k], moves[k], px[k, 0], px[k, 1]
 
 
+@njit(cache=True)
+def _write_all(
+    rows: np.ndarray, doing: np.ndarray, attended: int, turning: int, iterations: int, head: np.ndarray,
+    face: np.ndarray, objects: np.ndarray, history: np.ndarray,
+) -> None:  # fmt: skip
+    """``_write`` for the frames of a tape."""
+    for t in range(len(rows)):
+        numbers = (doing[t, 0], doing[t, 1], doing[t, 2], attended, turning, 0, 1 - turning, 0, iterations)
+        after = history[min(t, len(history) - 1)]
+        _write(rows[t], numbers, head[t], face[t], objects[t + 1], after[0], after[1], after[2])
+
+
+@njit(cache=True)
+def _write_percepts(rows: np.ndarray, visible: np.ndarray, moves: np.ndarray, px: np.ndarray) -> None:
+    """``_write_percept`` for successive frames."""
+    for t in range(len(rows)):
+        _write_percept(rows[t, rows.shape[1] - 4 * visible.shape[1] :], visible[t], moves[t], px[t])
+
+
+def _numbers(phase: Phase, target: int | None, held: int | None) -> tuple[int, int, int]:
+    """The first columns; -1 stands for None."""
+    return _PHASE_NUMBER[phase], -1 if target is None else target, -1 if held is None else held
+
+
 class FrameTable:
     """One row a frame. Numbers are float32; what a frame has no value for is NaN.
 
@@ -118,13 +144,10 @@ class FrameTable:
             OutputError: The file that the table is kept in cannot be written.
         """
         caregiver, percept, attention = world.caregiver, robot.percept, robot.attention
-        if not self.frames:
-            self.face_point[:] = world.candidate_points()[-1]
+        self._note_face(world)
         row = self.rows.free()[0]
         numbers = (
-            _PHASE_NUMBER[caregiver.phase],
-            -1 if caregiver.target is None else caregiver.target,
-            -1 if caregiver.held is None else caregiver.held,
+            *_numbers(caregiver.phase, caregiver.target, caregiver.held),
             -1 if robot.attended is None else robot.attended,
             int(robot.shift is not None),
             int(rendered),
@@ -142,6 +165,43 @@ class FrameTable:
         else:
             _write_percept(visible, percept.visible, percept.moves, percept.px)
         self.rows.fill(1)
+
+    @property
+    def room(self) -> int:
+        """How many rows ``add_all`` takes now."""
+        return len(self.rows.free())
+
+    def add_all(
+        self, world: World, robot: GazeFollower, tape: Tape, history: np.ndarray, percepts: Percept | None
+    ) -> None:
+        """Add the rows of frames in which nothing was rendered or decided, as ``add`` does it one by one.
+
+        Args:
+            world: State of the simulation.
+            robot: The agent, after them.
+            tape: The frames.
+            history: Saliency, motion and interest after each frame, (k, 3, n + 1), or (1, 3, n + 1) for all.
+            percepts: Their percepts; None while the head turns.
+
+        Raises:
+            OutputError: The file that the table is kept in cannot be written.
+        """
+        self._note_face(world)
+        rows = self.rows.free()[: len(tape)]
+        doing = np.array([_numbers(*entry) for entry in tape.doing])
+        attended = -1 if robot.attended is None else robot.attended
+        turning = percepts is None
+        _write_all(rows, doing, attended, int(turning), robot.iterations, tape.head, tape.face, tape.objects, history)
+        if percepts is None:
+            rows[:, -4 * len(self.candidates) :] = np.nan
+        else:
+            _write_percepts(rows, percepts.visible, percepts.moves, percepts.px)
+        self.rows.fill(len(tape))
+
+    def _note_face(self, world: World) -> None:
+        """Keep in the first frame where the face is; it stays there."""
+        if not self.frames:
+            self.face_point[:] = world.candidate_points()[-1]
 
     def column(self, name: str, candidate: int | None = None) -> np.ndarray:
         """Values (frames,) of a column so far; a column of candidates needs the candidate's number."""

@@ -16,8 +16,10 @@ from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, Real, Share, Spread
 from jointattn_mj.perception.percept import Observation, Percept
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX, PIVOT
+from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
-from jointattn_mj.scene.world import World
+from jointattn_mj.scene.tape import Tape
+from jointattn_mj.scene.world import World, note_moves
 
 _X, _Y, _Z = PIVOT.tolist()
 
@@ -94,22 +96,54 @@ class StatePerception:
             observation: Only the head's angles are read, rad.
             landed: Whether the head has just come to rest; then no motion is detected, as with images.
         """
-        pan, tilt = observation.head_angles.tolist()
-        pan, tilt = radians(degrees(pan)), radians(degrees(tilt))
         self._rng.random(out=self._draws)
         self._rng.standard_normal(out=self._noise)
         moving = self._world.moving(self.config.face_moves_above_deg_s, self.config.object_moves_above_m_s)
         n = len(moving)
         percept = Percept(visible=np.empty(n, bool), px=np.empty((n, 2)), moves=np.empty(n, bool))
         _perceive(
-            self._world.candidate_points(), cos(pan), sin(pan), cos(tilt), sin(tilt), moving, landed,
+            self._world.candidate_points(), *_turned(observation.head_angles), moving, landed,
             self._draws, self._noise, self._errors, percept.visible, percept.px, percept.moves,
         )  # fmt: skip
         return percept
 
+    def perceive_all(self, tape: Tape) -> Percept:
+        """The percepts of k successive frames of fixation, as ``perceive`` gives them one by one.
+
+        Args:
+            tape: The frames.
+
+        Returns:
+            Arrays with an axis of k before the others.
+        """
+        config, frames = self.config, len(tape)
+        n = len(self._noise)
+        draws, noise, turned = np.empty((frames, 2, n)), np.empty((frames, n, 2)), np.empty((frames, 4))
+        for frame in range(frames):
+            self._rng.random(out=draws[frame])
+            self._rng.standard_normal(out=noise[frame])
+            turned[frame] = _turned(tape.head[frame])
+        self._draws[:], self._noise[:] = draws[-1], noise[-1]
+        percepts = Percept(
+            visible=np.empty((frames, n), bool), px=np.empty((frames, n, 2)), moves=np.empty((frames, n), bool)
+        )
+        _perceive_all(
+            tape.objects, tape.face_speeds, self._world.candidate_points(tape.objects[-2]), turned,
+            radians(config.face_moves_above_deg_s), (config.object_moves_above_m_s * FRAME_S) ** 2,
+            draws, noise, self._errors, percepts.visible, percepts.px, percepts.moves,
+        )  # fmt: skip
+        return percepts
+
     def face_pattern(self) -> np.ndarray:
         """Yaw and pitch of the caregiver's head (2,), degrees, with noise, in place of the 32x32 patch f_v."""
         return self._world.face_angles_deg() + self.config.pattern_noise_deg * self._rng.standard_normal(2)
+
+
+def _turned(head: np.ndarray) -> tuple[float, float, float, float]:
+    """Cosine and sine of pan and of tilt of a head (2,), rad."""
+    pan, tilt = head.tolist()
+    pan, tilt = radians(degrees(pan)), radians(degrees(tilt))
+    return cos(pan), sin(pan), cos(tilt), sin(tilt)
 
 
 @njit(cache=True)
@@ -133,3 +167,22 @@ def _perceive(
         px[k, 0] = right + errors[0, k] * noise[k, 0] if visible[k] else np.nan
         px[k, 1] = down + errors[0, k] * noise[k, 1] if visible[k] else np.nan
         moves[k] = visible[k] and not landed and draws[1, k] < errors[2 if moving[k] else 3, k]
+
+
+@njit(cache=True)
+def _perceive_all(
+    objects: np.ndarray, face_speeds: np.ndarray, points: np.ndarray, turned: np.ndarray, face_above: float,
+    path_above: float, draws: np.ndarray, noise: np.ndarray, errors: np.ndarray,
+    visible: np.ndarray, px: np.ndarray, moves: np.ndarray,
+) -> None:  # fmt: skip
+    """Write the percepts of a tape's frames; the last of ``points`` is the face."""
+    moving = np.empty(len(points), np.bool_)
+    for t in range(len(turned)):
+        for k in range(len(points) - 1):
+            for axis in range(3):
+                points[k, axis] = objects[t + 1, k, axis]
+        note_moves(objects[t + 1], objects[t], face_speeds[t], face_above, path_above, moving)
+        _perceive(
+            points, turned[t, 0], turned[t, 1], turned[t, 2], turned[t, 3], moving, False, draws[t], noise[t], errors,
+            visible[t], px[t], moves[t],
+        )  # fmt: skip

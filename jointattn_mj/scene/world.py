@@ -29,6 +29,8 @@ from jointattn_mj.scene.model import SceneConfig, build_model, rest_height
 from jointattn_mj.scene.movement import ARM_JOINTS, Arm
 from jointattn_mj.scene.redrawing import RedrawingEye
 from jointattn_mj.scene.rendering import RenderingPhysics
+from jointattn_mj.scene.stepping import half_steps
+from jointattn_mj.scene.tape import Tape
 from jointattn_mj.scene.warp_eye import WarpEye
 
 EYE_JOINTS = ("eye_left_yaw", "eye_left_pitch", "eye_right_yaw", "eye_right_pitch")
@@ -222,6 +224,36 @@ class World(Closable):
             mujoco.mj_step(self.model, self.data, self._steps - 1)
         mujoco.mj_step1(self.model, self.data)
 
+    @property
+    def runs(self) -> bool:
+        """Whether ``run`` can be used: the camera has no delay, and compiled code finds MuJoCo's steps."""
+        return self._steps == 1 and not self.conditions.sensor.delay and half_steps() is not None
+
+    def run(self, commands: np.ndarray) -> Tape:
+        """Simulate a step for each of ``commands`` (k, 2), pan and tilt, rad, as ``step`` does it one by one.
+
+        Returns:
+            What was to be seen before each of these steps.
+        """
+        halves, caregiver = half_steps(), self.caregiver
+        if halves is None:
+            raise ValueError("MuJoCo's steps are not found; ask ``runs`` before")
+        tape = Tape.blank(len(commands), len(caregiver.objects))
+        joints = np.empty((len(commands), len(caregiver.joints)))
+        tape.objects[0], tape.objects[1] = self._objects_before, caregiver.objects
+        for frame in range(len(commands)):
+            tape.doing.append((caregiver.phase, caregiver.target, caregiver.held))
+            caregiver.advance()
+            joints[frame], tape.objects[frame + 2] = caregiver.joints, caregiver.objects
+        self._objects_before[:] = tape.objects[-2]
+        _run(
+            *halves, self.model._address, self.data._address, commands, joints, FRAME_S, self._controls,
+            self._script_angles, self._script_speeds, self._object_positions, self._head_angles,
+            tape.head, tape.face, tape.face_speeds, tape.objects,
+        )  # fmt: skip
+        self._image = None
+        return tape
+
     def before_step(self, command: np.ndarray) -> None:
         """Prepare a step: advance the script, and set servos, the caregiver's joint velocities and the objects.
 
@@ -295,9 +327,13 @@ class World(Closable):
         angles: np.ndarray = np.degrees(self._face_angles)
         return angles
 
-    def candidate_points(self) -> np.ndarray:
-        """Centres of the n objects and, last, of the caregiver's head: (n + 1, 3), world frame, metres."""
-        self._points[:-1] = self.caregiver.objects
+    def candidate_points(self, objects: np.ndarray | None = None) -> np.ndarray:
+        """Centres of the n objects and, last, of the caregiver's head: (n + 1, 3), world frame, metres.
+
+        Args:
+            objects: (n, 3) where the objects are; by default where they are now.
+        """
+        self._points[:-1] = self.caregiver.objects if objects is None else objects
         return self._points
 
     def moving(self, face_above_deg_s: float, object_above_m_s: float) -> np.ndarray:
@@ -308,7 +344,7 @@ class World(Closable):
             object_above_m_s: Speed above which an object moves, metres per second.
         """
         moved = np.empty(len(self._objects_before) + 1, bool)
-        _note_moves(
+        note_moves(
             self.caregiver.objects, self._objects_before, self._script_speeds, radians(face_above_deg_s),
             (object_above_m_s * FRAME_S) ** 2, moved,
         )  # fmt: skip
@@ -409,7 +445,23 @@ def _set_out(
 
 
 @njit(cache=True)
-def _note_moves(
+def _run(
+    step1: Any, step2: Any, model: int, data: int, commands: np.ndarray, joints: np.ndarray, seconds: float,
+    controls: np.ndarray, angles: np.ndarray, speeds: np.ndarray, positions: np.ndarray, head_angles: np.ndarray,
+    head: np.ndarray, face: np.ndarray, face_speeds: np.ndarray, objects: np.ndarray,
+) -> None:  # fmt: skip
+    """Simulate a step for each of ``commands``, and note before it where head and face are."""
+    for t in range(len(commands)):
+        for axis in range(2):
+            head[t, axis], face[t, axis], face_speeds[t, axis] = head_angles[axis], angles[axis], speeds[axis]
+            controls[axis] = commands[t, axis]
+        _set_out(joints[t], angles, speeds, objects[t + 2], positions, seconds)
+        step2(model, data)
+        step1(model, data)
+
+
+@njit(cache=True)
+def note_moves(
     objects: np.ndarray, before: np.ndarray, speeds: np.ndarray, face_above: float, path_above: float, moved: np.ndarray
 ) -> None:
     """Note in ``moved`` whose squared path is above ``path_above``, and whether the face turns faster than that.

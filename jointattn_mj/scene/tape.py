@@ -1,0 +1,40 @@
+"""Successive frames of a world in which nobody looks at it: what was to be seen in each, kept for later."""
+
+from dataclasses import dataclass, field
+from typing import Self
+
+import numpy as np
+
+from jointattn_mj.scene.caregiver import Phase
+
+
+@dataclass(frozen=True)
+class Tape:
+    """A number of successive frames, k; each as it was before its step.
+
+    Attributes:
+        doing: The caregiver's phase, and the indices of target and held object or None; one entry a frame.
+        head: (k, 2) pan and tilt of the robot's head, rad.
+        face: (k, 2) yaw and pitch of the caregiver's head, rad.
+        face_speeds: (k, 2) their speeds, rad/s.
+        objects: (k + 2, n, 3) centres of the objects, world frame, metres: in the frame before, in each, and after.
+    """
+
+    head: np.ndarray
+    face: np.ndarray
+    face_speeds: np.ndarray
+    objects: np.ndarray
+    doing: list[tuple[Phase, int | None, int | None]] = field(default_factory=list)
+
+    @classmethod
+    def blank(cls, frames: int, objects: int) -> Self:
+        """A tape with room for ``frames`` frames of a world with ``objects`` objects."""
+        head, face, face_speeds = np.empty((3, frames, 2))
+        return cls(head, face, face_speeds, np.empty((frames + 2, objects, 3)))
+
+    def __len__(self) -> int:
+        """Frames on it."""
+        return len(self.doing)
+
+    def __repr__(self) -> str:
+        return f"Tape({len(self)} frames)"

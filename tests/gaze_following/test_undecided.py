@@ -1,0 +1,151 @@
+"""Frames without a decision, passed many at a time: everything is as it is frame by frame, to the bit."""
+
+import random
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jointattn_mj.errors import NotFiniteError
+from jointattn_mj.gaze_following import undecided
+from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower
+from jointattn_mj.gaze_following.presets import PRESETS
+from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
+from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
+from jointattn_mj.io import checkpoint
+from jointattn_mj.scene import world as scene_world
+
+STATE = SessionConfig(minutes=1.5, seed=11, perception="state")
+
+
+def with_gaze(**options):
+    return replace(STATE, robot=replace(STATE.robot, gaze=replace(STATE.robot.gaze, **options)))
+
+
+def begun(config, kind=SessionRun):
+    config = replace(config, robot=replace(config.robot, familiarise=FamiliariseConfig(minutes=0.1)))
+    session = kind(config)
+    session.begin()
+    return session
+
+
+def advance(session, end):
+    while session.frame < end:
+        session.advance(end - session.frame)
+
+
+def frozen(session, path):
+    checkpoint.save(path, session, session.config, type(session).__module__)
+    return path.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("config", "kind"),
+    [
+        (STATE, SessionRun),
+        (replace(STATE, robot=PRESETS["cross_situational"]), SessionRun),
+        (with_gaze(feedback_frames=(), wait_for_still_face=True), SessionRun),
+        (with_gaze(feedback_frames=(0, 5, 40, 7), shift_frames=12, attends="centred"), SessionRun),
+        (VariedSessionConfig(minutes=1, seed=3, perception="state", variation="people+pace"), VariedSessionRun),
+        (VariedSessionConfig(minutes=1, seed=3, perception="state", variation="all"), VariedSessionRun),
+    ],
+)
+def test_a_session_is_the_same_frame_by_frame(config, kind, tmp_path):
+    one_by_one, at_once, length = begun(config, kind), begun(config, kind), random.Random(1)
+    while one_by_one.frame < one_by_one.total:
+        frames = min(length.choice([1, 2, 5, 17, 30, 200]), one_by_one.total - one_by_one.frame)
+        for _ in range(frames):
+            one_by_one.step()
+        advance(at_once, one_by_one.frame)
+        assert frozen(one_by_one, tmp_path / "a.bin") == frozen(at_once, tmp_path / "b.bin"), one_by_one.frame
+    assert one_by_one.frames.table().equals(at_once.frames.table())
+    assert one_by_one.shifts.table().equals(at_once.shifts.table())
+    assert len(one_by_one.shifts) > 10
+
+
+def test_a_session_from_images_passes_by_while_the_head_turns(tmp_path):
+    config = SessionConfig(minutes=0.1, seed=2)
+    one_by_one, at_once = begun(config), begun(config)
+    passed = 0
+    while one_by_one.frame < one_by_one.total:
+        before = at_once.frame
+        at_once.advance(at_once.total)
+        passed += at_once.frame - before > 1
+        while one_by_one.frame < at_once.frame:
+            one_by_one.step()
+    assert frozen(one_by_one, tmp_path / "a.bin") == frozen(at_once, tmp_path / "b.bin")
+    assert passed > 2
+
+
+def test_most_frames_are_passed_by():
+    session, alone = begun(STATE), 0
+    while session.frame < session.total:
+        if not undecided.pass_by(session, 30):
+            session.step()
+            alone += 1
+    assert alone < 0.15 * session.total
+
+
+def test_at_most_so_many_frames_are_simulated():
+    session = begun(STATE)
+    for most in (1, 4, 9, 1000):
+        before = session.frame
+        session.advance(most)
+        assert 1 <= session.frame - before <= most
+    session.advance(10**9)
+    while session.frame < session.total:
+        session.advance(10**9)
+    assert session.frame == session.total == session.frames.frames
+
+
+def test_a_watcher_sees_every_frame():
+    session, seen = begun(STATE), []
+    while session.frame < 300:
+        session.advance(30, lambda session: seen.append(session.frame))
+    assert seen == list(range(300))
+
+
+def test_own_parts_are_asked_in_every_frame():
+    class Counting(GazeFollower):
+        acted = 0
+
+        def act(self, observation):
+            self.acted += 1
+            return super().act(observation)
+
+    class WithCounting(SessionRun):
+        def new_robot(self, perceiver, seed):
+            return Counting(self.config.robot, perceiver, len(self.config.world.scene.objects), seed)
+
+    class Stepping(SessionRun):
+        stepped = 0
+
+        def step(self, watch=None):
+            self.stepped += 1
+            super().step(watch)
+
+    session = begun(STATE, WithCounting)
+    advance(session, 200)
+    assert session.robot.acted == 200
+    session = begun(STATE, Stepping)
+    advance(session, 200)
+    assert session.stepped == 200
+
+
+def test_without_the_steps_of_mujoco_it_goes_frame_by_frame(monkeypatch, tmp_path):
+    expected = begun(STATE)
+    advance(expected, 300)
+    monkeypatch.setattr(scene_world, "half_steps", lambda: None)
+    session = begun(STATE)
+    assert not session.world.runs
+    advance(session, 300)
+    assert frozen(session, tmp_path / "a.bin") == frozen(expected, tmp_path / "b.bin")
+
+
+def test_an_unstable_simulation_is_noticed_as_ever(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)  # MuJoCo leaves a log
+    session = begun(STATE)
+    session.world.data.qvel[:] = 1e12
+    session.world.run(np.zeros((5, 2)))
+    with pytest.raises(NotFiniteError, match="unstable"):
+        session.world.check()
