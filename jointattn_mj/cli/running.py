@@ -1,5 +1,6 @@
 """What commands share when they run."""
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,10 +11,11 @@ from jointattn_mj.io.progress import Progress
 
 
 def one_thread() -> None:
-    """Keep OpenCV to one thread: images are small, and handing them round threads costs more than it gains."""
-    import cv2
+    """Keep OpenCV to one thread: images are small, and handing them round threads costs more than it gains.
 
-    cv2.setNumThreads(1)
+    It need not be imported for that, and is not by all commands.
+    """
+    os.environ.setdefault("OPENCV_FOR_THREADS_NUM", "1")
 
 
 @contextmanager

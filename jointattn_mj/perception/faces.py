@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any, ClassVar, NamedTuple, Protocol
 
-import cv2
 import numpy as np
 
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.guards.restored import check_array
+from jointattn_mj.io.opencv import cv2
 from jointattn_mj.options import Checked, Real, Share, Whole
 from jointattn_mj.perception.gray import require_gray
 from jointattn_mj.perception.views import MOST_PX, ViewBank, crop
@@ -130,7 +130,7 @@ class FaceFinder(Protocol):
 
 
 @cache
-def _cascade() -> cv2.CascadeClassifier:
+def _cascade() -> "cv2.CascadeClassifier":
     """OpenCV's frontal cascade, one for the process, since it cannot be pickled with a detector."""
     folder = cv2.data.haarcascades  # type: ignore[attr-defined]
     return cv2.CascadeClassifier(folder + "haarcascade_frontalface_default.xml")

@@ -12,7 +12,6 @@ import colorsys
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Protocol
 
-import cv2
 import numpy as np
 from numba import uintp
 
@@ -20,6 +19,7 @@ from jointattn_mj.errors import ConfigError
 from jointattn_mj.guards.border import require_array
 from jointattn_mj.guards.restored import check_array, check_whole
 from jointattn_mj.io.compiled import njit
+from jointattn_mj.io.opencv import cv2
 from jointattn_mj.options import Checked, Real, Share, Whole
 from jointattn_mj.perception.gray import fill_gray, require_gray, require_image
 

@@ -8,12 +8,12 @@ The centre of a view is the centre of the face. A match therefore gives the same
 
 from typing import Any
 
-import cv2
 import numpy as np
 from numba import uintp
 
 from jointattn_mj.guards.restored import check_array, check_whole
 from jointattn_mj.io.compiled import njit
+from jointattn_mj.io.opencv import cv2
 
 MOST_PX = 1 << 15  # largest side of an image, and so of a view
 FLAT = 5.0  # standard deviation of grey values below which a region has no pattern to correlate

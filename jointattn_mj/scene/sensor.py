@@ -5,9 +5,9 @@ from functools import lru_cache
 from statistics import NormalDist
 from typing import Annotated
 
-import cv2
 import numpy as np
 
+from jointattn_mj.io.opencv import cv2
 from jointattn_mj.options import Checked, Real, Seed, Whole
 
 
