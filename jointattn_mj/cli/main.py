@@ -5,6 +5,7 @@ import os
 import sys
 from collections.abc import Sequence
 
+from jointattn_mj.cli.images import needs_images
 from jointattn_mj.io.terminal import stopped_at_once
 
 
@@ -22,6 +23,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         stopped_at_once()
         gc.disable()  # until all is imported: .4 s of a session's start
         os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")  # pyarrow's own keeps 20 to 40 MiB
+        if not needs_images(sys.argv[1:]):
+            os.environ["MUJOCO_GL"] = "disable"
     from jointattn_mj.cli.execution import execute
 
     try:
