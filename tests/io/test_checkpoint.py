@@ -521,10 +521,10 @@ class TestAttacks:
     )
     def test_gaze_shifts_of_no_head(self, tmp_path, name, value):
         shift = HeadShift(np.zeros(2), np.ones(2), 26)
-        if isinstance(getattr(shift, name), np.ndarray):
-            getattr(shift, name)[1] = value
-        else:
-            setattr(shift, name, value)
+        forged = np.array(getattr(shift, name))
+        if forged.ndim:
+            forged[1] = value
+        setattr(shift, name, forged if forged.ndim else value)
         save(tmp_path / "c", shift, CONFIG)
         with pytest.raises(CheckpointError, match="gaze shift"):
             load(tmp_path / "c", CONFIG)
