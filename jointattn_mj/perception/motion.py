@@ -220,6 +220,9 @@ def _raise_flags(
             on[i] = False
 
 
+_WHOLE_BOX = (int,) * 4
+
+
 class MotionDetector:
     """Tells which candidates move, from the last few images. It can be pickled."""
 
@@ -319,7 +322,7 @@ class MotionDetector:
         """
         config, n = self.config, len(areas.visible)
         require_gray(gray)
-        if face_box is not None:
+        if face_box is not None and tuple(map(type, face_box)) != _WHOLE_BOX:
             require_array("face_box", np.asarray(face_box), (4,), "iu")
         if self._kept and (gray.shape, areas.mask.shape) != (self._kept[-1][0].shape, self._kept[-1][2].mask.shape):
             self.reset()

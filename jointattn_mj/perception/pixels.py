@@ -29,6 +29,20 @@ _direction_of = njit(cache=True)(camera.direction_of)
 
 
 @njit(cache=True)
+def _fill(image: np.ndarray, gray: np.ndarray, x0: int, y0: int, x1: int, y1: int) -> None:
+    """``fill_gray`` of what has been checked."""
+    fill_gray(image, gray, x0, y0, x1, y1)
+
+
+def _require_head(head: Any) -> None:
+    """Check angles of a head, (2,), rad. Single numbers are compared sooner than arrays."""
+    require_array("head_angles", head, (2,), "f")
+    pan, tilt = head.tolist()
+    if not (abs(pan) <= MOST_RAD and abs(tilt) <= MOST_RAD):
+        require_array("head_angles", head, (2,), "f", -MOST_RAD, MOST_RAD)
+
+
+@njit(cache=True)
 def _expect(
     direction: np.ndarray, head: np.ndarray, image: np.ndarray, gray: np.ndarray, reach: int
 ) -> tuple[float, float]:
@@ -155,13 +169,13 @@ class PixelPerception:
         head: Any = getattr(observation, "head_angles", None)
         image: Any = getattr(observation, "image", None)
         require_image(image)
-        require_array("head_angles", head, (2,), "f", -MOST_RAD, MOST_RAD)
+        _require_head(head)
         gray, areas = self._next_buffers(image.shape[:2])
         expected = None
         self.colours.find(image, gray, areas)
         if self._knows_face:
             expected = _expect(self._face_direction, head, image, gray, self.faces.reach_px)
-        self.fix = fix = self.faces.detect(gray, expected, lambda: fill_gray(image, gray, 0, 0, *gray.shape[::-1]))
+        self.fix = fix = self.faces.detect(gray, expected, lambda: _fill(image, gray, 0, 0, *gray.shape[::-1]))
         self._cut_at = fix
         if expected is not None and max(abs(fix.x - expected[0]), abs(fix.y - expected[1])) <= self._apart_px:
             self._cut_at = fix._replace(x=expected[0], y=expected[1])
@@ -172,7 +186,7 @@ class PixelPerception:
             box = self.faces.box(fix, gray.shape)
         if landed:
             self._motion.reset()
-        fill_gray(image, gray, *self._motion.face_part(box, gray.shape))
+        _fill(image, gray, *self._motion.face_part(box, gray.shape))
         self.motion = self._motion.update(gray, box, areas)
         percept = self._percept
         _gather(
