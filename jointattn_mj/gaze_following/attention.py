@@ -63,37 +63,28 @@ def motion_saliency(motion: float, gain: float, delay: float, width: float) -> f
 
 @njit(cache=True)
 def _advance(
-    saliency: np.ndarray, motion: np.ndarray, interest: np.ndarray, attended: int, moves: np.ndarray,
-    preference: np.ndarray, decay: np.ndarray, growth: np.ndarray, toward_preference: bool, gain: float, delay: float,
-    width: float,
-) -> None:  # fmt: skip
-    if moves.size != saliency.size:
-        raise ValueError("attention needs to know of each candidate whether it moves")
-    for i in range(saliency.size):
-        motion[i] = motion[i] + 1 if moves[i] else max(motion[i] - 1, 0)  # eq. 6.3
-        if i == attended:  # eq. 6.6
-            saliency[i] *= decay[i]
-        elif toward_preference:
-            saliency[i] = min(preference[i], growth[i] * saliency[i])
-        else:
-            saliency[i] = max(preference[i], growth[i] * saliency[i])
-        interest[i] = saliency[i] * motion_saliency(motion[i], gain, delay, width)  # eq. 6.1
-
-
-@njit(cache=True)
-def _advance_all(
     history: np.ndarray, saliency: np.ndarray, motion: np.ndarray, interest: np.ndarray, attended: int,
     moves: np.ndarray, preference: np.ndarray, decay: np.ndarray, growth: np.ndarray, toward_preference: bool,
     gain: float, delay: float, width: float,
 ) -> None:  # fmt: skip
-    """Advance by as many frames as ``moves`` has, and note in ``history`` what comes of each."""
+    """Advance by as many frames as ``moves`` has, and note what comes of each as far as ``history`` has room."""
+    if moves.shape[1] != saliency.size:
+        raise ValueError("attention needs to know of each candidate whether it moves")
     for t in range(len(moves)):
-        _advance(
-            saliency, motion, interest, attended, moves[t], preference, decay, growth, toward_preference, gain, delay,
-            width,
-        )  # fmt: skip
         for i in range(saliency.size):
-            history[t, 0, i], history[t, 1, i], history[t, 2, i] = saliency[i], motion[i], interest[i]
+            motion[i] = motion[i] + 1 if moves[t, i] else max(motion[i] - 1, 0)  # eq. 6.3
+            if i == attended:  # eq. 6.6
+                saliency[i] *= decay[i]
+            elif toward_preference:
+                saliency[i] = min(preference[i], growth[i] * saliency[i])
+            else:
+                saliency[i] = max(preference[i], growth[i] * saliency[i])
+            interest[i] = saliency[i] * motion_saliency(motion[i], gain, delay, width)  # eq. 6.1
+            if t < len(history):
+                history[t, 0, i], history[t, 1, i], history[t, 2, i] = saliency[i], motion[i], interest[i]
+
+
+_NO_HISTORY = np.empty((0, 3, 0))
 
 
 class Attention(Protocol):
@@ -168,7 +159,7 @@ class AttentionSelector:
         """
         if not isinstance(moves, np.ndarray) or moves.shape != self.saliency.shape or moves.dtype != bool:
             require_array("moves", moves, self.saliency.shape, "b")
-        _advance(*self._arguments(attended, moves))
+        self._advance(_NO_HISTORY, attended, moves[None])
 
     def pass_by(self, attended: int | None, moves: np.ndarray) -> np.ndarray:
         """Advance by the frames of fixation that ``moves`` has, (k, n + 1) bool, of which none draws (``undrawn``).
@@ -177,7 +168,7 @@ class AttentionSelector:
             Saliency, motion and interest after each frame, (k, 3, n + 1).
         """
         history = np.empty((len(moves), 3, self.face + 1))
-        _advance_all(history, *self._arguments(attended, moves))
+        self._advance(history, attended, moves)
         self._dwelt += len(moves)
         return history
 
@@ -186,11 +177,10 @@ class AttentionSelector:
         """How many frames of fixation pass before that with the next draw."""
         return self.config.selection_period - 1 - self._dwelt % self.config.selection_period
 
-    def _arguments(self, attended: int | None, moves: np.ndarray) -> tuple[Any, ...]:
-        """What compiled code needs to advance."""
+    def _advance(self, history: np.ndarray, attended: int | None, moves: np.ndarray) -> None:
         config = self.config
-        return (
-            self.saliency, self.motion, self.interest, -1 if attended is None else attended, moves,
+        _advance(
+            history, self.saliency, self.motion, self.interest, -1 if attended is None else attended, moves,
             self._preference, self._decay, self._growth, config.recovery == "min",
             self._gain, config.motion_delay, config.motion_width,
         )  # fmt: skip

@@ -36,61 +36,46 @@ _BOOL = ("head_moves", "rendered", "perceived", "landed", "visible", "moves", "r
 
 @njit(cache=True)
 def _write(
-    row: np.ndarray,
-    numbers: tuple[int, ...],
-    head: np.ndarray,
-    face: np.ndarray,
-    objects: np.ndarray,
-    saliency: np.ndarray,
-    motion: np.ndarray,
-    interest: np.ndarray,
+    rows: np.ndarray, numbers: np.ndarray, head: np.ndarray, face: np.ndarray, objects: np.ndarray, history: np.ndarray
 ) -> None:
     """Write the columns up to interest, in their order; -1 stands for None. Compiled, for it runs in every frame."""
-    n = len(saliency)
-    columns = len(numbers) + 4 + 3 * (len(objects) + n)
-    if columns > len(row) or not len(objects) + 1 == n == len(motion) == len(interest):
+    first, n = numbers.shape[1], history.shape[2]
+    columns = first + 4 + 3 * (objects.shape[1] + n)
+    if columns > rows.shape[1] or objects.shape[1] + 1 != n:
         raise ValueError("a row of the table is too short for the objects")
-    for column, number in enumerate(numbers):
-        row[column] = number if number >= 0 else np.nan
-    column = len(numbers)
-    for angle in (head[0], head[1], face[0], face[1]):
-        row[column] = np.degrees(angle)
-        column += 1
-    for k in range(len(objects)):
-        for axis in range(3):
-            row[column] = objects[k, axis]
-            column += 1
-    for k in range(n):
-        row[column + k], row[column + n + k], row[column + 2 * n + k] = saliency[k], motion[k], interest[k]
-
-
-@njit(cache=True)
-def _write_percept(row: np.ndarray, visible: np.ndarray, moves: np.ndarray, px: np.ndarray) -> None:
-    """Write the columns of the percept, the last of a row."""
-    n = len(visible)
-    if 4 * n > len(row) or n > len(moves) or n > len(px) or px.shape[1] < 2:
-        raise ValueError("a row of the table is too short for the candidates")
-    for k in range(n):
-        row[k], row[n + k], row[2 * n + 2 * k], row[2 * n + 2 * k + 1] = visible[k], moves[k], px[k, 0], px[k, 1]
-
-
-@njit(cache=True)
-def _write_all(
-    rows: np.ndarray, doing: np.ndarray, attended: int, turning: int, iterations: int, head: np.ndarray,
-    face: np.ndarray, objects: np.ndarray, history: np.ndarray,
-) -> None:  # fmt: skip
-    """``_write`` for the frames of a tape."""
+    if not len(rows) == len(numbers) == len(head) == len(face) == len(objects):
+        raise ValueError("all parts of the table's rows must be as long")
     for t in range(len(rows)):
-        numbers = (doing[t, 0], doing[t, 1], doing[t, 2], attended, turning, 0, 1 - turning, 0, iterations)
-        after = history[min(t, len(history) - 1)]
-        _write(rows[t], numbers, head[t], face[t], objects[t + 1], after[0], after[1], after[2])
+        row, after = rows[t], min(t, len(history) - 1)
+        for column in range(first):
+            row[column] = numbers[t, column] if numbers[t, column] >= 0 else np.nan
+        for axis in range(2):
+            row[first + axis], row[first + 2 + axis] = np.degrees(head[t, axis]), np.degrees(face[t, axis])
+        column = first + 4
+        for k in range(n - 1):
+            for axis in range(3):
+                row[column] = objects[t, k, axis]
+                column += 1
+        for kind in range(3):
+            for k in range(n):
+                row[column] = history[after, kind, k]
+                column += 1
 
 
 @njit(cache=True)
 def _write_percepts(rows: np.ndarray, visible: np.ndarray, moves: np.ndarray, px: np.ndarray) -> None:
-    """``_write_percept`` for successive frames."""
+    """Write the columns of the percepts, the last of each row."""
+    n = visible.shape[1]
+    first = rows.shape[1] - 4 * n
+    if first < 0 or n > moves.shape[1] or n > px.shape[1] or px.shape[2] < 2:
+        raise ValueError("a row of the table is too short for the candidates")
+    if not len(rows) == len(visible) == len(moves) == len(px):
+        raise ValueError("all parts of the table's rows must be as long")
     for t in range(len(rows)):
-        _write_percept(rows[t, rows.shape[1] - 4 * visible.shape[1] :], visible[t], moves[t], px[t])
+        row = rows[t]
+        for k in range(n):
+            row[first + k], row[first + n + k] = visible[t, k], moves[t, k]
+            row[first + 2 * n + 2 * k], row[first + 2 * n + 2 * k + 1] = px[t, k, 0], px[t, k, 1]
 
 
 def _numbers(phase: Phase, target: int | None, held: int | None) -> tuple[int, int, int]:
@@ -144,27 +129,14 @@ class FrameTable:
             OutputError: The file that the table is kept in cannot be written.
         """
         caregiver, percept, attention = world.caregiver, robot.percept, robot.attention
-        self._note_face(world)
-        row = self.rows.free()[0]
-        numbers = (
-            *_numbers(caregiver.phase, caregiver.target, caregiver.held),
-            -1 if robot.attended is None else robot.attended,
-            int(robot.shift is not None),
-            int(rendered),
-            int(percept is not None),
-            int(robot.landed is not None),
-            robot.iterations,
-        )
-        _write(
-            row, numbers, head, world.face_angles(), caregiver.objects,
-            attention.saliency, attention.motion, attention.interest,
+        doing = [(caregiver.phase, caregiver.target, caregiver.held)]
+        after = np.array([[attention.saliency, attention.motion, attention.interest]])
+        if percept is not None:
+            percept = Percept(percept.visible[None], percept.px[None], percept.moves[None])
+        self._add(
+            world, robot, rendered, doing, head[None], world.face_angles()[None], caregiver.objects[None],
+            after, percept,
         )  # fmt: skip
-        visible = row[-4 * len(self.candidates) :]
-        if percept is None:
-            visible[:] = np.nan
-        else:
-            _write_percept(visible, percept.visible, percept.moves, percept.px)
-        self.rows.fill(1)
 
     @property
     def room(self) -> int:
@@ -186,22 +158,28 @@ class FrameTable:
         Raises:
             OutputError: The file that the table is kept in cannot be written.
         """
-        self._note_face(world)
-        rows = self.rows.free()[: len(tape)]
-        doing = np.array([_numbers(*entry) for entry in tape.doing])
-        attended = -1 if robot.attended is None else robot.attended
-        turning = percepts is None
-        _write_all(rows, doing, attended, int(turning), robot.iterations, tape.head, tape.face, tape.objects, history)
+        self._add(world, robot, False, tape.doing, tape.head, tape.face, tape.objects[1:], history, percepts)
+
+    def _add(
+        self, world: World, robot: GazeFollower, rendered: bool, doing: list[tuple[Phase, int | None, int | None]],
+        head: np.ndarray, face: np.ndarray, objects: np.ndarray, history: np.ndarray, percepts: Percept | None,
+    ) -> None:  # fmt: skip
+        """Add as many rows as ``doing`` has entries."""
+        if not self.frames:
+            self.face_point[:] = world.candidate_points()[-1]  # it stays there
+        rows = self.rows.free()[: len(doing)]
+        numbers = np.empty((len(doing), 9), np.int64)
+        numbers[:, :3] = [_numbers(*entry) for entry in doing]
+        numbers[:, 3:] = (
+            -1 if robot.attended is None else robot.attended, robot.shift is not None, rendered,
+            percepts is not None, robot.landed is not None, robot.iterations,
+        )  # fmt: skip
+        _write(rows, numbers, head, face, objects, history)
         if percepts is None:
             rows[:, -4 * len(self.candidates) :] = np.nan
         else:
             _write_percepts(rows, percepts.visible, percepts.moves, percepts.px)
-        self.rows.fill(len(tape))
-
-    def _note_face(self, world: World) -> None:
-        """Keep in the first frame where the face is; it stays there."""
-        if not self.frames:
-            self.face_point[:] = world.candidate_points()[-1]
+        self.rows.fill(len(doing))
 
     def column(self, name: str, candidate: int | None = None) -> np.ndarray:
         """Values (frames,) of a column so far; a column of candidates needs the candidate's number."""

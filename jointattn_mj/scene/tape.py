@@ -1,7 +1,6 @@
-"""Successive frames of a world in which nobody looks at it: what was to be seen in each, kept for later."""
+"""Successive frames of a world: what was to be seen in each of them."""
 
-from dataclasses import dataclass, field
-from typing import Self
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,20 +16,14 @@ class Tape:
         head: (k, 2) pan and tilt of the robot's head, rad.
         face: (k, 2) yaw and pitch of the caregiver's head, rad.
         face_speeds: (k, 2) their speeds, rad/s.
-        objects: (k + 2, n, 3) centres of the objects, world frame, metres: in the frame before, in each, and after.
+        objects: (k + 1, n, 3) centres of the objects, world frame, metres: in the frame before, and in each frame.
     """
 
+    doing: list[tuple[Phase, int | None, int | None]]
     head: np.ndarray
     face: np.ndarray
     face_speeds: np.ndarray
     objects: np.ndarray
-    doing: list[tuple[Phase, int | None, int | None]] = field(default_factory=list)
-
-    @classmethod
-    def blank(cls, frames: int, objects: int) -> Self:
-        """A tape with room for ``frames`` frames of a world with ``objects`` objects."""
-        head, face, face_speeds = np.empty((3, frames, 2))
-        return cls(head, face, face_speeds, np.empty((frames + 2, objects, 3)))
 
     def __len__(self) -> int:
         """Frames on it."""

@@ -238,21 +238,31 @@ class World(Closable):
         halves, caregiver = half_steps(), self.caregiver
         if halves is None:
             raise ValueError("MuJoCo's steps are not found; ask ``runs`` before")
-        tape = Tape.blank(len(commands), len(caregiver.objects))
-        joints = np.empty((len(commands), len(caregiver.joints)))
-        tape.objects[0], tape.objects[1] = self._objects_before, caregiver.objects
-        for frame in range(len(commands)):
-            tape.doing.append((caregiver.phase, caregiver.target, caregiver.held))
+        frames, doing = len(commands), []
+        objects, joints = np.empty((frames + 2, *caregiver.objects.shape)), np.empty((frames, len(caregiver.joints)))
+        objects[0], objects[1] = self._objects_before, caregiver.objects
+        for frame in range(frames):
+            doing.append((caregiver.phase, caregiver.target, caregiver.held))
             caregiver.advance()
-            joints[frame], tape.objects[frame + 2] = caregiver.joints, caregiver.objects
-        self._objects_before[:] = tape.objects[-2]
+            joints[frame], objects[frame + 2] = caregiver.joints, caregiver.objects
+        self._objects_before[:] = objects[-2]
+        head, face, face_speeds = np.empty((3, frames, 2))
         _run(
-            *halves, self.model._address, self.data._address, commands, joints, FRAME_S, self._controls,
+            *halves, self.model._address, self.data._address, commands, joints, objects, FRAME_S, self._controls,
             self._script_angles, self._script_speeds, self._object_positions, self._head_angles,
-            tape.head, tape.face, tape.face_speeds, tape.objects,
+            head, face, face_speeds,
         )  # fmt: skip
         self._image = None
-        return tape
+        return Tape(doing, head, face, face_speeds, objects[:-1])
+
+    def now(self) -> Tape:
+        """The present frame."""
+        caregiver = self.caregiver
+        return Tape(
+            [(caregiver.phase, caregiver.target, caregiver.held)], self.head_angles()[None],
+            self._face_angles[None].copy(), self._script_speeds[None, :2].copy(),
+            np.stack([self._objects_before, caregiver.objects]),
+        )  # fmt: skip
 
     def before_step(self, command: np.ndarray) -> None:
         """Prepare a step: advance the script, and set servos, the caregiver's joint velocities and the objects.
@@ -446,9 +456,9 @@ def _set_out(
 
 @njit(cache=True)
 def _run(
-    step1: Any, step2: Any, model: int, data: int, commands: np.ndarray, joints: np.ndarray, seconds: float,
-    controls: np.ndarray, angles: np.ndarray, speeds: np.ndarray, positions: np.ndarray, head_angles: np.ndarray,
-    head: np.ndarray, face: np.ndarray, face_speeds: np.ndarray, objects: np.ndarray,
+    step1: Any, step2: Any, model: int, data: int, commands: np.ndarray, joints: np.ndarray, objects: np.ndarray,
+    seconds: float, controls: np.ndarray, angles: np.ndarray, speeds: np.ndarray, positions: np.ndarray,
+    head_angles: np.ndarray, head: np.ndarray, face: np.ndarray, face_speeds: np.ndarray,
 ) -> None:  # fmt: skip
     """Simulate a step for each of ``commands``, and note before it where head and face are."""
     for t in range(len(commands)):
