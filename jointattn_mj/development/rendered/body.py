@@ -10,7 +10,7 @@ import numpy as np
 
 from jointattn_mj.development.rendered.senses import EMPTY_VIEW, CentralView, SensesConfig, central_view
 from jointattn_mj.development.rendered.stage import Stage, StageConfig
-from jointattn_mj.development.table.world import CAREGIVER, OPTION, TableConfig, step
+from jointattn_mj.development.table.world import CAREGIVER, OPTION, TableConfig
 from jointattn_mj.errors import ConfigError
 from jointattn_mj.perception.pixels import PixelPerception
 from jointattn_mj.scene.camera import direction_of
@@ -92,7 +92,7 @@ class Body:
         Args:
             action: (2,) spot to look at, or the number of spots for the caregiver's face; and the gesture.
         """
-        step(self.stage.table, action, self.stage.sensors, self.stage.results)
+        self.stage.step(action)
 
     def observe(self, gesture: int, heads: np.ndarray, looks: bool = True) -> CentralView:
         """Move all bodies to where the table's last step has put them, and take an image.

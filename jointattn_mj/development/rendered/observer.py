@@ -13,7 +13,7 @@ import numpy as np
 from jointattn_mj.contingency.online.detector import NOTHING
 from jointattn_mj.contingency.online.events import Variables
 from jointattn_mj.development.agent import Developer
-from jointattn_mj.development.loop import DevelopmentRun, think_and_note
+from jointattn_mj.development.loop import DevelopmentRun, hold, think_held
 from jointattn_mj.development.meaning import FACE, GAZE, LOOKED_AT
 from jointattn_mj.development.rendered.body import Witnessed
 from jointattn_mj.development.rendered.senses import named_by_majority
@@ -64,13 +64,12 @@ class ObservedRun(DevelopmentRun):
         most_s, most_r = (
             np.array([len(variable.values) - 1 for variable in group]) for group in (base.sensors, base.results)
         )
+        held = hold(self.agent.state)
         for t in range(first, last):
             witnessed = self.sense(t)
             require_array("values of sensors", self._s, most_s.shape, "i", 0, most_s)
             require_array("values of results", self._r, most_r.shape, "i", 0, most_r)
-            event, column = think_and_note(
-                self.agent.state, self._s, self._r, t, first, log, samples, self.sample_every
-            )
+            event, column = think_held(held, self._s, self._r, t, first, log, samples, self.sample_every)
             log[t - first, column:] = witnessed
             if event != NOTHING:
                 return t + 1, event

@@ -5,12 +5,22 @@ caregiver's head and eyes, the objects, and the robot's head and hand are moved 
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from jointattn_mj.development.table.world import CAREGIVER, ROBOT, TableConfig, TableState, new_table
+from jointattn_mj.development.table.world import (
+    CAREGIVER,
+    ROBOT,
+    TableConfig,
+    TableState,
+    check_step,
+    hold,
+    new_table,
+    step_held,
+)
 from jointattn_mj.errors import ConfigError
+from jointattn_mj.io.held import Held
 from jointattn_mj.options import Checked, Real
 from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.looker import AWAY, TableWorld, spot_positions
@@ -54,6 +64,7 @@ class Stage:
     """
 
     table: TableState
+    _held: Held | None
 
     def __init__(self, table: TableConfig, config: StageConfig, seed: np.random.SeedSequence):
         """Build the scene.
@@ -94,8 +105,24 @@ class Stage:
     def begin(self, seed: np.random.SeedSequence) -> None:
         """Begin at a table before its first step; ``seed`` is that of ``table.world.new_table``."""
         self.table = new_table(self._table_config, seed)
+        self._held = None
         self._full, self._gesture = self.table.full.copy(), -1
         self._lie = self._spots.copy()
+
+    def step(self, action: np.ndarray) -> None:
+        """Advance the table, without bodies, by a step; ``action`` (2,) as for ``table.world.step``.
+
+        Raises:
+            ObservationError: It is no such action.
+        """
+        check_step(self.table, action, self.sensors, self.results)
+        if self._held is None:
+            self._held = hold(self.table)
+        step_held(self._held, action, self.sensors, self.results)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is held is held anew."""
+        return {**vars(self), "_held": None}
 
     def looked_at(self) -> np.ndarray | None:
         """The point (3,) at which the caregiver looks, world frame, m; None for the robot."""

@@ -12,6 +12,7 @@ from jointattn_mj.errors import ConfigError, ObservationError
 from jointattn_mj.guards.border import checked_by, require_array
 from jointattn_mj.guards.restored import check_alike, check_array
 from jointattn_mj.io.compiled import njit
+from jointattn_mj.io.held import Held
 from jointattn_mj.options import Checked, Share, Whole
 
 ROBOT, CAREGIVER, RETURNS_TO, OPTION, STEP = range(5)
@@ -227,7 +228,18 @@ def _mistake(table: TableState, s: np.ndarray, r: np.ndarray) -> None:
         r[len(r) - 1] = there
 
 
-def _check_step(table: Any, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
+def check_step(table: Any, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
+    """Refuse what ``step`` cannot do.
+
+    Args:
+        table: Of ``step``, as the others.
+        a: Likewise.
+        s: Likewise.
+        r: Likewise.
+
+    Raises:
+        ObservationError: Compiled code would look it up elsewhere.
+    """
     if not isinstance(table, TableState):
         raise ObservationError(f"expected a TableState, as new_table makes it; got {type(table).__name__}")
     require_array("where the robot looks, and its gesture", a, (2,), "iu")
@@ -236,7 +248,7 @@ def _check_step(table: Any, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None
     require_array("results to be written", r, (2 + int(table.layout[PROFILE]),), "i")
 
 
-@checked_by(_check_step)
+@checked_by(check_step)
 @njit(cache=True, borrows=True, forceinline=True)
 def step(table: TableState, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
     """Let the robot act and the caregiver answer, in the configured order.
@@ -274,3 +286,22 @@ def step(table: TableState, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None
         if table.wrong > 0.0 or not table.shows_gaze:
             _mistake(table, s, r)
     state[STEP] += 1
+
+
+@njit(cache=True)
+def hold(table: TableState) -> Held:
+    """A table, to be handed over once for many calls of ``step_held``."""
+    return Held(table)
+
+
+@njit(cache=True)
+def step_held(held: Held, a: np.ndarray, s: np.ndarray, r: np.ndarray) -> None:
+    """``step``, for calls from Python in every step; ``check_step`` says what it takes.
+
+    Args:
+        held: The table, changed in place.
+        a: As ``step``, like all others.
+        s: Likewise.
+        r: Likewise.
+    """
+    step(held.value, a, s, r)
