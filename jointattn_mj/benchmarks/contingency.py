@@ -36,6 +36,8 @@ SAMPLES = 1_000_000
 """Samples in the series for transfer entropy."""
 SHORT = 100
 """Samples in a short series; a fifth of all samples go into such series for the call that takes many."""
+IN_A_ROW = 8
+"""Calls in a row with the same series."""
 MODULES = {12: 0, 48: 2, 108: 4, 300: 8}
 """Number of modules for each number of triples (sensor, action, result) of the variables of chapter 5."""
 
@@ -54,7 +56,8 @@ def run_contingency_benchmark(blocks: int) -> Figures:
         compile_s: of the first step where nothing was compiled before. transfer_entropy_ms, pyinform_ms: milliseconds
         for a million samples of 4 and 2 values, int32 as pyinform expects, with all checks. ..._to_pyinform: ratios,
         also for int64, with a condition of 3 values, for a series of 100 steps, and for 2,000 such series in one call;
-        None where pyinform is not installed.
+        in_a_row_...: for several calls with the same series, of which only the first waits for memory. None where
+        pyinform is not installed.
     """
     detecting = {triples: _Detecting(modules) for triples, modules in MODULES.items()}
     works: dict[str, Callable[[], object]] = {
@@ -113,6 +116,14 @@ def _transfers() -> dict[str, tuple[Callable[[], object], Callable[..., object]]
         ),
         "int64": (
             partial(transfer_entropy, wide, wide_target), lambda external: external(wide, wide_target, k=1),
+        ),
+        "in_a_row": (
+            lambda: [transfer_entropy(source, target) for _ in range(IN_A_ROW)],
+            lambda external: [external(source, target, k=1) for _ in range(IN_A_ROW)],
+        ),
+        "in_a_row_int64": (
+            lambda: [transfer_entropy(wide, wide_target) for _ in range(IN_A_ROW)],
+            lambda external: [external(wide, wide_target, k=1) for _ in range(IN_A_ROW)],
         ),
         "conditional": (
             partial(transfer_entropy, source, target, known),
