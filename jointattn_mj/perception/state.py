@@ -143,6 +143,8 @@ def _perceive(
     ``points`` are the objects, which are moved, and the face.
     """
     last = len(points) - 1
+    if not len(objects) - 1 == len(turned) == len(face_speeds) or objects.shape[1:] != (last, 3):
+        raise ValueError("the parts of a tape do not fit each other, or the world's objects")
     moving = np.empty(last + 1, np.bool_)
     for t in range(len(turned)):
         for k in range(last):

@@ -7,6 +7,8 @@ from typing import Any
 import mujoco
 
 HALVES = ("mj_step1", "mj_step2")
+_HOOKS = tuple(getattr(mujoco, name) for name in dir(mujoco) if name.startswith("get_mjcb_"))
+_OF_C = (type(None), ctypes.CFUNCTYPE(None).__mro__[1])
 
 
 @cache
@@ -20,3 +22,11 @@ def half_steps() -> tuple[Any, Any] | None:
     for half in halves:
         half.argtypes, half.restype = [ctypes.c_void_p, ctypes.c_void_p], None
     return halves if hasattr(mujoco.MjModel, "_address") and hasattr(mujoco.MjData, "_address") else None
+
+
+def calls_python() -> bool:
+    """Whether MuJoCo's steps call functions of Python that somebody has set, as ``mujoco.set_mjcb_control`` does.
+
+    What these raise gets through MuJoCo's binding alone; without it, the process ends.
+    """
+    return not all(isinstance(hook(), _OF_C) for hook in _HOOKS)

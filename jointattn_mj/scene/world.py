@@ -29,7 +29,7 @@ from jointattn_mj.scene.model import SceneConfig, build_model, rest_height
 from jointattn_mj.scene.movement import ARM_JOINTS, Arm
 from jointattn_mj.scene.redrawing import RedrawingEye
 from jointattn_mj.scene.rendering import RenderingPhysics
-from jointattn_mj.scene.stepping import half_steps
+from jointattn_mj.scene.stepping import calls_python, half_steps
 from jointattn_mj.scene.tape import Tape
 from jointattn_mj.scene.warp_eye import WarpEye
 
@@ -226,8 +226,9 @@ class World(Closable):
 
     @property
     def runs(self) -> bool:
-        """Whether ``run`` can be used: the camera has no delay, and compiled code finds MuJoCo's steps."""
-        return self._steps == 1 and not self.conditions.sensor.delay and half_steps() is not None
+        """Whether ``run`` can be used: the camera has no delay, and MuJoCo's steps are found and call no Python."""
+        usual = self._steps == 1 and not self.conditions.sensor.delay
+        return usual and half_steps() is not None and not calls_python()
 
     def run(self, commands: np.ndarray) -> Tape:
         """Simulate a step for each of ``commands`` (k, 2), pan and tilt, rad, as ``step`` does it one by one.
@@ -236,6 +237,9 @@ class World(Closable):
             What was to be seen before each of these steps.
         """
         halves, caregiver = half_steps(), self.caregiver
+        commands = np.ascontiguousarray(commands, float)
+        if commands.shape[1:] != self._controls.shape:
+            raise ValueError(f"expected commands (k, {len(self._controls)}), rad; got {commands.shape}")
         if halves is None:
             raise ValueError("MuJoCo's steps are not found; ask ``runs`` before")
         frames, doing = len(commands), []
