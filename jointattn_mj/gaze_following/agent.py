@@ -188,7 +188,7 @@ class GazeFollower:
     def go_on(self, frames: int) -> np.ndarray:
         """Actions (frames, 2), rad, of as many frames without a decision."""
         self.landed = self.percept = None
-        if self._movement is None:
+        if self.shift is None or self._movement is None:
             return np.tile(self._command, (frames, 1))
         references = self._movement.next_references(frames)
         self._hold(references[-1])

@@ -166,7 +166,7 @@ class FrameTable:
     ) -> None:  # fmt: skip
         """Add as many rows as ``doing`` has entries."""
         if not self.frames:
-            self.face_point[:] = world.candidate_points()[-1]  # it stays there
+            self.face_point[:] = world.candidate_points(objects[-1])[-1]  # it stays there
         rows = self.rows.free()[: len(doing)]
         numbers = np.empty((len(doing), 9), np.int64)
         numbers[:, :3] = [_numbers(*entry) for entry in doing]

@@ -6,21 +6,37 @@ log follow together, in compiled code. Everything comes out as it does frame by 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jointattn_mj.gaze_following.agent import GazeFollower
 from jointattn_mj.gaze_following.attention import AttentionSelector
+from jointattn_mj.gaze_following.tables import FrameTable
 from jointattn_mj.perception.percept import Percept
 from jointattn_mj.perception.state import StatePerception
-from jointattn_mj.scene.world import World
+from jointattn_mj.scene.caregiver import TransferScript
+from jointattn_mj.scene.world import AlignedObservation, World, WorldObservation
 
 if TYPE_CHECKING:
     from jointattn_mj.gaze_following.session import SessionRun
 
 LEAST = 3
 """Fewer frames are as fast one by one."""
+OBSERVATIONS = (WorldObservation, AlignedObservation)
+"""What a robot observes of a world that ``runs`` with the head's angles as they are."""
+_CALLED = {
+    kind: [(name, getattr(kind, name)) for name in names]
+    for kind, names in {
+        World: ("step", "before_step"),
+        TransferScript: ("advance",),
+        GazeFollower: ("act", "_choose", "_turn", "_hold"),
+        FrameTable: ("add",),
+        StatePerception: ("perceive",),
+        AttentionSelector: ("advance", "consider", "draw"),
+    }.items()
+}
+"""Methods that a frame calls, and that are left out here."""
 
 
 def pass_by(session: SessionRun, most: int) -> int:
@@ -28,28 +44,51 @@ def pass_by(session: SessionRun, most: int) -> int:
 
     Returns:
         How many these were; 0 where the next frame has to be looked at by itself, or where a part of the session is of
-        another class than those here, and may do something in every frame.
+        another class than those here or has methods of its own, and may do something in every frame.
     """
     world, robot, frames = session.world, session.robot, session.frames
-    attention, perceiver = robot.attention, robot.perceiver
-    most = min(most, frames.room)
-    if type(world) is not World or type(robot) is not GazeFollower or not world.runs:
+    if type(robot) is not GazeFollower or (count := min(most, _undecided(robot))) < LEAST or not _all_usual(session):
         return 0
+    count = min(count, frames.room)
+    perceiver: Any = robot.perceiver
+    attention: Any = robot.attention
+    tape = world.run(robot.go_on(count))
     if robot.shift is not None:
-        if (count := min(most, robot.frames_on_way)) < LEAST:
-            return 0
-        tape = world.run(robot.go_on(count))
-        history = np.array([[attention.saliency, attention.motion, attention.interest]])
-        frames.add_all(world, robot, tape, history, None)
+        history, percepts = np.array([[attention.saliency, attention.motion, attention.interest]]), None
     else:
-        if type(perceiver) is not StatePerception or type(attention) is not AttentionSelector or robot.waits:
-            return 0
-        if (count := min(most, attention.undrawn)) < LEAST:
-            return 0
-        tape = world.run(robot.go_on(count))
         percepts = perceiver.perceive_all(tape)
         history = attention.pass_by(robot.attended, percepts.moves)
         robot.percept = Percept(percepts.visible[-1], percepts.px[-1], percepts.moves[-1])
-        frames.add_all(world, robot, tape, history, percepts)
+    frames.add_all(world, robot, tape, history, percepts)
     session.frame += count
     return count
+
+
+def _undecided(robot: GazeFollower) -> int:
+    """How many of the coming frames pass without a decision."""
+    if robot.shift is not None:
+        return robot.frames_on_way
+    return 0 if type(robot.attention) is not AttentionSelector or robot.waits else robot.attention.undrawn
+
+
+def _all_usual(session: SessionRun) -> bool:
+    """Whether all parts do in such frames what stands here."""
+    world, robot = session.world, session.robot
+    if not (_usual(world, World) and _usual(robot, GazeFollower) and _usual(session.frames, FrameTable)):
+        return False
+    if not (_usual(world.caregiver, TransferScript) and type(session._observation) in OBSERVATIONS and world.runs):
+        return False
+    perceiver: Any = robot.perceiver
+    return robot.shift is not None or (
+        _usual(robot.attention, AttentionSelector)
+        and _usual(perceiver, StatePerception)
+        and perceiver._world is world
+        and robot.mean_face is None
+    )
+
+
+def _usual(part: Any, kind: type) -> bool:
+    """Whether a part of a session is of this class, and does in a frame what the class was written to do."""
+    return type(part) is kind and all(
+        getattr(getattr(part, name), "__func__", None) is method for name, method in _CALLED[kind]
+    )

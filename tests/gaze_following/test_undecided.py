@@ -2,7 +2,9 @@
 
 import random
 from dataclasses import replace
+from operator import attrgetter
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -11,9 +13,12 @@ from jointattn_mj.gaze_following import undecided
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower
 from jointattn_mj.gaze_following.presets import PRESETS
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
+from jointattn_mj.gaze_following.tables import FrameTable
 from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, VariedSessionRun
 from jointattn_mj.io import checkpoint
 from jointattn_mj.scene import world as scene_world
+from jointattn_mj.scene.caregiver import TransferScript
+from jointattn_mj.scene.world import WorldObservation
 
 STATE = SessionConfig(minutes=1.5, seed=11, perception="state")
 
@@ -61,6 +66,14 @@ def test_a_session_is_the_same_frame_by_frame(config, kind, tmp_path):
     assert one_by_one.frames.table().equals(at_once.frames.table())
     assert one_by_one.shifts.table().equals(at_once.shifts.table())
     assert len(one_by_one.shifts) > 10
+
+
+def test_a_session_may_begin_with_frames_that_are_passed_by(tmp_path):
+    one_by_one, at_once = begun(STATE), begun(STATE)
+    for _ in range(5):
+        one_by_one.step()
+    assert undecided.pass_by(at_once, 5) == 5
+    assert frozen(one_by_one, tmp_path / "a.bin") == frozen(at_once, tmp_path / "b.bin")
 
 
 def test_a_session_from_images_passes_by_while_the_head_turns(tmp_path):
@@ -130,6 +143,123 @@ def test_own_parts_are_asked_in_every_frame():
     session = begun(STATE, Stepping)
     advance(session, 200)
     assert session.stepped == 200
+
+
+class Reacting(TransferScript):
+    """Turns its head with the robot's, which it asks in every frame."""
+
+    robot_world = None
+
+    def advance(self):
+        super().advance()
+        self.joints = self.joints + 0.1 * self.robot_world.head_angles()[0]
+
+
+class Inexact(SessionRun):
+    """Its robot takes its head to be 3 degrees beside where it is."""
+
+    class Observation(WorldObservation):
+        @property
+        def head_angles(self):
+            return super().head_angles + np.radians(3)
+
+    def new_observation(self):
+        return self.Observation(self.world)
+
+
+class Counted(FrameTable):
+    added = 0
+
+    def add(self, *parts):
+        self.added += 1
+        super().add(*parts)
+
+
+class Counting(SessionRun):
+    def new_frames(self):
+        return Counted(self.names[:-1], 4.0, 0.1)
+
+
+def reacting(config):
+    session = begun(config)
+    session.world.caregiver.__class__ = Reacting
+    session.world.caregiver.robot_world = session.world
+    return session
+
+
+@pytest.mark.parametrize("make", [lambda config: begun(config, Inexact), reacting])
+def test_own_observations_and_caregivers_have_their_way(make):
+    one_by_one, at_once = make(STATE), make(STATE)
+    for _ in range(400):
+        one_by_one.step()
+    advance(at_once, 400)
+    assert one_by_one.frames.table().equals(at_once.frames.table())
+
+
+def test_an_own_table_gets_every_frame():
+    session = begun(STATE, Counting)
+    advance(session, 200)
+    assert session.frames.added == 200
+
+
+def calls_of(part, name, go):
+    """The frames in which a method is called that has been put into a part of a session in place of its own."""
+    session, calls = begun(STATE), []
+    owner = attrgetter(part)(session) if part else session
+    method = getattr(owner, name)
+
+    def noting(*arguments, **named):
+        calls.append(session.frame)
+        return method(*arguments, **named)
+
+    setattr(owner, name, noting)
+    go(session)
+    return calls
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "step", "world.step", "world.before_step", "world.caregiver.advance", "frames.add", "robot.act",
+        "robot._choose", "robot._turn", "robot._hold", "robot._pair", "robot.perceiver.perceive",
+        "robot.attention.advance", "robot.attention.consider",
+    ],
+)  # fmt: skip
+def test_a_method_replaced_in_a_part_is_called_as_frame_by_frame(path):
+    part, _, name = path.rpartition(".")
+    one_by_one = calls_of(part, name, lambda session: [session.step() for _ in range(400)])
+    assert calls_of(part, name, lambda session: advance(session, 400)) == one_by_one != []
+
+
+def test_what_python_does_within_mujocos_steps_is_heard():
+    """What it raises gets through MuJoCo's binding alone; from compiled code, the process would end."""
+    session = begun(STATE)
+    assert session.world.runs
+
+    def refuse(model, data):
+        raise RuntimeError("no")
+
+    mujoco.set_mjcb_control(refuse)
+    try:
+        assert not session.world.runs
+        with pytest.raises(RuntimeError, match="no"):
+            advance(session, 200)
+    finally:
+        mujoco.set_mjcb_control(None)
+    assert session.world.runs
+
+
+def test_a_world_runs_by_commands_for_its_head_alone():
+    session = begun(STATE)
+    with pytest.raises(ValueError, match=r"expected commands \(k, 2\), rad; got \(5, 1\)"):
+        session.world.run(np.zeros((5, 1)))
+
+
+def test_a_tape_has_to_fit_its_world():
+    session = begun(STATE)
+    tape = session.world.run(np.zeros((5, 2)))
+    with pytest.raises(ValueError, match="do not fit"):
+        session.robot.perceiver.perceive_all(replace(tape, objects=tape.objects[:3]))
 
 
 def test_without_the_steps_of_mujoco_it_goes_frame_by_frame(monkeypatch, tmp_path):
