@@ -10,9 +10,12 @@ from typing import Annotated, Any, Literal, Protocol
 import numpy as np
 
 from jointattn_mj.guards.border import require_array
-from jointattn_mj.guards.restored import check_array
+from jointattn_mj.guards.restored import check_array, check_whole
 from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import TOP_LEVEL, Checked, Positive, Real, Whole
+
+MOST_FRAMES = 1 << 53
+"""Frames of a fixation that a checkpoint may speak of."""
 
 
 @dataclass(frozen=True)
@@ -146,6 +149,7 @@ class AttentionSelector:
         self.__dict__.update(state)
         for name in ("saliency", "motion", "interest", "_preference", "_decay", "_growth"):
             check_array(name, getattr(self, name), (self.face + 1,), float)
+        check_whole("the frames of this fixation", self._dwelt, 0, MOST_FRAMES)
 
     def advance(self, attended: int | None, moves: np.ndarray) -> None:
         """Advance one frame: habituation, recovery and motion (eq. 6.1, 6.3, 6.6).

@@ -25,6 +25,7 @@ from jointattn_mj.perception.views import MOST_PX
 
 MAX_BLOCKS = 1024  # flow vectors kept for one image
 MOST_FRAMES = 1 << 31  # frames between two images
+MOST_EDGE = 1 << 31  # how far out of an image a face may lie, pixels
 Box = tuple[int, int, int, int]  # x0, y0, x1, y1, the last two exclusive
 NOWHERE: Box = (0, 0, 0, 0)
 
@@ -223,6 +224,12 @@ def _raise_flags(
 _WHOLE_BOX = (int,) * 4
 
 
+def _is_plain(box: Any) -> bool:
+    """Whether a box is a tuple of four whole numbers that compiled code takes; told sooner than by an array."""
+    whole = type(box) is tuple and tuple(map(type, box)) == _WHOLE_BOX
+    return whole and min(box) >= -MOST_EDGE and max(box) <= MOST_EDGE
+
+
 class MotionDetector:
     """Tells which candidates move, from the last few images. It can be pickled."""
 
@@ -322,8 +329,8 @@ class MotionDetector:
         """
         config, n = self.config, len(areas.visible)
         require_gray(gray)
-        if face_box is not None and tuple(map(type, face_box)) != _WHOLE_BOX:
-            require_array("face_box", np.asarray(face_box), (4,), "iu")
+        if face_box is not None and not _is_plain(face_box):
+            require_array("face_box", np.asarray(face_box), (4,), "iu", -MOST_EDGE, MOST_EDGE)
         if self._kept and (gray.shape, areas.mask.shape) != (self._kept[-1][0].shape, self._kept[-1][2].mask.shape):
             self.reset()
         if len(self._on) != n + 1:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from jointattn_mj.errors import ObservationError
-from jointattn_mj.guards.border import require_array
+from jointattn_mj.guards.border import numbers, require_array
 from jointattn_mj.guards.restored import check_array
 from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked, check_argument
@@ -38,8 +38,9 @@ def _require_head(head: Any) -> None:
     """Check angles of a head, (2,), rad. Single numbers are compared sooner than arrays."""
     require_array("head_angles", head, (2,), "f")
     pan, tilt = head.tolist()
-    if not (abs(pan) <= MOST_RAD and abs(tilt) <= MOST_RAD):
+    if not (type(pan) is type(tilt) is float and abs(pan) <= MOST_RAD and abs(tilt) <= MOST_RAD):
         require_array("head_angles", head, (2,), "f", -MOST_RAD, MOST_RAD)
+        numbers("head_angles", head, (2,))  # none is masked
 
 
 @njit(cache=True)

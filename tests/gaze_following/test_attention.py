@@ -202,3 +202,9 @@ def test_same_seed_same_draws():
 def test_impossible_options(options):
     with pytest.raises(ConfigError, match=next(iter(options))):
         AttentionConfig(**options)
+
+
+@pytest.mark.parametrize("dwelt", [-1, 0.5, float("nan"), "3", 1 << 60])
+def test_a_checkpoint_holds_a_number_of_frames(dwelt):
+    with pytest.raises(ValueError, match="frames of this fixation"):
+        AttentionSelector.__new__(AttentionSelector).__setstate__({**vars(selector()), "_dwelt": dwelt})

@@ -247,7 +247,10 @@ def images() -> Iterator[Case]:
         yield f"segment {name}", lambda p=image: colours.segment(p)
         yield f"labels of {name}", lambda p=image: colours.labels(p)
         yield f"gray of {name}", lambda p=image: fill_gray(p, np.zeros((48, 64), np.uint8), 0, 0, 64, 48)
-    for name, angles in {"NaN": head * NAN, "three": np.zeros(3), "None": None, "far": np.array([1e9, 0])}.items():
+    for name, angles in {
+        "NaN": head * NAN, "three": np.zeros(3), "None": None, "far": np.array([1e9, 0]), "a list": [0.0, 0.0],
+        "bool": head > 1, "masked": np.ma.array(head, mask=[True, False]),
+    }.items():  # fmt: skip
         yield f"look with angles {name}", lambda a=angles: perception.perceive(StillObservation(fine, a), True)
     yield "look at nothing", lambda: perception.perceive({}, True)
     yield "a pattern before any face", lambda: PixelPerception(PixelConfig(), rgb).face_pattern()
@@ -263,7 +266,10 @@ def images() -> Iterator[Case]:
         yield f"motion in {name}", lambda g=gray: MotionDetector().update(g, None, colours.nothing())
         yield f"faces in {name}", lambda g=gray: FaceDetector().detect(g)
     gray = np.ascontiguousarray(fine[..., 0])
-    for box in ((NAN,) * 4, (0, 0), "box", (0.5, 0, 9, 9)):
+    for box in (
+        (NAN,) * 4, (0, 0), "box", (0.5, 0, 9, 9), 5, {1: 2, 3: 4}, {1, 2, 3, 4}, iter((1, 2, 3, 4)), (True,) * 4,
+        (2**70,) * 4, (0, 0, HUGE, 9),
+    ):  # fmt: skip
         yield f"motion of a face at {box}", lambda b=box: MotionDetector().update(gray, b, colours.nothing())
     som = SOM(1024, SOMConfig(rows=3, columns=3), np.random.default_rng(0))
     pattern = np.random.default_rng(0).random((32, 32))
