@@ -15,7 +15,10 @@ def one_thread() -> None:
 
     It need not be imported for that, and is not by all commands.
     """
-    os.environ.setdefault("OPENCV_FOR_THREADS_NUM", "1")
+    if "cv2" in sys.modules:
+        sys.modules["cv2"].setNumThreads(1)
+    else:
+        os.environ.setdefault("OPENCV_FOR_THREADS_NUM", "1")
 
 
 @contextmanager

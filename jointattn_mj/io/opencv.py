@@ -13,6 +13,9 @@ else:
             setattr(self, name, value)
             return value
 
+        def __reduce__(self):
+            return "cv2"  # pickled by name, as a module is
+
     cv2 = _Late()
 
 __all__ = ["cv2"]
