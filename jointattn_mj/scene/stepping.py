@@ -7,7 +7,8 @@ from typing import Any
 import mujoco
 
 HALVES = ("mj_step1", "mj_step2")
-_HOOKS = tuple(getattr(mujoco, name) for name in dir(mujoco) if name.startswith("get_mjcb_"))
+_HOOKS = (mujoco.get_mjcb_control, mujoco.get_mjcb_passive)
+"""The scene has no contacts, sensors or actuators of the kinds for which steps call others."""
 _OF_C = (type(None), ctypes.CFUNCTYPE(None).__mro__[1])
 
 
