@@ -151,7 +151,7 @@ def _add_room(spec: mujoco.MjSpec, high: bool, blank: bool) -> None:
 def _options(spec: mujoco.MjSpec) -> None:
     spec.option.timestep = TIMESTEP
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    spec.memory = 1 << 20  # without contacts it needs a hundredth of that; by default it is 14 MiB
+    spec.memory = 1 << 20  # without contacts some kilobytes are used; by default it is 14 MiB
     spec.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
 
 
