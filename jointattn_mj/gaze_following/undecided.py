@@ -25,7 +25,9 @@ LEAST = 3
 """Fewer frames are as fast one by one."""
 OBSERVATIONS = (WorldObservation, AlignedObservation)
 """What a robot observes of a world that ``runs`` with the head's angles as they are."""
-_CALLED = {
+
+
+_NAMES = {
     World: ("step", "before_step"),
     TransferScript: ("advance",),
     GazeFollower: ("act", "_choose", "_turn", "_hold"),
@@ -34,7 +36,18 @@ _CALLED = {
     AttentionSelector: ("advance", "consider", "draw"),
 }
 """Methods that a frame calls, and that are left out here."""
-_METHODS = [(kind, name, getattr(kind, name)) for kind, names in _CALLED.items() for name in names]
+
+
+def _methods() -> tuple[Any, ...]:
+    """These methods, written out: this is asked many times a second."""
+    return (
+        World.step, World.before_step, TransferScript.advance, GazeFollower.act, GazeFollower._choose,
+        GazeFollower._turn, GazeFollower._hold, FrameTable.add, StatePerception.perceive, AttentionSelector.advance,
+        AttentionSelector.consider, AttentionSelector.draw,
+    )  # fmt: skip
+
+
+_METHODS = _methods()
 
 
 def pass_by(session: SessionRun, most: int) -> int:
@@ -66,12 +79,14 @@ def _undecided(robot: GazeFollower) -> int:
     """How many of the coming frames pass without a decision."""
     if robot.shift is not None:
         return robot.frames_on_way
-    return 0 if type(robot.attention) is not AttentionSelector or robot.waits else robot.attention.undrawn
+    if type(robot.perceiver) is not StatePerception or type(robot.attention) is not AttentionSelector or robot.waits:
+        return 0
+    return robot.attention.undrawn
 
 
 def _all_usual(session: SessionRun) -> bool:
     """Whether all parts do in such frames what stands here."""
-    if any(getattr(kind, name) is not method for kind, name, method in _METHODS):
+    if _methods() != _METHODS:
         return False  # a class was patched
     world, robot = session.world, session.robot
     if not (_usual(world, World) and _usual(robot, GazeFollower) and _usual(session.frames, FrameTable)):
@@ -89,4 +104,4 @@ def _all_usual(session: SessionRun) -> bool:
 
 def _usual(part: Any, kind: type) -> bool:
     """Whether a part of a session is of this class, and has no method of its own in place of the class's."""
-    return type(part) is kind and vars(part).keys().isdisjoint(_CALLED[kind])
+    return type(part) is kind and vars(part).keys().isdisjoint(_NAMES[kind])

@@ -279,3 +279,8 @@ def test_an_unstable_simulation_is_noticed_as_ever(monkeypatch, tmp_path):
     session.world.run(np.zeros((5, 2)))
     with pytest.raises(NotFiniteError, match="unstable"):
         session.world.check()
+
+
+def test_the_methods_that_are_asked_for_are_those_that_are_named():
+    named = [getattr(kind, name) for kind, names in undecided._NAMES.items() for name in names]
+    assert named == list(undecided._methods())
