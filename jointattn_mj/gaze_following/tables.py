@@ -130,7 +130,8 @@ class FrameTable:
         """
         caregiver, percept, attention = world.caregiver, robot.percept, robot.attention
         doing = [(caregiver.phase, caregiver.target, caregiver.held)]
-        after = np.array([[attention.saliency, attention.motion, attention.interest]])
+        after = np.empty((1, 3, len(self.candidates)))
+        after[0, 0], after[0, 1], after[0, 2] = attention.saliency, attention.motion, attention.interest
         if percept is not None:
             percept = Percept(percept.visible[None], percept.px[None], percept.moves[None])
         self._add(
@@ -168,12 +169,11 @@ class FrameTable:
         if not self.frames:
             self.face_point[:] = world.candidate_points(objects[-1])[-1]  # it stays there
         rows = self.rows.free()[: len(doing)]
-        numbers = np.empty((len(doing), 9), np.int64)
-        numbers[:, :3] = [_numbers(*entry) for entry in doing]
-        numbers[:, 3:] = (
+        constant = (
             -1 if robot.attended is None else robot.attended, robot.shift is not None, rendered,
             percepts is not None, robot.landed is not None, robot.iterations,
         )  # fmt: skip
+        numbers = np.array([(*_numbers(*entry), *constant) for entry in doing], np.int64)
         _write(rows, numbers, head, face, objects, history)
         if percepts is None:
             rows[:, -4 * len(self.candidates) :] = np.nan

@@ -7,7 +7,7 @@ import numpy as np
 from jointattn_mj.scene.caregiver import Phase
 
 
-@dataclass(frozen=True)
+@dataclass
 class Tape:
     """A number of successive frames, k; each as it was before its step.
 

@@ -262,11 +262,11 @@ class World(Closable):
     def now(self) -> Tape:
         """The present frame."""
         caregiver = self.caregiver
-        return Tape(
-            [(caregiver.phase, caregiver.target, caregiver.held)], self.head_angles()[None],
-            self._face_angles[None].copy(), self._script_speeds[None, :2].copy(),
-            np.stack([self._objects_before, caregiver.objects]),
-        )  # fmt: skip
+        doing = [(caregiver.phase, caregiver.target, caregiver.held)]
+        angles, objects = np.empty((3, 1, 2)), np.empty((2, *caregiver.objects.shape))
+        angles[0], angles[1], angles[2] = self._head_angles, self._face_angles, self._script_speeds[:2]
+        objects[0], objects[1] = self._objects_before, caregiver.objects
+        return Tape(doing, angles[0], angles[1], angles[2], objects)
 
     def before_step(self, command: np.ndarray) -> None:
         """Prepare a step: advance the script, and set servos, the caregiver's joint velocities and the objects.
