@@ -167,7 +167,7 @@ class FrameTable:
     ) -> None:  # fmt: skip
         """Add as many rows as ``doing`` has entries."""
         if not self.frames:
-            self.face_point[:] = world.candidate_points(objects[-1])[-1]  # it stays there
+            self.face_point[:] = world.candidate_points()[-1]  # it stays there
         rows = self.rows.free()[: len(doing)]
         constant = (
             -1 if robot.attended is None else robot.attended, robot.shift is not None, rendered,

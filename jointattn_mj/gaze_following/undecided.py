@@ -58,6 +58,8 @@ def pass_by(session: SessionRun, most: int) -> int:
         another class than those here or has methods of its own, and may do something in every frame.
     """
     world, robot, frames = session.world, session.robot, session.frames
+    if not session.frame:  # notes where the face is
+        return 0
     if type(robot) is not GazeFollower or (count := min(most, _undecided(robot))) < LEAST or not _all_usual(session):
         return 0
     count = min(count, frames.room)

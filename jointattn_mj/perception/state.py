@@ -121,7 +121,7 @@ class StatePerception:
             visible=np.empty((frames, n), bool), px=np.empty((frames, n, 2)), moves=np.empty((frames, n), bool)
         )
         _perceive(
-            tape.objects, tape.face_speeds, self._world.candidate_points(tape.objects[-1]), turned, landed,
+            tape.objects, tape.face_speeds, self._world.candidate_points(), turned, landed,
             radians(config.face_moves_above_deg_s), (config.object_moves_above_m_s * FRAME_S) ** 2,
             draws, noise, self._errors, percepts.visible, percepts.px, percepts.moves,
         )  # fmt: skip

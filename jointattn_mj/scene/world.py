@@ -235,6 +235,9 @@ class World(Closable):
 
         Returns:
             What was to be seen before each of these steps.
+
+        Raises:
+            ValueError: The commands have another shape, or MuJoCo's steps are not found.
         """
         halves, caregiver = half_steps(), self.caregiver
         commands = np.ascontiguousarray(commands, float)
@@ -341,13 +344,9 @@ class World(Closable):
         angles: np.ndarray = np.degrees(self._face_angles)
         return angles
 
-    def candidate_points(self, objects: np.ndarray | None = None) -> np.ndarray:
-        """Centres of the n objects and, last, of the caregiver's head: (n + 1, 3), world frame, metres.
-
-        Args:
-            objects: (n, 3) where the objects are; by default where they are now.
-        """
-        self._points[:-1] = self.caregiver.objects if objects is None else objects
+    def candidate_points(self) -> np.ndarray:
+        """Centres of the n objects and, last, of the caregiver's head: (n + 1, 3), world frame, metres."""
+        self._points[:-1] = self.caregiver.objects
         return self._points
 
     def moving(self, face_above_deg_s: float, object_above_m_s: float) -> np.ndarray:
