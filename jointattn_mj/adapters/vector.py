@@ -8,7 +8,6 @@ seeds, to rounding.
 
 from typing import Annotated, Any
 
-import mujoco
 import numpy as np
 from dm_env import specs
 
@@ -17,7 +16,8 @@ from jointattn_mj.errors import ClosedError, ConfigError, EpisodeError
 from jointattn_mj.options import Whole, check_argument, shown
 from jointattn_mj.scene.camera import PIVOT
 from jointattn_mj.scene.caregiver import TransferScript
-from jointattn_mj.scene.world import HEAD_JOINTS, World, steps_per_frame
+from jointattn_mj.scene.servo import Servos, turn
+from jointattn_mj.scene.world import steps_per_frame
 from jointattn_mj.tasks.actions import checked
 from jointattn_mj.tasks.follow import Follow
 
@@ -64,11 +64,10 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
         self._rewards, self._limit = environment.task.rewards, environment.step_limit
         self._bounds = environment.action_spec()
         self._scaled = specs.BoundedArray((num_envs, 2), np.float32, -1, 1, f"{self._bounds.name}, of each world")
-        self._servo = _Servo(environment.task.world)
+        world = environment.task.world
+        self._servos, self._turns = Servos.of_model(world.model), world.frames * steps_per_frame(world.model)
         self._angles, self._speeds = np.zeros((2, num_envs, 2))  # of the heads, rad and rad/s
-        self._points = np.zeros(
-            (num_envs, len(environment.task.world.candidate_points()), 3)
-        )  # that stay in an episode
+        self._points = np.zeros((num_envs, len(world.candidate_points()), 3))  # that stay in an episode
         self._steps = np.full(num_envs, -1)  # in this episode; -1: there is none
 
     def __repr__(self) -> str:
@@ -133,7 +132,7 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
             raise EpisodeError("no episode is going on: call reset()")
         over = self._steps == self._limit
         going = ~over
-        self._servo.turn(self._angles, self._speeds, commands)
+        turn(self._servos, self._angles, self._speeds, commands, self._turns)
         for world in np.flatnonzero(going):
             self._episodes[world].advance()
         self._steps += going
@@ -215,31 +214,3 @@ class _Episodes:
         """What the robot observes with its head at (2,), rad."""
         self.task.world.show(head, self.script)
         return self.task.observe_anew()
-
-
-class _Servo:
-    """The head's servos, as MuJoCo's implicit integrator steps them: two lines, since nothing else moves the head."""
-
-    def __init__(self, world: World):
-        model = world.model
-        joints = [model.joint(name) for name in HEAD_JOINTS]
-        inertia = [np.zeros((model.nv, 1)) for _ in joints]
-        for joint, column in zip(joints, inertia, strict=True):
-            mujoco.mj_mulM(model, world.data, column, np.eye(model.nv)[:, joint.dofadr])
-        motors = [int(np.flatnonzero(model.actuator_trnid[:, 0] == joint.id)[0]) for joint in joints]
-        self._stiffness, self._damping = model.actuator_gainprm[motors, 0], -model.actuator_biasprm[motors, 2]
-        self._inertia = np.array([column[joint.dofadr[0], 0] for joint, column in zip(joints, inertia, strict=True)])
-        self._seconds, self._steps = model.opt.timestep, world.frames * steps_per_frame(model)
-
-    def turn(self, angles: np.ndarray, speeds: np.ndarray, commands: np.ndarray) -> None:
-        """Turn heads for a step of the task, in place.
-
-        Args:
-            angles: (n, 2) pan and tilt, rad.
-            speeds: (n, 2), rad/s.
-            commands: (n, 2) desired angles, rad.
-        """
-        for _ in range(self._steps):
-            force = self._stiffness * (commands - angles) - self._damping * speeds
-            speeds += self._seconds * force / (self._inertia + self._seconds * self._damping)
-            angles += self._seconds * speeds

@@ -36,7 +36,8 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
         beside rendering all of the same images. loop_times_real_time: simulated seconds of a session from images in a
         second. session_26_min_s: seconds that 26 simulated minutes take at this pace.
         familiarise_s: seconds in which the robot gets to know the face, before a session. state_times_real_time:
-        simulated seconds of a session from the state in a second. cartpole_ms: a step of dm_control's cartpole swingup,
+        simulated seconds of a session from the state in a second. closed_form_times_real_time: the same without the
+        physics (``world.dynamics closed_form``). cartpole_ms: a step of dm_control's cartpole swingup,
         with pixels at 320x240. loop_to_cartpole: session from images for each rendered image, in steps of cartpole.
 
     Raises:
@@ -48,6 +49,7 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
     contingent = SessionRun(replace(loop.config, robot=robot))
     changes = SessionRun(replace(loop.config, world=replace(loop.config.world, draws="changes")))
     state = SessionRun(SessionConfig(minutes=minutes, perception="state"))
+    closed = SessionRun(replace(state.config, world=replace(state.config.world, dynamics="closed_form")))
     scene = World.build(loop.config.world, np.random.SeedSequence(1))
     cartpole = _cartpole()
     _compile(loop.config)
@@ -56,8 +58,9 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
     familiarised = time.perf_counter() - start
     contingent.begin()
     changes.begin()
-    state.begin()
-    _advance(state, 30)  # compiles
+    for session in (state, closed):
+        session.begin()
+        _advance(session, 30)  # compiles
     block, times = round(options.seconds / FRAME_S), []
     try:
         for _ in range(options.blocks):
@@ -65,14 +68,16 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
                 _beside_rendering(session, block, scene) for session in (loop, contingent, changes)
             )
             ratios = [spent / its_alone for spent, its_alone, _ in others]
-            in_state = _advance(state, block)
-            times.append((in_loop, images, alone, *ratios, in_state, _steps(cartpole, CARTPOLE_STEPS)))
+            without_images = [_advance(session, block) for session in (state, closed)]
+            times.append((in_loop, images, alone, *ratios, *without_images, _steps(cartpole, CARTPOLE_STEPS)))
         with loop.world.physics.contexts.gl.make_current() as context:
             renderer = context.call(_renderer_name)
     finally:
-        for part in (loop, contingent, changes, state, scene, cartpole):
+        for part in (loop, contingent, changes, state, closed, scene, cartpole):
             part.close()
-    in_loop, images, rendering, contingent_to_render, changes_to_render, in_state, steps = np.array(times, float).T
+    in_loop, images, rendering, contingent_to_render, changes_to_render, in_state, in_closed_form, steps = np.array(
+        times, float
+    ).T
     per_image, figures = in_loop / images, Figures()
     figures.add("renderer", renderer)
     figures.add("render_ms", 1000 * rendering / images)
@@ -84,6 +89,7 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
     figures.add("session_26_min_s", in_loop * 26 * 60 / options.seconds)
     figures.add("familiarise_s", familiarised)
     figures.add("state_times_real_time", options.seconds / in_state)
+    figures.add("closed_form_times_real_time", options.seconds / in_closed_form)
     figures.add("cartpole_ms", 1000 * steps / CARTPOLE_STEPS)
     figures.add("loop_to_cartpole", per_image / (steps / CARTPOLE_STEPS))
     return figures

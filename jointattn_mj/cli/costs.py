@@ -44,19 +44,21 @@ def run_commands_benchmark(blocks: int) -> Figures:
             "first_session_s": _fresh(f"session --perception state --minutes 0.05 {BRIEF} --out {folder}/fresh"),
             "first_develop_s": _fresh(f"develop table --steps 1000 --out {folder}/fresh_table"),
         }
+        state = f"session --perception state --minutes {STATE_MINUTES}"
         filmed = f"session --minutes {FILMED_MINUTES} {BRIEF}"
         works = {
             "help": "--help",
             "session help": "session --help",
             "measure help": "measure --help",
-            "state": f"session --perception state --minutes {STATE_MINUTES}",
+            "state": state,
+            "closed form": f"{state} --world.dynamics closed_form",
             "images": filmed,
             "film": f"{filmed} --video",
         }
         costs: dict[str, list[Cost]] = {name: [] for name in works}
         for block in range(min(blocks, MOST_BLOCKS) + 1):
             for name, words in works.items():
-                out = "" if "help" in name else f" --out {folder}/{name}_{block}"
+                out = "" if "help" in name else f" --out {folder}/{name.replace(' ', '_')}_{block}"
                 cost = measured(words + out)
                 if block:  # the first compiles
                     costs[name].append(cost)
@@ -64,8 +66,10 @@ def run_commands_benchmark(blocks: int) -> Figures:
     figures = Figures()
     for name in ("help", "session help", "measure help"):
         figures.add(f"{name.replace(' ', '_')}_s", seconds[name])
-    figures.add("state_command_s", seconds["state"])
-    figures.add("state_command_times_real_time", [60 * STATE_MINUTES / taken for taken in seconds["state"]])
+    for name in ("state", "closed form"):
+        figures.add(f"{name.replace(' ', '_')}_command_s", seconds[name])
+        pace = [60 * STATE_MINUTES / taken for taken in seconds[name]]
+        figures.add(f"{name.replace(' ', '_')}_command_times_real_time", pace)
     more = [film - plain for film, plain in zip(seconds["film"], seconds["images"], strict=True)]
     figures.add("video_frame_ms", [1000 * taken / (FILMED_MINUTES * FRAMES_PER_MINUTE) for taken in more])
     figures.add("session_mib", [cost.mebibytes for cost in costs["images"]])

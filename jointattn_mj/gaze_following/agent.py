@@ -180,20 +180,25 @@ class GazeFollower:
         movement = self._movement
         return 0 if movement is None else movement.frames_before(self.config.gaze.feedback_frames)
 
+    def commanded_after(self, frames: int) -> bool:
+        """Whether after so many frames on the way of a gaze shift only its end is held until the head stands still."""
+        return self._movement is not None and self._movement.frame + frames >= self._movement.frames
+
     @property
     def waits(self) -> bool:
         """Whether attention has chosen a candidate, and the robot waits for the face to be still."""
         return self._leaving_for is not None
 
-    def go_on(self, frames: int) -> np.ndarray:
-        """Actions (frames, 2), rad, of as many frames without a decision."""
+    def coming(self, frames: int) -> np.ndarray:
+        """References (frames, 2) of the head's servos, deg, in as many frames without a decision."""
+        return np.tile(self._held, (frames, 1)) if self._movement is None else self._movement.coming(frames)
+
+    def pass_by(self, references: np.ndarray) -> None:
+        """Let as many frames without a decision pass, in which the ``references`` (k, 2), deg, are commanded."""
         self.landed = self.percept = None
-        if self.shift is None or self._movement is None:
-            return np.tile(self._command, (frames, 1))
-        references = self._movement.next_references(frames)
-        self._hold(references[-1])
-        actions: np.ndarray = np.radians(references)
-        return actions
+        if self._movement is not None:
+            self._movement.pass_by(len(references))
+            self._hold(references[-1])
 
     @property
     def gate_probability(self) -> float:

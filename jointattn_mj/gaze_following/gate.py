@@ -124,27 +124,37 @@ class HeadShift:
 
     def next_reference(self) -> np.ndarray:
         """The reference (2,) for the coming frame; the end when the movement is over."""
-        frames = len(self._progress)
-        reference = self._reference(min(self.frame, frames - 1))
-        self.frame = min(self.frame + 1, frames)
+        reference = self._reference(min(self.frame, self.frames - 1))
+        self.pass_by(1)
         return reference
 
-    def next_references(self, frames: int) -> np.ndarray:
-        """References (frames, 2) for as many frames, before the movement is over."""
-        parts = (self._progress[self.frame : self.frame + frames, None] - self._offset) / (1 - self._offset)
-        self.frame += frames
-        references: np.ndarray = self._start + parts * (self._end - self._start)
+    def coming(self, frames: int) -> np.ndarray:
+        """References (frames, 2) for the next frames, whose aim stays."""
+        progress = self._progress[self.frame : self.frame + frames, None]
+        if len(progress) < frames:
+            progress = np.vstack([progress, np.repeat(self._progress[None, -1:], frames - len(progress), axis=0)])
+        references: np.ndarray = self._start + (progress - self._offset) / (1 - self._offset) * (
+            self._end - self._start
+        )
         return references
+
+    def pass_by(self, frames: int) -> None:
+        """Count the references for so many frames as given out."""
+        self.frame = min(self.frame + frames, self.frames)
+
+    @property
+    def frames(self) -> int:
+        """Length of the movement."""
+        return len(self._progress)
 
     @property
     def commanded(self) -> bool:
         """Whether the whole reference has been given out."""
-        return self.frame >= len(self._progress)
+        return self.frame >= self.frames
 
     def frames_before(self, stops: tuple[int, ...]) -> int:
         """How many references are still to be given out before the next one of ``stops``, or before all are."""
-        frames = len(self._progress)
-        return min(stop for stop in (*stops, frames) if stop >= self.frame) - self.frame
+        return min(stop for stop in (*stops, self.frames) if stop >= self.frame) - self.frame
 
     def _reference(self, frame: int) -> np.ndarray:
         part = (float(self._progress[frame]) - self._offset) / (1 - self._offset)

@@ -11,12 +11,12 @@ import pyarrow as pa
 from jointattn_mj.gaze_following.agent import GazeShift
 from jointattn_mj.gaze_following.columns import SHIFT, described
 from jointattn_mj.gaze_following.scoring import Judgement, Moment
-from jointattn_mj.gaze_following.tables import PHASES
 from jointattn_mj.io.arrow import number_array, word_array
 from jointattn_mj.io.parquet import write_parts
 from jointattn_mj.io.progress import count
 from jointattn_mj.io.rows import RowStore, spans
 from jointattn_mj.scene.camera import off_centre
+from jointattn_mj.scene.caregiver import PHASES
 
 COMMANDERS = ("visual_feedback", "learner")
 GROUP = 1 << 13

@@ -17,12 +17,10 @@ from jointattn_mj.io.parquet import write_parts
 from jointattn_mj.io.rows import RowStore, spans
 from jointattn_mj.perception.percept import Percept
 from jointattn_mj.scene.camera import pixels_of_point
-from jointattn_mj.scene.caregiver import FRAME_S, Phase
+from jointattn_mj.scene.caregiver import FRAME_S, PHASES
 from jointattn_mj.scene.tape import Tape
 from jointattn_mj.scene.world import World
 
-PHASES = tuple(Phase)
-_PHASE_NUMBER = {phase: number for number, phase in enumerate(PHASES)}
 _PER_FRAME = (
     "phase", "target", "held", "attended", "head_moves", "rendered", "perceived", "landed", "iterations",
     "pan_deg", "tilt_deg", "face_yaw_deg", "face_pitch_deg",
@@ -36,19 +34,22 @@ _BOOL = ("head_moves", "rendered", "perceived", "landed", "visible", "moves", "r
 
 @njit(cache=True)
 def _write(
-    rows: np.ndarray, numbers: np.ndarray, head: np.ndarray, face: np.ndarray, objects: np.ndarray, history: np.ndarray
-) -> None:
+    rows: np.ndarray, doing: np.ndarray, constant: np.ndarray, head: np.ndarray, face: np.ndarray, objects: np.ndarray,
+    history: np.ndarray,
+) -> None:  # fmt: skip
     """Write the columns up to interest, in their order; -1 stands for None. Compiled, for it runs in every frame."""
-    first, n = numbers.shape[1], history.shape[2]
+    does, n = doing.shape[1], history.shape[2]
+    first = does + len(constant)
     columns = first + 4 + 3 * (objects.shape[1] + n)
     if columns > rows.shape[1] or objects.shape[1] + 1 != n:
         raise ValueError("a row of the table is too short for the objects")
-    if not len(rows) == len(numbers) == len(head) == len(face) == len(objects):
+    if not len(rows) == len(doing) == len(head) == len(face) == len(objects):
         raise ValueError("all parts of the table's rows must be as long")
     for t in range(len(rows)):
         row, after = rows[t], min(t, len(history) - 1)
         for column in range(first):
-            row[column] = numbers[t, column] if numbers[t, column] >= 0 else np.nan
+            number = doing[t, column] if column < does else constant[column - does]
+            row[column] = number if number >= 0 else np.nan
         for axis in range(2):
             row[first + axis], row[first + 2 + axis] = np.degrees(head[t, axis]), np.degrees(face[t, axis])
         column = first + 4
@@ -76,11 +77,6 @@ def _write_percepts(rows: np.ndarray, visible: np.ndarray, moves: np.ndarray, px
         for k in range(n):
             row[first + k], row[first + n + k] = visible[t, k], moves[t, k]
             row[first + 2 * n + 2 * k], row[first + 2 * n + 2 * k + 1] = px[t, k, 0], px[t, k, 1]
-
-
-def _numbers(phase: Phase, target: int | None, held: int | None) -> tuple[int, int, int]:
-    """The first columns; -1 stands for None."""
-    return _PHASE_NUMBER[phase], -1 if target is None else target, -1 if held is None else held
 
 
 class FrameTable:
@@ -129,14 +125,13 @@ class FrameTable:
             OutputError: The file that the table is kept in cannot be written.
         """
         caregiver, percept, attention = world.caregiver, robot.percept, robot.attention
-        doing = [(caregiver.phase, caregiver.target, caregiver.held)]
         after = np.empty((1, 3, len(self.candidates)))
         after[0, 0], after[0, 1], after[0, 2] = attention.saliency, attention.motion, attention.interest
         if percept is not None:
             percept = Percept(percept.visible[None], percept.px[None], percept.moves[None])
         self._add(
-            world, robot, rendered, doing, head[None], world.face_angles()[None], caregiver.objects[None],
-            after, percept,
+            world, robot, rendered, np.array([caregiver.doing()]), head[None], world.face_angles()[None],
+            caregiver.objects[None], after, percept,
         )  # fmt: skip
 
     @property
@@ -162,19 +157,18 @@ class FrameTable:
         self._add(world, robot, False, tape.doing, tape.head, tape.face, tape.objects[1:], history, percepts)
 
     def _add(
-        self, world: World, robot: GazeFollower, rendered: bool, doing: list[tuple[Phase, int | None, int | None]],
-        head: np.ndarray, face: np.ndarray, objects: np.ndarray, history: np.ndarray, percepts: Percept | None,
+        self, world: World, robot: GazeFollower, rendered: bool, doing: np.ndarray, head: np.ndarray, face: np.ndarray,
+        objects: np.ndarray, history: np.ndarray, percepts: Percept | None,
     ) -> None:  # fmt: skip
-        """Add as many rows as ``doing`` has entries."""
+        """Add as many rows as ``doing`` has."""
         if not self.frames:
             self.face_point[:] = world.candidate_points()[-1]  # it stays there
         rows = self.rows.free()[: len(doing)]
-        constant = (
+        constant = np.array([
             -1 if robot.attended is None else robot.attended, robot.shift is not None, rendered,
             percepts is not None, robot.landed is not None, robot.iterations,
-        )  # fmt: skip
-        numbers = np.array([(*_numbers(*entry), *constant) for entry in doing], np.int64)
-        _write(rows, numbers, head, face, objects, history)
+        ], np.int64)  # fmt: skip
+        _write(rows, doing, constant, head, face, objects, history)
         if percepts is None:
             rows[:, -4 * len(self.candidates) :] = np.nan
         else:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 LEAST = 3
 """Fewer frames are as fast one by one."""
+SETTLING = 8
+"""So many frames are looked ahead for the end of a gaze shift, where that can be foreseen."""
 OBSERVATIONS = (WorldObservation, AlignedObservation)
 """What a robot observes of a world that ``runs`` with the head's angles as they are."""
 
@@ -62,10 +64,13 @@ def pass_by(session: SessionRun, most: int) -> int:
         return 0
     if type(robot) is not GazeFollower or (count := min(most, _undecided(robot))) < LEAST or not _all_usual(session):
         return 0
-    count = min(count, frames.room)
+    most = min(most, frames.room)
+    references = _references(world, robot, min(count, most), most)
+    count = len(references)
     perceiver: Any = robot.perceiver
     attention: Any = robot.attention
-    tape = world.run(robot.go_on(count))
+    robot.pass_by(references)
+    tape = world.run(np.radians(references))
     if robot.shift is not None:
         history, percepts = np.array([[attention.saliency, attention.motion, attention.interest]]), None
     else:
@@ -84,6 +89,14 @@ def _undecided(robot: GazeFollower) -> int:
     if type(robot.perceiver) is not StatePerception or type(robot.attention) is not AttentionSelector or robot.waits:
         return 0
     return robot.attention.undrawn
+
+
+def _references(world: World, robot: GazeFollower, count: int, most: int) -> np.ndarray:
+    """References (k, 2), deg, of ``count`` frames, and of those until the head stands still if that is foreseen."""
+    if world.config.dynamics == "mujoco" or not robot.commanded_after(count):
+        return robot.coming(count)
+    references = robot.coming(min(most, count + SETTLING))
+    return references[: world.steps_to_rest(np.radians(references), count)]
 
 
 def _all_usual(session: SessionRun) -> bool:

@@ -5,7 +5,8 @@ import numpy as np
 
 from jointattn_mj.perception.percept import StillObservation
 from jointattn_mj.perception.pixels import PixelPerception
-from jointattn_mj.scene.world import HEAD_JOINTS, SCRIPTED_JOINTS, World
+from jointattn_mj.scene.servo import HEAD_JOINTS
+from jointattn_mj.scene.world import SCRIPTED_JOINTS, World
 
 SWEEP_DEG = 45.0
 """How far to either side the caregiver turns in ``sweep``, degrees of gaze."""

@@ -33,6 +33,8 @@ class Phase(StrEnum):
     GAZE = "gaze"
 
 
+PHASES = tuple(Phase)
+_NUMBERS = {phase: number for number, phase in enumerate(PHASES)}
 _ABOUT = np.array([-1.0, -1.0, 1.0])
 DURATIONS = ("greet_s", "turn_s", "reach_s", "lift_s", "observe_s", "put_s", "gaze_s", "withdraw_s")
 """The fields of ``CaregiverConfig`` that make up the caregiver's pace."""
@@ -189,16 +191,50 @@ class TransferScript:
 
     def advance(self) -> None:
         """Advance by one frame."""
-        if self._frame + 1 == len(self._plan.joints):
+        if self._ends:
             self._begin(self.following[self.phase])
             self._play(0)
         else:
             self._play(self._frame + 1)
 
+    def advance_all(self, doing: np.ndarray, joints: np.ndarray, objects: np.ndarray) -> None:
+        """Advance by k frames as ``advance`` does it frame by frame, and write what the caregiver does.
+
+        Args:
+            doing: (k, 3) int, takes what ``doing`` says before each of these frames.
+            joints: (k, 13) takes the joints at the end of each, rad.
+            objects: (k, n, 3) takes the objects at the end of each, world frame, metres.
+        """
+        done, frames = 0, len(joints)
+        doing[:1] = self.doing()
+        while done < frames:
+            if self._ends:
+                self._begin(self.following[self.phase])
+                self._frame = -1
+            first, plan = self._frame + 1, self._plan
+            last = min(len(plan.joints), first + frames - done)
+            span = slice(done, done + last - first)
+            joints[span], objects[span] = plan.joints[first:last], self.objects
+            if self.held is not None:
+                objects[span, self.held] = plan.grasp[first:last]
+            self._play(last - 1)
+            done = span.stop
+            doing[span.start + 1 : done + 1] = self.doing()
+
+    def doing(self) -> tuple[int, int, int]:
+        """Number of the phase in ``PHASES``, target, and held object; -1 for none."""
+        target, held = self.target, self.held
+        return _NUMBERS[self.phase], -1 if target is None else target, -1 if held is None else held
+
     def next_target(self, rng: np.random.Generator) -> int:
         """Index of the next target: any other object ("picks an object at random", 6.4.2)."""
         others = [i for i in range(len(self.objects)) if i != self.target or len(self.objects) == 1]
         return int(rng.choice(others))
+
+    @property
+    def _ends(self) -> bool:
+        """Whether this is the phase's last frame."""
+        return self._frame + 1 == len(self._plan.joints)
 
     def _play(self, frame: int) -> None:
         self._frame = frame

@@ -4,22 +4,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jointattn_mj.scene.caregiver import Phase
-
 
 @dataclass
 class Tape:
     """A number of successive frames, k; each as it was before its step.
 
     Attributes:
-        doing: The caregiver's phase, and the indices of target and held object or None; one entry a frame.
+        doing: (k, 3) int, what ``TransferScript.doing`` says of the caregiver.
         head: (k, 2) pan and tilt of the robot's head, rad.
         face: (k, 2) yaw and pitch of the caregiver's head, rad.
         face_speeds: (k, 2) their speeds, rad/s.
         objects: (k + 1, n, 3) centres of the objects, world frame, metres: in the frame before, and in each frame.
     """
 
-    doing: list[tuple[Phase, int | None, int | None]]
+    doing: np.ndarray
     head: np.ndarray
     face: np.ndarray
     face_speeds: np.ndarray

@@ -140,9 +140,12 @@ def drawn(world: WorldConfig, ranges: VariationConfig, seed: np.random.SeedSeque
     if not ranges.on:
         return world, AS_USUAL
     draw = _Draw(ranges, seed)
-    varied = WorldConfig(
-        scene=_scene(world.scene, draw), behaviour=_behaviour(world.behaviour, draw), layout=_layout(world.layout, draw)
+    scene, behaviour, layout = (
+        _scene(world.scene, draw),
+        _behaviour(world.behaviour, draw),
+        _layout(world.layout, draw),
     )
+    varied = replace(world, scene=scene, behaviour=behaviour, layout=layout)
     return varied, Conditions(_lamp(draw), _surfaces(draw), _sensor(draw))
 
 

@@ -29,13 +29,13 @@ from jointattn_mj.scene.model import SceneConfig, build_model, rest_height
 from jointattn_mj.scene.movement import ARM_JOINTS, Arm
 from jointattn_mj.scene.redrawing import RedrawingEye
 from jointattn_mj.scene.rendering import RenderingPhysics
+from jointattn_mj.scene.servo import HEAD_JOINTS, Servos, steps_to_rest, turn
 from jointattn_mj.scene.stepping import calls_python, half_steps
 from jointattn_mj.scene.tape import Tape
 from jointattn_mj.scene.warp_eye import WarpEye
 
 EYE_JOINTS = ("eye_left_yaw", "eye_left_pitch", "eye_right_yaw", "eye_right_pitch")
 SCRIPTED_JOINTS = tuple(f"caregiver/{name}" for name in ("neck_yaw", "neck_pitch", *EYE_JOINTS, *ARM_JOINTS))
-HEAD_JOINTS = ("robot/pan", "robot/tilt")
 HEAD_STILL_DEG_S = 0.5
 """Speed, degrees per second, below which the head counts as still: under a tenth of a pixel an image."""
 
@@ -60,6 +60,10 @@ class WorldConfig(Checked):
     renderer: Literal["opengl", "warp"] = "opengl"
     """What draws the images: OpenGL, or MuJoCo Warp on a graphics card (extra gpu), which many sessions at once can
     share. Outlines and fine shading differ."""
+    dynamics: Literal["mujoco", "closed_form"] = "mujoco"
+    """How bodies get from frame to frame: in MuJoCo's physics, or as it comes out where nothing pushes: the caregiver's
+    joints are where the script has them, and the head's servos follow their difference equation. From the state a
+    session is a fifth faster; a turn of a head then differs by some 1e-12 rad, an arm by 1e-8."""
 
 
 def steps_per_frame(model: mujoco.MjModel) -> int:
@@ -132,6 +136,7 @@ class World(Closable):
         objects = _span([model.body(f"object/{item.name}").mocapid[0] for item in config.scene.objects])
         self._object_positions = self.data.mocap_pos[objects]
         self._controls = self.data.ctrl
+        self._servos = Servos.of_model(model)
         self._steps = self.frames * steps_per_frame(model)
         self._wardrobe: Wardrobe | None = None
         self._image: np.ndarray | None = None
@@ -219,6 +224,11 @@ class World(Closable):
     def step(self, command: np.ndarray) -> None:
         """Simulate one step, in which the head's servos follow ``command`` (2,), pan and tilt, rad."""
         self.before_step(command)
+        if self.config.dynamics == "closed_form":
+            self._script_angles[:] = self.caregiver.joints
+            turn(self._servos, self._head_angles[None], self._head_speeds[None], self._controls[None], self._steps)
+            self._place(self._steps)
+            return
         mujoco.mj_step2(self.model, self.data)
         if self._steps > 1:
             mujoco.mj_step(self.model, self.data, self._steps - 1)
@@ -226,9 +236,16 @@ class World(Closable):
 
     @property
     def runs(self) -> bool:
-        """Whether ``run`` can be used: the camera has no delay, and MuJoCo's steps are found and call no Python."""
-        usual = self._steps == 1 and not self.conditions.sensor.delay
-        return usual and half_steps() is not None and not calls_python()
+        """Whether ``run`` can be used.
+
+        The caregiver plays plans, the camera has no delay, and MuJoCo's steps, if they are taken, are found and call no
+        Python.
+        """
+        if self._steps != 1 or self.conditions.sensor.delay:
+            return False
+        if type(self.caregiver).advance is not TransferScript.advance:
+            return False
+        return self.config.dynamics == "closed_form" or (half_steps() is not None and not calls_python())
 
     def run(self, commands: np.ndarray) -> Tape:
         """Simulate a step for each of ``commands`` (k, 2), pan and tilt, rad, as ``step`` does it one by one.
@@ -239,37 +256,58 @@ class World(Closable):
         Raises:
             ValueError: The commands have another shape, or MuJoCo's steps are not found.
         """
-        halves, caregiver = half_steps(), self.caregiver
+        halves = () if self.config.dynamics == "closed_form" else half_steps()
+        if halves is None:
+            raise ValueError("MuJoCo's steps are not found; ask ``runs`` before")
+        before = self.caregiver.objects.copy()
         commands = np.ascontiguousarray(commands, float)
         if commands.shape[1:] != self._controls.shape:
             raise ValueError(f"expected commands (k, {len(self._controls)}), rad; got {commands.shape}")
-        if halves is None:
-            raise ValueError("MuJoCo's steps are not found; ask ``runs`` before")
-        frames, doing = len(commands), []
-        objects, joints = np.empty((frames + 2, *caregiver.objects.shape)), np.empty((frames, len(caregiver.joints)))
-        objects[0], objects[1] = self._objects_before, caregiver.objects
-        for frame in range(frames):
-            doing.append((caregiver.phase, caregiver.target, caregiver.held))
-            caregiver.advance()
-            joints[frame], objects[frame + 2] = caregiver.joints, caregiver.objects
+        frames = len(commands)
+        doing, joints = np.empty((frames, 3), np.int64), np.empty((frames, len(self._script_angles)))
+        objects, (head, face, face_speeds) = np.empty((frames + 2, *before.shape)), np.empty((3, frames, 2))
+        objects[0], objects[1] = self._objects_before, before
+        self.caregiver.advance_all(doing, joints, objects[2:])
         self._objects_before[:] = objects[-2]
-        head, face, face_speeds = np.empty((3, frames, 2))
-        _run(
-            *halves, self.model._address, self.data._address, commands, joints, objects, FRAME_S, self._controls,
-            self._script_angles, self._script_speeds, self._object_positions, self._head_angles,
-            head, face, face_speeds,
+        given: tuple[Any, ...] = (
+            commands, joints, objects[2:], FRAME_S, self._controls, self._script_angles, self._script_speeds,
+            self._object_positions, self._head_angles[None], head, face, face_speeds,
         )  # fmt: skip
+        if halves:
+            _run(*halves, self.model._address, self.data._address, *given)
+        else:
+            _run_closed_form(self._servos, self._head_speeds[None], *given)
+            self._place(frames)
         self._image = None
         return Tape(doing, head, face, face_speeds, objects[:-1])
+
+    def steps_to_rest(self, commands: np.ndarray, least: int) -> int:
+        """How many steps the head takes before it stands still, if it is commanded so; with dynamics closed_form.
+
+        Args:
+            commands: (k, 2) desired pan and tilt, rad.
+            least: So many steps at least, 0 to k.
+
+        Returns:
+            From ``least`` to k; k also where the head still moves then.
+        """
+        heads, speeds = self._head_angles[None], self._head_speeds[None]
+        steps: int = steps_to_rest(self._servos, heads, speeds, commands, least, _HEAD_STILL)
+        return steps
+
+    def _place(self, steps: int) -> None:
+        """Put all bodies where their joints are by now, so many steps of the physics later."""
+        for _ in range(steps):
+            self.data.time += self._servos.seconds
+        mujoco.mj_fwdPosition(self.model, self.data)
 
     def now(self) -> Tape:
         """The present frame."""
         caregiver = self.caregiver
-        doing = [(caregiver.phase, caregiver.target, caregiver.held)]
         angles, objects = np.empty((3, 1, 2)), np.empty((2, *caregiver.objects.shape))
         angles[0], angles[1], angles[2] = self._head_angles, self._face_angles, self._script_speeds[:2]
         objects[0], objects[1] = self._objects_before, caregiver.objects
-        return Tape(doing, angles[0], angles[1], angles[2], objects)
+        return Tape(np.array([caregiver.doing()]), angles[0], angles[1], angles[2], objects)
 
     def before_step(self, command: np.ndarray) -> None:
         """Prepare a step: advance the script, and set servos, the caregiver's joint velocities and the objects.
@@ -461,16 +499,42 @@ def _set_out(
 def _run(
     step1: Any, step2: Any, model: int, data: int, commands: np.ndarray, joints: np.ndarray, objects: np.ndarray,
     seconds: float, controls: np.ndarray, angles: np.ndarray, speeds: np.ndarray, positions: np.ndarray,
-    head_angles: np.ndarray, head: np.ndarray, face: np.ndarray, face_speeds: np.ndarray,
+    heads: np.ndarray, head: np.ndarray, face: np.ndarray, face_speeds: np.ndarray,
 ) -> None:  # fmt: skip
     """Simulate a step for each of ``commands``, and note before it where head and face are."""
     for t in range(len(commands)):
+        _note(heads, angles, speeds, head[t], face[t], face_speeds[t])
         for axis in range(2):
-            head[t, axis], face[t, axis], face_speeds[t, axis] = head_angles[axis], angles[axis], speeds[axis]
             controls[axis] = commands[t, axis]
-        _set_out(joints[t], angles, speeds, objects[t + 2], positions, seconds)
+        _set_out(joints[t], angles, speeds, objects[t], positions, seconds)
         step2(model, data)
         step1(model, data)
+
+
+@njit(cache=True)
+def _run_closed_form(
+    servos: Servos, head_speeds: np.ndarray, commands: np.ndarray, joints: np.ndarray, objects: np.ndarray,
+    seconds: float, controls: np.ndarray, angles: np.ndarray, speeds: np.ndarray, positions: np.ndarray,
+    heads: np.ndarray, head: np.ndarray, face: np.ndarray, face_speeds: np.ndarray,
+) -> None:  # fmt: skip
+    """The same without the physics, for a head of ``head_speeds`` (1, 2), rad/s."""
+    for t in range(len(commands)):
+        _note(heads, angles, speeds, head[t], face[t], face_speeds[t])
+        _set_out(joints[t], angles, speeds, objects[t], positions, seconds)
+        for k in range(len(angles)):
+            angles[k] = joints[t, k]
+        turn(servos, heads, head_speeds, commands[t : t + 1], 1)
+    controls[:] = commands[-1]
+
+
+@njit(cache=True)
+def _note(
+    heads: np.ndarray, angles: np.ndarray, speeds: np.ndarray, head: np.ndarray, face: np.ndarray,
+    face_speeds: np.ndarray,
+) -> None:  # fmt: skip
+    """Note where head (1, 2) and face are, and how fast the face turns."""
+    for axis in range(2):
+        head[axis], face[axis], face_speeds[axis] = heads[0, axis], angles[axis], speeds[axis]
 
 
 @njit(cache=True)

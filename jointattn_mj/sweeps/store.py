@@ -56,7 +56,7 @@ ADDED: dict[str, dict[str, Any]] = {
     "learner": {"pairs": "reached", "base": "none", "competition": 0.0, "compete_after": 10, "forgetting": 0.0,
                 "smoothing": 0.05},
     "world": {"wrong": 0.0, "profile_shows": "gaze", "draws": "all", "renderer": "opengl",
-              "least_turned": 0},
+              "dynamics": "mujoco", "least_turned": 0},
     "table": {"wrong": 0.0, "profile_shows": "gaze"},
     "rendered": {"least_turned": 0},
     "senses": {"frontal_likeness": 0.0},

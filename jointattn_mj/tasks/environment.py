@@ -100,7 +100,7 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
             face_patch: Whether observations hold the caregiver's face, as the robot's own detector finds it.
 
         Raises:
-            ConfigError: An argument is of the wrong kind, or a name is unknown.
+            ConfigError: An argument is of the wrong kind, a name is unknown, or the world's dynamics are not MuJoCo's.
         """
         require("world", config, WorldConfig)
         require("camera", camera, bool)
@@ -108,6 +108,10 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
         require("face_patch", face_patch, bool)
         require("people", people, tuple, list)
         require("variation", variation, VariationConfig, str)
+        if config.dynamics != "mujoco":
+            raise ConfigError(
+                f"an environment steps MuJoCo's physics: world.dynamics must be mujoco; got {config.dynamics}"
+            )
         self._configs = [replace(config, scene=replace(config.scene, caregiver=name, face=None)) for name in people]
         self._configs = self._configs or [config]
         self._variation = variation_of(variation)

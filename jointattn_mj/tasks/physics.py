@@ -7,7 +7,7 @@ import numpy as np
 from jointattn_mj.errors import StateError
 from jointattn_mj.scene.camera import PIVOT, in_image, pixels_of_points
 from jointattn_mj.scene.rendering import RenderingPhysics
-from jointattn_mj.scene.world import HEAD_JOINTS
+from jointattn_mj.scene.servo import HEAD_JOINTS
 
 ROBOT_RADIUS = np.radians(3.5)
 """The robot fixates a target within this angle, rad, of its line of sight ("around the center of the view", 6.3.1)."""

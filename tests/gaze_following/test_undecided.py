@@ -18,13 +18,14 @@ from jointattn_mj.gaze_following.varied_session import VariedSessionConfig, Vari
 from jointattn_mj.io import checkpoint
 from jointattn_mj.scene import world as scene_world
 from jointattn_mj.scene.caregiver import TransferScript
-from jointattn_mj.scene.world import WorldObservation
+from jointattn_mj.scene.world import WorldConfig, WorldObservation
 
 STATE = SessionConfig(minutes=1.5, seed=11, perception="state")
+CLOSED = replace(STATE, world=WorldConfig(dynamics="closed_form"))
 
 
-def with_gaze(**options):
-    return replace(STATE, robot=replace(STATE.robot, gaze=replace(STATE.robot.gaze, **options)))
+def with_gaze(config=STATE, **options):
+    return replace(config, robot=replace(config.robot, gaze=replace(config.robot.gaze, **options)))
 
 
 def begun(config, kind=SessionRun):
@@ -53,8 +54,12 @@ def frozen(session, path):
         (with_gaze(feedback_frames=(0, 5, 40, 7), shift_frames=12, attends="centred"), SessionRun),
         (VariedSessionConfig(minutes=1, seed=3, perception="state", variation="people+pace"), VariedSessionRun),
         (VariedSessionConfig(minutes=1, seed=3, perception="state", variation="all"), VariedSessionRun),
+        (CLOSED, SessionRun),
+        (with_gaze(CLOSED, feedback_frames=(0, 5, 40, 7), shift_frames=1, attends="centred"), SessionRun),
+        (VariedSessionConfig(minutes=1, seed=3, perception="state", variation="people+pace", world=CLOSED.world),
+         VariedSessionRun),
     ],
-)
+)  # fmt: skip
 def test_a_session_is_the_same_frame_by_frame(config, kind, tmp_path):
     one_by_one, at_once, length = begun(config, kind), begun(config, kind), random.Random(1)
     while one_by_one.frame < one_by_one.total:
@@ -99,6 +104,27 @@ def test_most_frames_are_passed_by():
             session.step()
             alone += 1
     assert alone < 0.15 * session.total
+
+
+def test_in_closed_form_a_session_decides_what_it_does_in_the_physics():
+    simulated, closed = begun(STATE), begun(CLOSED)
+    simulated.finish()
+    closed.finish()
+    tables = [session.shifts.rows.read() for session in (simulated, closed)]
+    np.testing.assert_allclose(tables[1], tables[0], rtol=0, atol=1e-9)
+    assert len(closed.shifts) > 40
+    for name, learned in simulated.weights().items():
+        np.testing.assert_allclose(closed.weights()[name], learned, rtol=0, atol=1e-9)
+
+
+def test_in_closed_form_a_head_that_settles_is_passed_by():
+    session, settling = begun(CLOSED), 0
+    while session.frame < session.total:
+        shift = session.robot.shift
+        if not undecided.pass_by(session, 30):
+            settling += shift is not None and session.robot.commanded_after(0)
+            session.step()
+    assert settling <= len(session.shifts) + 1  # the landing itself
 
 
 def test_at_most_so_many_frames_are_simulated():

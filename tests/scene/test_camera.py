@@ -22,7 +22,8 @@ from jointattn_mj.scene.camera import (
     pixels_of_points,
 )
 from jointattn_mj.scene.objects import OBJECTS
-from jointattn_mj.scene.world import HEAD_JOINTS, WorldConfig, build_physics
+from jointattn_mj.scene.servo import HEAD_JOINTS
+from jointattn_mj.scene.world import WorldConfig, build_physics
 
 heads = st.tuples(st.floats(-45, 45), st.floats(-35, 15)).map(np.array)
 pixels = st.tuples(st.floats(0, 319), st.floats(0, 239)).map(np.array)

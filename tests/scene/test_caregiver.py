@@ -113,6 +113,21 @@ def test_eyes_and_head_together_look_at_the_target(run):
             np.testing.assert_allclose(gaze, gaze_angles(eye, own), atol=1e-9)
 
 
+def test_many_frames_are_those_one_by_one():
+    one_by_one, at_once = caregiver(seed=4), caregiver(seed=4)
+    for frames in (1, 2, 40, 333, 1, 900):
+        doing, joints, objects = np.empty((frames, 3), int), np.empty((frames, 13)), np.empty((frames, 4, 3))
+        at_once.advance_all(doing, joints, objects)
+        for frame in range(frames):
+            assert tuple(doing[frame]) == one_by_one.doing()
+            one_by_one.advance()
+            np.testing.assert_array_equal(joints[frame], one_by_one.joints)
+            np.testing.assert_array_equal(objects[frame], one_by_one.objects)
+        assert at_once.doing() == one_by_one.doing()
+        np.testing.assert_array_equal(at_once.objects, one_by_one.objects)
+    assert {phase for phase, *_ in live(one_by_one, 0.5)} > {Phase.LIFT, Phase.PUT}
+
+
 def test_places_spread_evenly_over_the_table():
     """Section 6.4.2: "positions as even as possible". Chi-square over 3 x 8 cells; uniform draws give about 23."""
     config, used, low = LayoutConfig(), np.zeros((3, 8)), np.array([0.90, -0.36])

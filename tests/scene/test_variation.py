@@ -134,6 +134,13 @@ def test_nothing_to_vary_is_the_world_itself():
     assert conditions == AS_USUAL
 
 
+def test_a_varied_world_is_drawn_and_moved_as_asked():
+    asked = WorldConfig(draws="changes", renderer="warp", dynamics="closed_form")
+    world, _ = drawn(asked, WIDE, SEED)
+    assert world.scene != asked.scene
+    assert (world.draws, world.renderer, world.dynamics) == ("changes", "warp", "closed_form")
+
+
 def test_presets_by_name():
     assert variation_of("none") == VariationConfig()
     assert variation_of("lights+pace") == replace(PRESETS["lights"], pace=PRESETS["pace"].pace)

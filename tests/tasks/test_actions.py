@@ -7,6 +7,7 @@ import pytest
 
 from jointattn_mj.adapters.registration import IDS
 from jointattn_mj.errors import ActionError, ClosedError, ConfigError, EpisodeError
+from jointattn_mj.scene.world import WorldConfig
 from jointattn_mj.tasks import ALL_TASKS, load
 from jointattn_mj.viewing.play import play_episodes
 
@@ -215,7 +216,7 @@ def test_a_misspelt_argument_is_named_with_what_there_is(task):
     [
         {"camera": "yes"}, {"truth": 1}, {"people": "robin"}, {"people": None}, {"people": ("nobody",)}, {"world": {}},
         {"variation": 3}, {"time_limit": "3"}, {"time_limit": None}, {"random": -1}, {"random": 1.5}, {"random": "a"},
-        {"environment_kwargs": 3},
+        {"environment_kwargs": 3}, {"world": WorldConfig(dynamics="closed_form")},
     ],
     ids=str,
 )  # fmt: skip
