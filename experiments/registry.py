@@ -42,7 +42,7 @@ REGISTRY = Registry(
     Entry("6.8", "sessions", "Gaze following in real time", "section 6.4.3, Fig. 6.8",
           "In 26 minutes the robot learns to look where the person looks, better with motion cues than without: "
           "199.6 successes in 302.0 gaze shifts against 124.4 in 279.6, and a rate of 0.8 after 20 minutes."),
-    Entry("drawing", "drawing", "Other ways of drawing what the robot sees", "not in the dissertation",
+    Entry("drawing", "drawing", "Other ways of drawing and of moving", "not in the dissertation",
           "Its robot has a camera. Here images are most of the computing time, and can be had for less."),
     Entry("maps", "wrong_map", "Why some sessions without motion cues hold on to a wrong map", "section 6.4.3",
           "Without motion cues learning is worse; the text does not ask by which link."),

@@ -1,4 +1,5 @@
-"""Whether sessions come out alike when only what has changed is drawn, and when a graphics card draws many worlds."""
+"""Whether sessions come out alike when only what has changed is drawn, when a graphics card draws many worlds, and when
+bodies move in closed form."""
 
 from collections.abc import Mapping
 
@@ -14,9 +15,15 @@ WORDS = {
     "opengl/all": "OpenGL, all of each image",
     "opengl/changes": "OpenGL, what has changed",
     "warp/changes": "Warp, what has changed",
+    "state/mujoco": "from the state, MuJoCo's physics",
+    "state/closed_form": "from the state, closed form",
 }
-USUAL = "opengl/all"
-COLOURS = {"opengl/all": "#2471a3", "opengl/changes": "#c0392b", "warp/changes": "#1e8449"}
+USUAL = {"opengl/changes": "opengl/all", "warp/changes": "opengl/all", "state/closed_form": "state/mujoco"}
+"""What each other way is compared with."""
+COLOURS = {
+    "opengl/all": "#2471a3", "opengl/changes": "#c0392b", "warp/changes": "#1e8449", "state/mujoco": "#b7950b",
+    "state/closed_form": "#6c3483",
+}  # fmt: skip
 
 
 def analyse(trials: Trials) -> list[Comparison]:
@@ -28,17 +35,17 @@ def analyse(trials: Trials) -> list[Comparison]:
             if part:
                 ours = mean_interval([value(trial, key) for trial in part])
                 findings.append(Comparison(f"{quantity}; {words}", "not given", ours, Verdict.EXTENSION))
-    for name, words in WORDS.items():
-        both = {trial.seed: trial for trial in trials.get(USUAL, ())}
+    for name, usual in USUAL.items():
+        both = {trial.seed: trial for trial in trials.get(usual, ())}
         pairs = [(trial, both[trial.seed]) for trial in trials.get(name, ()) if trial.seed in both]
-        if name == USUAL or len(pairs) < 2:
+        if len(pairs) < 2:
             continue
         for key, quantity in QUANTITIES.items():
             ours = paired_difference(*([value(side, key) for side in sides] for sides in zip(*pairs, strict=True)))
             agrees = ours.low <= 0 <= ours.high
             note = "the interval holds 0" if agrees else "the interval does not hold 0"
-            findings.append(Comparison(f"{quantity}; {words}, less {WORDS[USUAL]}", "not given", ours,
-                                       Verdict.EXTENSION, note))  # fmt: skip
+            what = f"{quantity}; {WORDS[name]}, less {WORDS[usual]}"
+            findings.append(Comparison(what, "not given", ours, Verdict.EXTENSION, note))
     return findings
 
 

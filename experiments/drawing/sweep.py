@@ -1,4 +1,4 @@
-"""Sessions of chapter 6 from images that are drawn in other ways (sections 6.4.1 and 6.4.3)."""
+"""Sessions of chapter 6 whose images are drawn, or whose bodies are moved, in other ways (sections 6.4.1 and 6.4.3)."""
 
 from dataclasses import replace
 from typing import Literal
@@ -11,7 +11,7 @@ from ..sessions.sweep import session_config, trial
 __all__ = ["FIRST_SEED", "SETTINGS", "trial"]
 
 FIRST_SEED = 1000
-"""Sessions with one seed have one caregiver and one robot, whatever draws."""
+"""Sessions with one seed have one caregiver and one robot, whatever draws or moves them."""
 
 
 def drawn(renderer: Literal["opengl", "warp"], draws: Literal["all", "changes"]) -> SessionConfig:
@@ -20,9 +20,17 @@ def drawn(renderer: Literal["opengl", "warp"], draws: Literal["all", "changes"])
     return replace(config, world=replace(config.world, renderer=renderer, draws=draws))
 
 
+def moved(dynamics: Literal["mujoco", "closed_form"]) -> SessionConfig:
+    """The default session with motion cues, from the state of a world whose bodies move so."""
+    config = session_config("state", True)
+    return replace(config, world=replace(config.world, dynamics=dynamics))
+
+
 SETTINGS = {
     "opengl/all": Setting(drawn("opengl", "all"), 20),
     "opengl/changes": Setting(drawn("opengl", "changes"), 20),
     "warp/changes": Setting(drawn("warp", "changes"), 20),
+    "state/mujoco": Setting(moved("mujoco"), 20),
+    "state/closed_form": Setting(moved("closed_form"), 20),
 }
-"""What draws, a slash, and what of an image it draws while the head stands still."""
+"""What draws, a slash, and what of an image it draws while the head stands still; or state, a slash, and what moves."""
