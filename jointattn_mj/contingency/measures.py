@@ -15,7 +15,7 @@ from jointattn_mj.contingency.information import Correction, Measure, Normalise
 from jointattn_mj.contingency.series import Series, check_base
 from jointattn_mj.contingency.significance import generator
 from jointattn_mj.contingency.surrogates import plan
-from jointattn_mj.contingency.table import Steps, acted, steps
+from jointattn_mj.contingency.table import Steps, acted, counted_at_once, needed, steps
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.options import shown
 
@@ -62,7 +62,7 @@ def transfer_entropy(
         0.965
     """
     measure = information.TRANSFER if condition is None else information.COMBINED
-    return _measured(steps(source, target, condition), measure, base, correction, normalise, surrogates, seed)
+    return _measured(source, target, condition, measure, base, correction, normalise, surrogates, seed)
 
 
 def combined_transfer_entropy(
@@ -102,7 +102,7 @@ def combined_transfer_entropy(
         >>> round(combined_transfer_entropy(s, a, r), 3)
         0.857
     """
-    return _measured(acted(s, a, r), information.COMBINED, base, correction, normalise, surrogates, seed)
+    return _measured(s, r, needed(a), information.COMBINED, base, correction, normalise, surrogates, seed)
 
 
 def state_action_contingency(
@@ -142,7 +142,7 @@ def state_action_contingency(
         >>> round(state_action_contingency(s, a, r), 3)
         0.749
     """
-    return _measured(acted(s, a, r), information.CONTINGENCY, base, correction, normalise, surrogates, seed)
+    return _measured(s, r, needed(a), information.CONTINGENCY, base, correction, normalise, surrogates, seed)
 
 
 def mutual_information(
@@ -176,7 +176,7 @@ def mutual_information(
         >>> round(mutual_information([0, 1, 0, 1, 0], [1, 0, 1, 0, 1]), 3)
         1.0
     """
-    return _measured(steps(s, r), information.MUTUAL, base, correction, normalise, surrogates, seed)
+    return _measured(s, r, None, information.MUTUAL, base, correction, normalise, surrogates, seed)
 
 
 def conditional_mutual_information(
@@ -212,8 +212,8 @@ def conditional_mutual_information(
         >>> round(conditional_mutual_information([0, 1, 0, 1, 0], [1, 0, 1, 0, 1], [0, 0, 0, 0, 0]), 3)
         1.0
     """
-    given = acted(s, condition, r)
-    return _measured(given, information.CONDITIONAL_MUTUAL, base, correction, normalise, surrogates, seed)
+    measure = information.CONDITIONAL_MUTUAL
+    return _measured(s, r, needed(condition), measure, base, correction, normalise, surrogates, seed)
 
 
 def pointwise_transfer_entropy(
@@ -388,7 +388,9 @@ def contingent_saliency(s: Series, a: Series, r: Series, base: float = 2) -> np.
 
 
 def _measured(
-    given: Steps,
+    source: Series,
+    target: Series,
+    condition: Series | None,
     measure: Measure,
     base: float,
     correction: Correction,
@@ -400,8 +402,12 @@ def _measured(
     for name, choice, known in (("correction", correction, _CORRECTIONS), ("normalise", normalise, _NORMALISATIONS)):
         if not isinstance(choice, str) or choice not in known:
             raise SeriesError(f"{name} must be one of {', '.join(known)}; got {shown(choice)}")
+    plain = correction == normalise == "none"
+    if plain and (table := counted_at_once(source, target, condition)) is not None:
+        return measure.dense_value(table, len(target) - 1) / unit
+    given = steps(source, target, condition)
     table = given.dense()
-    if table is not None and correction == normalise == "none":
+    if plain and table is not None:
         return measure.dense_value(table, given.transitions) / unit
     entries = given.entries(table)
     value = measure.value(entries)

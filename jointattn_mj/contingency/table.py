@@ -8,7 +8,7 @@ from math import prod
 
 import numpy as np
 
-from jointattn_mj.contingency.series import Coded, Series, aligned, combined, distinct
+from jointattn_mj.contingency.series import SMALL, Coded, Series, aligned, combined, distinct
 from jointattn_mj.errors import SeriesError
 from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import shown
@@ -24,6 +24,10 @@ BLOCK = 512
 """Pairs of transitions whose entries are looked up at a time, so that they stay in the fastest memory."""
 PAIRED = 2**12
 """A table of two transitions in a row that has no more entries is counted in place of one of single transitions."""
+LONG = 2**14
+"""In arrays of so many steps codes are checked while they are counted, so that they come from memory once."""
+FIRST = 2**12
+"""So many of these tell how many codes there are; where a higher one comes later, all are looked at first after all."""
 
 
 @dataclass(frozen=True)
@@ -135,19 +139,8 @@ class Steps:
         if self.history is not None:
             keys = combined(self.columns(), sizes)[0]
             return np.bincount(keys, minlength=int(total)).reshape(sizes)
-        condition, size = source.codes[:0], source.size
-        if self.condition is not None:
-            condition, size = self.condition.codes, size * self.condition.size
-        kind = np.int32 if len(target.codes) < 2**31 else np.int64
-        table: np.ndarray = np.zeros(total, kind)
-        paired = total * total // target.size
-        pairs = np.zeros(paired if paired <= min(PAIRED, self.transitions // 4) else 0, kind)
-        _count(table, pairs, target.codes, condition, source.codes, target.bounds, *sizes[1:])
-        if len(pairs):
-            by_step = pairs.reshape(-1, target.size, size, target.size)
-            table += by_step.sum((2, 3), kind).ravel()  # the first transition of each pair
-            table += by_step.sum(0, kind).ravel()  # the second
-        return table.reshape(sizes)
+        condition = None if self.condition is None else _unsigned(self.condition.codes)
+        return _counted(_unsigned(source.codes), _unsigned(target.codes), condition, target.bounds, sizes)
 
     def entries(self, dense: np.ndarray | None = None) -> Entries:
         """Count everything; ``dense`` is what that function gave, if it was called already."""
@@ -200,9 +193,70 @@ def acted(source: Series, condition: Series, target: Series, groups: Sequence[in
     Raises:
         SeriesError: As ``steps``, or there is none.
     """
+    return steps(source, target, needed(condition), groups)
+
+
+def needed(condition: Series | None) -> Series:
+    """The condition.
+
+    Raises:
+        SeriesError: There is none.
+    """
     if condition is None:
         raise SeriesError("an action, or another condition, is needed; got None")
-    return steps(source, target, condition, groups)
+    return condition
+
+
+def counted_at_once(source: Series, target: Series, condition: Series | None) -> np.ndarray | None:
+    """What ``Steps.dense`` gives, of long arrays that are as they should be; None for all that needs another look."""
+    if type(target) is not np.ndarray or target.ndim != 1 or len(target) < LONG:
+        return None
+    if target.dtype.kind not in "iub" or not target.dtype.isnative:
+        return None
+    given = [target, source] if condition is None else [target, source, condition]
+    for series in given:
+        if type(series) is not np.ndarray or series.shape != target.shape or series.dtype != target.dtype:
+            return None
+    codes = [_unsigned(np.ascontiguousarray(series)) for series in given]
+    sizes = [int(part[:FIRST].max()) + 1 for part in codes]
+    if max(sizes) > SMALL or prod(sizes) * sizes[0] > DENSE:
+        return None
+    targets, sources, conditions = (*sizes, 1)[:3]
+    known = codes[2] if condition is not None else None
+    return _counted(codes[1], codes[0], known, np.array([0, len(target)]), (targets, conditions, sources, targets))
+
+
+def _unsigned(codes: np.ndarray) -> np.ndarray:
+    """The same bytes as numbers without sign, of which those that were negative are the largest."""
+    return codes.view(f"u{codes.itemsize}")
+
+
+def _counted(
+    source: np.ndarray, target: np.ndarray, condition: np.ndarray | None, bounds: np.ndarray, sizes: tuple[int, ...]
+) -> np.ndarray | None:
+    """Counts as an array over (r, a, s, n).
+
+    Args:
+        source: (T,) codes without sign.
+        target: Likewise.
+        condition: Likewise, or None.
+        bounds: Where recordings begin, and the end.
+        sizes: Codes of r, a, s, n lie below these.
+
+    Returns:
+        None where a code does not.
+    """
+    kind, total, transitions = np.int32 if len(target) < 2**31 else np.int64, prod(sizes), len(target) - len(bounds) + 1
+    table: np.ndarray = np.zeros(total, kind)
+    paired = total * total // sizes[3]
+    pairs = np.zeros(paired if paired <= min(PAIRED, transitions // 4) else 0, kind)
+    if not _count(table, pairs, target, source[:0] if condition is None else condition, source, bounds, *sizes[1:]):
+        return None
+    if len(pairs):
+        by_step = pairs.reshape(-1, sizes[3], sizes[1] * sizes[2], sizes[3])
+        table += by_step.sum((2, 3), kind).ravel()  # the first transition of each pair
+        table += by_step.sum(0, kind).ravel()  # the second
+    return table.reshape(sizes)
 
 
 def _checked_groups(groups: Sequence[int], recordings: int) -> np.ndarray:
@@ -278,8 +332,8 @@ def _information(blocks: np.ndarray, logarithms: np.ndarray) -> float:
 def _count(
     table: np.ndarray, pairs: np.ndarray, target: np.ndarray, condition: np.ndarray, source: np.ndarray,
     bounds: np.ndarray, conditions: int, sources: int, targets: int,
-) -> None:  # fmt: skip
-    """Add every transition to ``table``, flat over (r, a, s, n).
+) -> bool:  # fmt: skip
+    """Add every transition to ``table``, flat over (r, a, s, n); False, and counts of nothing, if a code is too high.
 
     Which entries they go to is worked out for a block of them, which the compiler does for several at once: half the
     time of one after the other, and a third with a condition.
@@ -287,9 +341,9 @@ def _count(
     Args:
         table: Counts.
         pairs: Zeros, flat over (r, a, s, r', a', s', n) of two transitions in a row, which halve the time; or none.
-        target: (T,) codes.
-        condition: (T,) codes, or none.
-        source: (T,) codes.
+        target: (T,) codes without sign.
+        condition: (T,) likewise, or none.
+        source: (T,) likewise.
         bounds: Where recordings begin, and the end.
         conditions: Codes of the condition lie below this.
         sources: Codes of the source lie below this.
@@ -302,7 +356,12 @@ def _count(
     t, last = np.uint64(bounds[0]), np.uint64(bounds[-1] - 1)
     while t < last:
         n = min(np.uint64(2 * BLOCK), last - t)
+        end = t + n + step
+        if _highest(target[t:end]) >= all_targets or _highest(source[t:end]) >= all_sources:
+            return False
         if len(condition):
+            if _highest(condition[t:end]) >= all_conditions:
+                return False
             for i in range(n):
                 state = np.uint32(target[t + i]) * all_conditions + np.uint32(condition[t + i])
                 states[i] = state * all_sources + np.uint32(source[t + i])
@@ -328,3 +387,14 @@ def _count(
             row = row * all_conditions + np.uint32(condition[end])
         row = row * all_sources + np.uint32(source[end])
         table[row * all_targets + np.uint32(target[end + step])] -= 1
+    return True
+
+
+@njit(cache=True)
+def _highest(codes: np.ndarray) -> np.uint64:
+    """The highest code (n,), written such that the compiler takes several at once."""
+    highest = codes[0]
+    for i in range(len(codes)):
+        if codes[i] > highest:
+            highest = codes[i]
+    return np.uint64(highest)

@@ -312,3 +312,56 @@ def test_transitions_counted_in_pairs_are_those_counted_one_by_one(kind):
         crossing = [1, 1999]
         np.subtract.at(expected, (target[crossing], zero[crossing], source[crossing], target[[2, 2000]]), 1)
         assert np.array_equal(cut, expected)
+
+
+LONG_SIZES = (4, 2, 3)
+
+
+def long_series(kind=np.int64, steps=20_000):
+    """Source, target and condition that are long enough to be checked while they are counted."""
+    return [np.random.default_rng(k).integers(0, k, steps).astype(kind) for k in LONG_SIZES]
+
+
+@pytest.mark.parametrize("kind", [bool, np.int8, np.uint8, np.int16, np.uint32, np.int64, np.uint64])
+def test_long_arrays_are_counted_as_checked_ones_are(kind):
+    source, target, condition = long_series(kind)
+    for known in (None, condition):
+        at_once = table.counted_at_once(source, target, known)
+        np.testing.assert_array_equal(at_once, table.steps(source, target, known).dense())
+    parts = [[series] for series in (source, target, condition)]
+    assert table.counted_at_once(*parts) is None
+    assert c.transfer_entropy(source, target) == c.transfer_entropy(*parts[:2])
+    for measure in (c.transfer_entropy, c.combined_transfer_entropy, c.state_action_contingency):
+        assert measure(source, condition, target) == measure(parts[0], parts[2], parts[1])
+
+
+@pytest.mark.parametrize("late", range(3))
+def test_a_code_that_is_high_only_late_is_counted_too(late):
+    series = long_series()
+    series[late][[15_000, -1]] = LONG_SIZES[late]
+    assert table.counted_at_once(*series) is None
+    assert c.transfer_entropy(*series) == c.transfer_entropy(*([part] for part in series))
+
+
+@pytest.mark.parametrize("at", [3, 15_000, 19_999])
+@pytest.mark.parametrize(("number", "name"), [(0, "source"), (1, "target"), (2, "condition")])
+def test_a_negative_code_in_a_long_array_is_an_error(number, name, at):
+    series = long_series()
+    series[number][at] = -1
+    with pytest.raises(SeriesError, match=f"codes of {name} must be 0 or more; got -1 at step {at}"):
+        c.transfer_entropy(*series)
+
+
+def test_long_arrays_of_other_kinds_are_measured_all_the_same():
+    source, target, _ = long_series()
+    expected = c.transfer_entropy([source], [target])
+    foreign = [part.astype(">i8") for part in (source, target)]
+    strided = [np.repeat(part, 2)[::2] for part in (source, target)]
+    mixed = source.astype(np.int8), target
+    floats = [part.astype(float) for part in (source, target)]
+    for other in (foreign, strided, mixed, floats, [source.tolist(), target.tolist()]):
+        assert c.transfer_entropy(*other) == expected
+    with pytest.raises(SeriesError, match="equally long; got 20000 and 19999 steps"):
+        c.transfer_entropy(source, target[1:])
+    with pytest.raises(SeriesError, match="one dimension"):
+        c.transfer_entropy(source[:, None], target)
