@@ -231,7 +231,7 @@ def check_utf8(name: str) -> None:
 
 def _capture(name: str) -> cv2.VideoCapture:
     """OpenCV's reader of a file, or of a pipe."""
-    with _quiet_and_local():
+    with quiet_and_local():
         return cv2.VideoCapture(name, cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, DECODERS])
 
 
@@ -243,8 +243,12 @@ def _same(image: np.ndarray, before: np.ndarray | None) -> bool:
 
 
 @contextmanager
-def _quiet_and_local() -> Iterator[None]:
-    """Keep OpenCV and its ffmpeg from writing to stderr, and from opening anything but files and pipes."""
+def quiet_and_local() -> Iterator[None]:
+    """Keep OpenCV and its ffmpeg from writing to stderr, and from opening anything but files and pipes.
+
+    For all that this package opens, cameras too: the first time that OpenCV thinks of ffmpeg in a process, it reads
+    what that may say, and never again. Where code of others was first, what that chose stays.
+    """
     kept = {name: os.environ.get(name) for name in ("OPENCV_FFMPEG_LOGLEVEL", "OPENCV_FFMPEG_CAPTURE_OPTIONS")}
     level = cv2.utils.logging.getLogLevel()
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")

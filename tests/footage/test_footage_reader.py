@@ -1,6 +1,8 @@
 """Video files as thirty images a second: rates, timestamps, damage, and what is no video at all."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -170,22 +172,64 @@ def test_the_unit_of_a_clock_is_no_rate(monkeypatch, tmp_path):
     assert shown(footage) == [0, 0, 0, 1, 1, 1, 1, 2]
 
 
-def test_no_video(tmp_path, capfd):
-    """Named, with the file, in one line; nothing else is said on stderr."""
-    video = encode(tmp_path / "whole.mp4", counted(30), "-c:v", "libx264").read_bytes()
+def no_videos(folder: Path) -> list[str]:
+    """Names of what is no video that can be read; all of it is in the folder, but what is missing."""
+    video = encode(folder / "whole.mp4", counted(30), "-c:v", "libx264").read_bytes()
     contents = {
         "empty.mp4": b"", "text.mp4": b"hello\n" * 100, "notes.txt": b"hello\n" * 100, "noise.avi": os.urandom(9000),
         "cut.mp4": video[: len(video) // 2],
     }  # fmt: skip
     for name, content in contents.items():
-        (tmp_path / name).write_bytes(content)
-    (tmp_path / "folder.mp4").mkdir()
-    os.mkfifo(tmp_path / "pipe.mp4")
-    for name in (*contents, "folder.mp4", "pipe.mp4", "missing.mp4", "http://localhost/a.mp4"):
+        (folder / name).write_bytes(content)
+    (folder / "folder.mp4").mkdir()
+    os.mkfifo(folder / "pipe.mp4")
+    return [*contents, "folder.mp4", "pipe.mp4", "missing.mp4", "http://localhost/a.mp4"]
+
+
+def test_no_video(tmp_path):
+    """Named, with the file, in one line."""
+    for name in no_videos(tmp_path):
         with pytest.raises(FootageError, match=name.split("/")[-1]) as error:
             Footage(tmp_path / name)
         assert "\n" not in str(error.value)
-    assert capfd.readouterr().err == ""
+
+
+REFUSED = """
+import sys
+from pathlib import Path
+import numpy as np
+from jointattn_mj.errors import FootageError
+from jointattn_mj.footage.reader import Footage
+from jointattn_mj.footage.sessions.camera import CameraSource
+from jointattn_mj.footage.sessions.config import CameraSessionConfig
+from jointattn_mj.footage.sessions.latency import CameraCount
+from jointattn_mj.video.reel import Reel
+first, folder, *names = sys.argv[1:]
+if first == "film":
+    with Reel(Path(folder, "film.mp4"), 48, 64, 10) as reel:
+        reel.add(np.zeros((48, 64, 3), np.uint8))
+    list(Footage(Path(folder, "film.mp4")))
+if first == "camera":
+    try:
+        CameraSource(CameraSessionConfig(camera="99"), CameraCount())
+    except FootageError:
+        print("refused")
+for name in names:
+    try:
+        Footage(Path(folder, name))
+    except FootageError:
+        print("refused")
+"""
+
+
+@pytest.mark.parametrize("first", ["nothing", "film", "camera"])
+def test_nothing_else_is_said(tmp_path, first):
+    """On stderr, whatever this package did before; in a process of its own, whose ffmpeg no test has set."""
+    names = no_videos(tmp_path)
+    command = [sys.executable, "-c", REFUSED, first, str(tmp_path), *names]
+    process = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert process.stdout.count("refused") == len(names) + (first == "camera")
+    assert process.stderr == ""
 
 
 def test_cut_off(tmp_path):

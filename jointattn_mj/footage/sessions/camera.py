@@ -17,7 +17,7 @@ import numpy as np
 from jointattn_mj.errors import FootageError
 from jointattn_mj.footage.colours import sought_objects
 from jointattn_mj.footage.picked import colours_at, require_apart
-from jointattn_mj.footage.reader import RATE, Footage, check_utf8
+from jointattn_mj.footage.reader import RATE, Footage, check_utf8, quiet_and_local
 from jointattn_mj.footage.sessions.config import CameraSessionConfig
 from jointattn_mj.footage.sessions.latency import CameraCount
 from jointattn_mj.footage.sessions.session import FootageSessionRun
@@ -129,12 +129,8 @@ class CameraSource:
         name = config.camera
         check_utf8(name)
         given: int | str = int(name) if re.fullmatch(r"\d{1,3}", name) else name
-        level = cv2.utils.logging.getLogLevel()
-        cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-        try:
+        with quiet_and_local():
             capture = cv2.VideoCapture(given) if isinstance(given, int) else cv2.VideoCapture(given, cv2.CAP_V4L2)
-        finally:
-            cv2.utils.logging.setLogLevel(level)
         if not capture.isOpened():
             raise FootageError(f"camera {name} cannot be opened; {_there()}")
         capture.set(cv2.CAP_PROP_FRAME_WIDTH, config.size[0])
