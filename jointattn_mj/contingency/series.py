@@ -61,7 +61,9 @@ def code(series: Series, name: str = "series") -> Coded:
     lowest, highest = _range(codes)
     if lowest < 0:
         at = int(np.argmax(codes < 0))
-        raise SeriesError(f"codes of {name} must be 0 or more; got {codes[at]} at step {at}")
+        recording = int(np.searchsorted(bounds, at, "right")) - 1
+        which = name if len(bounds) == 2 else f"recording {recording} of {name}"
+        raise SeriesError(f"codes of {which} must be 0 or more; got {codes[at]} at step {at - bounds[recording]}")
     coded = Coded(codes, bounds, highest + 1)
     return coded.compact() if highest >= max(SMALL, len(codes)) else coded
 

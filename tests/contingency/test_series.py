@@ -42,6 +42,8 @@ BAD = {
     "one step": ([1], "at least 2 steps"),
     "short recording": ([[0, 1], [1]], "recording 1 of s"),
     "negative": ([0, -3], "-3"),
+    "negative in a recording": ([GOOD, [0, -3]], "recording 1 of s must be 0 or more; got -3 at step 1"),
+    "negative in an array": ([GOOD, -GOOD], "recording 1 of s must be 0 or more; got -1 at step 1"),
     "fraction": ([0.0, 1.5], "1.5"),
     "missing": ([0.0, np.nan, np.nan], "2 missing"),
     "infinite": ([0.0, np.inf], "inf"),
