@@ -4,10 +4,11 @@ A series is an integer array (T,), or a list or tuple of such arrays: separate r
 from one into the next. Series that belong together are aligned such that ``r[t + 1]`` answers ``s[t]`` and ``a[t]``.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import accumulate
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -57,15 +58,7 @@ def code(series: Series, name: str = "series") -> Coded:
         SeriesError: Missing values, negative codes, numbers that are not whole, text, another dimension than one, or a
             recording of fewer than two steps.
     """
-    codes, bounds = _plain(series) or _looked_at(series, name)
-    lowest, highest = _range(codes)
-    if lowest < 0:
-        at = int(np.argmax(codes < 0))
-        recording = int(np.searchsorted(bounds, at, "right")) - 1
-        which = name if len(bounds) == 2 else f"recording {recording} of {name}"
-        raise SeriesError(f"codes of {which} must be 0 or more; got {codes[at]} at step {at - bounds[recording]}")
-    coded = Coded(codes, bounds, highest + 1)
-    return coded.compact() if highest >= max(SMALL, len(codes)) else coded
+    return _coded(series, name, _joined({name: series}))
 
 
 def aligned(**series: Series | None) -> list[Coded | None]:
@@ -76,7 +69,8 @@ def aligned(**series: Series | None) -> list[Coded | None]:
     Raises:
         SeriesError: As ``code``, or the lengths of their recordings differ.
     """
-    coded = [None if given is None else code(given, name) for name, given in series.items()]
+    joined = _joined(series)
+    coded = [None if given is None else _coded(given, name, joined) for name, given in series.items()]
     first, *others = [column for column in coded if column is not None]
     alike = True
     for other in others:
@@ -213,21 +207,67 @@ def _recordings(series: Series) -> Sequence[Any]:
     return [series]
 
 
+def _coded(series: Series, name: str, joined: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Coded:
+    """See ``code``; ``joined`` has codes and bounds by name where they are known already."""
+    codes, bounds = joined.get(name) or _plain(series) or _looked_at(series, name)
+    lowest, highest = _range(codes)
+    if lowest < 0:
+        at = int(np.argmax(codes < 0))
+        recording = int(np.searchsorted(bounds, at, "right")) - 1
+        which = name if len(bounds) == 2 else f"recording {recording} of {name}"
+        raise SeriesError(f"codes of {which} must be 0 or more; got {codes[at]} at step {at - bounds[recording]}")
+    coded = Coded(codes, bounds, highest + 1)
+    return coded.compact() if highest >= SMALL and highest >= len(codes) else coded
+
+
 def _plain(series: Series) -> tuple[np.ndarray, np.ndarray] | None:
-    """Codes and bounds of arrays of whole numbers, which need no look one by one; None for anything else."""
-    if type(series) is np.ndarray:
-        plain = series.ndim == 1 and len(series) >= 2 and series.dtype in _PLAIN
-        return (_as_codes(series), np.array([0, len(series)])) if plain else None
-    if not isinstance(series, (list, tuple)) or set(map(type, series)) != {np.ndarray}:
+    """Codes and bounds of an array of whole numbers; None for anything else."""
+    if type(series) is not np.ndarray or series.ndim != 1 or len(series) < 2 or series.dtype not in _PLAIN:
         return None
+    return _as_codes(series), np.array([0, len(series)])
+
+
+def _joined(series: Mapping[str, Series | None]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Codes and bounds, by name, of lists of arrays of whole numbers, which need no look one by one.
+
+    Empty where any series is something else. All arrays are joined at once: memory for each series apart is given back
+    to the system after every call, which then clears it again page by page.
+    """
+    arrays: list[Any] = []
+    for given in series.values():
+        if given is None:
+            continue
+        if not isinstance(given, (list, tuple)) or not given or type(given[0]) is not np.ndarray:
+            return {}
+        arrays += given
+    n = len(arrays)
+    if list(map(type, arrays)).count(np.ndarray) < n or list(map(_DIMENSIONS, arrays)).count(1) < n:
+        return {}
+    lengths = np.fromiter(map(len, arrays), np.int64, n)
+    codes = _one_after_the_other(arrays)
+    if codes is None or lengths.min() < 2:
+        return {}
+    parts, first, start = {}, 0, 0
+    for name, given in series.items():
+        if given is not None:
+            bounds = np.append(0, lengths[first : first + len(given)].cumsum())
+            stop = start + int(bounds[-1])
+            parts[name] = _as_codes(codes[start:stop]), bounds
+            first, start = first + len(given), stop
+    return parts
+
+
+def _one_after_the_other(arrays: list[Any]) -> np.ndarray | None:
+    """Arrays (T,) as one, or None if they are not of whole numbers."""
+    kind = arrays[0].dtype
+    if kind in _PLAIN and list(map(_KIND, arrays)).count(kind) == len(arrays):
+        with suppress(TypeError):  # not contiguous
+            return np.frombuffer(bytearray().join(arrays), kind)  # a third of the time of numpy.concatenate
     try:
-        joined = np.concatenate(series)
-    except (ValueError, TypeError):  # of different dimensions, of none, or of types that have none in common
+        joined = np.concatenate(arrays)
+    except TypeError:  # of types that have none in common
         return None
-    bounds = np.fromiter(accumulate(map(len, series), initial=0), np.int64, len(series) + 1)
-    if joined.ndim != 1 or joined.dtype not in _PLAIN or np.diff(bounds).min() < 2:
-        return None
-    return _as_codes(joined), bounds
+    return joined if joined.dtype in _PLAIN else None
 
 
 def _looked_at(series: Series, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -281,6 +321,7 @@ def _whole(given: Any, name: str) -> np.ndarray:
 _COUNTED = frozenset(map(np.dtype, (np.int32, np.int64)))
 _PLAIN = frozenset(map(np.dtype, (np.int8, np.uint8, np.int16, np.uint16, np.int32, np.uint32, np.int64)))
 """Whole numbers that can be codes whatever their values; in uint64 some are too large."""
+_DIMENSIONS, _KIND = attrgetter("ndim"), attrgetter("dtype")
 
 
 def _from_floats(array: np.ndarray, name: str) -> np.ndarray:

@@ -36,6 +36,36 @@ def test_recordings():
     assert [part.tolist() for part in coded.split()] == [[0, 1], [2, 0, 1]]
 
 
+ARRAYS = {
+    "int32": [GOOD.astype(np.int32), np.array([3, 0], np.int32)],
+    "int8": [GOOD.astype(np.int8), np.array([3, 0], np.int8)],
+    "uint32": [GOOD.astype(np.uint32), np.array([3, 0], np.uint32)],
+    "of several types": [GOOD.astype(np.int16), np.array([3, 0], np.uint32)],
+    "with truth values": [GOOD, np.array([True, False])],
+    "of the other byte order": [GOOD.astype(">i4"), np.array([3, 0], ">i4")],
+    "with gaps": [np.repeat(GOOD, 2)[::2], np.array([3, 9, 0])[::2]],
+    "read only": [np.frombuffer(GOOD.tobytes(), GOOD.dtype), GOOD],
+    "of large codes": [GOOD * 10**12, GOOD],
+}
+
+
+@pytest.mark.parametrize("kind", ARRAYS)
+@pytest.mark.parametrize("other", ARRAYS)
+def test_arrays_joined_at_once_are_what_lists_of_numbers_are(kind, other):
+    """All series of a call, whatever their types."""
+    lengths = [min(map(len, both)) for both in zip(ARRAYS[kind], ARRAYS[other], strict=True)]
+    arrays = [[array[:n] for array, n in zip(ARRAYS[name], lengths, strict=True)] for name in (kind, other, kind)]
+    numbers = [[array.tolist() for array in series] for series in arrays]
+    joined, looked_at = aligned(s=arrays[0], a=None, r=arrays[1]), aligned(s=numbers[0], a=None, r=numbers[1])
+    assert joined[1] is looked_at[1] is None
+    for left, right in ((joined[0], looked_at[0]), (joined[2], looked_at[2]), (code(arrays[0]), code(numbers[0]))):
+        assert left.codes.dtype in (np.int32, np.int64)
+        for field in ("codes", "bounds", "size", "values"):
+            np.testing.assert_array_equal(getattr(left, field), getattr(right, field))
+    assert transfer_entropy(*arrays) == transfer_entropy(*numbers)
+    assert [codes.tolist() for codes in joint(*arrays)] == [codes.tolist() for codes in joint(*numbers)]
+
+
 BAD = {
     "empty": ([], "empty"),
     "empty array": (np.array([], int), "at least 2 steps"),
@@ -44,6 +74,13 @@ BAD = {
     "negative": ([0, -3], "-3"),
     "negative in a recording": ([GOOD, [0, -3]], "recording 1 of s must be 0 or more; got -3 at step 1"),
     "negative in an array": ([GOOD, -GOOD], "recording 1 of s must be 0 or more; got -1 at step 1"),
+    "a column": ([GOOD[:, None], GOOD[:, None]], "recording 0 of s must have one dimension"),
+    "a column among arrays": ([GOOD, GOOD[:, None]], "recording 1 of s must have one dimension"),
+    "a short array": ([GOOD, GOOD[:1]], "recording 1 of s needs at least 2 steps"),
+    "a masked array": ([GOOD, np.ma.array(GOOD, mask=GOOD > 0)], "recording 1 of s has 3 masked"),
+    "an array of text": ([GOOD, GOOD.astype(str)], "recording 1 of s must hold whole numbers"),
+    "a fraction in an array": ([GOOD, GOOD / 2], "recording 1 of s must hold whole numbers; got 0.5 at step 1"),
+    "a text": ([GOOD, "left"], "recording 1 of s"),
     "fraction": ([0.0, 1.5], "1.5"),
     "missing": ([0.0, np.nan, np.nan], "2 missing"),
     "infinite": ([0.0, np.inf], "inf"),
@@ -65,6 +102,9 @@ def test_what_is_none(case):
     series, words = BAD[case]
     with pytest.raises(SeriesError, match=words) as caught:
         code(series, "s")
+    with pytest.raises(SeriesError) as beside_another:
+        aligned(r=[GOOD, GOOD], s=series)
+    assert str(beside_another.value) == str(caught.value)
     assert isinstance(caught.value, JointAttnError)
     assert isinstance(caught.value, ValueError)
 
