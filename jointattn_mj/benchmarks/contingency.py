@@ -55,9 +55,10 @@ def run_contingency_benchmark(blocks: int) -> Figures:
         seconds of a run of 100,000 steps at the table of chapter 5 with that preset, compiled, and by the clock (wall).
         compile_s: of the first step where nothing was compiled before. transfer_entropy_ms, pyinform_ms: milliseconds
         for a million samples of 4 and 2 values, int32 as pyinform expects, with all checks. ..._to_pyinform: ratios,
-        also for int64, with a condition of 3 values, for a series of 100 steps, and for 2,000 such series in one call;
-        in_a_row_...: for several calls with the same series, of which only the first waits for memory. None where
-        pyinform is not installed.
+        also for int64, with a condition of 3 values, for a series of 100 steps, and for 2,000 such series in one call:
+        many_short where we get a list and pyinform an array of two dimensions, many_short_lists where both get the
+        same lists. in_a_row_...: for several calls with the same series, of which only the first waits for memory.
+        None where pyinform is not installed.
     """
     detecting = {triples: _Detecting(modules) for triples, modules in MODULES.items()}
     works: dict[str, Callable[[], object]] = {
@@ -134,6 +135,11 @@ def _transfers() -> dict[str, tuple[Callable[[], object], Callable[..., object]]
             lambda external: [external(short, short_target, k=1) for _ in range(again)],
         ),
         "many_short": (lambda: transfer_entropy(lists[0], lists[1]), lambda external: external(*many, k=1)),
+        "many_short_lists": (lambda: transfer_entropy(lists[0], lists[1]), lambda external: external(*lists, k=1)),
+        "in_a_row_many_short": (
+            lambda: [transfer_entropy(lists[0], lists[1]) for _ in range(IN_A_ROW)],
+            lambda external: [external(*many, k=1) for _ in range(IN_A_ROW)],
+        ),
     }  # fmt: skip
 
 
