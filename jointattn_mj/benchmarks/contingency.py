@@ -21,6 +21,7 @@ from jointattn_mj.contingency.online.blocks import LONGEST, Block, new_block, pa
 from jointattn_mj.contingency.online.counts import Counts, empty_counts
 from jointattn_mj.contingency.online.detector import DetectorConfig, Watch, new_watch
 from jointattn_mj.contingency.online.events import Variables
+from jointattn_mj.contingency.series import Rows
 from jointattn_mj.development.table.presets import PRESETS, Preset
 from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.development.table.world import CHAPTER_5, table_variables
@@ -56,8 +57,8 @@ def run_contingency_benchmark(blocks: int) -> Figures:
         compile_s: of the first step where nothing was compiled before. transfer_entropy_ms, pyinform_ms: milliseconds
         for a million samples of 4 and 2 values, int32 as pyinform expects, with all checks. ..._to_pyinform: ratios,
         also for int64, with a condition of 3 values, for a series of 100 steps, and for 2,000 such series in one call:
-        many_short where we get a list and pyinform an array of two dimensions, many_short_lists where both get the
-        same lists. in_a_row_...: for several calls with the same series, of which only the first waits for memory.
+        many_short where both get an array of two dimensions, many_short_lists where both get the same lists.
+        in_a_row_...: for several calls with the same series, of which only the first waits for memory.
         None where pyinform is not installed.
     """
     detecting = {triples: _Detecting(modules) for triples, modules in MODULES.items()}
@@ -134,12 +135,8 @@ def _transfers() -> dict[str, tuple[Callable[[], object], Callable[..., object]]
             lambda: [transfer_entropy(short, short_target) for _ in range(again)],
             lambda external: [external(short, short_target, k=1) for _ in range(again)],
         ),
-        "many_short": (lambda: transfer_entropy(lists[0], lists[1]), lambda external: external(*many, k=1)),
+        "many_short": (lambda: transfer_entropy(Rows(many[0]), Rows(many[1])), lambda external: external(*many, k=1)),
         "many_short_lists": (lambda: transfer_entropy(lists[0], lists[1]), lambda external: external(*lists, k=1)),
-        "in_a_row_many_short": (
-            lambda: [transfer_entropy(lists[0], lists[1]) for _ in range(IN_A_ROW)],
-            lambda external: [external(*many, k=1) for _ in range(IN_A_ROW)],
-        ),
     }  # fmt: skip
 
 

@@ -25,7 +25,7 @@ def test_figures(tmp_path, capsys):
     figures = json.loads((tmp_path / "figures.json").read_text())
     assert figures.pop("quartiles") == {}
     assert list(figures) == [line.split()[0] for line in capsys.readouterr().out.splitlines()[1:]]
-    many = {"many_short_to_pyinform", "many_short_lists_to_pyinform", "in_a_row_many_short_to_pyinform"}
+    many = {"many_short_to_pyinform", "many_short_lists_to_pyinform"}
     assert many | {"detector_to_numpy_12", "thesis_100k_s", "conditional_to_pyinform"} <= set(figures)
     for name, value in figures.items():
         assert math.isfinite(value), name
