@@ -269,14 +269,13 @@ def _coded(series: Series, name: str, joined: Mapping[str, tuple[np.ndarray, np.
 
 def _plain(series: Series) -> tuple[np.ndarray, np.ndarray] | None:
     """Codes and bounds of an array of whole numbers, or of rows of it; None for anything else."""
-    if isinstance(series, Rows):
-        steps = series.array.shape[1]
-        if not len(series) or steps < 2 or type(series.array) is not np.ndarray or series.array.dtype not in _PLAIN:
-            return None
-        return _as_codes(series.array.ravel()), np.arange(len(series) + 1) * steps
-    if type(series) is not np.ndarray or series.ndim != 1 or len(series) < 2 or series.dtype not in _PLAIN:
+    if type(series) is np.ndarray:
+        plain = series.ndim == 1 and len(series) >= 2 and series.dtype in _PLAIN
+        return (_as_codes(series), np.array([0, len(series)])) if plain else None
+    if type(series) is not Rows or type(series.array) is not np.ndarray or series.array.dtype not in _PLAIN:
         return None
-    return _as_codes(series), np.array([0, len(series)])
+    rows, steps = series.array.shape
+    return (_as_codes(series.array.ravel()), np.arange(rows + 1) * steps) if rows and steps >= 2 else None
 
 
 def _joined(series: Mapping[str, Series | None]) -> dict[str, tuple[np.ndarray, np.ndarray]]:

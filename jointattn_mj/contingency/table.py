@@ -139,8 +139,8 @@ class Steps:
         if self.history is not None:
             keys = combined(self.columns(), sizes)[0]
             return np.bincount(keys, minlength=int(total)).reshape(sizes)
-        condition = None if self.condition is None else _unsigned(self.condition.codes)
-        return _counted(_unsigned(source.codes), _unsigned(target.codes), condition, target.bounds, sizes)
+        condition = source.codes[:0] if self.condition is None else self.condition.codes
+        return _counted(source.codes, target.codes, condition, target.bounds, sizes)
 
     def entries(self, dense: np.ndarray | None = None) -> Entries:
         """Count everything; ``dense`` is what that function gave, if it was called already."""
@@ -217,29 +217,25 @@ def counted_at_once(source: Series, target: Series, condition: Series | None) ->
     for series in given:
         if type(series) is not np.ndarray or series.shape != target.shape or series.dtype != target.dtype:
             return None
-    codes = [_unsigned(np.ascontiguousarray(series)) for series in given]
+    without_sign = f"u{target.itemsize}"  # of the same bytes those that were negative are the largest
+    codes = [np.ascontiguousarray(series).view(without_sign) for series in given]
     sizes = [int(part[:FIRST].max()) + 1 for part in codes]
     if max(sizes) > SMALL or prod(sizes) * sizes[0] > DENSE:
         return None
     targets, sources, conditions = (*sizes, 1)[:3]
-    known = codes[2] if condition is not None else None
+    known = codes[2] if condition is not None else codes[1][:0]
     return _counted(codes[1], codes[0], known, np.array([0, len(target)]), (targets, conditions, sources, targets))
 
 
-def _unsigned(codes: np.ndarray) -> np.ndarray:
-    """The same bytes as numbers without sign, of which those that were negative are the largest."""
-    return codes.view(f"u{codes.itemsize}")
-
-
 def _counted(
-    source: np.ndarray, target: np.ndarray, condition: np.ndarray | None, bounds: np.ndarray, sizes: tuple[int, ...]
+    source: np.ndarray, target: np.ndarray, condition: np.ndarray, bounds: np.ndarray, sizes: tuple[int, ...]
 ) -> np.ndarray | None:
     """Counts as an array over (r, a, s, n).
 
     Args:
-        source: (T,) codes without sign.
+        source: (T,) codes, of a type without sign or none of them negative.
         target: Likewise.
-        condition: Likewise, or None.
+        condition: Likewise, or none.
         bounds: Where recordings begin, and the end.
         sizes: Codes of r, a, s, n lie below these.
 
@@ -250,7 +246,7 @@ def _counted(
     table: np.ndarray = np.zeros(total, kind)
     paired = total * total // sizes[3]
     pairs = np.zeros(paired if paired <= min(PAIRED, transitions // 4) else 0, kind)
-    if not _count(table, pairs, target, source[:0] if condition is None else condition, source, bounds, *sizes[1:]):
+    if not _count(table, pairs, target, condition, source, bounds, *sizes[1:]):
         return None
     if len(pairs):
         by_step = pairs.reshape(-1, sizes[3], sizes[1] * sizes[2], sizes[3])
@@ -341,7 +337,7 @@ def _count(
     Args:
         table: Counts.
         pairs: Zeros, flat over (r, a, s, r', a', s', n) of two transitions in a row, which halve the time; or none.
-        target: (T,) codes without sign.
+        target: (T,) codes, of a type without sign or none of them negative.
         condition: (T,) likewise, or none.
         source: (T,) likewise.
         bounds: Where recordings begin, and the end.
