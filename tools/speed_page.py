@@ -1,18 +1,18 @@
-"""Write the figures of many worlds and many sessions into the page on speed: ``python -m tools.speed_page``.
+"""Write the figures of speed into the pages that show them: ``python -m tools.speed_page``.
 
-They come from ``experiments/gpu_eye.json``, ``gpu_parts.json``, ``many_sessions.json`` and ``many_gpu_sessions.json``,
-which ``tools.gpu_eye``, ``tools.gpu_parts`` and ``tools.many_sessions`` write.
+They come from files in ``experiments``: ``benchmark.json``, which ``jointattn benchmark`` writes, and ``gpu_eye.json``,
+``gpu_parts.json``, ``many_sessions.json`` and ``many_gpu_sessions.json``, which ``tools.gpu_eye``, ``tools.gpu_parts``
+and ``tools.many_sessions`` write.
 """
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 
 HERE = Path(__file__).parents[1]
-PAGE = HERE / "docs" / "speed.md"
 KINDS = {"state": "from the state", "pixels": "from images", "warp": "from images of one card"}
 """Kinds of sessions by the beginnings of their settings."""
 BEGIN, END = "<!-- {}: written by python -m tools.speed_page -->", "<!-- end of {} -->"
@@ -76,22 +76,86 @@ def sessions_table(figures: Mapping[str, Any]) -> str:
     return f"{figures['cores']} cores, {figures['date']}.\n\n" + "\n".join(lines) + "\n"
 
 
+def benchmark_tables(figures: Mapping[str, Any]) -> str:
+    """What ``jointattn benchmark`` measures."""
+    f = figures
+    of_sessions = {
+        "rendering alone, the very images of the loop": f"{f['render_ms']:.2f} ms an image",
+        "closed loop from images, everything in it":
+            f"{f['loop_ms_per_image']:.2f} ms an image, {f['loop_to_render']:.2f} times rendering alone",
+        "the same, preset `cross_situational`": f"{f['contingent_to_render']:.2f} times rendering alone",
+        "the same, drawing only what changes": f"{f['changes_to_render']:.2f} times rendering all of these images",
+        "26 simulated minutes from images":
+            f"{f['session_26_min_s']:.0f} s, {f['loop_times_real_time']:.0f} times real time",
+        "getting to know the face, before a session from images": f"{f['familiarise_s']:.1f} s",
+        "from the state": f"{f['state_times_real_time']:,.0f} times real time; "
+            f"as a command of 26 minutes, with tables and figures, {f['state_command_times_real_time']:.0f}",
+        "from the state, bodies in closed form": f"{f['closed_form_times_real_time']:,.0f} times real time; "
+            f"as a command {f['closed_form_command_times_real_time']:.0f}",
+        "memory of a command": f"{f['session_mib']:.0f} MiB from images, {f['state_session_mib']:.0f} from the state",
+        "a frame of a session's film": f"{f['video_frame_ms']:.1f} ms",
+        "first session from the state, nothing compiled": f"{f['first_session_s']:.1f} s",
+        "first `develop table`, likewise": f"{f['first_develop_s']:.1f} s",
+        "`jointattn --help`": f"{f['help_s']:.2f} s",
+        "dm_control's cartpole with pixels at 320x240":
+            f"{f['cartpole_ms']:.0f} ms a step; our loop takes {f['loop_to_cartpole']:.2f} of that an image",
+    }  # fmt: skip
+    of_development = {
+        "step of chapter 5 from images": f"{f['step_ms']:.2f} ms, {f['step_to_image']:.2f} times its image alone",
+        "step of the same agent at the symbolic table": f"{f['table_step_us']:.2f} microseconds",
+        "run of 100,000 steps there, preset `thesis`": f"{f['thesis_100k_s']:.3f} s",
+        "preset `fast`": f"{f['fast_100k_s']:.3f} s",
+        "compiling all of it, once on a machine": f"{f['compile_s']:.1f} s",
+    }
+    nanoseconds = {count: f[f"ns_per_triple_{count}"] for count in (12, 48, 108, 300)}
+    of_detector = {
+        "count a transition, SAC of all triples, find the highest: steps a second":
+            f"{f['detector_steps_per_s_12'] / 1e6:.1f} million with 12 triples, "
+            f"{f['detector_steps_per_s_300'] / 1e6:.2f} million with 300",
+        "nanoseconds a triple": ", ".join(f"{value:.1f} ({count} triples)" for count, value in nanoseconds.items()),
+        "times the speed of recomputing SAC from the tables in numpy":
+            f"{f['detector_to_numpy_12']:.0f} with 12 triples, {f['detector_to_numpy_300']:.0f} with 300",
+    }  # fmt: skip
+    million = f"transfer entropy of a million steps, {f['transfer_entropy_ms']:.2f} ms for int32"
+    of_entropy = {
+        million: f"int32 {_share(f, 'transfer_entropy')}, int64 {_share(f, 'int64')} of pyinform's time",
+        "several calls with the same series": f"int32 {_share(f, 'in_a_row')}, int64 {_share(f, 'in_a_row_int64')}",
+        "with a condition": _share(f, "conditional"),
+        "a series of 100 steps": _share(f, "short"),
+        "2,000 of these, an array given to both": _share(f, "many_short"),
+        "2,000 of these, lists given to both": _share(f, "many_short_lists"),
+    }
+    tables = of_sessions, of_development, of_detector, of_entropy
+    return "\n\n".join("\n".join(["| | |", "|---|---|", *map("| {} | {} |".format, table, table.values())])
+                       for table in tables) + "\n"  # fmt: skip
+
+
+def _share(figures: Mapping[str, Any], name: str) -> str:
+    return f"{figures[f'{name}_to_pyinform']:.2f}"
+
+
 TABLES: dict[str, Callable[[Mapping[str, Any]], str]] = {
     "gpu_eye": cards_table, "gpu_parts": parts_table, "many_sessions": sessions_table,
-    "many_gpu_sessions": sessions_table,
+    "many_gpu_sessions": sessions_table, "benchmark": benchmark_tables,
 }  # fmt: skip
 """Files of figures, and how each is shown."""
+PAGES = {
+    HERE / "docs" / "speed.md": ("gpu_eye", "gpu_parts", "many_sessions", "many_gpu_sessions"),
+    HERE / "experiments" / "README.md": ("benchmark",),
+}
+"""Pages, and the files whose figures each shows."""
 
 
-def with_figures(page: str) -> str:
-    """The page with the figures that lie in ``experiments``."""
-    for name, table in TABLES.items():
+def with_figures(page: str, names: Sequence[str]) -> str:
+    """The page with the figures of these files in ``experiments``."""
+    for name in names:
         figures = json.loads((HERE / "experiments" / f"{name}.json").read_text("utf-8"))
         before, _, rest = page.partition(BEGIN.format(name))
         after = rest.partition(END.format(name))[2]
-        page = f"{before}{BEGIN.format(name)}\n\n{table(figures)}\n{END.format(name)}{after}"
+        page = f"{before}{BEGIN.format(name)}\n\n{TABLES[name](figures)}\n{END.format(name)}{after}"
     return page
 
 
 if __name__ == "__main__":
-    PAGE.write_text(with_figures(PAGE.read_text("utf-8")), "utf-8")
+    for page, names in PAGES.items():
+        page.write_text(with_figures(page.read_text("utf-8"), names), "utf-8")

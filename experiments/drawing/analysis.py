@@ -6,8 +6,8 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from jointattn_mj.sweeps.claim import Comparison, Trials, Verdict
-from jointattn_mj.sweeps.statistics import mean_interval, paired_difference
+from jointattn_mj.sweeps.claim import Comparison, Trial, Trials, Verdict
+from jointattn_mj.sweeps.statistics import mean_interval, paired_difference, proportion
 
 from ..sessions.analysis import MINUTES, QUANTITIES, curve, value
 
@@ -46,11 +46,20 @@ def analyse(trials: Trials) -> list[Comparison]:
             note = "the interval holds 0" if agrees else "the interval does not hold 0"
             what = f"{quantity}; {WORDS[name]}, less {WORDS[usual]}"
             findings.append(Comparison(what, "not given", ours, Verdict.EXTENSION, note))
+        same = sum(_looked(first) == _looked(second) for first, second in pairs)
+        what = f"sessions whose gaze shifts land in the same frames, with the same success; {WORDS[name]}"
+        findings.append(Comparison(what, "not given", proportion(same, len(pairs)), Verdict.EXTENSION))
     return findings
 
 
+def _looked(trial: Trial) -> tuple[list[float], list[bool]]:
+    """Landings of all gaze shifts from the face, s, and whether each was a success."""
+    shifts = trial.result["shifts"]
+    return shifts["landing_s"], shifts["success"]
+
+
 def draw(trials: Trials) -> Mapping[str, Figure]:
-    """Success over time, with a band of 95% for each way of drawing."""
+    """Success over time, with a band of 95% for each way of drawing or moving."""
     if not any(name in trials for name in WORDS):
         return {}
     figure = Figure(figsize=(7, 4), layout="constrained")
