@@ -2,7 +2,7 @@
 
 An OpenGL context belongs to the thread in which it is current. dm_control leaves it current, so that an image,
 ``close`` or garbage collection in another thread ends in a traceback. Here a context is current only while something is
-drawn, which costs 8 microseconds an image. A process that was forked from one that has rendered cannot use OpenGL, and
+drawn, which costs 20 microseconds an image. A process that was forked from one that has rendered cannot use OpenGL, and
 leaves its parent's contexts alone.
 """
 
@@ -21,7 +21,7 @@ from dm_control.mujoco import engine, wrapper
 
 from jointattn_mj.errors import GLError
 from jointattn_mj.guards.closing import Closable
-from jointattn_mj.scene import gl
+from jointattn_mj.scene import gl, native
 
 FORKED = "a process cannot render that was forked from one that has; start it by spawn or forkserver"
 
@@ -97,14 +97,12 @@ def _context_class() -> type[Any]:
 @contextmanager
 def _lent(context: Any) -> Iterator[Any]:
     """Make a context current in this thread for the block, and in none afterwards."""
-    from dm_control._render.pyopengl import egl_ext as egl
-    from dm_control._render.pyopengl.egl_renderer import EGL_DISPLAY
-
     with context._render_executor.execution_context() as executor:
         other = base._CURRENT_CONTEXT_FOR_THREAD.pop(threading.current_thread(), None)
         base._CURRENT_THREAD_FOR_CONTEXT.pop(other, None)  # it will have to become current again
-        context._platform_make_current()
+        if not native.make_current(context._context.address):
+            context._platform_make_current()  # raises EGL's own error
         try:
             yield executor
         finally:
-            egl.eglMakeCurrent(EGL_DISPLAY, egl.EGL_NO_SURFACE, egl.EGL_NO_SURFACE, egl.EGL_NO_CONTEXT)
+            native.make_current(None)
