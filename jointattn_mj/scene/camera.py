@@ -14,7 +14,7 @@ from dm_control.mujoco.engine import Camera
 
 from jointattn_mj.errors import GLError
 from jointattn_mj.io.compiled import njit
-from jointattn_mj.scene import gl
+from jointattn_mj.scene import gl, native
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 
 FOVY_DEG = 48.5
@@ -153,7 +153,7 @@ class Eye:
         pixels: np.ndarray, rectangle: mujoco.MjrRect, scene: mujoco.MjvScene, context: mujoco.MjrContext
     ) -> None:
         mujoco.mjr_render(rectangle, scene, context)
-        mujoco.mjr_readPixels(pixels, None, rectangle, context)
+        native.read_pixels(pixels, rectangle, context)
 
     def _opened(self) -> Camera:
         if self._camera is None:
