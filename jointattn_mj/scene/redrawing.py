@@ -67,9 +67,12 @@ class RedrawingEye(Eye):
         self._geoms = np.full((model.ngeom, 12), np.nan)  # position and orientation of each, as drawn
         self._stand = np.full(12, np.nan)  # the same of the camera
         self._box = np.zeros(4, np.int64)
+        self._shadows = bool(model.light_castshadow.any())
 
     def render(self) -> np.ndarray:
         """Render the image now; see ``Eye.render``. What the caller changes in it would stay."""
+        if self._shadows:  # they change outside of what moves
+            self.forget()
         try:
             self._redraw()
         except BaseException:  # what was to be drawn counts as drawn already

@@ -46,6 +46,7 @@ class WarpEye(RedrawingEye):
             draws: What of an image is drawn while the head stands still.
         """
         super().__init__(physics)
+        self._shadows = False  # Warp draws none
         self._scene, self._anew = scene, draws == "all"
         height, width = self._buffer.shape[:2]
         self._grid = np.stack(np.meshgrid(range(0, width, PART_WIDTH), range(0, height, PART_HEIGHT)), -1)

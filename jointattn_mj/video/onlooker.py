@@ -92,7 +92,6 @@ class Onlooker:
         self._world = world
         self._physics = RenderingPhysics.from_model(MjModel(model))
         self._eye = _EyeOutside(self._physics, width, height)
-        self._shadows = bool(model.light_castshadow.any())
         self.together = False
 
     def render(self) -> np.ndarray:
@@ -102,8 +101,6 @@ class Onlooker:
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_camlight(model, data)
-        if self._shadows:  # they change outside of what moves
-            self._eye.forget()
         image = self._eye.render().copy()
         robot, person = sights(self._world)
         objects = range(len(self._world.caregiver.objects))

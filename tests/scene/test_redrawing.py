@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from jointattn_mj.scene.dressing import Conditions
+from jointattn_mj.scene.model import SceneConfig
 from jointattn_mj.scene.sensor import Sensor
 from jointattn_mj.scene.world import World, WorldConfig
 
@@ -105,6 +106,20 @@ def test_noise_of_one_image_is_not_in_the_next():
             world.step(np.zeros(2))
         whole, parts = (world.image().astype(int) for world in worlds)
     assert (np.abs(whole - parts).max(axis=2) > 2).sum() < 10
+    for world in worlds:
+        world.close()
+
+
+def test_shadows_move_with_what_casts_them():
+    """They fall on what has not moved itself."""
+    fine = SceneConfig(quality="high")
+    worlds = [World.build(WorldConfig(fine, draws=draws), np.random.SeedSequence(3)) for draws in ("all", "changes")]
+    for frame in range(60):
+        for world in worlds:
+            world.step(np.zeros(2))
+        if frame % 10 == 0:
+            whole, parts = (world.image() for world in worlds)
+            np.testing.assert_array_equal(whole, parts)
     for world in worlds:
         world.close()
 
