@@ -21,7 +21,7 @@ from jointattn_mj.contingency.online.blocks import LONGEST, Block, new_block, pa
 from jointattn_mj.contingency.online.counts import Counts, empty_counts
 from jointattn_mj.contingency.online.detector import DetectorConfig, Watch, new_watch
 from jointattn_mj.contingency.online.events import Variables
-from jointattn_mj.contingency.series import Rows
+from jointattn_mj.contingency.series import Stacked
 from jointattn_mj.development.table.presets import PRESETS, Preset
 from jointattn_mj.development.table.run import TableRun
 from jointattn_mj.development.table.world import CHAPTER_5, table_variables
@@ -135,7 +135,7 @@ def _transfers() -> dict[str, tuple[Callable[[], object], Callable[..., object]]
             lambda: [transfer_entropy(short, short_target) for _ in range(again)],
             lambda external: [external(short, short_target, k=1) for _ in range(again)],
         ),
-        "many_short": (lambda: transfer_entropy(Rows(many[0]), Rows(many[1])), lambda external: external(*many, k=1)),
+        "many_short": (lambda: transfer_entropy(Stacked(many[0]), Stacked(many[1])), lambda external: external(*many, k=1)),
         "many_short_lists": (lambda: transfer_entropy(lists[0], lists[1]), lambda external: external(*lists, k=1)),
     }  # fmt: skip
 

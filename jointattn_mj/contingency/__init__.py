@@ -23,7 +23,7 @@ from jointattn_mj.contingency.measures import (
     transfer_entropy,
 )
 from jointattn_mj.contingency.scan import LagScan, scan_lags
-from jointattn_mj.contingency.series import Rows, joint, recode
+from jointattn_mj.contingency.series import Stacked, joint, recode
 from jointattn_mj.contingency.significance import (
     Significance,
     TestOptions,
@@ -41,7 +41,7 @@ __all__ = [
     "LeadOptions",
     "LocalContingency",
     "PosteriorOptions",
-    "Rows",
+    "Stacked",
     "Significance",
     "Situations",
     "TestOptions",

@@ -1,6 +1,6 @@
 """Series of codes: what the measures take, how it is checked, and several variables taken as one.
 
-A series is an integer array (T,), or a list or tuple of such arrays, or ``Rows``: separate recordings, so that no
+A series is an integer array (T,), or a list or tuple of such arrays, or ``Stacked``: separate recordings, so that no
 transition crosses from one into the next. Series that belong together are aligned such that ``r[t + 1]`` answers
 ``s[t]`` and ``a[t]``.
 """
@@ -19,7 +19,7 @@ from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import shown
 
 Series = np.ndarray | Sequence[Any]
-"""An array-like of codes (T,), a sequence of them, or ``Rows``."""
+"""An array-like of codes (T,), a sequence of them, or ``Stacked``."""
 
 MOST_COUNTED = 2**20
 """Possible keys up to which they are counted instead of sorted."""
@@ -27,7 +27,7 @@ SMALL = 1024
 """Codes below this are taken as they are; larger ones are numbered anew where there are fewer steps than codes."""
 
 
-class Rows(Sequence[np.ndarray]):
+class Stacked(Sequence[np.ndarray]):
     """Recordings of equal length, the rows of an array; quicker than a list of them.
 
     A bare array of two dimensions is no series: it could as well hold several variables.
@@ -38,7 +38,7 @@ class Rows(Sequence[np.ndarray]):
     Examples:
         >>> from jointattn_mj.contingency import transfer_entropy
         >>> trials = np.array([[0, 0, 1, 1, 0, 1], [1, 0, 1, 1, 0, 0]])
-        >>> transfer_entropy(Rows(trials), Rows(1 - trials)) == transfer_entropy(list(trials), list(1 - trials))
+        >>> transfer_entropy(Stacked(trials), Stacked(1 - trials)) == transfer_entropy(list(trials), list(1 - trials))
         True
     """
 
@@ -51,12 +51,12 @@ class Rows(Sequence[np.ndarray]):
         try:
             self.array = np.asarray(array)
         except (ValueError, TypeError) as error:
-            raise SeriesError(f"Rows takes an array (k, T) of whole numbers: {error}") from error
+            raise SeriesError(f"Stacked takes an array (k, T) of whole numbers: {error}") from error
         if self.array.ndim != 2:
-            raise SeriesError(f"Rows takes an array (k, T), a recording a row; got shape {self.array.shape}")
+            raise SeriesError(f"Stacked takes an array (k, T), a recording a row; got shape {self.array.shape}")
 
     def __repr__(self) -> str:
-        return f"Rows({len(self)} recordings of {self.array.shape[1]} steps)"
+        return f"Stacked({len(self)} recordings of {self.array.shape[1]} steps)"
 
     def __len__(self) -> int:
         """Number of recordings."""
@@ -65,10 +65,10 @@ class Rows(Sequence[np.ndarray]):
     @overload
     def __getitem__(self, index: int) -> np.ndarray: ...
     @overload
-    def __getitem__(self, index: slice) -> "Rows": ...
-    def __getitem__(self, index: int | slice) -> "np.ndarray | Rows":
+    def __getitem__(self, index: slice) -> "Stacked": ...
+    def __getitem__(self, index: int | slice) -> "np.ndarray | Stacked":
         """A recording (T,), or some of them."""
-        return Rows(self.array[index]) if isinstance(index, slice) else self.array[index]
+        return Stacked(self.array[index]) if isinstance(index, slice) else self.array[index]
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,7 @@ def recode(series: Series) -> tuple[np.ndarray | list[np.ndarray], np.ndarray]:
 def combined(columns: Sequence[np.ndarray], sizes: Sequence[int]) -> tuple[np.ndarray, int]:
     """One key for each row of ``columns``, each (n,) in 0..size-1, in lexicographic order, and a bound for the keys.
 
-    Rows are equal where keys are. Keys are numbered anew on the way wherever they would leave 62 bits.
+    Stacked are equal where keys are. Keys are numbered anew on the way wherever they would leave 62 bits.
     """
     keys, bound = columns[0].astype(np.int64, copy=False), int(sizes[0])
     for column, size in zip(columns[1:], sizes[1:], strict=True):
@@ -247,7 +247,7 @@ def _logarithm(base: float) -> float:
 
 def _recordings(series: Series) -> Sequence[Any]:
     """The recordings; a flat list of numbers is one recording."""
-    if isinstance(series, Rows):
+    if isinstance(series, Stacked):
         return series
     if isinstance(series, (list, tuple)) and (not series or hasattr(series[0], "__len__")):
         return [series] if series and isinstance(series[0], str) else series
@@ -272,7 +272,7 @@ def _plain(series: Series) -> tuple[np.ndarray, np.ndarray] | None:
     if type(series) is np.ndarray:
         plain = series.ndim == 1 and len(series) >= 2 and series.dtype in _PLAIN
         return (_as_codes(series), np.array([0, len(series)])) if plain else None
-    if type(series) is not Rows or type(series.array) is not np.ndarray or series.array.dtype not in _PLAIN:
+    if type(series) is not Stacked or type(series.array) is not np.ndarray or series.array.dtype not in _PLAIN:
         return None
     rows, steps = series.array.shape
     return (_as_codes(series.array.ravel()), np.arange(rows + 1) * steps) if rows and steps >= 2 else None
@@ -353,7 +353,7 @@ def _whole(given: Any, name: str) -> np.ndarray:
     if array.ndim != 1:
         raise SeriesError(
             f"{name} must have one dimension; got shape {array.shape}. Give separate recordings as a list of arrays "
-            "or as Rows(array), and take several variables together with joint()"
+            "or as Stacked(array), and take several variables together with joint()"
         )
     if len(array) < 2:
         raise SeriesError(f"{name} needs at least 2 steps, so that something can follow something; got {len(array)}")

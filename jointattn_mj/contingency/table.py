@@ -208,7 +208,17 @@ def needed(condition: Series | None) -> Series:
 
 
 def counted_at_once(source: Series, target: Series, condition: Series | None) -> np.ndarray | None:
-    """What ``Steps.dense`` gives, of long arrays that are as they should be; None for all that needs another look."""
+    """What ``Steps.dense`` gives of long arrays, whose codes are checked block by block.
+
+    Args:
+        source: (T,) codes, or whatever else ``steps`` takes.
+        target: Likewise.
+        condition: Likewise, or None.
+
+    Returns:
+        Counts as an array over (r, a, s, n); None for all that needs another look: shorter series, recordings, arrays
+        of different types, codes that are wrong, high, or higher later than at the beginning.
+    """
     if type(target) is not np.ndarray or target.ndim != 1 or len(target) < LONG:
         return None
     if target.dtype.kind not in "iub" or not target.dtype.isnative:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointattn_mj.contingency as c
-from jointattn_mj.contingency import Rows, joint, recode, transfer_entropy
+from jointattn_mj.contingency import Stacked, joint, recode, transfer_entropy
 from jointattn_mj.contingency.series import aligned, check_base, code, combined
 from jointattn_mj.errors import JointAttnError, SeriesError
 
@@ -164,21 +164,21 @@ def test_combined_never_overflows():
 @pytest.mark.parametrize("kind", [bool, np.uint8, np.int16, np.int32, np.int64, np.uint64, float])
 def test_rows_are_recordings(kind):
     arrays = [np.random.default_rng(k).integers(0, k, (30, 12)).astype(kind) for k in (4, 2, 3)]
-    rows, lists = [Rows(array) for array in arrays], [list(array) for array in arrays]
+    rows, lists = [Stacked(array) for array in arrays], [list(array) for array in arrays]
     assert c.transfer_entropy(*rows) == c.transfer_entropy(*lists)
     for ours, listed in zip(c.pointwise_transfer_entropy(*rows), c.pointwise_transfer_entropy(*lists), strict=True):
         np.testing.assert_array_equal(ours, listed)
     assert c.transfer_entropy(rows[0], lists[1], arrays[2].tolist()) == c.transfer_entropy(*lists)
-    turned = [Rows(np.asfortranarray(array)) for array in arrays]
+    turned = [Stacked(np.asfortranarray(array)) for array in arrays]
     assert c.transfer_entropy(*turned) == c.transfer_entropy(*lists)
 
 
 def test_some_rows():
-    rows = Rows(np.arange(12).reshape(3, 4))
-    assert repr(rows) == "Rows(3 recordings of 4 steps)"
+    rows = Stacked(np.arange(12).reshape(3, 4))
+    assert repr(rows) == "Stacked(3 recordings of 4 steps)"
     assert len(rows) == 3
     np.testing.assert_array_equal(rows[1], [4, 5, 6, 7])
-    assert isinstance(rows[1:], Rows)
+    assert isinstance(rows[1:], Stacked)
     assert [len(row) for row in rows[1:]] == [4, 4]
     codes, values = c.recode(rows[:2])
     np.testing.assert_array_equal(codes, rows.array[:2])
@@ -188,8 +188,8 @@ def test_some_rows():
 @pytest.mark.parametrize(
     ("array", "message"),
     [
-        ([0, 1, 1], r"Rows takes an array \(k, T\), a recording a row; got shape \(3,\)"),
-        ([[0, 1], [1]], "Rows takes an array"),
+        ([0, 1, 1], r"Stacked takes an array \(k, T\), a recording a row; got shape \(3,\)"),
+        ([[0, 1], [1]], "Stacked takes an array"),
         (np.zeros((0, 5), int), "series is empty"),
         (np.zeros((4, 1), int), "recording 0 of series needs at least 2 steps"),
         ([[0, 1], [0, -2]], "codes of recording 1 of series must be 0 or more; got -2 at step 1"),
@@ -200,9 +200,9 @@ def test_some_rows():
 )
 def test_rows_that_cannot_be_measured(array, message):
     with pytest.raises(SeriesError, match=message):
-        code(Rows(array))
+        code(Stacked(array))
 
 
 def test_a_bare_array_of_two_dimensions_is_ambiguous():
-    with pytest.raises(SeriesError, match=r"list of arrays or as Rows\(array\), and take several variables"):
+    with pytest.raises(SeriesError, match=r"list of arrays or as Stacked\(array\), and take several variables"):
         code(np.zeros((3, 4), int))
