@@ -135,7 +135,9 @@ def _transfers() -> dict[str, tuple[Callable[[], object], Callable[..., object]]
             lambda: [transfer_entropy(short, short_target) for _ in range(again)],
             lambda external: [external(short, short_target, k=1) for _ in range(again)],
         ),
-        "many_short": (lambda: transfer_entropy(Stacked(many[0]), Stacked(many[1])), lambda external: external(*many, k=1)),
+        "many_short": (
+            lambda: transfer_entropy(Stacked(many[0]), Stacked(many[1])), lambda external: external(*many, k=1),
+        ),
         "many_short_lists": (lambda: transfer_entropy(lists[0], lists[1]), lambda external: external(*lists, k=1)),
     }  # fmt: skip
 
