@@ -130,12 +130,9 @@ class HeadShift:
 
     def coming(self, frames: int) -> np.ndarray:
         """References (frames, 2) for the next frames, whose aim stays."""
-        progress = self._progress[self.frame : self.frame + frames, None]
-        if len(progress) < frames:
-            progress = np.vstack([progress, np.repeat(self._progress[None, -1:], frames - len(progress), axis=0)])
-        references: np.ndarray = self._start + (progress - self._offset) / (1 - self._offset) * (
-            self._end - self._start
-        )
+        numbers = np.minimum(np.arange(self.frame, self.frame + frames), self.frames - 1)
+        parts = (self._progress[numbers, None] - self._offset) / (1 - self._offset)
+        references: np.ndarray = self._start + parts * (self._end - self._start)
         return references
 
     def pass_by(self, frames: int) -> None:
