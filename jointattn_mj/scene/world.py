@@ -62,8 +62,8 @@ class WorldConfig(Checked):
     share. Outlines and fine shading differ."""
     dynamics: Literal["mujoco", "closed_form"] = "mujoco"
     """How bodies get from frame to frame: in MuJoCo's physics, or as it comes out where nothing pushes: the caregiver's
-    joints are where the script has them, and the head's servos follow their difference equation. Sessions from the state
-    are faster then; the caregiver's head differs by some 1e-12 rad, the arm by 1e-8."""
+    joints are where the script has them, and the head's servos follow their difference equation. Sessions from the
+    state are faster then; the caregiver's head differs by some 1e-12 rad, the arm by 1e-8."""
 
 
 def steps_per_frame(model: mujoco.MjModel) -> int:
