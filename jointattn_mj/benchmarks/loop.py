@@ -7,6 +7,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from dm_control.mujoco.engine import Camera
 
 from jointattn_mj.benchmarks.figures import Figures
 from jointattn_mj.benchmarks.options import BenchmarkOptions
@@ -14,6 +15,7 @@ from jointattn_mj.gaze_following.agent import FamiliariseConfig
 from jointattn_mj.gaze_following.presets import PRESETS
 from jointattn_mj.gaze_following.session import SessionConfig, SessionRun
 from jointattn_mj.scene.caregiver import FRAME_S
+from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 from jointattn_mj.scene.world import World
 
 CARTPOLE_STEPS = 50
@@ -30,9 +32,10 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
 
     Returns:
         renderer: OpenGL renderer that made the images. render_ms: milliseconds to render an image, alone; the same
-        images that the session rendered. loop_ms_per_image: of a session from images, with everything, for each image
-        that it rendered. loop_to_render: ratio of the two, block by block. contingent_to_render: the same ratio of a
-        session of the preset cross_situational. changes_to_render: of a session that draws only what has changed,
+        images that the session rendered. render_to_dm_control: that time beside dm_control's for these images.
+        loop_ms_per_image: of a session from images, with everything, for each image that it rendered. loop_to_render:
+        ratio of the two, block by block. contingent_to_render: the same ratio of a session of the preset
+        cross_situational. changes_to_render: of a session that draws only what has changed,
         beside rendering all of the same images. loop_times_real_time: simulated seconds of a session from images in a
         second. session_26_min_s: seconds that 26 simulated minutes take at this pace.
         familiarise_s: seconds in which the robot gets to know the face, before a session. state_times_real_time:
@@ -51,6 +54,7 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
     state = SessionRun(SessionConfig(minutes=minutes, perception="state"))
     closed = SessionRun(replace(state.config, world=replace(state.config.world, dynamics="closed_form")))
     scene = World.build(loop.config.world, np.random.SeedSequence(1))
+    usual = Camera(scene.physics, IMAGE_HEIGHT, IMAGE_WIDTH, "robot/eye")
     cartpole = _cartpole()
     _compile(loop.config)
     start = time.perf_counter()
@@ -64,23 +68,27 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
     block, times = round(options.seconds / FRAME_S), []
     try:
         for _ in range(options.blocks):
-            (in_loop, alone, images), *others = (
+            (in_loop, alone, taken), *others = (
                 _beside_rendering(session, block, scene) for session in (loop, contingent, changes)
             )
-            ratios = [spent / its_alone for spent, its_alone, _ in others]
+            ratios = [
+                alone / _render(scene, taken, usual.render),
+                *(spent / its_alone for spent, its_alone, _ in others),
+            ]
             without_images = [_advance(session, block) for session in (state, closed)]
-            times.append((in_loop, images, alone, *ratios, *without_images, _steps(cartpole, CARTPOLE_STEPS)))
+            steps = _steps(cartpole, CARTPOLE_STEPS)
+            times.append((in_loop, len(taken.poses), alone, *ratios, *without_images, steps))
         with loop.world.physics.contexts.gl.make_current() as context:
             renderer = context.call(_renderer_name)
     finally:
         for part in (loop, contingent, changes, state, closed, scene, cartpole):
             part.close()
-    in_loop, images, rendering, contingent_to_render, changes_to_render, in_state, in_closed_form, steps = np.array(
-        times, float
-    ).T
+    in_loop, images, rendering, *ratios, in_state, in_closed_form, in_cartpole = np.array(times, float).T
+    render_to_dm_control, contingent_to_render, changes_to_render = ratios
     per_image, figures = in_loop / images, Figures()
     figures.add("renderer", renderer)
     figures.add("render_ms", 1000 * rendering / images)
+    figures.add("render_to_dm_control", render_to_dm_control)
     figures.add("loop_ms_per_image", 1000 * per_image)
     figures.add("loop_to_render", in_loop / rendering)
     figures.add("contingent_to_render", contingent_to_render)
@@ -90,8 +98,8 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
     figures.add("familiarise_s", familiarised)
     figures.add("state_times_real_time", options.seconds / in_state)
     figures.add("closed_form_times_real_time", options.seconds / in_closed_form)
-    figures.add("cartpole_ms", 1000 * steps / CARTPOLE_STEPS)
-    figures.add("loop_to_cartpole", per_image / (steps / CARTPOLE_STEPS))
+    figures.add("cartpole_ms", 1000 * in_cartpole / CARTPOLE_STEPS)
+    figures.add("loop_to_cartpole", per_image / (in_cartpole / CARTPOLE_STEPS))
     return figures
 
 
@@ -129,21 +137,21 @@ def _advance(session: SessionRun, frames: int, watch: Callable[[SessionRun], Non
     return time.perf_counter() - start
 
 
-def _beside_rendering(session: SessionRun, frames: int, scene: World) -> tuple[float, float, int]:
-    """Seconds that so many frames of a session take, seconds that its images take alone, and how many these are."""
+def _beside_rendering(session: SessionRun, frames: int, scene: World) -> tuple[float, float, Poses]:
+    """Seconds that so many frames of a session take, seconds that its images take alone, and these."""
     taken = Poses()
     spent = _advance(session, frames, taken.note)
-    return spent, _render(scene, taken), len(taken.poses)
+    return spent, _render(scene, taken, scene.eye.render), taken
 
 
-def _render(world: World, images: Poses) -> float:
+def _render(world: World, images: Poses, render: Callable[[], object]) -> float:
     """Seconds that rendering alone takes; bodies are posed before each image, untimed."""
     spent = 0.0
     for qpos, positions in images.poses:
         world.data.qpos[:], world.data.mocap_pos[:] = qpos, positions
         mujoco.mj_fwdPosition(world.model, world.data)
         start = time.perf_counter()
-        world.eye.render()
+        render()
         spent += time.perf_counter() - start
     return spent
 

@@ -23,7 +23,7 @@ needs_gl = pytest.mark.skipif(not any(map(gl.available, gl.LIBRARIES)), reason="
 
 
 SCENE = (
-    "renderer", "render_ms", "loop_ms_per_image", "loop_to_render", "contingent_to_render",
+    "renderer", "render_ms", "render_to_dm_control", "loop_ms_per_image", "loop_to_render", "contingent_to_render",
     "changes_to_render", "loop_times_real_time", "session_26_min_s", "familiarise_s", "state_times_real_time",
     "closed_form_times_real_time", "cartpole_ms", "loop_to_cartpole",
 )  # fmt: skip
