@@ -80,7 +80,8 @@ def benchmark_tables(figures: Mapping[str, Any]) -> str:
     """What ``jointattn benchmark`` measures."""
     f = figures
     of_sessions = {
-        "rendering alone, the very images of the loop": f"{f['render_ms']:.2f} ms an image, {f['render_to_dm_control']:.2f} of dm_control's time",
+        "rendering alone, the very images of the loop":
+            f"{f['render_ms']:.2f} ms an image, {f['render_to_dm_control']:.2f} of dm_control's time",
         "closed loop from images, everything in it":
             f"{f['loop_ms_per_image']:.2f} ms an image, {f['loop_to_render']:.2f} times rendering alone",
         "the same, preset `cross_situational`": f"{f['contingent_to_render']:.2f} times rendering alone",

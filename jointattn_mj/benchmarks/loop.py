@@ -35,13 +35,13 @@ def run_benchmark(options: BenchmarkOptions) -> Figures:
         images that the session rendered. render_to_dm_control: that time beside dm_control's for these images.
         loop_ms_per_image: of a session from images, with everything, for each image that it rendered. loop_to_render:
         ratio of the two, block by block. contingent_to_render: the same ratio of a session of the preset
-        cross_situational. changes_to_render: of a session that draws only what has changed,
-        beside rendering all of the same images. loop_times_real_time: simulated seconds of a session from images in a
-        second. session_26_min_s: seconds that 26 simulated minutes take at this pace.
-        familiarise_s: seconds in which the robot gets to know the face, before a session. state_times_real_time:
-        simulated seconds of a session from the state in a second. closed_form_times_real_time: the same without the
-        physics (``world.dynamics closed_form``). cartpole_ms: a step of dm_control's cartpole swingup,
-        with pixels at 320x240. loop_to_cartpole: session from images for each rendered image, in steps of cartpole.
+        cross_situational. changes_to_render: of a session that draws only what has changed, beside rendering all of the
+        same images. loop_times_real_time: simulated seconds of a session from images in a second. session_26_min_s:
+        seconds that 26 simulated minutes take at this pace. familiarise_s: seconds in which the robot gets to know the
+        face, before a session. state_times_real_time: simulated seconds of a session from the state in a second.
+        closed_form_times_real_time: the same without the physics (``world.dynamics closed_form``). cartpole_ms: a step
+        of dm_control's cartpole swingup, with pixels at 320x240. loop_to_cartpole: session from images for each
+        rendered image, in steps of cartpole.
 
     Raises:
         GLError: No image can be rendered here.
