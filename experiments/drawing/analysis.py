@@ -71,7 +71,8 @@ def draw(trials: Trials) -> Mapping[str, Figure]:
             low, high = [each.low for each in estimates], [each.high for each in estimates]
             axes.fill_between(MINUTES, low, high, color=COLOURS[name], alpha=0.15, lw=0)
             mean = [each.mean for each in estimates]
-            axes.plot(MINUTES, mean, color=COLOURS[name], label=f"{words} ({len(part)} sessions)")
+            dashed = "--" if name == "state/closed_form" else "-"  # what lies below it stays visible
+            axes.plot(MINUTES, mean, dashed, color=COLOURS[name], label=f"{words} ({len(part)} sessions)")
     axes.set(
         xlabel="time (simulated minutes)", ylabel="share of right gaze shifts (eq. 6.9)", xlim=(0, 26), ylim=(0, 1)
     )
