@@ -171,12 +171,13 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
         names: dict[str, Any] = self.single_observation_space.spaces  # type: ignore[attr-defined]
         if not {"camera", "face_patch"} & names.keys():
             observed = {"head_angles": self._angles.copy(), "truth": self._gazes()}
-        else:
-            parts = [episode.observe(head) for episode, head in zip(self._episodes, self._angles, strict=True)]
-            observed = {name: np.stack([part[name] for part in parts]) for name in names}
-        if "face_visible" in names:
-            observed["face_visible"] = observed["face_visible"][:, None].astype(np.int8)
-        return {name: observed[name] for name in names}
+            return {name: observed[name] for name in names}
+        spaces: dict[str, Any] = self.observation_space.spaces  # type: ignore[attr-defined]
+        observed = {name: np.empty(space.shape, space.dtype) for name, space in spaces.items()}
+        for world, (episode, head) in enumerate(zip(self._episodes, self._angles, strict=True)):
+            for name, value in episode.observe(head).items():
+                observed[name][world] = value  # before the next image is drawn: memory that is near
+        return observed
 
     def _gazes(self) -> np.ndarray:
         """Yaw and pitch of the caregivers' heads, (num_envs, 2), rad."""
