@@ -126,7 +126,12 @@ def benchmark_tables(figures: Mapping[str, Any]) -> str:
         "2,000 of these, an array given to both": _share(f, "many_short"),
         "2,000 of these, lists given to both": _share(f, "many_short_lists"),
     }
-    tables = of_sessions, of_development, of_detector, of_entropy
+    of_worlds = {
+        f"16 worlds of `follow` in one process, {kind}": f"{f[f'vector_{name}_steps_per_s']:,.0f} steps a second, "
+            f"{f[f'vector_{name}_to_sync']:.2f} times SyncVectorEnv's"
+        for name, kind in (("state", "from the state"), ("images", "from images"))
+    }  # fmt: skip
+    tables = of_sessions, of_worlds, of_development, of_detector, of_entropy
     return "\n\n".join("\n".join(["| | |", "|---|---|", *map("| {} | {} |".format, table, table.values())])
                        for table in tables) + "\n"  # fmt: skip
 

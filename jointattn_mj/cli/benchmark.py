@@ -17,8 +17,8 @@ def benchmark(options: Annotated[BenchmarkOptions, FLAT]) -> None:
 
     Compares a session from images with rendering alone, with a session from the state, and with dm_control's cartpole;
     steps of development from images with rendering these; the search for contingency with recomputation in numpy, and
-    transfer entropy with pyinform; and counts what whole commands take. Medians stand beside their quartiles and beside
-    the figures that came with this version.
+    transfer entropy with pyinform; many worlds in one process with Gymnasium's way; and counts what whole commands
+    take. Medians stand beside their quartiles and beside the figures that came with this version.
     """
     one_thread()
     before, figures = committed(), Figures()
@@ -27,6 +27,7 @@ def benchmark(options: Annotated[BenchmarkOptions, FLAT]) -> None:
         "scene": _scene,
         "steps": _steps,
         "contingency": _contingency,
+        "vector": _vector,
     }
     with Progress("measuring") as shown:
         for name in parts if options.what == "all" else [options.what]:
@@ -53,6 +54,12 @@ def _contingency(options: BenchmarkOptions) -> Figures:
     from jointattn_mj.benchmarks.contingency import run_contingency_benchmark
 
     return run_contingency_benchmark(options.blocks)
+
+
+def _vector(options: BenchmarkOptions) -> Figures:
+    from jointattn_mj.benchmarks.vector import run_vector_benchmark
+
+    return run_vector_benchmark(options.blocks)
 
 
 def _commands(options: BenchmarkOptions) -> Figures:

@@ -8,6 +8,7 @@ import pytest
 
 from jointattn_mj.benchmarks import loop as benchmark
 from jointattn_mj.benchmarks import steps as steps_benchmark
+from jointattn_mj.benchmarks import vector as vector_benchmark
 from jointattn_mj.benchmarks.figures import Figures, committed
 from jointattn_mj.benchmarks.options import BenchmarkOptions
 from jointattn_mj.cli.costs import measured
@@ -61,6 +62,19 @@ def test_steps(capsys, monkeypatch):
     assert figures.keys() == {"step_image_ms", "step_ms", "step_to_image", "table_step_us"}
     assert all(math.isfinite(value) and value > 0 for value in figures.values())
     assert figures["step_to_image"] == pytest.approx(figures["step_ms"] / figures["step_image_ms"], rel=0.02)
+
+
+@needs_gl
+def test_many_worlds(capsys, monkeypatch):
+    monkeypatch.setattr(vector_benchmark, "WORLDS", 2)
+    monkeypatch.setattr(vector_benchmark, "STEPS", {"state": 10, "images": 2})
+    main(["benchmark", "--what", "vector", "--blocks", "1"])
+    figures = {name: float(value) for name, value in shown(capsys.readouterr().out).items()}
+    assert figures.keys() == {f"vector_{kind}" for kind in (
+        "state_steps_per_s", "state_to_sync", "images_steps_per_s", "images_to_sync",
+    )}  # fmt: skip
+    assert all(math.isfinite(value) and value > 0 for value in figures.values())
+    assert figures["vector_state_steps_per_s"] > figures["vector_images_steps_per_s"]
 
 
 def test_figures_stand_beside_their_quartiles_and_those_before(tmp_path):
