@@ -179,7 +179,7 @@ def recode(series: Series) -> tuple[np.ndarray | list[np.ndarray], np.ndarray]:
 def combined(columns: Sequence[np.ndarray], sizes: Sequence[int]) -> tuple[np.ndarray, int]:
     """One key for each row of ``columns``, each (n,) in 0..size-1, in lexicographic order, and a bound for the keys.
 
-    Stacked are equal where keys are. Keys are numbered anew on the way wherever they would leave 62 bits.
+    Rows are equal where keys are. Keys are numbered anew on the way wherever they would leave 62 bits.
     """
     keys, bound = columns[0].astype(np.int64, copy=False), int(sizes[0])
     for column, size in zip(columns[1:], sizes[1:], strict=True):

@@ -230,7 +230,8 @@ def counted_at_once(source: Series, target: Series, condition: Series | None) ->
     without_sign = f"u{target.itemsize}"  # of the same bytes those that were negative are the largest
     codes = [np.ascontiguousarray(series).view(without_sign) for series in given]
     sizes = [int(part[:FIRST].max()) + 1 for part in codes]
-    if max(sizes) > SMALL or prod(sizes) * sizes[0] > DENSE:
+    highest = 1 if target.dtype == bool else np.iinfo(target.dtype).max  # of int8 even these are small
+    if max(sizes) > min(SMALL, highest + 1) or prod(sizes) * sizes[0] > DENSE:
         return None
     targets, sources, conditions = (*sizes, 1)[:3]
     known = codes[2] if condition is not None else codes[1][:0]

@@ -343,13 +343,22 @@ def test_a_code_that_is_high_only_late_is_counted_too(late):
     assert c.transfer_entropy(*series) == c.transfer_entropy(*([part] for part in series))
 
 
+@pytest.mark.parametrize("kind", [np.int8, np.int16, np.int32, np.int64])
 @pytest.mark.parametrize("at", [3, 15_000, 19_999])
 @pytest.mark.parametrize(("number", "name"), [(0, "source"), (1, "target"), (2, "condition")])
-def test_a_negative_code_in_a_long_array_is_an_error(number, name, at):
-    series = long_series()
+def test_a_negative_code_in_a_long_array_is_an_error(number, name, at, kind):
+    series = long_series(kind)
     series[number][at] = -1
     with pytest.raises(SeriesError, match=f"codes of {name} must be 0 or more; got -1 at step {at}"):
         c.transfer_entropy(*series)
+
+
+@pytest.mark.parametrize(("kind", "code"), [(np.int8, 127), (np.uint8, 255), (bool, 1)])
+def test_the_highest_code_of_a_small_type_is_counted(kind, code):
+    source, target = np.zeros((2, 20_000), kind)
+    source[::3], target[::2] = code, 1
+    assert table.counted_at_once(source, target, None) is not None
+    assert c.transfer_entropy(source, target) == c.transfer_entropy([source], [target])
 
 
 def test_long_arrays_of_other_kinds_are_measured_all_the_same():
