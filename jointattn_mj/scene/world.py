@@ -523,8 +523,8 @@ def _run_closed_form(
         _set_out(joints[t], angles, speeds, objects[t], positions, seconds)
         for k in range(len(angles)):
             angles[k] = joints[t, k]
+        controls[:] = commands[t]
         turn(servos, heads, head_speeds, commands[t : t + 1], 1)
-    controls[:] = commands[-1]
 
 
 @njit(cache=True)

@@ -65,6 +65,17 @@ def test_many_steps_are_those_one_by_one():
         done += count
 
 
+@pytest.mark.parametrize("dynamics", ["mujoco", "closed_form"])
+def test_no_step_changes_nothing(dynamics):
+    world = World.build(replace(CLOSED, dynamics=dynamics), np.random.SeedSequence(2))
+    world.run(commands(50))
+    before = {name: np.copy(getattr(world.data, name)) for name in ("qpos", "qvel", "ctrl", "mocap_pos", "time")}
+    around = np.full((3, 2), 7.0)
+    assert not len(world.run(around[1:1]).head)
+    for name, value in before.items():
+        np.testing.assert_array_equal(getattr(world.data, name), value)
+
+
 def test_a_world_runs_whatever_mujoco_would_call():
     world = World.build(CLOSED, np.random.SeedSequence(2))
     mujoco.set_mjcb_control(lambda model, data: None)
