@@ -55,7 +55,7 @@ class RedrawingEye(Eye):
         model = physics.model.ptr
         self._camera_id = model.camera(self._name).id
         self._focal = height / 2 / tan(radians(model.cam_fovy[self._camera_id] / 2))
-        self._bounds = model.geom_aabb.copy()
+        self._bounds = model.geom_aabb  # a view: objects may change their sizes
         self._groups = mujoco.MjvOption().geomgroup.copy()
         self._groups[list(groups)] = 1
         visible = self._groups[model.geom_group].astype(bool) & (model.geom_rgba[:, 3] > 0)

@@ -124,6 +124,21 @@ def test_shadows_move_with_what_casts_them():
         world.close()
 
 
+def test_objects_that_have_grown_are_drawn_as_far_as_they_reach():
+    small, large = (SceneConfig(object_size=size) for size in (0.02, 0.1))
+    worlds = [World.build(WorldConfig(small, draws=draws), np.random.SeedSequence(3)) for draws in ("all", "changes")]
+    for world in worlds:
+        world.vary(WorldConfig(large, draws=world.config.draws), world.conditions)
+        world.reset(np.random.SeedSequence(4))
+    for _ in range(FRAMES):
+        for world in worlds:
+            world.step(np.zeros(2))
+        whole, parts = (world.image().astype(int) for world in worlds)
+        assert (np.abs(whole - parts).max(axis=2) > 8).sum() < 10
+    for world in worlds:
+        world.close()
+
+
 def test_a_forged_state_is_refused(worlds):
     eye = worlds[1].eye
     with pytest.raises(ValueError, match="eye's image"):
