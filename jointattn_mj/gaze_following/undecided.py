@@ -30,8 +30,8 @@ OBSERVATIONS = (WorldObservation, AlignedObservation)
 
 
 _NAMES = {
-    World: ("step", "before_step"),
-    TransferScript: ("advance",),
+    World: ("step", "before_step", "head_moves"),
+    TransferScript: ("advance", "_play"),
     GazeFollower: ("act", "_choose", "_turn", "_hold"),
     FrameTable: ("add",),
     StatePerception: ("perceive",),
@@ -43,9 +43,9 @@ _NAMES = {
 def _methods() -> tuple[Any, ...]:
     """These methods, written out: this is asked many times a second."""
     return (
-        World.step, World.before_step, TransferScript.advance, GazeFollower.act, GazeFollower._choose,
-        GazeFollower._turn, GazeFollower._hold, FrameTable.add, StatePerception.perceive, AttentionSelector.advance,
-        AttentionSelector.consider, AttentionSelector.draw,
+        World.step, World.before_step, World.head_moves, TransferScript.advance, TransferScript._play,
+        GazeFollower.act, GazeFollower._choose, GazeFollower._turn, GazeFollower._hold, FrameTable.add,
+        StatePerception.perceive, AttentionSelector.advance, AttentionSelector.consider, AttentionSelector.draw,
     )  # fmt: skip
 
 

@@ -224,6 +224,21 @@ def test_own_observations_and_caregivers_have_their_way(make):
     assert one_by_one.frames.table().equals(at_once.frames.table())
 
 
+def test_in_closed_form_a_world_says_itself_whether_the_head_moves():
+    def slow():
+        session = begun(CLOSED)
+        moves = session.world.head_moves
+        session.world.head_moves = lambda: session.frame % 7 != 0 and moves()
+        return session
+
+    one_by_one, at_once = slow(), slow()
+    for _ in range(600):
+        one_by_one.step()
+    advance(at_once, 600)
+    assert one_by_one.shifts.table().equals(at_once.shifts.table())
+    assert one_by_one.frames.table().equals(at_once.frames.table())
+
+
 def test_an_own_table_gets_every_frame():
     session = begun(STATE, Counting)
     advance(session, 200)
@@ -248,9 +263,9 @@ def calls_of(part, name, go):
 @pytest.mark.parametrize(
     "path",
     [
-        "step", "world.step", "world.before_step", "world.caregiver.advance", "frames.add", "robot.act",
-        "robot._choose", "robot._turn", "robot._hold", "robot._pair", "robot.perceiver.perceive",
-        "robot.attention.advance", "robot.attention.consider",
+        "step", "world.step", "world.before_step", "world.head_moves", "world.caregiver.advance",
+        "world.caregiver._play", "frames.add", "robot.act", "robot._choose", "robot._turn", "robot._hold",
+        "robot._pair", "robot.perceiver.perceive", "robot.attention.advance", "robot.attention.consider",
     ],
 )  # fmt: skip
 def test_a_method_replaced_in_a_part_is_called_as_frame_by_frame(path):
