@@ -46,8 +46,14 @@ class Stacked(Sequence[np.ndarray]):
         """Take the rows of an array-like of two dimensions.
 
         Raises:
-            SeriesError: It has another number of dimensions.
+            SeriesError: It has another number of dimensions, or masked values.
         """
+        masked = sum(map(np.ma.count_masked, filter(np.ma.is_masked, _recordings(array))))
+        if masked:
+            raise SeriesError(
+                f"Stacked takes recordings of equal length; got {masked} masked values. Cut the recordings there, and "
+                "give what is left as a list of arrays"
+            )
         try:
             self.array = np.asarray(array)
         except (ValueError, TypeError) as error:

@@ -195,6 +195,8 @@ def test_some_rows():
         ([[0, 1], [0, -2]], "codes of recording 1 of series must be 0 or more; got -2 at step 1"),
         ([[0, 1], [0, np.nan]], "recording 1 of series has 1 missing values"),
         ([["a", "b"]], "series must hold whole numbers"),
+        (np.ma.masked_less([[0, 1], [0, -2]], 0), "got 1 masked values"),
+        ([np.arange(2), np.ma.masked_less([0, -2], 0)], "got 1 masked values"),
     ],
     ids=str,
 )
