@@ -6,6 +6,7 @@ marked, for they are no evidence of stillness.
 
 import math
 import os
+import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -247,22 +248,42 @@ def quiet_and_local() -> Iterator[None]:
     """Keep OpenCV and its ffmpeg from writing to stderr, and from opening anything but files and pipes.
 
     For all that this package opens, cameras too: the first time that OpenCV thinks of ffmpeg in a process, it reads
-    what that may say, and never again. Where code of others was first, what that chose stays.
+    what that may say, and never again. Where code of others was first, what that chose stays. Of threads that open
+    something at once, the last that is done puts back what was there before the first.
     """
-    kept = {name: os.environ.get(name) for name in ("OPENCV_FFMPEG_LOGLEVEL", "OPENCV_FFMPEG_CAPTURE_OPTIONS")}
-    level = cv2.utils.logging.getLogLevel()
-    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
-    os.environ["OPENCV_FFMPEG_CAPTURE_OPTIONS"] = "protocol_whitelist;file,pipe"
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    with _GUARD:
+        _BEFORE.append(_BEFORE[0] if _BEFORE else _hush())
     try:
         yield
     finally:
-        cv2.utils.logging.setLogLevel(level)
-        for name, value in kept.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
+        with _GUARD:
+            before = _BEFORE.pop()
+            if not _BEFORE:
+                _put_back(*before)
+
+
+_GUARD = threading.Lock()
+_BEFORE: list[tuple[int, dict[str, str | None]]] = []
+"""For each that opens something now, how things were before the first."""
+
+
+def _hush() -> tuple[int, dict[str, str | None]]:
+    """See ``quiet_and_local``; OpenCV's level of messages and the variables of the environment as they were."""
+    before = {name: os.environ.get(name) for name in ("OPENCV_FFMPEG_LOGLEVEL", "OPENCV_FFMPEG_CAPTURE_OPTIONS")}
+    level: int = cv2.utils.logging.getLogLevel()
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+    os.environ["OPENCV_FFMPEG_CAPTURE_OPTIONS"] = "protocol_whitelist;file,pipe"
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    return level, before
+
+
+def _put_back(level: int, variables: dict[str, str | None]) -> None:
+    cv2.utils.logging.setLogLevel(level)
+    for name, value in variables.items():
+        if value is None:
+            os.environ.pop(name, None)
+        else:
+            os.environ[name] = value
 
 
 def _pixel_aspect(capture: cv2.VideoCapture) -> float:

@@ -315,3 +315,20 @@ def test_no_ffmpeg_to_ask(tmp_path, monkeypatch):
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(tmp_path / "nowhere"))
     with pytest.raises(FootageError, match="ffmpeg"):
         Footage(path)
+
+
+def test_threads_that_open_something_at_once_leave_all_as_it_was(monkeypatch):
+    def surroundings():
+        names = ("OPENCV_FFMPEG_LOGLEVEL", "OPENCV_FFMPEG_CAPTURE_OPTIONS")
+        return [os.environ.get(name) for name in names], reader.cv2.utils.logging.getLogLevel()
+
+    monkeypatch.delenv("OPENCV_FFMPEG_LOGLEVEL", raising=False)
+    monkeypatch.setenv("OPENCV_FFMPEG_CAPTURE_OPTIONS", "threads;1")
+    before, (first, second) = surroundings(), (reader.quiet_and_local() for _ in range(2))
+    first.__enter__()
+    quiet = surroundings()
+    second.__enter__()
+    first.__exit__(None, None, None)
+    assert surroundings() == quiet != before
+    second.__exit__(None, None, None)
+    assert surroundings() == before
