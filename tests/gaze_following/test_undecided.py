@@ -110,11 +110,13 @@ def test_in_closed_form_a_session_decides_what_it_does_in_the_physics():
     simulated, closed = begun(STATE), begun(CLOSED)
     simulated.finish()
     closed.finish()
+    for name in ("launch_s", "landing_s", "source", "chosen", "reached", "commanded_by", "learned", "success"):
+        np.testing.assert_array_equal(closed.shifts.column(name), simulated.shifts.column(name), name)
     tables = [session.shifts.rows.read() for session in (simulated, closed)]
-    np.testing.assert_allclose(tables[1], tables[0], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(tables[1], tables[0], rtol=0, atol=1e-3)  # face patterns are rounded to float32
     assert len(closed.shifts) > 40
     for name, learned in simulated.weights().items():
-        np.testing.assert_allclose(closed.weights()[name], learned, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(closed.weights()[name], learned, rtol=0, atol=1e-3)
 
 
 def test_in_closed_form_a_head_that_settles_is_passed_by():
