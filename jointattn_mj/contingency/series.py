@@ -298,7 +298,7 @@ def _joined(series: Mapping[str, Series | None]) -> dict[str, tuple[np.ndarray, 
             return {}
         arrays += given
     n = len(arrays)
-    if list(map(type, arrays)).count(np.ndarray) < n or list(map(_DIMENSIONS, arrays)).count(1) < n:
+    if not n or list(map(type, arrays)).count(np.ndarray) < n or list(map(_DIMENSIONS, arrays)).count(1) < n:
         return {}
     lengths = np.fromiter(map(len, arrays), np.int64, n)
     codes = _one_after_the_other(arrays)

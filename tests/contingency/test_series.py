@@ -173,6 +173,11 @@ def test_rows_are_recordings(kind):
     assert c.transfer_entropy(*turned) == c.transfer_entropy(*lists)
 
 
+def test_no_series_is_an_error():
+    with pytest.raises(SeriesError, match="series must"):
+        code(None)
+
+
 def test_some_rows():
     rows = Stacked(np.arange(12).reshape(3, 4))
     assert repr(rows) == "Stacked(3 recordings of 4 steps)"
