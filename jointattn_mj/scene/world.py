@@ -297,8 +297,10 @@ class World(Closable):
 
     def _place(self, steps: int) -> None:
         """Put all bodies where their joints are by now, so many steps of the physics later."""
-        for _ in range(steps):
-            self.data.time += self._servos.seconds
+        now, seconds = self.data.time, self._servos.seconds
+        for _ in range(steps):  # as MuJoCo adds them up
+            now += seconds
+        self.data.time = now
         mujoco.mj_fwdPosition(self.model, self.data)
 
     def now(self) -> Tape:
