@@ -18,8 +18,9 @@ from jointattn_mj.perception.percept import Observation, Percept
 from jointattn_mj.scene.camera import CENTRE_X, CENTRE_Y, FOCAL_PX, PIVOT
 from jointattn_mj.scene.caregiver import FRAME_S
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
+from jointattn_mj.scene.motion import note_moves
 from jointattn_mj.scene.tape import Tape
-from jointattn_mj.scene.world import World, note_moves
+from jointattn_mj.scene.world import World
 
 _X, _Y, _Z = PIVOT.tolist()
 

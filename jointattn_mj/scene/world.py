@@ -5,7 +5,7 @@ A session steps a ``World`` directly; a dm_control task steps it over the task's
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from math import radians, sqrt
+from math import radians
 from typing import Any, Literal, Self
 
 import mujoco
@@ -17,7 +17,6 @@ from jointattn_mj.errors import ConfigError, NotFiniteError
 from jointattn_mj.guards.closing import Closable, closed_one
 from jointattn_mj.guards.finite import check_finite
 from jointattn_mj.guards.restored import check_array
-from jointattn_mj.io.compiled import njit
 from jointattn_mj.options import Checked
 from jointattn_mj.scene import snapshot
 from jointattn_mj.scene.camera import Eye
@@ -26,6 +25,7 @@ from jointattn_mj.scene.delay import Past
 from jointattn_mj.scene.dressing import Conditions, Wardrobe, upload
 from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.model import SceneConfig, build_model, rest_height
+from jointattn_mj.scene.motion import note_moves, run_closed_form, run_in_physics, set_out
 from jointattn_mj.scene.movement import ARM_JOINTS, Arm
 from jointattn_mj.scene.redrawing import RedrawingEye
 from jointattn_mj.scene.rendering import RenderingPhysics
@@ -274,9 +274,9 @@ class World(Closable):
             self._object_positions, self._head_angles[None], head, face, face_speeds,
         )  # fmt: skip
         if halves:
-            _run(*halves, self.model._address, self.data._address, *given)
+            run_in_physics(*halves, self.model._address, self.data._address, *given)
         else:
-            _run_closed_form(self._servos, self._head_speeds[None], *given)
+            run_closed_form(self._servos, self._head_speeds[None], *given)
             self._place(frames)
         self._image = None
         return Tape(doing, head, face, face_speeds, objects[:-1])
@@ -326,7 +326,7 @@ class World(Closable):
         for _ in range(self.frames):
             caregiver.advance()
         self._controls[:] = command
-        _set_out(
+        set_out(
             caregiver.joints, self._script_angles, self._script_speeds, caregiver.objects, self._object_positions,
             self.frames * FRAME_S,
         )  # fmt: skip
@@ -473,94 +473,6 @@ class World(Closable):
         mujoco.mj_step1(self.model, self.data)
         self.eye.set_state(eye)
         self._image = None
-
-
-@njit(cache=True)
-def _set_out(
-    joints: np.ndarray,
-    angles: np.ndarray,
-    speeds: np.ndarray,
-    objects: np.ndarray,
-    positions: np.ndarray,
-    seconds: float,
-) -> None:
-    """Set ``speeds`` that bring ``angles`` to ``joints`` in ``seconds``, and the objects' ``positions``.
-
-    Compiled: 0.8 microseconds a step instead of 3.9.
-    """
-    if not len(joints) == len(angles) == len(speeds) or objects.shape != positions.shape:
-        raise ValueError("joints and objects do not fit the world")
-    for k in range(len(speeds)):
-        speeds[k] = (joints[k] - angles[k]) / seconds
-    for k in range(len(positions)):
-        for axis in range(positions.shape[1]):
-            positions[k, axis] = objects[k, axis]
-
-
-@njit(cache=True)
-def _run(
-    step1: Any, step2: Any, model: int, data: int, commands: np.ndarray, joints: np.ndarray, objects: np.ndarray,
-    seconds: float, controls: np.ndarray, angles: np.ndarray, speeds: np.ndarray, positions: np.ndarray,
-    heads: np.ndarray, head: np.ndarray, face: np.ndarray, face_speeds: np.ndarray,
-) -> None:  # fmt: skip
-    """Simulate a step for each of ``commands``, and note before it where head and face are."""
-    for t in range(len(commands)):
-        _note(heads, angles, speeds, head[t], face[t], face_speeds[t])
-        for axis in range(2):
-            controls[axis] = commands[t, axis]
-        _set_out(joints[t], angles, speeds, objects[t], positions, seconds)
-        step2(model, data)
-        step1(model, data)
-
-
-@njit(cache=True)
-def _run_closed_form(
-    servos: Servos, head_speeds: np.ndarray, commands: np.ndarray, joints: np.ndarray, objects: np.ndarray,
-    seconds: float, controls: np.ndarray, angles: np.ndarray, speeds: np.ndarray, positions: np.ndarray,
-    heads: np.ndarray, head: np.ndarray, face: np.ndarray, face_speeds: np.ndarray,
-) -> None:  # fmt: skip
-    """The same without the physics, for a head of ``head_speeds`` (1, 2), rad/s."""
-    for t in range(len(commands)):
-        _note(heads, angles, speeds, head[t], face[t], face_speeds[t])
-        _set_out(joints[t], angles, speeds, objects[t], positions, seconds)
-        for k in range(len(angles)):
-            angles[k] = joints[t, k]
-        controls[:] = commands[t]
-        turn(servos, heads, head_speeds, commands[t : t + 1], 1)
-
-
-@njit(cache=True)
-def _note(
-    heads: np.ndarray, angles: np.ndarray, speeds: np.ndarray, head: np.ndarray, face: np.ndarray,
-    face_speeds: np.ndarray,
-) -> None:  # fmt: skip
-    """Note where head (1, 2) and face are, and how fast the face turns."""
-    for axis in range(2):
-        head[axis], face[axis], face_speeds[axis] = heads[0, axis], angles[axis], speeds[axis]
-
-
-@njit(cache=True)
-def note_moves(
-    objects: np.ndarray, before: np.ndarray, speeds: np.ndarray, face_above: float, path_above: float, moved: np.ndarray
-) -> None:
-    """Note which candidates moved in a frame; ``World.moving`` is this for the present frame.
-
-    Compiled: 2 microseconds instead of 9, in every frame that is perceived from the state.
-
-    Args:
-        objects: (n, 3) where the objects are, metres.
-        before: (n, 3) where they were a frame before.
-        speeds: (2,) or more, of the caregiver's head in yaw and pitch, rad/s.
-        face_above: Speed above which the head moves, rad/s.
-        path_above: Square of the path in a frame above which an object moves, square metres.
-        moved: (n + 1,) bool, takes the result.
-    """
-    for k in range(len(objects)):
-        path = 0.0
-        for axis in range(3):
-            path += (objects[k, axis] - before[k, axis]) ** 2
-        moved[k] = path > path_above
-    moved[len(objects)] = sqrt(speeds[0] * speeds[0] + speeds[1] * speeds[1]) > face_above
 
 
 def _span(addresses: Sequence[int]) -> slice:
