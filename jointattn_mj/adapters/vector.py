@@ -168,11 +168,10 @@ class FollowVector(VectorEnv[dict[str, np.ndarray], np.ndarray, np.ndarray]):
 
     def _observe(self) -> dict[str, np.ndarray]:
         """Observations of all worlds: new arrays."""
-        names: dict[str, Any] = self.single_observation_space.spaces  # type: ignore[attr-defined]
-        if not {"camera", "face_patch"} & names.keys():
-            observed = {"head_angles": self._angles.copy(), "truth": self._gazes()}
-            return {name: observed[name] for name in names}
         spaces: dict[str, Any] = self.observation_space.spaces  # type: ignore[attr-defined]
+        if not {"camera", "face_patch"} & spaces.keys():
+            observed = {"head_angles": self._angles.copy(), "truth": self._gazes()}
+            return {name: observed[name] for name in spaces}
         observed = {name: np.empty(space.shape, space.dtype) for name, space in spaces.items()}
         for world, (episode, head) in enumerate(zip(self._episodes, self._angles, strict=True)):
             for name, value in episode.observe(head).items():

@@ -24,7 +24,7 @@ def caregiver(seed: int = 0, objects: int = 4, config: CaregiverConfig | None = 
     return TransferScript(config, LayoutConfig(), objects, REST, np.array(HEAD_POSITION), arm, rng)
 
 
-def live(person: TransferScript, minutes: float = 5) -> list[tuple]:
+def played(person: TransferScript, minutes: float = 5) -> list[tuple]:
     """(phase, target, held, objects, joints) of every frame."""
     frames = []
     for _ in range(round(minutes * 60 / FRAME_S)):
@@ -35,7 +35,7 @@ def live(person: TransferScript, minutes: float = 5) -> list[tuple]:
 
 @pytest.fixture(scope="module")
 def run() -> list[tuple]:
-    return live(caregiver())
+    return played(caregiver())
 
 
 def phases_of(run: list[tuple]) -> list[tuple[Phase, int]]:
@@ -64,7 +64,7 @@ def test_durations_stay_within_their_jitter(run):
 
 def test_without_jitter_every_phase_has_its_length():
     config = CaregiverConfig(duration_jitter=0)
-    for phase, frames in phases_of(live(caregiver(config=config), 1)):
+    for phase, frames in phases_of(played(caregiver(config=config), 1)):
         assert frames == round(getattr(config, f"{phase}_s") / FRAME_S)
 
 
@@ -125,13 +125,13 @@ def test_many_frames_are_those_one_by_one():
             np.testing.assert_array_equal(objects[frame], one_by_one.objects)
         assert at_once.doing() == one_by_one.doing()
         np.testing.assert_array_equal(at_once.objects, one_by_one.objects)
-    assert {phase for phase, *_ in live(one_by_one, 0.5)} > {Phase.LIFT, Phase.PUT}
+    assert {phase for phase, *_ in played(one_by_one, 0.5)} > {Phase.LIFT, Phase.PUT}
 
 
 def test_places_spread_evenly_over_the_table():
     """Section 6.4.2: "positions as even as possible". Chi-square over 3 x 8 cells; uniform draws give about 23."""
     config, used, low = LayoutConfig(), np.zeros((3, 8)), np.array([0.90, -0.36])
-    for before, after in pairwise(live(caregiver(seed=2), 26)):  # as long as a session
+    for before, after in pairwise(played(caregiver(seed=2), 26)):  # as long as a session
         if before[0] == Phase.PUT and after[0] == Phase.GAZE:
             location = after[3][after[1], :2]
             used[tuple(((location - low) / [0.22, 0.72] * used.shape).astype(int))] += 1
@@ -142,14 +142,14 @@ def test_places_spread_evenly_over_the_table():
 
 
 def test_same_seed_same_run():
-    first, second, other = (live(caregiver(seed=seed), 0.5) for seed in (3, 3, 4))
+    first, second, other = (played(caregiver(seed=seed), 0.5) for seed in (3, 3, 4))
     assert all(np.array_equal(a[3], b[3]) and np.array_equal(a[4], b[4]) for a, b in zip(first, second, strict=True))
     assert not np.array_equal(first[0][3], other[0][3])
 
 
 @pytest.mark.parametrize("objects", [1, 2, 8])
 def test_other_numbers_of_objects(objects):
-    for _, _, _, locations, joints in live(caregiver(objects=objects), 0.5):
+    for _, _, _, locations, joints in played(caregiver(objects=objects), 0.5):
         assert locations.shape == (objects, 3)
         assert np.isfinite(joints).all()
 
@@ -163,7 +163,7 @@ def test_impossible_settings_are_errors(wrong):
 def test_a_hand_that_is_back_within_a_frame():
     config = CaregiverConfig(withdraw_s=0.001)
     person = caregiver(config=config)
-    live(person, 0.5)
+    played(person, 0.5)
     while person.phase is not Phase.GAZE:
         person.advance()
     assert person._hand == pytest.approx(config.rest_location)
