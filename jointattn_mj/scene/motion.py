@@ -21,6 +21,14 @@ def set_out(
     """Set ``speeds`` that bring ``angles`` to ``joints`` in ``seconds``, and the objects' ``positions``.
 
     Compiled: 0.8 microseconds a step instead of 3.9.
+
+    Args:
+        joints: (m,) the caregiver's joints at the end of the step, rad.
+        angles: (m,) the same now.
+        speeds: (m,) takes their speeds, rad/s.
+        objects: (n, 3) where the objects are to be, metres.
+        positions: (n, 3) takes that.
+        seconds: Length of the step, s.
     """
     if not len(joints) == len(angles) == len(speeds) or objects.shape != positions.shape:
         raise ValueError("joints and objects do not fit the world")
@@ -37,7 +45,26 @@ def run_in_physics(
     seconds: float, controls: np.ndarray, angles: np.ndarray, speeds: np.ndarray, positions: np.ndarray,
     heads: np.ndarray, head: np.ndarray, face: np.ndarray, face_speeds: np.ndarray,
 ) -> None:  # fmt: skip
-    """Simulate a step for each of ``commands``, and note before it where head and face are."""
+    """Simulate a step for each of ``commands``, and note before it where head and face are.
+
+    Args:
+        step1: MuJoCo's ``mj_step1``.
+        step2: Its ``mj_step2``.
+        model: Address of the model.
+        data: Address of the data, of which the other arrays are views.
+        commands: (k, 2) desired pan and tilt, rad.
+        joints: (k, m) the caregiver's joints at the end of each step, rad.
+        objects: (k, n, 3) the objects then, metres.
+        seconds: Length of a step, s.
+        controls: (2,) of the head's servos.
+        angles: (m,) of the caregiver's joints, rad, yaw and pitch of the face first.
+        speeds: (m,) theirs, rad/s.
+        positions: (n, 3) of the objects.
+        heads: (1, 2) pan and tilt, rad.
+        head: (k, 2) takes pan and tilt before each step.
+        face: (k, 2) takes yaw and pitch of the face, rad.
+        face_speeds: (k, 2) takes their speeds, rad/s.
+    """
     for t in range(len(commands)):
         _note(heads, angles, speeds, head[t], face[t], face_speeds[t])
         for axis in range(2):
@@ -53,7 +80,24 @@ def run_closed_form(
     seconds: float, controls: np.ndarray, angles: np.ndarray, speeds: np.ndarray, positions: np.ndarray,
     heads: np.ndarray, head: np.ndarray, face: np.ndarray, face_speeds: np.ndarray,
 ) -> None:  # fmt: skip
-    """The same without the physics, for a head of ``head_speeds`` (1, 2), rad/s."""
+    """The same without the physics.
+
+    Args:
+        servos: The head's.
+        head_speeds: (1, 2) its speeds, rad/s.
+        commands: As for ``run_in_physics``, like the rest.
+        joints: See there.
+        objects: See there.
+        seconds: See there.
+        controls: See there.
+        angles: See there.
+        speeds: See there.
+        positions: See there.
+        heads: See there.
+        head: See there.
+        face: See there.
+        face_speeds: See there.
+    """
     for t in range(len(commands)):
         _note(heads, angles, speeds, head[t], face[t], face_speeds[t])
         set_out(joints[t], angles, speeds, objects[t], positions, seconds)
