@@ -131,12 +131,13 @@ def _count(counts: Counts, block: Block, n: int) -> None:
         for i in range(steps):
             locations[i] = begin + r[i] * per_result + s[i] * per_sensor + a[i] * per_action
         total, occupied = counts.sums[c], counts.occupied[c]
+        listed = counts.n[c] + n <= LISTED  # known before the loop, which is compiled for either case
         for i in range(steps):
             row = np.uint64(locations[i])
             entry = row + np.uint64(1) + np.uint64(r_next[i])
             before, row_before = entries[entry], entries[row]
             entries[entry], entries[row] = before + 1.0, row_before + 1.0
-            if row_before < LISTED:
+            if listed or row_before < LISTED:
                 total += gains[np.uint64(np.int64(before))] - gains[np.uint64(np.int64(row_before))]
             else:
                 total += one_more(before, gains) - one_more(row_before, gains)
@@ -161,7 +162,7 @@ def _check_take_in(watch: Watch, counts: Counts, block: Block, n: int) -> None:
 
 
 @checked_by(_check_take_in)
-@njit(cache=True, borrows=True)
+@njit(cache=True, borrows=True, error_model="numpy")  # a test for a division by zero would keep it from taking several
 def take_in(watch: Watch, counts: Counts, block: Block, n: int) -> int:
     """Count the transitions of a block, estimate all measures after each, and test the stop rule.
 
@@ -203,9 +204,11 @@ def take_in(watch: Watch, counts: Counts, block: Block, n: int) -> int:
         for i in range(steps):
             value, former = values[i + np.uint64(1)], highest[i]
             higher = value > former
-            second[i] = former if higher else (value if value > second[i] else second[i])
-            first[i] = np.int64(e) if higher else first[i]
+            lower = former if higher else value
             highest[i] = value if higher else former
+            second[i] = lower if lower > second[i] else second[i]
+            if higher:
+                first[i] = np.int64(e)
     event = NOTHING
     for i in range(steps):
         event = judge(watch, counts, first[i], highest[i], second[i], change[i])
