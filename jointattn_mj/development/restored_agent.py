@@ -76,7 +76,7 @@ def check_agent(state: "AgentState", model: "AgentState", variables: Variables, 
         blank = {name: np.zeros_like(getattr(counts, name)) for name in ("entries", "sums", "n", "occupied")}
         remembered = counts._replace(**blank)
         _remember(remembered, past)
-        if not np.array_equal(remembered.entries, counts.entries):
+        if not (np.array_equal(remembered.entries, counts.entries) and np.array_equal(remembered.n, counts.n)):
             raise ValueError("counts are others than those of what is remembered")
 
 

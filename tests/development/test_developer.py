@@ -284,14 +284,18 @@ def test_impossible_options(options, words):
 
 
 @pytest.mark.parametrize("memory", ["whole", "window", "fading"])
-def test_counts_of_a_restored_agent_add_up(memory):
+@pytest.mark.parametrize("tampered", ["entries", "n"])
+def test_counts_of_a_restored_agent_add_up(memory, tampered):
     """Compiled code looks up what a count adds, and would look beyond the end of the list."""
     agent = Diary(replace(HASTY, memory=memory), 120).agent
     copy = pickle.loads(pickle.dumps(agent))
     assert np.array_equal(copy.state.counts.entries, agent.state.counts.entries)
     own = agent.state.counts.of_event[0, OWN]
     begin = agent.state.counts.layout[own, OFFSET]
-    agent.state.counts.entries[begin + 1] = 1e9
+    if tampered == "entries":
+        agent.state.counts.entries[begin + 1] = 1e9
+    else:
+        agent.state.counts.n[own] = -1e9
     if memory == "fading":  # with logarithms, and no list
         pickle.loads(pickle.dumps(agent))
     else:

@@ -140,14 +140,14 @@ def _entries(counts: Counts, context: int) -> np.ndarray:
 
 
 def check_add_up(counts: Counts) -> None:
-    """Refuse whole counts of which those of (r, v, r') are not together those of (r, v).
+    """Refuse whole counts of which those of (r, v, r') are not together those of (r, v), or these not n.
 
     Raises:
         ObservationError: They do not add up; ``gains`` would be read beyond its end.
     """
-    for context in range(len(counts.layout)):
+    for context, n in enumerate(counts.n):
         entries = _entries(counts, context)
-        if not np.array_equal(entries[..., 0], entries[..., 1:].sum(-1)):
+        if not np.array_equal(entries[..., 0], entries[..., 1:].sum(-1)) or entries[..., 0].sum() != n:
             raise ObservationError(f"the counts of context {context} do not add up")
 
 
