@@ -191,7 +191,7 @@ class GazeFollower:
 
     def coming(self, frames: int) -> np.ndarray:
         """References (frames, 2) of the head's servos, deg, in as many frames without a decision."""
-        return np.tile(self._held, (frames, 1)) if self._movement is None else self._movement.coming(frames)
+        return np.repeat(self._held[None], frames, axis=0) if self._movement is None else self._movement.coming(frames)
 
     def pass_by(self, references: np.ndarray) -> None:
         """Let as many frames without a decision pass, in which the ``references`` (k, 2), deg, are commanded."""

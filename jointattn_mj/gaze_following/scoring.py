@@ -9,7 +9,8 @@ moment counts. A shift takes a second, and the human goes on meanwhile:
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
 
@@ -27,12 +28,6 @@ class Moment:
     target: int | None  # object that the caregiver looks at
     directions: np.ndarray  # (n, 2) of the objects from the robot, deg
 
-    @classmethod
-    def now(cls, world: World, frame: int) -> "Moment":
-        """The present moment of ``world``; ``frame`` is its number."""
-        caregiver = world.caregiver
-        return cls(frame, str(caregiver.phase), caregiver.target, directions_to(caregiver.objects))
-
     @property
     def time_s(self) -> float:
         """Time in the session, s."""
@@ -43,6 +38,41 @@ class Moment:
         distances = [off_centre(direction, head) for direction in self.directions]
         index = int(np.argmin(distances))
         return index, distances[index]
+
+
+_MADE_OF = ("frame", "phase", "target", "objects")
+
+
+class WorldMoment(Moment):
+    """A moment of a simulated world. Directions are worked out when they are looked at: few gaze shifts are judged."""
+
+    objects: np.ndarray  # (n, 3) their centres, world frame, metres
+
+    def __init__(self, world: World, frame: int):
+        """The present moment of ``world``; ``frame`` is its number."""
+        caregiver = world.caregiver
+        vars(self).update(
+            frame=frame, phase=str(caregiver.phase), target=caregiver.target, objects=caregiver.objects.copy()
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What it was made of."""
+        return {name: vars(self)[name] for name in _MADE_OF}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore it.
+
+        Raises:
+            ValueError: It was made of something else.
+        """
+        if tuple(state) != _MADE_OF:
+            raise ValueError(f"a moment of a world is made of {_MADE_OF}; got {tuple(state)}")
+        vars(self).update(state)
+
+    @cached_property
+    def directions(self) -> np.ndarray:
+        """(n, 2) of the objects from the robot, deg."""
+        return directions_to(self.objects)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from jointattn_mj.gaze_following.agent import GazeFollower, GazeShift, RobotConfig
-from jointattn_mj.gaze_following.scoring import Judgement, Moment, judge
+from jointattn_mj.gaze_following.scoring import Judgement, Moment, WorldMoment, judge
 from jointattn_mj.gaze_following.shifts import Shifts, shift_row
 from jointattn_mj.gaze_following.summary import SessionSummary, summarise
 from jointattn_mj.gaze_following.tables import FrameTable
@@ -163,7 +163,7 @@ class SessionRun:
 
     def moment(self) -> Moment:
         """What success may be held against now."""
-        return Moment.now(self.world, self.frame)
+        return WorldMoment(self.world, self.frame)
 
     def judge(self, launch: Moment, landing: Moment, head: np.ndarray) -> Judgement:
         """Score a gaze shift from the face to an object; see ``scoring.judge``."""

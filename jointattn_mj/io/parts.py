@@ -62,7 +62,7 @@ gaze_following.cross_situational: CrossSituationalLearner
 gaze_following.gate: GazeConfig HeadShift
 gaze_following.learners: LearnerConfig LinearLearner PopulationCode PopulationLearner
 gaze_following.network_learner: NetworkLearner
-gaze_following.scoring: Moment
+gaze_following.scoring: Moment WorldMoment
 gaze_following.session: SessionRun
 gaze_following.shifts: Shifts
 gaze_following.tables: FrameTable

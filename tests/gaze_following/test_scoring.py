@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointattn_mj.gaze_following.scoring import Judgement, Moment, judge
+from jointattn_mj.gaze_following.scoring import Judgement, Moment, WorldMoment, judge
 from jointattn_mj.scene.camera import directions_to
 from jointattn_mj.scene.caregiver import Phase
 from jointattn_mj.scene.world import World, WorldConfig
@@ -57,10 +57,10 @@ def test_distance_shrinks_with_tilt():
 
 def test_the_present_of_a_world():
     world = World.build(WorldConfig(), np.random.SeedSequence(2))
-    assert Moment.now(world, 0).target is None
+    assert WorldMoment(world, 0).target is None
     while world.caregiver.phase != Phase.LIFT:
         world.step(np.zeros(2))
-    now = Moment.now(world, 7)
+    now = WorldMoment(world, 7)
     assert (now.frame, now.phase, now.target) == (7, "lift", world.caregiver.held)
     kept = directions_to(world.caregiver.objects)
     for _ in range(10):
