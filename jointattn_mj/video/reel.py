@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
 
+import cv2
 import imageio_ffmpeg
 import numpy as np
 
@@ -19,6 +20,11 @@ QUALITY = 26
 """Constant rate factor of x264; less is better and larger. 24 adds a sixth to the size, 28 takes a seventh off."""
 CHEAP = "cabac=1:aq-mode=1:bframes=3:b-adapt=0:deblock=0,0"
 """What x264's preset ultrafast leaves out and a quick film needs: with it, half the size for a sixth more time."""
+PLANES = (
+    "split=3[all][left][right];[all]crop=iw:ih*2/3:0:0[y];[left]crop=iw/2:ih/3:0:ih*2/3[u];"
+    "[right]crop=iw/2:ih/3:iw/2:ih*2/3[v];[y][u][v]mergeplanes=0x001020:yuv420p"
+)
+"""ffmpeg's filter for an image of brightness (h, w) above two of colour (h/2, w/2) side by side."""
 FRAGMENTED = ("-movflags", "frag_keyframe+empty_moov+default_base_moof")
 """ffmpeg's arguments for an mp4 that plays even when it was cut short."""
 INSTALL = "Install ffmpeg (`apt-get install ffmpeg`, or `pip install imageio-ffmpeg`), or run without the video."
@@ -38,17 +44,21 @@ class Reel:
             height: Of the images, pixels.
             width: Of the images, pixels.
             rate: Images a second.
-            quick: Encode in a third of the time, to a file about twice as large.
+            quick: Encode in a fifth of the time, to a file about twice as large; the height is a multiple of 4.
         """
         import mediapy
 
         how = (
-            f"-preset ultrafast -x264-params {CHEAP} -threads 1 -g {round(2 * rate)}" if quick
+            f"-vf {PLANES} -preset ultrafast -x264-params {CHEAP} -threads 1 -g {round(2 * rate)}" if quick
             else f"-preset veryfast -g {max(1, round(rate))}"
         )  # fmt: skip
         arguments = f"{how} {' '.join(FRAGMENTED)} -flush_packets 1"
         path = path.absolute()  # ffmpeg takes what stands before a colon in a bare name as a protocol
-        self._writer = mediapy.VideoWriter(path, (height, width), fps=rate, crf=QUALITY, ffmpeg_args=arguments)
+        self._planes = np.empty((height + height // 2, width), np.uint8) if quick else None
+        self._writer = mediapy.VideoWriter(
+            path, (height, width) if self._planes is None else self._planes.shape, fps=rate, crf=QUALITY,
+            ffmpeg_args=arguments, input_format="gray" if quick else "rgb",
+        )  # fmt: skip
 
     def __enter__(self) -> "Reel":
         """Start ffmpeg.
@@ -70,6 +80,9 @@ class Reel:
         Raises:
             VideoError: ffmpeg has given up.
         """
+        if self._planes is not None:
+            _split(image, self._planes)
+            image = self._planes
         try:
             self._writer.add_image(image)
         except (OSError, RuntimeError) as error:
@@ -90,6 +103,18 @@ class Reel:
             f"ffmpeg stopped writing {self._writer.path} ({error}); is the disk full? If this ffmpeg lacks H.264, "
             f"take another one. {INSTALL}"
         )
+
+
+def _split(image: np.ndarray, planes: np.ndarray) -> None:
+    """Write an image (h, w, 3) to ``planes`` (3h/2, w), as the filter ``PLANES`` takes it.
+
+    OpenCV does that in a fifth of the time that ffmpeg takes for it, and half as much goes through the pipe.
+    """
+    height, width = image.shape[:2]
+    together = cv2.cvtColor(image, cv2.COLOR_RGB2YUV_I420)
+    planes[:height] = together[:height]
+    u, v = together[height:].reshape(2, height // 2, width // 2)
+    planes[height:, : width // 2], planes[height:, width // 2 :] = u, v
 
 
 @contextmanager
