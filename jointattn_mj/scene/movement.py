@@ -64,25 +64,25 @@ def rotation_to_zyx(rotation: np.ndarray) -> np.ndarray:
         ObservationError: It is no rotation.
     """
     require_array("rotation", rotation, (3, 3), "f", -2, 2)
-    return np.array(_zyx(rotation))
+    return np.array(_zyx(np.ascontiguousarray(rotation.T)))
 
 
 @njit(cache=True)
-def _zyx(rotation: np.ndarray) -> tuple[float, float, float]:
-    """``rotation_to_zyx``, as three numbers, which take half as long to compile as an array."""
-    yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
-    pitch = np.arctan2(-rotation[2, 0], np.hypot(rotation[0, 0], rotation[1, 0]))
-    return yaw, pitch, np.arctan2(rotation[2, 1], rotation[2, 2])
+def _zyx(axes: np.ndarray) -> tuple[float, float, float]:
+    """``rotation_to_zyx`` of a rotation's columns, as three numbers, which take half as long to compile as an array."""
+    yaw = np.arctan2(axes[0, 1], axes[0, 0])
+    pitch = np.arctan2(-axes[0, 2], np.hypot(axes[0, 0], axes[0, 1]))
+    return yaw, pitch, np.arctan2(axes[1, 2], axes[2, 2])
 
 
 @njit(cache=True)
-def _multiply(a: np.ndarray, b: np.ndarray, product: np.ndarray) -> None:
-    """Put the product of two matrices (3, 3) into a third; numba's own would need scipy."""
+def _transposed_times(a: np.ndarray, b: np.ndarray, product: np.ndarray) -> None:
+    """Put the product of a transposed matrix (3, 3) and another into a third; numba's own would need scipy."""
     for i in range(3):
         for j in range(3):
             product[i, j] = 0.0
             for k in range(3):
-                product[i, j] += a[i, k] * b[k, j]
+                product[i, j] += a[k, i] * b[k, j]
 
 
 @njit(cache=True)
@@ -97,25 +97,25 @@ def _reach(
 ) -> np.ndarray:
     """``Arm.reach``, point by point. Compiled: in numpy it takes most of the planning, which falls into one frame.
 
-    Vectors of three numbers are written out: whole-array operations take four times as long to compile.
+    Vectors of three numbers are written out: whole-array operations take four times as long to compile. All arrays have
+    two axes, and none is transposed: others would be compiled apart.
     """
-    joints = np.zeros((len(points), 7))
-    frame, elbow, forearm, wrist = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))
-    along = np.zeros(3)
+    joints, along = np.zeros((len(points), 7)), np.zeros((1, 3))
+    axes, elbow, forearm, wrist = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))
     for t in range(len(points)):
         squares = 0.0
         for i in range(3):
             held = 0.0
             for k in range(3):
                 held += hand[i, k] * grasp[k]
-            along[i] = points[t, i] - shoulder[i] - held
-            squares += along[i] * along[i]
+            along[0, i] = points[t, i] - shoulder[i] - held
+            squares += along[0, i] * along[0, i]
         distance = np.sqrt(squares)
         for i in range(3):
-            along[i] /= distance
+            along[0, i] /= distance
         distance = min(max(distance, abs(upper - fore) + 1e-6), upper + fore - 1e-6)
-        level = np.hypot(along[0], along[1])
-        right_x, right_y = along[1] / level, -along[0] / level
+        level = np.hypot(along[0, 0], along[0, 1])
+        right_x, right_y = along[0, 1] / level, -along[0, 0] / level
         cos_swing, sin_swing = np.cos(swing[t]), np.sin(swing[t])
 
         # Law of cosines: the angle at the shoulder between the line to the wrist and the upper arm, and the elbow's.
@@ -123,21 +123,21 @@ def _reach(
         bend = np.pi - np.arccos((upper**2 + fore**2 - distance**2) / (2 * upper * fore))
         cos_shoulder, sin_shoulder = np.cos(at_shoulder), np.sin(at_shoulder)
 
-        # The upper arm's frame: x along it, y in the plane of the arm on the side to which the elbow bends.
-        above = right_y * along[2], -right_x * along[2], right_x * along[1] - right_y * along[0]
+        # The upper arm's axes: x along it, y in the plane of the arm on the side to which the elbow bends.
+        above = right_y * along[0, 2], -right_x * along[0, 2], right_x * along[0, 1] - right_y * along[0, 0]
         for i, right in enumerate((right_x, right_y, 0.0)):
             side = cos_swing * right + sin_swing * above[i]
-            frame[i, 0] = cos_shoulder * along[i] + sin_shoulder * side
-            frame[i, 1] = sin_shoulder * along[i] - cos_shoulder * side
+            axes[0, i] = cos_shoulder * along[0, i] + sin_shoulder * side
+            axes[1, i] = sin_shoulder * along[0, i] - cos_shoulder * side
         for i in range(3):
             j, k = (i + 1) % 3, (i + 2) % 3
-            frame[i, 2] = frame[j, 0] * frame[k, 1] - frame[k, 0] * frame[j, 1]
+            axes[2, i] = axes[0, j] * axes[1, k] - axes[0, k] * axes[1, j]
         elbow[0, 0], elbow[0, 1], elbow[1, 0], elbow[1, 1] = np.cos(bend), -np.sin(bend), np.sin(bend), np.cos(bend)
         elbow[2, 2] = 1.0
-        joints[t, 0], joints[t, 1], joints[t, 2] = _zyx(frame)
+        joints[t, 0], joints[t, 1], joints[t, 2] = _zyx(axes)
         joints[t, 3] = bend
-        _multiply(frame, elbow, forearm)
-        _multiply(forearm.T, hand, wrist)
+        _transposed_times(axes, elbow, forearm)
+        _transposed_times(hand, forearm, wrist)  # its columns
         joints[t, 4], joints[t, 5], joints[t, 6] = _zyx(wrist)
     return joints
 

@@ -18,7 +18,7 @@ they have in common.
 
 from collections.abc import Sequence
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -28,6 +28,8 @@ from jointattn_mj.guards.border import checked_by, require_array
 from jointattn_mj.io.compiled import njit
 
 NONE = -1
+ANY: Any = np.int64(0)
+"""The one value of what is no part of a context; for a plain 0, numba compiles what it is given to once more."""
 SENSOR, ACTION, RESULT, PER_SENSOR, PER_ACTION, PER_RESULT, WIDTH, OFFSET = range(8)
 """Columns of ``Counts.layout``.
 
@@ -326,16 +328,16 @@ def local_variance(counts: Counts, event: int, single: int) -> float:
     mean = square = 0.0
     for k in range(results):
         for k_next in range(results):
-            chance = _share(counts, alone, k, 0, 0, k_next)
+            chance = _share(counts, alone, k, ANY, ANY, k_next)
             for i in range(sensors):
-                of_s = _share(counts, of_sensor, k, i, 0, k_next)
+                of_s = _share(counts, of_sensor, k, i, ANY, k_next)
                 if of_s == 0.0:
                     continue
                 for j in range(actions):
                     both = _share(counts, own, k, i, j, k_next)
                     if both == 0.0:
                         continue
-                    local = np.log(both / _share(counts, of_action, k, 0, j, k_next))
+                    local = np.log(both / _share(counts, of_action, k, ANY, j, k_next))
                     if single:
                         local -= np.log(of_s / chance)
                     count = counts.entries[_location(layout, own, k, i, j) + np.uint64(1 + k_next)]

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -250,7 +250,8 @@ def update(watch: Watch, counts: Counts) -> int:
     rule, values = watch.rule, watch.values
     of_event, sums, occupied = counts.of_event, counts.sums, counts.occupied
     single, half, per_nat = rule.single, 0.5 * rule.corrected, rule.per_nat
-    first, highest, second, change = NOTHING, -np.inf, -np.inf, 0.0
+    first: Any = np.int64(NOTHING)  # of an event's type: for a plain number ``judge`` would be compiled once more
+    highest, second, change = -np.inf, -np.inf, 0.0
     for e in range(np.uint64(len(values))):
         own, of_action = of_event[e, OWN], of_event[e, OF_ACTION]
         of_sensor, alone = of_event[e, OF_SENSOR], of_event[e, ALONE]
@@ -268,7 +269,7 @@ def update(watch: Watch, counts: Counts) -> int:
         if rule.drops and watch.modelled[e]:
             continue
         if value > highest:
-            first, highest, second = np.int64(e), value, highest  # type: ignore[assignment]  # signed again
+            first, highest, second = np.int64(e), value, highest  # signed again
         elif value > second:
             second = value
     return judge(watch, counts, first, highest, second, change)
