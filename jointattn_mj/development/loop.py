@@ -264,9 +264,9 @@ def think_and_note(
         Number of the event that was found, or NOTHING; and the column in which the row goes on.
     """
     event = think(agent, s, r)
-    column = note(agent, s, r, log[t - first])
+    column = note(agent.a, agent.driver, s, r, log[t - first])
     if (t + 1) % every == 0:
-        sample(agent, samples[(t + 1) // every - 1 - first // every])
+        sample(agent.watch.values, samples[(t + 1) // every - 1 - first // every])
     return event, column
 
 
@@ -296,28 +296,29 @@ def think_held(
 
 
 @njit(cache=True, borrows=True, forceinline=True)
-def note(agent: AgentState, s: np.ndarray, r: np.ndarray, row: np.ndarray) -> int:
+def note(a: np.ndarray, driver: np.ndarray, s: np.ndarray, r: np.ndarray, row: np.ndarray) -> int:
     """Write a step's row of the log; returns the column in which it goes on.
 
     Args:
-        agent: State of the agent.
+        a: Values of the joints, or more, as in ``AgentState``.
+        driver: (joints,) as there.
         s: (sensors,) values of the world's sensors.
         r: (results,) values of the results.
         row: (columns,) is written.
     """
-    joints, location = len(agent.driver), 0
+    joints, location = len(driver), 0
     for values in (s, r):
         for value in values:
             row[location] = value
             location += 1
     for joint in range(joints):
-        row[location + joint] = agent.a[joint]
-        row[location + joints + joint] = agent.driver[joint]
+        row[location + joint] = a[joint]
+        row[location + joints + joint] = driver[joint]
     return location + 2 * joints
 
 
 @njit(cache=True, borrows=True, forceinline=True)
-def sample(agent: AgentState, row: np.ndarray) -> None:
-    """Write every event's contingency into a row (events,)."""
-    for number in range(len(agent.watch.values)):
-        row[number] = agent.watch.values[number]
+def sample(contingency: np.ndarray, row: np.ndarray) -> None:
+    """Write every event's ``contingency`` (events,) into a row, as long or longer."""
+    for number in range(len(contingency)):
+        row[number] = contingency[number]

@@ -106,12 +106,12 @@ def _advance(
                 event = count(agent, r)
             choose(agent, s, r)
             row = log[t - first + i]
-            column = note(agent, s, r, row)
+            column = note(agent.a, agent.driver, s, r, row)
             row[column] = table.state[CAREGIVER]
             row[column + 1] = table.state[OPTION]
         if in_blocks and t > 0:
             event = take_in(agent.watch, agent.counts, block, n)
         t += n
         if t % every == 0:
-            sample(agent, samples[t // every - 1 - first // every])
+            sample(agent.watch.values, samples[t // every - 1 - first // every])
     return t, event
