@@ -130,8 +130,10 @@ class HeadShift:
 
     def coming(self, frames: int) -> np.ndarray:
         """References (frames, 2) for the next frames, whose aim stays."""
-        numbers = np.minimum(np.arange(self.frame, self.frame + frames), self.frames - 1)
-        parts = (self._progress[numbers, None] - self._offset) / (1 - self._offset)
+        coming = self._progress[self.frame : self.frame + frames]
+        if len(coming) < frames:  # the end is held
+            coming = np.append(coming, np.full(frames - len(coming), self._progress[-1]))
+        parts = (coming[:, None] - self._offset) / (1 - self._offset)
         references: np.ndarray = self._start + parts * (self._end - self._start)
         return references
 

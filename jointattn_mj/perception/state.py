@@ -111,18 +111,15 @@ class StatePerception:
     def _percepts(self, tape: Tape, heads: np.ndarray, landed: bool) -> Percept:
         """Percepts, with an axis of k before the others, of k frames with the head at ``heads`` (k, 2), rad."""
         config, frames, n = self.config, len(tape), self._errors.shape[1]
-        draws, noise, turned = np.empty((frames, 2, n)), np.empty((frames, n, 2)), np.empty((frames, 4))
+        draws, noise = np.empty((frames, 2, n)), np.empty((frames, n, 2))
         for frame in range(frames):
             self._rng.random(out=draws[frame])
             self._rng.standard_normal(out=noise[frame])
-            pan, tilt = heads[frame].tolist()
-            pan, tilt = radians(degrees(pan)), radians(degrees(tilt))
-            turned[frame] = cos(pan), sin(pan), cos(tilt), sin(tilt)
         percepts = Percept(
             visible=np.empty((frames, n), bool), px=np.empty((frames, n, 2)), moves=np.empty((frames, n), bool)
         )
         _perceive(
-            tape.objects, tape.face_speeds, self._world.candidate_points(), turned, landed,
+            tape.objects, tape.face_speeds, self._world.candidate_points(), heads, landed,
             radians(config.face_moves_above_deg_s), (config.object_moves_above_m_s * FRAME_S) ** 2,
             draws, noise, self._errors, percepts.visible, percepts.px, percepts.moves,
         )  # fmt: skip
@@ -135,7 +132,7 @@ class StatePerception:
 
 @njit(cache=True)
 def _perceive(
-    objects: np.ndarray, face_speeds: np.ndarray, points: np.ndarray, turned: np.ndarray, landed: bool,
+    objects: np.ndarray, face_speeds: np.ndarray, points: np.ndarray, heads: np.ndarray, landed: bool,
     face_above: float, path_above: float, draws: np.ndarray, noise: np.ndarray, errors: np.ndarray,
     visible: np.ndarray, px: np.ndarray, moves: np.ndarray,
 ) -> None:  # fmt: skip
@@ -144,15 +141,16 @@ def _perceive(
     ``points`` are the objects, which are moved, and the face.
     """
     last = len(points) - 1
-    if not len(objects) - 1 == len(turned) == len(face_speeds) or objects.shape[1:] != (last, 3):
+    if not len(objects) - 1 == len(heads) == len(face_speeds) or objects.shape[1:] != (last, 3) or heads.shape[1] != 2:
         raise ValueError("the parts of a tape do not fit each other, or the world's objects")
     moving = np.empty(last + 1, np.bool_)
-    for t in range(len(turned)):
+    for t in range(len(heads)):
         for k in range(last):
             for axis in range(3):
                 points[k, axis] = objects[t + 1, k, axis]
         note_moves(objects[t + 1], objects[t], face_speeds[t], face_above, path_above, moving)
-        cos_pan, sin_pan, cos_tilt, sin_tilt = turned[t, 0], turned[t, 1], turned[t, 2], turned[t, 3]
+        pan, tilt = radians(degrees(heads[t, 0])), radians(degrees(heads[t, 1]))
+        cos_pan, sin_pan, cos_tilt, sin_tilt = cos(pan), sin(pan), cos(tilt), sin(tilt)
         for k in range(last + 1):
             x, y, z = points[k, 0] - _X, points[k, 1] - _Y, points[k, 2] - _Z
             ahead = cos_pan * x + sin_pan * y

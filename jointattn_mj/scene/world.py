@@ -301,7 +301,8 @@ class World(Closable):
         for _ in range(steps):  # as MuJoCo adds them up
             now += seconds
         self.data.time = now
-        mujoco.mj_fwdPosition(self.model, self.data)
+        for place in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_camlight):  # all that images need
+            place(self.model, self.data)
 
     def now(self) -> Tape:
         """The present frame."""
