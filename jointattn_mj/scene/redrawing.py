@@ -20,10 +20,12 @@ from jointattn_mj.io.compiled import njit
 from jointattn_mj.scene.camera import Eye
 from jointattn_mj.scene.model import IMAGE_HEIGHT, IMAGE_WIDTH
 
-TILE_PX = 16
+TILE_PX = 8
 """Parts of an image begin and end at multiples of this, pixels."""
 STILL_RAD, STILL_M = 1e-5, 1e-6
 """What turns or moves by less since it was drawn stands still: less than a hundredth of a pixel."""
+STEADY_RAD = 1e-4
+"""The same for the camera, a thirtieth of a pixel: a head that has come to rest still turns by up to 9e-5."""
 NEAR_M = 0.05
 """Things that reach nearer than this to the camera, metres, have no outline to reckon with: all is drawn."""
 _HIDDEN, _BOUNDED, _ENDLESS = 0, 1, 2
@@ -52,9 +54,11 @@ class RedrawingEye(Eye):
             apart: Bodies whose names begin so have a part of the image for themselves, for they are far from the rest.
         """
         super().__init__(physics, camera, width, height)
-        model = physics.model.ptr
-        self._camera_id = model.camera(self._name).id
-        self._focal = height / 2 / tan(radians(model.cam_fovy[self._camera_id] / 2))
+        model, data = physics.model.ptr, physics.data.ptr
+        number = model.camera(self._name).id
+        self._focal = height / 2 / tan(radians(model.cam_fovy[number] / 2))
+        self._eye, self._axes = data.cam_xpos[number], data.cam_xmat[number]  # views, like the next two
+        self._positions, self._orientations = data.geom_xpos, data.geom_xmat
         self._bounds = model.geom_aabb  # a view: objects may change their sizes
         self._groups = mujoco.MjvOption().geomgroup.copy()
         self._groups[list(groups)] = 1
@@ -81,22 +85,21 @@ class RedrawingEye(Eye):
         return self._buffer
 
     def _redraw(self) -> None:
-        data = self._physics.data.ptr
-        height, width = self._buffer.shape[:2]
+        height, width = self._size
         for kinds in self._parts:
             whole = _find_changes(
-                *self._poses(), self._bounds, kinds, data.cam_xpos[self._camera_id], data.cam_xmat[self._camera_id],
-                self._geoms, self._stand, self._box, width, height, self._focal,
+                *self._poses(), self._bounds, kinds, self._eye, self._axes, self._geoms, self._stand, self._box,
+                width, height, self._focal,
             )  # fmt: skip
+            x0, y0, x1, y1 = self._box.tolist()
             if whole:
                 self._render_all()
-            elif self._box[2] > self._box[0]:
-                self._render_part(*self._box.tolist())
+            elif x1 > x0:
+                self._render_part(x0, y0, x1, y1)
 
     def _poses(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions (n, 3) and orientations (n, 9) of all that is drawn."""
-        data = self._physics.data.ptr
-        return data.geom_xpos, data.geom_xmat
+        return self._positions, self._orientations
 
     def _open(self) -> Camera:
         camera = super()._open()
@@ -111,7 +114,7 @@ class RedrawingEye(Eye):
         """Draw the pixels from x0, y0 to x1, y1 (exclusive) into the image."""
         camera = self._opened()
         camera.update()
-        height, width = self._buffer.shape[:2]
+        height, width = self._size
         for view in camera.scene.camera:  # of the left and the right eye, which are one
             top, tall = view.frustum_top, view.frustum_top - view.frustum_bottom
             left, wide = view.frustum_center - tall * width / height / 2, tall * width / height
@@ -195,7 +198,7 @@ def _find_changes(
     """
     whole = False
     for k in range(12):
-        here, still = (eye[k], STILL_M) if k < 3 else (axes[k - 3], STILL_RAD)
+        here, still = (eye[k], STILL_M) if k < 3 else (axes[k - 3], STEADY_RAD)
         whole |= not abs(here - stand[k]) <= still
     box[0], box[1], box[2], box[3] = width, height, 0, 0
     for i in range(len(positions)):

@@ -131,8 +131,8 @@ class _EyeOutside(RedrawingEye):
 
     def pixels_of(self, points: np.ndarray) -> np.ndarray:
         """Where points (k, 3), world frame, metres, appear: pixels (k, 2)."""
-        data, camera, (height, width) = self._physics.data.ptr, self._camera_id, self._size
-        right, up, behind = ((points - data.cam_xpos[camera]) @ data.cam_xmat[camera].reshape(3, 3)).T
+        height, width = self._size
+        right, up, behind = ((points - self._eye) @ self._axes.reshape(3, 3)).T
         x, y = (width - 1) / 2 - self._focal * right / behind, (height - 1) / 2 + self._focal * up / behind
         return np.column_stack([x, y])
 
