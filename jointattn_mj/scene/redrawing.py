@@ -1,9 +1,9 @@
 """An eye that draws again only the part of its image in which something has moved, while it stands still itself.
 
-In a session the head stands still in nine images of ten, and what moves in them fills a fourteenth of the image in half
-of the cases. A part is drawn through a part of the camera's frustum. It has the same pixels as the whole image but for
-a few at the edges of things, by one grey value or two: parts begin and end on a grid, so that they are the same ones
-each time.
+In a session the head stands still in nine images of ten, and what moves in them lies in an eighth of the image or less
+in half of the cases. A part is drawn through a part of the camera's frustum. It has the same pixels as the whole image
+but for a few at the edges of things, by one grey value or two: parts begin and end on a grid, so that they are the same
+ones each time.
 """
 
 from collections.abc import Sequence
