@@ -363,18 +363,24 @@ def _count(
     t, last = np.uint64(bounds[0]), np.uint64(bounds[-1] - 1)
     while t < last:
         n = min(np.uint64(2 * BLOCK), last - t)
-        end = t + n + step
-        if _highest(target[t:end]) >= all_targets or _highest(source[t:end]) >= all_sources:
-            return False
+        highest_target, highest_source = target[t + n], source[t + n]
         if len(condition):
-            if _highest(condition[t:end]) >= all_conditions:
-                return False
+            highest_condition = condition[t + n]
             for i in range(n):
-                state = np.uint32(target[t + i]) * all_conditions + np.uint32(condition[t + i])
-                states[i] = state * all_sources + np.uint32(source[t + i])
+                before, done, seen = target[t + i], condition[t + i], source[t + i]
+                highest_target, highest_source = max(highest_target, before), max(highest_source, seen)
+                highest_condition = max(highest_condition, done)
+                state = np.uint32(before) * all_conditions + np.uint32(done)
+                states[i] = state * all_sources + np.uint32(seen)
+            if np.uint64(highest_condition) >= all_conditions:
+                return False
         else:
             for i in range(n):
-                states[i] = np.uint32(target[t + i]) * all_sources + np.uint32(source[t + i])
+                before, seen = target[t + i], source[t + i]
+                highest_target, highest_source = max(highest_target, before), max(highest_source, seen)
+                states[i] = np.uint32(before) * all_sources + np.uint32(seen)
+        if np.uint64(highest_target) >= all_targets or np.uint64(highest_source) >= all_sources:
+            return False
         counted = np.uint64(0)
         if len(pairs):
             for pair in range(n // two):
@@ -395,13 +401,3 @@ def _count(
         row = row * all_sources + np.uint32(source[end])
         table[row * all_targets + np.uint32(target[end + step])] -= 1
     return True
-
-
-@njit(cache=True)
-def _highest(codes: np.ndarray) -> np.uint64:
-    """The highest code (n,), written such that the compiler takes several at once."""
-    highest = codes[0]
-    for i in range(len(codes)):
-        if codes[i] > highest:
-            highest = codes[i]
-    return np.uint64(highest)
