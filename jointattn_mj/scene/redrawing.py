@@ -75,6 +75,7 @@ class RedrawingEye(Eye):
 
     def render(self) -> np.ndarray:
         """Render the image now; see ``Eye.render``. What the caller changes in it would stay."""
+        _ = self._physics.data  # a closed physics refuses; views do not
         if self._shadows:  # they change outside of what moves
             self.forget()
         try:

@@ -5,6 +5,7 @@ import pickle
 import numpy as np
 import pytest
 
+from jointattn_mj.errors import ClosedError
 from jointattn_mj.scene.dressing import Conditions
 from jointattn_mj.scene.model import SceneConfig
 from jointattn_mj.scene.sensor import Sensor
@@ -155,3 +156,12 @@ def test_other_looks_are_drawn_whole(worlds, monkeypatch):
     world._image = None
     world.image()
     assert sizes == [240 * 320]
+
+
+def test_the_eye_of_a_closed_world():
+    world = World.build(WorldConfig(draws="changes"), np.random.SeedSequence(3))
+    world.image()
+    eye = world.eye
+    world.close()
+    with pytest.raises(ClosedError):
+        eye.render()
