@@ -15,6 +15,7 @@ import imageio_ffmpeg
 import numpy as np
 
 from jointattn_mj.errors import VideoError
+from jointattn_mj.guards.border import require_array
 
 QUALITY = 26
 """Constant rate factor of x264; less is better and larger. 24 adds a sixth to the size, 28 takes a seventh off."""
@@ -44,10 +45,17 @@ class Reel:
             height: Of the images, pixels.
             width: Of the images, pixels.
             rate: Images a second.
-            quick: Encode in a fifth of the time, to a file about twice as large; the height is a multiple of 4.
+            quick: Encode in a fifth of the time, to a file about twice as large.
+
+        Raises:
+            VideoError: A quick film's height is no multiple of 4, or its width is odd.
         """
         import mediapy
 
+        if quick and (height % 4 or width % 2):
+            raise VideoError(
+                f"a quick film's height must be a multiple of 4, and its width even; got {height} times {width} pixels"
+            )
         how = (
             f"-vf {PLANES} -preset ultrafast -x264-params {CHEAP} -threads 1 -g {round(2 * rate)}" if quick
             else f"-preset veryfast -g {max(1, round(rate))}"
@@ -78,9 +86,12 @@ class Reel:
         """Write one image, uint8 (height, width, 3).
 
         Raises:
+            ObservationError: A quick film is given something else.
             VideoError: ffmpeg has given up.
         """
         if self._planes is not None:
+            rows, width = self._planes.shape
+            require_array("image", image, (rows * 2 // 3, width, 3), "u")
             _split(image, self._planes)
             image = self._planes
         try:

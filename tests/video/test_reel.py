@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from jointattn_mj.errors import VideoError
+from jointattn_mj.errors import ObservationError, VideoError
 from jointattn_mj.video.reel import Reel
 
 
@@ -34,13 +34,29 @@ def test_images_in_order(tmp_path, quick):
 
 
 def test_colours_of_a_quick_film(tmp_path):
-
     colours = np.array([(200, 30, 30), (30, 200, 30), (30, 30, 200), (200, 200, 30)], np.uint8)
     with Reel(tmp_path / "a.mp4", 64, 64, 10, quick=True) as reel:
         for _ in range(3):
             reel.add(np.repeat(np.repeat(colours.reshape(2, 2, 3), 32, axis=0), 32, axis=1))
     image = cv2.VideoCapture(str(tmp_path / "a.mp4")).read()[1][16::32, 16::32, ::-1]
     np.testing.assert_allclose(image.reshape(4, 3), colours, atol=8)
+
+
+@pytest.mark.parametrize("size", [(50, 64), (48, 65)])
+def test_sizes_that_a_quick_film_cannot_have(tmp_path, size):
+    with pytest.raises(VideoError, match=f"multiple of 4.* even; got {size[0]} times {size[1]}"):
+        Reel(tmp_path / "a.mp4", *size, 10, quick=True)
+
+
+@pytest.mark.parametrize(
+    "image",
+    [*(np.zeros(shape, np.uint8) for shape in ((44, 64, 3), (48, 64), (48, 64, 4))), np.ones((48, 64, 3))],
+)
+def test_what_is_no_image_of_a_quick_film(tmp_path, image):
+    with Reel(tmp_path / "a.mp4", 48, 64, 10, quick=True) as reel:
+        with pytest.raises(ObservationError, match=r"image: expected .*\(48, 64, 3\)"):
+            reel.add(image)
+        reel.add(np.zeros((48, 64, 3), np.uint8))
 
 
 STOPPED = """
