@@ -40,7 +40,8 @@ SHORT = 100
 IN_A_ROW = 8
 """Calls in a row with the same series."""
 ELSEWHERE = 2**23
-"""Numbers that are read before each transfer entropy, 64 MiB: so that both programs wait for memory, not one alone."""
+"""Numbers, 64 MiB, that are read before each transfer entropy. The processor's cache then holds the series for neither
+program, and both wait for memory."""
 MODULES = {12: 0, 48: 2, 108: 4, 300: 8}
 """Number of modules for each number of triples (sensor, action, result) of the variables of chapter 5."""
 
@@ -57,9 +58,10 @@ def run_contingency_benchmark(blocks: int) -> Figures:
         contingencies from the tables in numpy. ns_per_triple_...: the same by triple. thesis_100k_s, fast_100k_s:
         seconds of a run of 100,000 steps at the table of chapter 5 with that preset, compiled, and by the clock (wall).
         compile_s: of the first step where nothing was compiled before. transfer_entropy_ms, pyinform_ms: milliseconds
-        for a million samples of 4 and 2 values, int32 as pyinform expects, with all checks. ..._to_pyinform: ratios,
-        also for int64, with a condition of 3 values, for a series of 100 steps, and for 2,000 such series in one call:
-        many_short where both get an array of two dimensions, many_short_lists where both get the same lists.
+        for a million samples of 4 and 2 values, int32 as pyinform expects, from memory and with all checks.
+        ..._to_pyinform: ratios, also for int64, with a condition of 3 values, for a series of 100 steps, and for 2,000
+        such series in one call: many_short where both get an array of two dimensions, many_short_lists where both get
+        the same lists.
         in_a_row_...: for several calls with the same series, of which only the first waits for memory.
         None where pyinform is not installed.
     """

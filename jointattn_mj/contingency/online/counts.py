@@ -29,7 +29,7 @@ from jointattn_mj.io.compiled import njit
 
 NONE = -1
 ANY: Any = np.int64(0)
-"""The one value of what is no part of a context; for a plain 0, numba compiles what it is given to once more."""
+"""The only value of a variable that is no part of a context; for a plain 0, ``_share`` would be compiled once more."""
 SENSOR, ACTION, RESULT, PER_SENSOR, PER_ACTION, PER_RESULT, WIDTH, OFFSET = range(8)
 """Columns of ``Counts.layout``.
 
