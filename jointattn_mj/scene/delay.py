@@ -7,6 +7,8 @@ from contextlib import contextmanager
 import mujoco
 import numpy as np
 
+from jointattn_mj.scene.placing import place
+
 State = tuple[np.ndarray, np.ndarray]
 """Joint angles (nq,), and positions of objects (n, 3), metres."""
 
@@ -55,5 +57,4 @@ class Past:
 
 def _pose(model: mujoco.MjModel, data: mujoco.MjData, state: State) -> None:
     data.qpos[:], data.mocap_pos[:] = state
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_camlight(model, data)
+    place(model, data)

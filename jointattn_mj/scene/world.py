@@ -27,6 +27,7 @@ from jointattn_mj.scene.layout import LayoutConfig
 from jointattn_mj.scene.model import SceneConfig, build_model, rest_height
 from jointattn_mj.scene.motion import note_moves, run_closed_form, run_in_physics, set_out
 from jointattn_mj.scene.movement import ARM_JOINTS, Arm
+from jointattn_mj.scene.placing import place
 from jointattn_mj.scene.redrawing import RedrawingEye
 from jointattn_mj.scene.rendering import RenderingPhysics
 from jointattn_mj.scene.servo import HEAD_JOINTS, Servos, steps_to_rest, turn
@@ -206,7 +207,7 @@ class World(Closable):
             script: The caregiver's script in that episode.
         """
         self._head_angles[:], self._script_angles[:], self._object_positions[:] = head, script.joints, script.objects
-        mujoco.mj_fwdPosition(self.model, self.data)
+        place(self.model, self.data)
         self._image = None
 
     def new_caregiver(self, head: np.ndarray, arm: Arm, rng: np.random.Generator) -> TransferScript:
@@ -301,8 +302,7 @@ class World(Closable):
         for _ in range(steps):  # as MuJoCo adds them up
             now += seconds
         self.data.time = now
-        for place in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_camlight):  # all that images need
-            place(self.model, self.data)
+        place(self.model, self.data)
 
     def now(self) -> Tape:
         """The present frame."""

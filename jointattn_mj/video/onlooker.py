@@ -9,6 +9,7 @@ from dm_control.mujoco.wrapper import MjModel
 
 from jointattn_mj.scene.camera import PIVOT
 from jointattn_mj.scene.model import ROBOT_GROUP, TABLE_Z
+from jointattn_mj.scene.placing import place
 from jointattn_mj.scene.redrawing import RedrawingEye
 from jointattn_mj.scene.rendering import RenderingPhysics
 from jointattn_mj.scene.world import World
@@ -98,9 +99,7 @@ class Onlooker:
         """The image now, uint8 (height, width, 3), which holds until the next one; sets ``together``."""
         model, data, now = self._physics.model.ptr, self._physics.data.ptr, self._world.data
         data.qpos[:], data.mocap_pos[:], data.mocap_quat[:] = now.qpos, now.mocap_pos, now.mocap_quat
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_camlight(model, data)
+        place(model, data)
         image = self._eye.render().copy()
         robot, person = sights(self._world)
         objects = range(len(self._world.caregiver.objects))
