@@ -45,7 +45,7 @@ class Reel:
             height: Of the images, pixels.
             width: Of the images, pixels.
             rate: Images a second.
-            quick: Encode in a fifth of the time, to a file about twice as large.
+            quick: Encode in less than half of the time, to a file a fifth larger.
 
         Raises:
             VideoError: A quick film's height is no multiple of 4, or its width is odd.
