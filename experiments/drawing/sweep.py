@@ -8,10 +8,12 @@ from jointattn_mj.sweeps.claim import Setting
 
 from ..sessions.sweep import session_config, trial
 
-__all__ = ["FIRST_SEED", "SETTINGS", "trial"]
+__all__ = ["FIRST_SEED", "SETTINGS", "VERSION", "trial"]
 
 FIRST_SEED = 1000
 """Sessions with one seed have one caregiver and one robot, whatever draws or moves them."""
+VERSION = 2
+"""Since 2, a head that has come to rest counts as still where only changes are drawn."""
 
 
 def drawn(renderer: Literal["opengl", "warp"], draws: Literal["all", "changes"]) -> SessionConfig:

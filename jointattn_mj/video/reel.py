@@ -23,7 +23,7 @@ CHEAP = "cabac=1:aq-mode=1:bframes=3:b-adapt=0:deblock=0,0"
 """What x264's preset ultrafast leaves out and a quick film needs: with it, half the size for a sixth more time."""
 PLANES = (
     "split=3[all][left][right];[all]crop=iw:ih*2/3:0:0[y];[left]crop=iw/2:ih/3:0:ih*2/3[u];"
-    "[right]crop=iw/2:ih/3:iw/2:ih*2/3[v];[y][u][v]mergeplanes=0x001020:yuv420p"
+    "[right]crop=iw/2:ih/3:iw/2:ih*2/3[v];[y][u][v]mergeplanes=map1s=1:map2s=2:format=yuv420p"
 )
 """ffmpeg's filter for an image of brightness (h, w) above two of colour (h/2, w/2) side by side."""
 FRAGMENTED = ("-movflags", "frag_keyframe+empty_moov+default_base_moof")
