@@ -57,7 +57,7 @@ class WorldConfig(Checked):
     """Where objects may lie."""
     draws: Literal["all", "changes"] = "all"
     """What of an image is drawn while the head stands still: all of it, or the part in which something has moved. That
-    takes half the time or less, and differs in a few pixels at the edges of things."""
+    takes half the time, and differs in a few pixels at the edges of things."""
     renderer: Literal["opengl", "warp"] = "opengl"
     """What draws the images: OpenGL, or MuJoCo Warp on a graphics card (extra gpu), which many sessions at once can
     share. Outlines and fine shading differ."""
