@@ -1,5 +1,7 @@
 """Success at launch, at landing, or neither, on moments made by hand."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -65,6 +67,14 @@ def test_the_present_of_a_world():
     kept = directions_to(world.caregiver.objects)
     for _ in range(10):
         world.step(np.zeros(2))
+    again = pickle.loads(pickle.dumps(now))  # as a checkpoint keeps it, before anybody has asked for directions
+    assert (again.frame, again.phase, again.target) == (now.frame, now.phase, now.target)
+    np.testing.assert_array_equal(again.directions, kept)
     np.testing.assert_array_equal(now.directions, kept)  # does not move on with the world
     assert not np.array_equal(now.directions, directions_to(world.caregiver.objects))
     world.close()
+
+
+def test_a_moment_of_a_world_is_restored_whole():
+    with pytest.raises(ValueError, match=r"is made of .*objects.*; got .*frame"):
+        object.__new__(WorldMoment).__setstate__({"frame": 7})

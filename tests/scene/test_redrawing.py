@@ -158,6 +158,22 @@ def test_other_looks_are_drawn_whole(worlds, monkeypatch):
     assert sizes == [240 * 320]
 
 
+def test_a_head_that_has_come_to_rest_stands_still(worlds, monkeypatch):
+    """Its servos creep on by less than a tenth of a milliradian."""
+    world, command = worlds[1], np.array([0.3, -0.2])
+    world.reset(np.random.SeedSequence(4))
+    world.step(command)
+    while world.head_moves():
+        world.step(command)
+    world.image()
+    rest, sizes = world.head_angles(), counted(world, monkeypatch)
+    for _ in range(5):
+        world.step(command)
+        world.image()
+    assert not np.array_equal(world.head_angles(), rest)
+    assert sizes == []  # nor does the caregiver move, who greets
+
+
 def test_the_eye_of_a_closed_world():
     world = World.build(WorldConfig(draws="changes"), np.random.SeedSequence(3))
     world.image()
