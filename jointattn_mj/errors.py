@@ -65,5 +65,9 @@ class SweepError(JointAttnError, RuntimeError):
     """Experiments cannot be found, or the workers that were asked for cannot be reached."""
 
 
+class CommandError(JointAttnError, RuntimeError):
+    """A command that was to be measured has failed."""
+
+
 class ExtraError(JointAttnError, ImportError):
     """What was asked for needs an optional package that is not installed."""

@@ -68,6 +68,14 @@ class Figures:
         text = json.dumps(self.values | {QUARTILES: self.quartiles}, indent=1) + "\n"
         write_whole(path, lambda temporary: temporary.write_text(text))
 
+    @classmethod
+    def read(cls, path: Path) -> "Figures":
+        """What ``write`` has written."""
+        figures = cls()
+        figures.values = json.loads(path.read_text("utf-8"))
+        figures.quartiles = {name: (low, high) for name, (low, high) in figures.values.pop(QUARTILES).items()}  # type: ignore[union-attr]
+        return figures
+
 
 def committed() -> dict[str, Any]:
     """The figures that were measured before the present version; none where they are not there."""

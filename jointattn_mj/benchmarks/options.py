@@ -16,7 +16,7 @@ class BenchmarkOptions(Checked):
     of chapter 5 from images, rendering these alone, and steps at the symbolic table. contingency: the detector beside
     recomputation in numpy, whole runs at the table, compiling, transfer entropy beside pyinform. vector: sixteen worlds
     of follow in one process, beside Gymnasium's SyncVectorEnv. commands: help, whole sessions as commands, their
-    memory, a frame of a video, and the first run of a new installation."""
+    memory, a frame of a video, and the first run of a new installation. all: each of these in a process of its own."""
     blocks: Annotated[int, Whole("[1, 100000]")] = 8
     """Number of repetitions of each measurement; medians and quartiles are reported."""
     seconds: Annotated[float, Real("[1, 1e6]")] = 30.0

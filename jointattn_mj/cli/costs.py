@@ -2,13 +2,13 @@
 
 import os
 import subprocess
-import sys
 import tempfile
 from collections.abc import Mapping
-from pathlib import Path
 from typing import NamedTuple
 
 from jointattn_mj.benchmarks.figures import Figures
+from jointattn_mj.cli import apart
+from jointattn_mj.errors import CommandError
 
 STATE_MINUTES = 26.0
 """Simulated minutes of the session from the state."""
@@ -16,7 +16,6 @@ FILMED_MINUTES = 0.2
 """Simulated minutes of the session that is filmed, and of the same one without a film."""
 FRAMES_PER_MINUTE = 1800
 BRIEF = "--robot.familiarise.minutes 0.05"
-CODE = "import sys; from jointattn_mj.cli.main import main; sys.exit(main())"
 MOST_BLOCKS = 5
 """A command takes seconds, and differs little from time to time."""
 
@@ -37,7 +36,7 @@ def run_commands_benchmark(blocks: int) -> Figures:
         blocks: Their number, of which ``MOST_BLOCKS`` are used; before them all is run once, which compiles.
 
     Raises:
-        subprocess.CalledProcessError: A command has failed.
+        CommandError: One of them has failed.
     """
     with tempfile.TemporaryDirectory() as folder:
         first = {
@@ -87,21 +86,18 @@ def measured(words: str, environment: Mapping[str, str] | None = None) -> Cost:
         environment: Variables that differ from those of this process.
 
     Raises:
-        subprocess.CalledProcessError: It has failed.
+        CommandError: It has failed; the message repeats what it said last.
     """
-    command = [sys.executable, "-c", CODE, *words.split()]
-    package = str(Path(__file__).parents[2])
-    paths = os.pathsep.join([package, *filter(None, [os.environ.get("PYTHONPATH")])])
-    process = subprocess.Popen(
-        command,
-        env={**os.environ, "PYTHONPATH": paths, "PYTHONDONTWRITEBYTECODE": "", **(environment or {})},  # as installed
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
-    _, status, used = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode:
-        raise subprocess.CalledProcessError(process.returncode, command)
+    with tempfile.TemporaryFile() as errors:
+        process = subprocess.Popen(
+            apart.command(words.split()), env=apart.environment(environment), stdout=subprocess.DEVNULL, stderr=errors
+        )
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode:
+            errors.seek(0)
+            said = errors.read().decode(errors="replace").splitlines() or [f"exit code {process.returncode}"]
+            raise CommandError(f"jointattn {words}: {said[-1].removeprefix('jointattn: ')}")
     return Cost(used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
 
 

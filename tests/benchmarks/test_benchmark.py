@@ -2,7 +2,6 @@
 
 import json
 import math
-import subprocess
 
 import pytest
 
@@ -11,9 +10,10 @@ from jointattn_mj.benchmarks import steps as steps_benchmark
 from jointattn_mj.benchmarks import vector as vector_benchmark
 from jointattn_mj.benchmarks.figures import Figures, committed
 from jointattn_mj.benchmarks.options import BenchmarkOptions
+from jointattn_mj.cli import benchmark as command
 from jointattn_mj.cli.costs import measured
 from jointattn_mj.cli.main import main
-from jointattn_mj.errors import ConfigError
+from jointattn_mj.errors import CommandError, ConfigError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, RobotConfig
 from jointattn_mj.gaze_following.session import SessionConfig
 from jointattn_mj.scene import gl
@@ -77,6 +77,26 @@ def test_many_worlds(capsys, monkeypatch):
     assert figures["vector_state_steps_per_s"] > figures["vector_images_steps_per_s"]
 
 
+@needs_gl
+def test_parts_are_measured_in_processes_of_their_own(monkeypatch, tmp_path, capfd):
+    monkeypatch.setattr(vector_benchmark, "STEPS", {})  # nothing would be measured here
+    monkeypatch.setattr(command, "PARTS", {"vector": command.PARTS["vector"]})
+    main(["benchmark", "--what", "all", "--blocks", "2", "--out", str(tmp_path / "figures.json")])
+    figures = Figures.read(tmp_path / "figures.json")
+    assert figures.values.keys() == figures.quartiles.keys() == shown(capfd.readouterr().out).keys()
+    assert len(figures.values) == 4
+
+
+def test_a_part_that_cannot_be_measured(monkeypatch, capfd):
+    monkeypatch.setenv("MUJOCO_GL", "disable")
+    with pytest.raises(SystemExit) as stop:
+        main(["benchmark", "--what", "all"])
+    assert stop.value.code == 1
+    said = capfd.readouterr().err.splitlines()
+    assert len(said) == 1
+    assert "MUJOCO_GL turns rendering off" in said[0]
+
+
 def test_figures_stand_beside_their_quartiles_and_those_before(tmp_path):
     figures = Figures()
     figures.add("taken_s", [1.0, 4.0, 2.0, 3.0])
@@ -89,6 +109,7 @@ def test_figures_stand_beside_their_quartiles_and_those_before(tmp_path):
         "pyinform_ms  not installed                -",
     ]
     figures.write(tmp_path / "figures.json")
+    assert vars(Figures.read(tmp_path / "figures.json")) == vars(figures)
     assert json.loads((tmp_path / "figures.json").read_text()) == {
         "taken_s": 2.5, "renderer": "llvmpipe (LLVM 15)", "pyinform_ms": None, "quartiles": {"taken_s": [1.75, 3.25]},
     }  # fmt: skip
@@ -106,7 +127,7 @@ def test_what_a_command_takes_is_measured():
     cost = measured("--version")
     assert 0 < cost.seconds < 60
     assert cost.mebibytes > 5
-    with pytest.raises(subprocess.CalledProcessError):
+    with pytest.raises(CommandError, match="jointattn no-such-command: no command 'no-such-command'"):
         measured("no-such-command")
 
 
