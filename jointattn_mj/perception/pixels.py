@@ -167,6 +167,32 @@ class PixelPerception:
         Raises:
             ObservationError: ``observation`` has no image (h, w, 3) uint8, contiguous, or no two angles, rad.
         """
+        image, areas = self._detect(observation)
+        gray, fix = self._gray, self.fix
+        box = self.faces.box(fix, gray.shape) if fix.detected else None
+        if landed:
+            self._motion.reset()
+        _fill(image, gray, *self._motion.face_part(box, gray.shape))
+        self.motion = self._motion.update(gray, box, areas)
+        return self._gathered(areas, self.motion.object_moves, self.motion.face_moves)
+
+    def glance(self, observation: Observation) -> Percept:
+        """Detect face and objects in an image that is compared with no other, so that nothing moves.
+
+        Args:
+            observation: As for ``perceive``, like what is returned and raised.
+        """
+        _, areas = self._detect(observation)
+        self._motion.reset()
+        self.motion = None
+        return self._gathered(areas, np.zeros(len(areas.visible), bool), False)
+
+    def _detect(self, observation: Observation) -> tuple[np.ndarray, Areas]:
+        """Detect face and objects in an image. Returns it and the objects' areas; ``fix`` says where the face is.
+
+        Args:
+            observation: As for ``perceive``.
+        """
         head: Any = getattr(observation, "head_angles", None)
         image: Any = getattr(observation, "image", None)
         require_image(image)
@@ -180,19 +206,23 @@ class PixelPerception:
         self._cut_at = fix
         if expected is not None and max(abs(fix.x - expected[0]), abs(fix.y - expected[1])) <= self._apart_px:
             self._cut_at = fix._replace(x=expected[0], y=expected[1])
-        box = None
         if fix.detected:
             _remember(self._face_direction, fix.x, fix.y, head, self._memory_rate if self._knows_face else 1.0)
             self._knows_face = True
-            box = self.faces.box(fix, gray.shape)
-        if landed:
-            self._motion.reset()
-        _fill(image, gray, *self._motion.face_part(box, gray.shape))
-        self.motion = self._motion.update(gray, box, areas)
-        percept = self._percept
+        return image, areas
+
+    def _gathered(self, areas: Areas, objects_move: np.ndarray, face_moves: bool) -> Percept:
+        """The percept of the last image.
+
+        Args:
+            areas: The objects'.
+            objects_move: (n,) which objects move.
+            face_moves: Whether the face does.
+        """
+        percept, fix = self._percept, self.fix
         _gather(
-            percept.visible, percept.px, percept.moves, areas.visible, areas.px, self.motion.object_moves,
-            fix.detected, fix.x, fix.y, self.motion.face_moves,
+            percept.visible, percept.px, percept.moves, areas.visible, areas.px, objects_move,
+            fix.detected, fix.x, fix.y, face_moves,
         )  # fmt: skip
         return percept
 

@@ -39,7 +39,7 @@ class Sitter:
         data.qpos[self._robot] = np.radians(head)
         mujoco.mj_forward(self._stage.model, data)
         observation = StillObservation(self._stage.eye.render(), np.radians(head))
-        percept = self._perception.perceive(observation, landed=True)
+        percept = self._perception.glance(observation)
         return self._perception.face_pattern() if percept.visible[-1] else None
 
     def sweep(self, head: np.ndarray) -> None:

@@ -80,7 +80,7 @@ class FacePatch:
         Returns:
             ``face_patch``: grey values, uint8 (32, 32), 0 where no face was found; ``face_visible``: whether one was.
         """
-        visible = self._perception.perceive(StillObservation(image, head_angles), landed=False).visible[-1]
+        visible = self._perception.glance(StillObservation(image, head_angles)).visible[-1]
         patch = np.zeros((PATCH_SIDE, PATCH_SIDE), np.uint8)
         if visible:
             patch[:] = np.rint(self._perception.face_pattern()).reshape(patch.shape).clip(0, 255)

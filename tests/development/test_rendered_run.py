@@ -120,7 +120,7 @@ def test_who_sees_nothing_senses_nothing():
     run = RenderedRun(TABLE, SHORT, HASTY, 2, 40)
     count = len(run.stage.objects) + 1
     nothing = Percept(np.zeros(count, bool), np.full((count, 2), np.nan), np.zeros(count, bool))
-    run.body.perception.perceive = lambda observation, landed: nothing
+    run.body.perception.glance = lambda observation: nothing
     run.advance(40)
     assert (run.log("caregiver's face") == len(run.agent.variables.sensors[0].values) - 1).all()
     for name in ("frontal face", "profile", "object"):

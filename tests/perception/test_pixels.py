@@ -57,6 +57,26 @@ def test_percepts_lie_where_things_are():
 
 
 @needs_gl
+def test_a_glance_has_no_motion():
+    world = World.build(WorldConfig(), np.random.SeedSequence(5))
+    looking, glancing = (PixelPerception(PixelConfig(), rgb(world)) for _ in range(2))
+    for _ in range(30):
+        world.step(np.radians([0.0, -3.0]))
+        observation = StillObservation(world.image(), world.head_angles())
+        percept, glance = looking.perceive(observation, landed=True), glancing.glance(observation)
+        for name, values in vars(percept).items():
+            np.testing.assert_array_equal(vars(glance)[name], values)
+        assert glancing.fix == looking.fix
+        assert glancing.motion is None
+        assert not glance.moves.any()
+    np.testing.assert_array_equal(glancing.face_pattern(), looking.face_pattern())
+    world.step(np.radians([0.0, -3.0]))
+    observation = StillObservation(world.image(), world.head_angles())
+    assert not glancing.perceive(observation, landed=False).moves.any()  # no image to compare with
+    world.close()
+
+
+@needs_gl
 def test_the_robot_needs_nothing_but_observations():
     """An image, the head's angles and one flag are enough."""
     world = World.build(WorldConfig(), np.random.SeedSequence(6))

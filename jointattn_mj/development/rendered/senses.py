@@ -86,7 +86,7 @@ def central_view(perception: PixelPerception, observation: Observation, radius_d
         observation: Image and head angles, as in ``Perceiver``.
         radius_deg: What is so near to the centre of view counts as being there.
     """
-    percept = perception.perceive(observation, landed=True)
+    percept = perception.glance(observation)
     radius, off = np.radians(radius_deg) * FOCAL_PX, px_off_centre(percept)
     face, nearest = bool(off[-1] <= radius), int(off[:-1].argmin())
     return CentralView(
