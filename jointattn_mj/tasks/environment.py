@@ -165,10 +165,10 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
             other._face = copy(self._known_face())
         return other
 
-    def observe_anew(self) -> TaskObservation:
-        """Observe the world as it is, after bodies were moved outside of a step."""
+    def observe_anew(self) -> dict[str, np.ndarray]:
+        """Observe the world as it is, after bodies were moved outside of a step; arrays hold until the next call."""
         self._face_parts = None
-        return self.get_observation(self.world.physics)
+        return self._observed()
 
     @property
     def varies(self) -> bool:
@@ -247,17 +247,17 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
 
     def get_observation(self, physics: Physics) -> TaskObservation:
         """Image, the head's pan and tilt (rad), face, and ground truth, as asked for; new arrays at each call."""
-        observation = TaskObservation()
-        if self._camera:
-            observation["camera"] = self.world.image().copy()
-        observation["head_angles"] = self.world.head_angles()
+        return TaskObservation((name, value.copy()) for name, value in self._observed().items())
+
+    def _observed(self) -> dict[str, np.ndarray]:
+        """What ``get_observation`` copies."""
+        observed = {"camera": self.world.image()} if self._camera else {}
+        observed["head_angles"] = self.world.head_angles()
         if self._face_patch:
             if self._face_parts is None:
-                self._face_parts = self._known_face().observe(self.world.image(), observation["head_angles"])
-            observation.update({name: part.copy() for name, part in self._face_parts.items()})
-        if self._truth:
-            observation.update(self.truth())
-        return observation
+                self._face_parts = self._known_face().observe(self.world.image(), observed["head_angles"])
+            observed |= self._face_parts
+        return observed | self.truth() if self._truth else observed
 
     def _known_face(self) -> FacePatch:
         """The robot that knows all caregivers' faces; made in worlds that are reset before they are used."""
