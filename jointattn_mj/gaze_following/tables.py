@@ -33,50 +33,69 @@ _BOOL = ("head_moves", "rendered", "perceived", "landed", "visible", "moves", "r
 
 
 @njit(cache=True)
-def _write(
+def _write_row(
+    row: np.ndarray, doing: np.ndarray, constant: np.ndarray, head: np.ndarray, face: np.ndarray, objects: np.ndarray,
+    saliency: np.ndarray, motion: np.ndarray, interest: np.ndarray,
+) -> None:  # fmt: skip
+    """Write the columns of a row up to interest, in their order; -1 stands for None."""
+    does, n = len(doing), len(saliency)
+    first = does + len(constant)
+    columns = first + 4 + 3 * (len(objects) + n)
+    if columns > len(row) or not len(objects) + 1 == n == len(motion) == len(interest):
+        raise ValueError("a row of the table is too short for the objects")
+    for column in range(first):
+        number = doing[column] if column < does else constant[column - does]
+        row[column] = number if number >= 0 else np.nan
+    for axis in range(2):
+        row[first + axis], row[first + 2 + axis] = np.degrees(head[axis]), np.degrees(face[axis])
+    column = first + 4
+    for k in range(n - 1):
+        for axis in range(3):
+            row[column] = objects[k, axis]
+            column += 1
+    for k in range(n):
+        row[column + k], row[column + n + k], row[column + 2 * n + k] = saliency[k], motion[k], interest[k]
+
+
+@njit(cache=True)
+def _write_rows(
     rows: np.ndarray, doing: np.ndarray, constant: np.ndarray, head: np.ndarray, face: np.ndarray, objects: np.ndarray,
     history: np.ndarray,
 ) -> None:  # fmt: skip
-    """Write the columns up to interest, in their order; -1 stands for None. Compiled, for it runs in every frame."""
-    does, n = doing.shape[1], history.shape[2]
-    first = does + len(constant)
-    columns = first + 4 + 3 * (objects.shape[1] + n)
-    if columns > rows.shape[1] or objects.shape[1] + 1 != n:
-        raise ValueError("a row of the table is too short for the objects")
+    """Write these columns of some rows; ``history`` has one row for each, or one for all."""
     if not len(rows) == len(doing) == len(head) == len(face) == len(objects):
         raise ValueError("all parts of the table's rows must be as long")
     for t in range(len(rows)):
-        row, after = rows[t], min(t, len(history) - 1)
-        for column in range(first):
-            number = doing[t, column] if column < does else constant[column - does]
-            row[column] = number if number >= 0 else np.nan
-        for axis in range(2):
-            row[first + axis], row[first + 2 + axis] = np.degrees(head[t, axis]), np.degrees(face[t, axis])
-        column = first + 4
-        for k in range(n - 1):
-            for axis in range(3):
-                row[column] = objects[t, k, axis]
-                column += 1
-        for kind in range(3):
-            for k in range(n):
-                row[column] = history[after, kind, k]
-                column += 1
+        now = history[min(t, len(history) - 1)]
+        _write_row(rows[t], doing[t], constant, head[t], face[t], objects[t], now[0], now[1], now[2])
+
+
+@njit(cache=True)
+def _write_percept(row: np.ndarray, visible: np.ndarray, moves: np.ndarray, px: np.ndarray) -> None:
+    """Write the columns of the percept, the last of a row."""
+    n = len(visible)
+    first = len(row) - 4 * n
+    if first < 0 or n > len(moves) or n > len(px) or px.shape[1] < 2:
+        raise ValueError("a row of the table is too short for the candidates")
+    for k in range(n):
+        row[first + k], row[first + n + k] = visible[k], moves[k]
+        row[first + 2 * n + 2 * k], row[first + 2 * n + 2 * k + 1] = px[k, 0], px[k, 1]
 
 
 @njit(cache=True)
 def _write_percepts(rows: np.ndarray, visible: np.ndarray, moves: np.ndarray, px: np.ndarray) -> None:
-    """Write the columns of the percepts, the last of each row."""
-    n = visible.shape[1]
-    first = rows.shape[1] - 4 * n
-    if first < 0 or n > moves.shape[1] or n > px.shape[1] or px.shape[2] < 2:
-        raise ValueError("a row of the table is too short for the candidates")
+    """Write the percepts of some rows."""
     if not len(rows) == len(visible) == len(moves) == len(px):
         raise ValueError("all parts of the table's rows must be as long")
     for t in range(len(rows)):
-        row = rows[t]
-        for k in range(n):
-            row[first + k], row[first + n + k] = visible[t, k], moves[t, k]
-            row[first + 2 * n + 2 * k], row[first + 2 * n + 2 * k + 1] = px[t, k, 0], px[t, k, 1]
+        _write_percept(rows[t], visible[t], moves[t], px[t])
+
+
+def _constant(robot: GazeFollower, rendered: bool, percept: Percept | None) -> tuple[int, ...]:
+    """The columns from ``attended`` to ``iterations``."""
+    attended = -1 if robot.attended is None else robot.attended
+    turns, landed = robot.shift is not None, robot.landed is not None
+    return attended, turns, rendered, percept is not None, landed, robot.iterations
 
 
 class FrameTable:
@@ -125,14 +144,15 @@ class FrameTable:
             OutputError: The file that the table is kept in cannot be written.
         """
         caregiver, percept, attention = world.caregiver, robot.percept, robot.attention
-        after = np.empty((1, 3, len(self.candidates)))
-        after[0, 0], after[0, 1], after[0, 2] = attention.saliency, attention.motion, attention.interest
-        if percept is not None:
-            percept = Percept(percept.visible[None], percept.px[None], percept.moves[None])
-        self._add(
-            world, robot, rendered, np.array([caregiver.doing()]), head[None], world.face_angles()[None],
-            caregiver.objects[None], after, percept,
-        )  # fmt: skip
+        row = self._free(world)[0]
+        numbers = np.array([*caregiver.doing(), *_constant(robot, rendered, percept)], np.int64)
+        history = (np.asarray(values, float) for values in (attention.saliency, attention.motion, attention.interest))
+        _write_row(row, numbers[:3], numbers[3:], head, world.face_angles(), caregiver.objects, *history)
+        if percept is None:
+            row[-4 * len(self.candidates) :] = np.nan
+        else:
+            _write_percept(row, percept.visible, percept.moves, percept.px)
+        self.rows.fill(1)
 
     @property
     def room(self) -> int:
@@ -154,26 +174,20 @@ class FrameTable:
         Raises:
             OutputError: The file that the table is kept in cannot be written.
         """
-        self._add(world, robot, False, tape.doing, tape.head, tape.face, tape.objects[1:], history, percepts)
-
-    def _add(
-        self, world: World, robot: GazeFollower, rendered: bool, doing: np.ndarray, head: np.ndarray, face: np.ndarray,
-        objects: np.ndarray, history: np.ndarray, percepts: Percept | None,
-    ) -> None:  # fmt: skip
-        """Add as many rows as ``doing`` has."""
-        if not self.frames:
-            self.face_point[:] = world.candidate_points()[-1]  # it stays there
-        rows = self.rows.free()[: len(doing)]
-        constant = np.array([
-            -1 if robot.attended is None else robot.attended, robot.shift is not None, rendered,
-            percepts is not None, robot.landed is not None, robot.iterations,
-        ], np.int64)  # fmt: skip
-        _write(rows, doing, constant, head, face, objects, history)
+        rows = self._free(world)[: len(tape.doing)]
+        constant = np.array(_constant(robot, False, percepts), np.int64)
+        _write_rows(rows, tape.doing, constant, tape.head, tape.face, tape.objects[1:], history)
         if percepts is None:
             rows[:, -4 * len(self.candidates) :] = np.nan
         else:
             _write_percepts(rows, percepts.visible, percepts.moves, percepts.px)
-        self.rows.fill(len(doing))
+        self.rows.fill(len(rows))
+
+    def _free(self, world: World) -> np.ndarray:
+        """Rows that are free."""
+        if not self.frames:
+            self.face_point[:] = world.candidate_points()[-1]  # it stays there
+        return self.rows.free()
 
     def column(self, name: str, candidate: int | None = None) -> np.ndarray:
         """Values (frames,) of a column so far; a column of candidates needs the candidate's number."""
