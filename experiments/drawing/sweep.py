@@ -29,8 +29,8 @@ def moved(dynamics: Literal["mujoco", "closed_form"]) -> SessionConfig:
 
 
 SETTINGS = {
-    "opengl/all": Setting(drawn("opengl", "all"), 20),
-    "opengl/changes": Setting(drawn("opengl", "changes"), 20),
+    "opengl/all": Setting(drawn("opengl", "all"), 40),
+    "opengl/changes": Setting(drawn("opengl", "changes"), 40),
     "warp/changes": Setting(drawn("warp", "changes"), 20),
     "state/mujoco": Setting(moved("mujoco"), 20),
     "state/closed_form": Setting(moved("closed_form"), 20),
