@@ -62,6 +62,23 @@ def make_folder(out: Path) -> None:
         raise OutputError(f"cannot make the folder {out}: {error.strerror}; choose another folder") from error
 
 
+def make_room(path: Path) -> None:
+    """Make the folder of a file that is to be written later.
+
+    Raises:
+        OutputError: The folder cannot be made or written to, or ``path`` is a folder itself.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:  # ValueError: there is a NUL in it
+        trouble = getattr(error, "strerror", None) or error
+        raise OutputError(f"cannot make the folder {path.parent}: {trouble}; choose another folder") from error
+    if os.path.isdir(path):
+        raise OutputError(f"{path} is a folder; choose a file in it")
+    if not os.access(path.parent, os.W_OK):
+        raise OutputError(f"cannot write to {path.parent}; choose another folder")
+
+
 @contextmanager
 def alone(lock: Path, out: Path, busy: str) -> Iterator[None]:
     """Hold a lock while the block runs. Where the file system knows no locks, say so and go on.

@@ -2,14 +2,13 @@
 
 import csv
 import json
-import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from jointattn_mj.errors import OutputError
-from jointattn_mj.io.files import alone, write_whole
+from jointattn_mj.io.files import alone, make_room, write_whole
 from jointattn_mj.io.provenance import plain, versions
 
 
@@ -30,12 +29,7 @@ def result_paths(out: Path, name: str) -> tuple[Path, Path]:
         raise OutputError(f"cannot write {str(out)[:100]!r}: {trouble}; choose another path") from error
     if there:
         raise OutputError(f"{there[0]} is there already; choose another path")
-    try:
-        stem.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {stem.parent}: {error.strerror}; choose another folder") from error
-    if not os.access(stem.parent, os.W_OK):
-        raise OutputError(f"cannot write to {stem.parent}; choose another folder")
+    make_room(paths[0])
     return paths
 
 
