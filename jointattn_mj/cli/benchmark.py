@@ -1,6 +1,6 @@
 """``jointattn benchmark``: how fast simulation, perception and analysis run."""
 
-import subprocess
+import shlex
 import sys
 import tempfile
 from collections.abc import Callable
@@ -11,6 +11,8 @@ from jointattn_mj.benchmarks.figures import Figures, committed
 from jointattn_mj.benchmarks.options import BenchmarkOptions
 from jointattn_mj.cli import apart
 from jointattn_mj.cli.running import one_thread
+from jointattn_mj.errors import CommandError
+from jointattn_mj.io.files import make_room
 from jointattn_mj.io.progress import Progress
 from jointattn_mj.options import FLAT
 
@@ -25,6 +27,8 @@ def benchmark(options: Annotated[BenchmarkOptions, FLAT]) -> None:
     transfer entropy with pyinform; many worlds in one process with Gymnasium's way; and counts what whole commands
     take. Medians stand beside their quartiles and beside the figures that came with this version.
     """
+    if options.out is not None:
+        make_room(options.out)  # sooner than after minutes of measuring
     before, figures = committed(), Figures()
     if options.what == "all":
         for name in PARTS:
@@ -45,14 +49,18 @@ def _measured_apart(name: str, options: BenchmarkOptions) -> Figures:
 
     Raises:
         SystemExit: The process has failed, and said why.
+        CommandError: A signal has ended it.
     """
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "figures.json"
         words = ["benchmark", "--what", name, "--blocks", str(options.blocks)]
         words += ["--seconds", str(options.seconds), "--out", str(out)]
-        process = subprocess.run(apart.command(words), env=apart.environment(), stdout=subprocess.DEVNULL)
-        if process.returncode:
-            sys.exit(process.returncode)
+        with apart.started(words) as process:
+            code = process.wait()
+        if code < 0:
+            raise CommandError(f"jointattn {shlex.join(words)}: {apart.ending(code)}")
+        if code:
+            sys.exit(code)
         return Figures.read(out)
 
 

@@ -1,7 +1,7 @@
 """What whole commands cost: seconds of the processor and memory, as the system counts them for a process."""
 
 import os
-import subprocess
+import shlex
 import tempfile
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -38,7 +38,8 @@ def run_commands_benchmark(blocks: int) -> Figures:
     Raises:
         CommandError: One of them has failed.
     """
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as path:
+        folder = shlex.quote(path)
         first = {
             "first_session_s": _fresh(f"session --perception state --minutes 0.05 {BRIEF} --out {folder}/fresh"),
             "first_develop_s": _fresh(f"develop table --steps 1000 --out {folder}/fresh_table"),
@@ -82,22 +83,21 @@ def measured(words: str, environment: Mapping[str, str] | None = None) -> Cost:
     """What the command ``jointattn`` takes with these words, in a process of its own.
 
     Args:
-        words: Of the command line.
+        words: Of the command line, as in a shell.
         environment: Variables that differ from those of this process.
 
     Raises:
         CommandError: It has failed; the message repeats what it said last.
     """
     with tempfile.TemporaryFile() as errors:
-        process = subprocess.Popen(
-            apart.command(words.split()), env=apart.environment(environment), stdout=subprocess.DEVNULL, stderr=errors
-        )
-        _, status, used = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        if process.returncode:
+        with apart.started(shlex.split(words), environment, errors) as process:
+            _, status, used = os.wait4(process.pid, 0)
+            process.returncode = code = os.waitstatus_to_exitcode(status)
+        if code:
             errors.seek(0)
-            said = errors.read().decode(errors="replace").splitlines() or [f"exit code {process.returncode}"]
-            raise CommandError(f"jointattn {words}: {said[-1].removeprefix('jointattn: ')}")
+            lines = errors.read().decode(errors="replace").splitlines() if code > 0 else []
+            said = lines[-1].removeprefix("jointattn: ") if lines else apart.ending(code)
+            raise CommandError(f"jointattn {words}: {said}")
     return Cost(used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
 
 
