@@ -9,7 +9,9 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
+from jointattn_mj.errors import ObservationError
 from jointattn_mj.gaze_following.agent import GazeFollower
+from jointattn_mj.gaze_following.attention import Attention
 from jointattn_mj.gaze_following.columns import FRAME, described
 from jointattn_mj.io.arrow import number_array, word_array
 from jointattn_mj.io.compiled import njit
@@ -35,13 +37,13 @@ _BOOL = ("head_moves", "rendered", "perceived", "landed", "visible", "moves", "r
 @njit(cache=True)
 def _write_row(
     row: np.ndarray, doing: np.ndarray, constant: np.ndarray, head: np.ndarray, face: np.ndarray, objects: np.ndarray,
-    saliency: np.ndarray, motion: np.ndarray, interest: np.ndarray,
+    history: np.ndarray,
 ) -> None:  # fmt: skip
-    """Write the columns of a row up to interest, in their order; -1 stands for None."""
-    does, n = len(doing), len(saliency)
+    """Write the columns of a row up to interest, in their order; -1 stands for None. ``history`` is (3, n + 1)."""
+    does, n = len(doing), history.shape[1]
     first = does + len(constant)
     columns = first + 4 + 3 * (len(objects) + n)
-    if columns > len(row) or not len(objects) + 1 == n == len(motion) == len(interest):
+    if columns > len(row) or len(objects) + 1 != n or len(history) < 3:
         raise ValueError("a row of the table is too short for the objects")
     for column in range(first):
         number = doing[column] if column < does else constant[column - does]
@@ -53,8 +55,10 @@ def _write_row(
         for axis in range(3):
             row[column] = objects[k, axis]
             column += 1
-    for k in range(n):
-        row[column + k], row[column + n + k], row[column + 2 * n + k] = saliency[k], motion[k], interest[k]
+    for kind in range(3):
+        for k in range(n):
+            row[column] = history[kind, k]
+            column += 1
 
 
 @njit(cache=True)
@@ -66,8 +70,8 @@ def _write_rows(
     if not len(rows) == len(doing) == len(head) == len(face) == len(objects):
         raise ValueError("all parts of the table's rows must be as long")
     for t in range(len(rows)):
-        now = history[min(t, len(history) - 1)]
-        _write_row(rows[t], doing[t], constant, head[t], face[t], objects[t], now[0], now[1], now[2])
+        after = history[min(t, len(history) - 1)]
+        _write_row(rows[t], doing[t], constant, head[t], face[t], objects[t], after)
 
 
 @njit(cache=True)
@@ -142,17 +146,33 @@ class FrameTable:
 
         Raises:
             OutputError: The file that the table is kept in cannot be written.
+            ObservationError: Saliency, motion or interest of the agent's attention have no number for each candidate.
         """
         caregiver, percept, attention = world.caregiver, robot.percept, robot.attention
         row = self._free(world)[0]
         numbers = np.array([*caregiver.doing(), *_constant(robot, rendered, percept)], np.int64)
-        history = (np.asarray(values, float) for values in (attention.saliency, attention.motion, attention.interest))
-        _write_row(row, numbers[:3], numbers[3:], head, world.face_angles(), caregiver.objects, *history)
+        _write_row(row, numbers[:3], numbers[3:], head, world.face_angles(), caregiver.objects, self.levels(attention))
         if percept is None:
             row[-4 * len(self.candidates) :] = np.nan
         else:
             _write_percept(row, percept.visible, percept.moves, percept.px)
         self.rows.fill(1)
+
+    def levels(self, attention: Attention) -> np.ndarray:
+        """Saliency, motion and interest of an attention model now, (3, n + 1).
+
+        Raises:
+            ObservationError: One of them has no number for each candidate.
+        """
+        values = np.empty((3, len(self.candidates)))
+        try:
+            values[0], values[1], values[2] = attention.saliency, attention.motion, attention.interest
+        except (TypeError, ValueError) as error:
+            raise ObservationError(
+                f"saliency, motion and interest of the attention model: expected a number for each of the "
+                f"{len(self.candidates)} candidates, {', '.join(self.candidates)}; {error}"
+            ) from error
+        return values
 
     @property
     def room(self) -> int:

@@ -72,7 +72,7 @@ def pass_by(session: SessionRun, most: int) -> int:
     robot.pass_by(references)
     tape = world.run(np.radians(references))
     if robot.shift is not None:
-        history, percepts = np.array([[attention.saliency, attention.motion, attention.interest]]), None
+        history, percepts = frames.levels(attention)[None], None
     else:
         percepts = perceiver.perceive_all(tape)
         history = attention.pass_by(robot.attended, percepts.moves)

@@ -1,12 +1,13 @@
 """Sessions with parts of one's own: they are used, and a run goes on with them after a stop."""
 
 import signal
+from dataclasses import replace
 
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from jointattn_mj.errors import CheckpointError
+from jointattn_mj.errors import CheckpointError, ObservationError
 from jointattn_mj.gaze_following.agent import FamiliariseConfig, GazeFollower, RobotConfig
 from jointattn_mj.gaze_following.learners import LinearLearner
 from jointattn_mj.gaze_following.run import SessionOptions, run_session
@@ -107,3 +108,57 @@ def test_the_film_of_a_robot_without_activations(tmp_path):
         session.step()
     MapPanel(np.zeros((400, 400, 3), np.uint8), Box(0, 0, 300, 380)).draw(np.zeros((400, 400, 3), np.uint8), session)
     session.close()
+
+
+class ByTurns:
+    """An attention model that looks at one candidate after the other, and says of itself what it is given."""
+
+    def __init__(self, objects, saliency, motion, interest):
+        self.saliency, self.motion, self.interest = saliency, motion, interest
+        self.objects, self.frames = objects, 0
+
+    def advance(self, attended, moves):
+        pass
+
+    def settle(self):
+        pass
+
+    def consider(self, visible):
+        self.frames += 1
+        return self.frames // 20 % (self.objects + 1) if self.frames % 20 == 0 else None
+
+
+def session_by_turns(saliency, motion, interest):
+    class Session(SessionRun):
+        def new_robot(self, perceiver, seed):
+            robot = super().new_robot(perceiver, seed)
+            robot.attention = ByTurns(robot.face, saliency, motion, interest)
+            return robot
+
+    return Session(replace(CONFIG, minutes=0.1))
+
+
+WEIGHTS = np.arange(5.0)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        (WEIGHTS.tolist(), WEIGHTS.astype(np.float32), np.zeros(5, int)),
+        (np.stack([WEIGHTS, WEIGHTS], 1)[:, 0], tuple(WEIGHTS), 0.0),
+    ],
+)
+def test_attention_is_logged_whatever_its_numbers_come_in(given):
+    session = session_by_turns(*given)
+    session.finish()
+    assert session.frames.frames == session.total
+    for candidate, weight in enumerate(WEIGHTS):
+        assert (session.frames.column("saliency", candidate) == weight).all()
+        assert (session.frames.column("motion", candidate) == weight).all()
+        assert (session.frames.column("interest", candidate) == 0).all()
+
+
+@pytest.mark.parametrize("wrong", [WEIGHTS[:4].tolist(), np.zeros(6), ["a"] * 5, [[0.0], [1.0]]])
+def test_attention_without_a_number_for_each_candidate(wrong):
+    with pytest.raises(ObservationError, match="expected a number for each of the 5 candidates, red, "):
+        session_by_turns(WEIGHTS, WEIGHTS, wrong).finish()
