@@ -168,7 +168,8 @@ class JointAttentionTask(control.Task):  # type: ignore[misc]
     def observe_anew(self) -> dict[str, np.ndarray]:
         """Observe the world as it is, after bodies were moved outside of a step; arrays hold until the next call."""
         self._face_parts = None
-        return self._observed()
+        usual = getattr(self.get_observation, "__func__", None) is JointAttentionTask.get_observation
+        return self._observed() if usual else self.get_observation(self.world.physics)
 
     @property
     def varies(self) -> bool:

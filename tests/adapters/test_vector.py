@@ -5,8 +5,10 @@ import pickle
 
 import numpy as np
 import pytest
+from dm_env import specs
 
 from jointattn_mj.errors import ActionError, ClosedError, ConfigError, EpisodeError
+from jointattn_mj.tasks.follow import Follow
 
 pytestmark = pytest.mark.integration
 
@@ -55,6 +57,22 @@ def test_states_and_rewards_are_those_of_single_worlds(name, steps):
 
 def test_images_and_faces_are_those_of_single_worlds():
     compare(*pair("Follow-v0", 2, face_patch=True, time_limit=1.0), 14, seed=[5, 3])
+
+
+@pytest.mark.parametrize("camera", [True, False])
+def test_a_task_that_observes_more_does_so_in_many_worlds(camera, monkeypatch):
+    def spec(task, physics):
+        more = {"pan_deg": specs.BoundedArray((1,), float, -180, 180, name="pan_deg")}
+        return super(Follow, task).observation_spec(physics) | more
+
+    def observation(task, physics):
+        observation = super(Follow, task).get_observation(physics)
+        observation["pan_deg"] = np.degrees(observation["head_angles"][:1])
+        return observation
+
+    monkeypatch.setattr(Follow, "observation_spec", spec, raising=False)
+    monkeypatch.setattr(Follow, "get_observation", observation, raising=False)
+    compare(*pair("Follow-v0", 2, camera=camera), 4, seed=1)
 
 
 def test_worlds_without_a_seed_go_on_with_their_episodes():
