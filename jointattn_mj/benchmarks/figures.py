@@ -70,7 +70,7 @@ class Figures:
 
     @classmethod
     def read(cls, path: Path) -> "Figures":
-        """What ``write`` has written."""
+        """Read the figures that ``write`` has written to ``path``."""
         figures = cls()
         figures.values = json.loads(path.read_text("utf-8"))
         figures.quartiles = {name: (low, high) for name, (low, high) in figures.values.pop(QUARTILES).items()}  # type: ignore[union-attr]

@@ -15,7 +15,7 @@ ENDS_ALONE_S, ENDS_TOLD_S = 1.0, 10.0
 
 
 def command(words: Sequence[str]) -> list[str]:
-    """What to start: this Python, and this package wherever it lies, given ``environment``; ``words`` follow.
+    """The program ``jointattn`` with these words, to be started in ``environment``, which says where this package is.
 
     Modules in the working directory are not imported, as they are not by the program ``jointattn``.
     """

@@ -204,7 +204,7 @@ class FrameTable:
         self.rows.fill(len(rows))
 
     def _free(self, world: World) -> np.ndarray:
-        """Rows that are free."""
+        """Rows that are free; before the first row is written, where the face is gets noted."""
         if not self.frames:
             self.face_point[:] = world.candidate_points()[-1]  # it stays there
         return self.rows.free()

@@ -95,7 +95,8 @@ class PixelPerception:
         faces: The face detector; it can be exchanged before the first image.
         colours: The object detector.
         fix: The last answer of the face detector.
-        motion: The last answer of the motion detector, with its flow vectors.
+        motion: The last answer of the motion detector, with its flow vectors; None before the first image and after
+            ``glance``.
     """
 
     pattern_size = PATCH_SIDE**2
@@ -177,7 +178,7 @@ class PixelPerception:
         return self._gathered(areas, self.motion.object_moves, self.motion.face_moves)
 
     def glance(self, observation: Observation) -> Percept:
-        """Detect face and objects in an image that is compared with no other, so that nothing moves.
+        """Detect face and objects in an image that is compared with no other, before or after: nothing moves in it.
 
         Args:
             observation: As for ``perceive``, like what is returned and raised.
