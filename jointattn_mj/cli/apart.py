@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import IO
 
 CODE = "import sys; from jointattn_mj.cli.main import main; sys.exit(main())"
-ENDS_ALONE_S, ENDS_TOLD_S = 1.0, 10.0
-"""How long a process has to end when this one is interrupted: by Ctrl-C, which both get; then, after SIGTERM."""
+ENDS_ALONE_S = 1.0
+"""How long a command has to end by itself when this process is interrupted: by Ctrl-C, both are."""
+PATIENCE_S = 10.0
+"""How long it has after SIGTERM, before it is killed."""
 
 
 def command(words: Sequence[str]) -> list[str]:
@@ -31,7 +33,10 @@ def environment(others: Mapping[str, str] | None = None) -> dict[str, str]:
 
 @contextmanager
 def started(
-    words: Sequence[str], others: Mapping[str, str] | None = None, errors: IO[bytes] | None = None
+    words: Sequence[str],
+    others: Mapping[str, str] | None = None,
+    errors: IO[bytes] | None = None,
+    patience_s: float = PATIENCE_S,
 ) -> Iterator["subprocess.Popen[bytes]"]:
     """Run a command while the block runs: where that is interrupted, the command is stopped and waited for.
 
@@ -39,6 +44,7 @@ def started(
         words: Of its command line.
         others: As for ``environment``.
         errors: Where its stderr goes; None: to that of this process. What it prints on stdout is discarded.
+        patience_s: As ``PATIENCE_S``; a command that a command starts needs less, or it stays behind.
     """
     process = subprocess.Popen(command(words), env=environment(others), stdout=subprocess.DEVNULL, stderr=errors)
     try:
@@ -49,7 +55,7 @@ def started(
                 process.wait(ENDS_ALONE_S)
             process.terminate()
             with suppress(subprocess.TimeoutExpired):
-                process.wait(ENDS_TOLD_S)
+                process.wait(patience_s)
         finally:
             process.kill()  # none of these does anything to one that has ended
 

@@ -16,6 +16,8 @@ FILMED_MINUTES = 0.2
 """Simulated minutes of the session that is filmed, and of the same one without a film."""
 FRAMES_PER_MINUTE = 1800
 BRIEF = "--robot.familiarise.minutes 0.05"
+PATIENCE_S = 2.0
+"""How long a command may take to stop: one that compiles takes long, and leaves nothing but temporary files."""
 MOST_BLOCKS = 5
 """A command takes seconds, and differs little from time to time."""
 
@@ -90,7 +92,7 @@ def measured(words: str, environment: Mapping[str, str] | None = None) -> Cost:
         CommandError: It has failed; the message repeats what it said last.
     """
     with tempfile.TemporaryFile() as errors:
-        with apart.started(shlex.split(words), environment, errors) as process:
+        with apart.started(shlex.split(words), environment, errors, PATIENCE_S) as process:
             _, status, used = os.wait4(process.pid, 0)
             process.returncode = code = os.waitstatus_to_exitcode(status)
         if code:

@@ -66,6 +66,24 @@ def test_so_it_does_while_what_a_command_takes_is_measured(monkeypatch):
         os.kill(started[0], 0)
 
 
+def test_a_command_that_does_not_stop_is_killed_before_what_started_it(monkeypatch):
+    """Compiled code heeds no signal for seconds."""
+    assert apart.ENDS_ALONE_S + costs.PATIENCE_S < apart.PATIENCE_S
+    deaf = "import signal, sys, time; signal.signal(15, signal.SIG_IGN); print('deaf', file=sys.stderr, flush=True)"
+    monkeypatch.setattr(apart, "CODE", f"{deaf}; time.sleep(60)")
+    monkeypatch.setattr(apart, "ENDS_ALONE_S", 0.1)
+    read, write = os.pipe()
+    with (
+        open(write, "wb") as errors,
+        pytest.raises(KeyboardInterrupt),
+        apart.started(["x"], errors=errors, patience_s=0.1) as process,
+    ):
+        assert os.read(read, 4) == b"deaf"
+        raise KeyboardInterrupt
+    os.close(read)
+    assert process.wait(10) == -9
+
+
 def test_a_process_that_is_killed_is_told_of(monkeypatch, capfd):
     monkeypatch.setattr(apart, "CODE", KILLED)
     with pytest.raises(CommandError, match=r"^jointattn session: ended by signal 9 \(Killed\)$"):
